@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that are missing and checks the Rust toolchain.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+packages=(
+    build-essential # C and C++ compilers, and the linker that cargo calls
+    cmake           # 3.25 or newer
+    ninja-build     # the generator of the presets
+    pkg-config      # finds both builds of Bullet
+    libbullet-dev   # Bullet, float and double
+    python3-vtk9    # draws the demo's picture off-screen
+)
+
+usage() {
+    cat <<END
+usage: scripts/setup.sh [--help]
+
+Installs what is missing of these Debian packages (through apt-get, with sudo when not root):
+  ${packages[*]}
+and checks that cargo, rustfmt and clippy are there. Installs nothing when nothing is missing.
+END
+}
+
+case "${1:-}" in
+    '') ;;
+    -h | --help) usage && exit 0 ;;
+    *) usage >&2 && fail "unknown argument '$1'" 2 ;;
+esac
+
+for tool in cargo 'cargo fmt' 'cargo clippy'; do
+    $tool --version >/dev/null 2>&1 || fail "'$tool' is missing. Install a Rust toolchain with rustfmt and clippy \
+(https://rustup.rs; then 'rustup component add rustfmt clippy') and put cargo on the PATH."
+done
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    fail "this is not a Debian-like system. Install the equivalents of: ${packages[*]}; then build with \
+'cmake --workflow --preset test'."
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+    status="$(dpkg-query --show --showformat='${Status}' "$package" 2>/dev/null || true)"
+    [[ "$status" == 'install ok installed' ]] || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+    exit 0
+fi
+
+as_root=()
+if ((EUID != 0)); then
+    command -v sudo >/dev/null || fail "missing packages: ${missing[*]}. There is no sudo: run as root: \
+apt-get install ${missing[*]}"
+    as_root=(sudo)
+fi
+
+say "Installing ${missing[*]}"
+apt_get() {
+    # Another installation may hold the lock for a while.
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300 "$@" >&2
+}
+apt_get update || fail "'apt-get update' failed: is there a network, and are the package sources right?"
+apt_get install --no-install-recommends "${missing[@]}" || fail "apt-get could not install ${missing[*]}"
