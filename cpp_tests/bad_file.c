@@ -1,0 +1,76 @@
+/* A missing or broken .obj file is refused with its own status; the message names the file and the line.
+   The first argument is a folder for the files. */
+#include "check.h"
+
+static const char* folder;
+
+static const char* path_of(const char* name) {
+  static char path[1024];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  return path;
+}
+
+static const char* write_file(const char* name, const char* text) {
+  const char* path = path_of(name);
+  FILE* file = fopen(path, "wb");
+  CHECK(file != NULL);
+  if (file != NULL) {
+    CHECK(fputs(text, file) >= 0);
+    CHECK(fclose(file) == 0);
+  }
+  return path;
+}
+
+static void check_refused(const char* path, const char* name, rayc_status status, const char* part) {
+  static int sentinel;
+  rayc_mesh* const untouched = (rayc_mesh*)(void*)&sentinel;
+  rayc_mesh* mesh = untouched;
+  const int failures_before = check_failures;
+  const rayc_status actual = rayc_mesh_create_from_obj(NULL, path, &mesh);
+  CHECK_STATUS(actual, status, name);
+  CHECK_STATUS(actual, status, part);
+  CHECK(mesh == untouched);
+  if (check_failures != failures_before) {
+    fprintf(stderr, "  in case: %s\n", name);
+  }
+}
+
+static void check_broken(const char* name, const char* text, const char* part) {
+  check_refused(write_file(name, text), name, RAYC_STATUS_FILE_BROKEN, part);
+}
+
+#define TETRAHEDRON_VERTICES "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+#define TETRAHEDRON_FACES "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    fprintf(stderr, "usage: %s <folder for the files>\n", argv[0]);
+    return 2;
+  }
+  folder = argv[1];
+
+  check_refused(path_of("missing.obj"), "missing.obj", RAYC_STATUS_FILE_NOT_READABLE, "No such file");
+  check_refused(folder, folder, RAYC_STATUS_FILE_NOT_READABLE, NULL);
+  check_refused(NULL, "path", RAYC_STATUS_NULL_POINTER, "path");
+
+  check_broken("number.obj", "v 0 0 0\nv 1 zero 0\n" TETRAHEDRON_FACES, "line 2");
+  check_broken("coordinates.obj", "v 0 0 0\nv 1 0 0\nv 0 1\n" TETRAHEDRON_FACES, "line 3");
+  check_broken("index.obj", TETRAHEDRON_VERTICES "f 1 3 2\nf 1 2 9\n", "9");
+  check_broken("zero.obj", TETRAHEDRON_VERTICES "f 0 3 2\n", "0");
+  check_broken("face.obj", TETRAHEDRON_VERTICES "f 1 3\n", "line 5");
+  check_broken("no_faces.obj", TETRAHEDRON_VERTICES, NULL);
+  check_broken("empty.obj", "", NULL);
+  check_broken("binary.obj", "\x01\x02\xff\xfe\x80", NULL);
+
+  /* Readable, but not a closed surface: the mesh's own statuses. */
+  check_refused(write_file("open.obj", TETRAHEDRON_VERTICES "f 1 3 2\nf 1 2 4\nf 1 4 3\n"), "open.obj",
+                RAYC_STATUS_MESH_OPEN, "edge");
+
+  rayc_mesh* mesh = NULL;
+  size_t count = 0;
+  CHECK_OK(rayc_mesh_create_from_obj(NULL, write_file("good.obj", TETRAHEDRON_VERTICES TETRAHEDRON_FACES), &mesh));
+  CHECK_OK(rayc_mesh_triangle_count(mesh, &count));
+  CHECK(count == 4);
+  CHECK_OK(rayc_mesh_destroy(mesh));
+  return check_result();
+}

@@ -1,0 +1,134 @@
+/* Every mesh that is not a closed outward surface is refused with its own status, and no handle is made. */
+#include "check.h"
+#include "shapes.h"
+
+#define MAX_TRIANGLES 16
+
+typedef struct mesh_case {
+  double positions[3 * 12];
+  size_t vertex_count;
+  uint32_t triangles[3 * MAX_TRIANGLES];
+  size_t triangle_count;
+} mesh_case;
+
+static mesh_case octahedron(void) {
+  mesh_case mesh;
+  memset(&mesh, 0, sizeof mesh);
+  memcpy(mesh.positions, octahedron_positions, sizeof octahedron_positions);
+  memcpy(mesh.triangles, octahedron_triangles, sizeof octahedron_triangles);
+  mesh.vertex_count = OCTAHEDRON_VERTICES;
+  mesh.triangle_count = OCTAHEDRON_TRIANGLES;
+  return mesh;
+}
+
+static void flip(mesh_case* mesh, size_t triangle) {
+  const uint32_t first = mesh->triangles[3 * triangle];
+  mesh->triangles[3 * triangle] = mesh->triangles[3 * triangle + 1];
+  mesh->triangles[3 * triangle + 1] = first;
+}
+
+/* The mesh is refused with `status`, the message says each of the two parts, and the output stays untouched. */
+static void check_refused(const char* name, const mesh_case* mesh, rayc_status status, const char* part,
+                          const char* other_part) {
+  static int sentinel;
+  rayc_mesh* const untouched = (rayc_mesh*)(void*)&sentinel;
+  rayc_mesh* handle = untouched;
+  const int failures_before = check_failures;
+  const rayc_vectors vectors = packed(mesh->positions, mesh->vertex_count);
+
+  const rayc_status actual = rayc_mesh_create(NULL, &vectors, mesh->triangles, mesh->triangle_count, &handle);
+  CHECK_STATUS(actual, status, part);
+  CHECK_STATUS(actual, status, other_part);
+  CHECK(handle == untouched);
+  if (check_failures != failures_before) {
+    fprintf(stderr, "  in case: %s\n", name);
+  }
+}
+
+static void refuses_an_empty_mesh(void) {
+  mesh_case mesh = octahedron();
+  mesh.triangle_count = 0;
+  check_refused("no triangles", &mesh, RAYC_STATUS_MESH_EMPTY, "triangle", NULL);
+  mesh = octahedron();
+  mesh.vertex_count = 0;
+  mesh.triangle_count = 0;
+  check_refused("no vertices", &mesh, RAYC_STATUS_MESH_EMPTY, NULL, NULL);
+}
+
+static void refuses_an_index_out_of_range(void) {
+  mesh_case mesh = octahedron();
+  mesh.triangles[3 * 5 + 1] = 6;
+  check_refused("index 6 of 6", &mesh, RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE, "triangle 5", "6");
+  mesh.triangles[3 * 5 + 1] = UINT32_MAX;
+  check_refused("largest index", &mesh, RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE, "triangle 5", "4294967295");
+}
+
+static void refuses_a_degenerate_triangle(void) {
+  mesh_case mesh = octahedron();
+  mesh.triangles[3 * 3 + 2] = mesh.triangles[3 * 3];
+  check_refused("one vertex twice", &mesh, RAYC_STATUS_MESH_DEGENERATE_TRIANGLE, "triangle 3", NULL);
+}
+
+static void refuses_an_open_mesh(void) {
+  mesh_case mesh = octahedron();
+  mesh.triangle_count = 7; /* without 0 3 5: its edges are 0-3, 3-5, 5-0 */
+  check_refused("a hole", &mesh, RAYC_STATUS_MESH_OPEN, "edge", NULL);
+  mesh.triangle_count = 1;
+  check_refused("one triangle", &mesh, RAYC_STATUS_MESH_OPEN, "triangle 0", NULL);
+}
+
+static void refuses_an_inconsistent_orientation(void) {
+  mesh_case mesh = octahedron();
+  flip(&mesh, 2);
+  check_refused("one triangle flipped", &mesh, RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION, "triangle", "2");
+}
+
+static void refuses_a_non_manifold_mesh(void) {
+  /* Two tetrahedra, each closed and outward, that share the edge 0-1: four triangles meet there. */
+  static const double positions[] = {0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0};
+  static const uint32_t triangles[] = {0, 3, 2, 0, 2, 1, 0, 1, 3, 2, 3, 1, 0, 5, 4, 0, 4, 1, 0, 1, 5, 4, 5, 1};
+  mesh_case mesh = octahedron();
+  memcpy(mesh.positions, positions, sizeof positions);
+  memcpy(mesh.triangles, triangles, sizeof triangles);
+  check_refused("four triangles at an edge", &mesh, RAYC_STATUS_MESH_NON_MANIFOLD, "edge", "4");
+}
+
+static void refuses_an_inward_mesh(void) {
+  mesh_case mesh = octahedron();
+  for (size_t i = 0; i < mesh.triangle_count; ++i) {
+    flip(&mesh, i);
+  }
+  check_refused("inside out", &mesh, RAYC_STATUS_MESH_INWARD, "outward", NULL);
+}
+
+static void refuses_positions_that_are_not_finite(void) {
+  const double bad[] = {NAN, INFINITY, -INFINITY};
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+    mesh_case mesh = octahedron();
+    mesh.positions[3 * 4 + i] = bad[i];
+    check_refused("not finite", &mesh, RAYC_STATUS_NOT_FINITE, "4", NULL);
+  }
+}
+
+static void accepts_a_vertex_without_triangle(void) {
+  mesh_case mesh = octahedron();
+  mesh.vertex_count = OCTAHEDRON_VERTICES + 1; /* the inner node of a volume mesh, at the origin */
+  const rayc_vectors vectors = packed(mesh.positions, mesh.vertex_count);
+  rayc_mesh* handle = NULL;
+  CHECK_OK(rayc_mesh_create(NULL, &vectors, mesh.triangles, mesh.triangle_count, &handle));
+  CHECK(handle != NULL);
+  CHECK_OK(rayc_mesh_destroy(handle));
+}
+
+int main(void) {
+  refuses_an_empty_mesh();
+  refuses_an_index_out_of_range();
+  refuses_a_degenerate_triangle();
+  refuses_an_open_mesh();
+  refuses_an_inconsistent_orientation();
+  refuses_a_non_manifold_mesh();
+  refuses_an_inward_mesh();
+  refuses_positions_that_are_not_finite();
+  accepts_a_vertex_without_triangle();
+  return check_result();
+}

@@ -1,0 +1,74 @@
+/* New positions that cannot be used are refused with their own status, and the mesh keeps the old ones. */
+#include "check.h"
+#include "shapes.h"
+
+static const double no_shift[3] = {0, 0, 0};
+static rayc_mesh* mesh;
+
+static void check_unchanged(void) {
+  double positions[3 * OCTAHEDRON_VERTICES] = {0};
+  const rayc_vectors_mut out = packed_mut(positions, OCTAHEDRON_VERTICES);
+  CHECK_OK(rayc_mesh_copy_positions(mesh, &out));
+  CHECK(memcmp(positions, octahedron_positions, sizeof positions) == 0);
+}
+
+static void check_refused(const rayc_vectors* vectors, rayc_status status, const char* part, const char* other_part) {
+  const rayc_status actual = rayc_mesh_set_positions(mesh, vectors);
+  CHECK_STATUS(actual, status, part);
+  CHECK_STATUS(actual, status, other_part);
+  check_unchanged();
+}
+
+int main(void) {
+  mesh = octahedron_mesh(no_shift);
+  double positions[3 * (OCTAHEDRON_VERTICES + 1)] = {0};
+  octahedron_shifted(octahedron_shift, positions);
+  const rayc_vectors good = packed(positions, OCTAHEDRON_VERTICES);
+  rayc_vectors vectors = good;
+
+  check_refused(NULL, RAYC_STATUS_NULL_POINTER, "positions", NULL);
+  vectors.data = NULL;
+  check_refused(&vectors, RAYC_STATUS_NULL_POINTER, "positions", NULL);
+  CHECK_STATUS(rayc_mesh_set_positions(NULL, &good), RAYC_STATUS_NULL_POINTER, "mesh");
+
+  /* Too few, too many, none. */
+  vectors = good;
+  vectors.count = 5;
+  check_refused(&vectors, RAYC_STATUS_WRONG_COUNT, "5", "6");
+  vectors.count = 7;
+  check_refused(&vectors, RAYC_STATUS_WRONG_COUNT, "7", "6");
+  vectors.count = 0;
+  check_refused(&vectors, RAYC_STATUS_WRONG_COUNT, "0", "6");
+
+  /* A stride shorter than three doubles, and one that no aligned double can have. */
+  vectors = good;
+  vectors.stride = 8;
+  check_refused(&vectors, RAYC_STATUS_INVALID_STRIDE, "8", "24");
+  vectors.stride = SIZE_MAX;
+  vectors.count = OCTAHEDRON_VERTICES;
+  check_refused(&vectors, RAYC_STATUS_INVALID_STRIDE, "stride", NULL);
+
+  vectors = good;
+  vectors.scalar = 0;
+  check_refused(&vectors, RAYC_STATUS_UNKNOWN_ENUM, "0", "RAYC_SCALAR_F");
+  vectors.scalar = 77;
+  check_refused(&vectors, RAYC_STATUS_UNKNOWN_ENUM, "77", "RAYC_SCALAR_F");
+
+  const double bad[] = {NAN, INFINITY, -INFINITY};
+  for (size_t i = 0; i < 3; ++i) {
+    octahedron_shifted(octahedron_shift, positions);
+    positions[3 * 5 + i] = bad[i];
+    check_refused(&good, RAYC_STATUS_NOT_FINITE, "5", NULL);
+  }
+
+  /* And the good ones are taken. */
+  octahedron_shifted(octahedron_shift, positions);
+  CHECK_OK(rayc_mesh_set_positions(mesh, &good));
+  double read_back[3 * OCTAHEDRON_VERTICES] = {0};
+  const rayc_vectors_mut out = packed_mut(read_back, OCTAHEDRON_VERTICES);
+  CHECK_OK(rayc_mesh_copy_positions(mesh, &out));
+  CHECK(memcmp(read_back, positions, sizeof read_back) == 0);
+
+  CHECK_OK(rayc_mesh_destroy(mesh));
+  return check_result();
+}

@@ -1,0 +1,97 @@
+// The adapter in Debian's unmodified Bullet: bodies that start deep inside one another come apart, unharmed. Compiled
+// once against the float build and once against the double build.
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "raycontact/bullet.hpp"
+#include "shapes.hpp"
+#include "soft_world.hpp"
+
+namespace bullet = raycontact::bullet;
+
+std::size_t points_of_own_faces(const btSoftBody& body);  // in bullet_second_unit.cpp
+
+namespace {
+
+constexpr double youngs_modulus = 2000, poisson_ratio = 0.3, time_step = 0.02;
+int failures = 0;
+
+void expect(bool condition, const char* scene, const char* what) {
+  if (condition) return;
+  std::fprintf(stderr, "%s: failed: %s\n", scene, what);
+  ++failures;
+}
+
+// |sum of m v| over the sum of m |v|: contact forces must not push the pair as a whole.
+double momentum_share(const std::vector<btSoftBody*>& bodies) {
+  btVector3 momentum(0, 0, 0);
+  double motion = 0;
+  for (const btSoftBody* body : bodies)
+    for (int i = 0; i < body->m_nodes.size(); ++i) {
+      const btSoftBody::Node& node = body->m_nodes[i];
+      momentum += node.m_v / node.m_im;
+      motion += double(node.m_v.length() / node.m_im);
+    }
+  return motion > 0 ? double(momentum.length()) / motion : 0;
+}
+
+void parts(const char* scene, const bullet::Cage& first, const bullet::Cage& second, std::size_t least_contacts) {
+  bullet::ContactOptions options;
+  options.stiffness = bullet::suggested_stiffness(youngs_modulus, first.cell_edge);
+  demo::SoftWorld world(youngs_modulus, poisson_ratio, options);
+  const std::vector<btSoftBody*> bodies{&world.add(first, 1), &world.add(second, 1)};
+
+  world.step(time_step);
+  const std::size_t contacts_at_start = world.contact().contact_count();
+  expect(contacts_at_start >= least_contacts, scene, "enough contacts at the start");
+  int steps = 1;
+  while (world.contact().contact_count() > 0 && steps < 100) {
+    world.step(time_step);
+    ++steps;
+  }
+  int inverted = 0;
+  for (const btSoftBody* body : bodies) inverted += bullet::inverted_tetrahedra(*body);
+  const double share = momentum_share(bodies);
+  std::printf("%s: %zu contacts at the start, %zu after %d steps, %d inverted, momentum share %.1e\n", scene,
+              contacts_at_start, world.contact().contact_count(), steps, inverted, share);
+  expect(world.contact().contact_count() == 0, scene, "no contact after 100 steps");
+  expect(inverted == 0, scene, "no tetrahedron is inverted");
+  expect(share < 0.01, scene, "momentum is kept");
+}
+
+void skins_in_cages() {
+  demo::Surface first = demo::torus(24, 12), second = first;
+  demo::move(second, {0.25, 0.1, 0.3});
+  parts("skins in cages", bullet::make_cage(first.positions, first.triangles, {6, 5, 2}),
+        bullet::make_cage(second.positions, second.triangles, {6, 5, 2}), 100);
+}
+
+// Lattices of tetrahedra with their own boundary as the collision surface.
+bullet::Cage lattice_with_own_faces(const demo::Surface& surface) {
+  bullet::Cage cage = bullet::make_cage(surface.positions, surface.triangles, 3);
+  btSoftBodyWorldInfo info;
+  const auto body = bullet::make_soft_body(info, cage, 1);
+  expect(points_of_own_faces(*body) == cage.nodes.size(), "own faces", "one point for each node");
+  cage.skin = bullet::skin_from_faces(*body);
+  return cage;
+}
+
+void own_faces() {
+  demo::Surface first{
+      "cube",
+      {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1},
+      {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5}};
+  demo::Surface second = first;
+  demo::move(second, {0.7, 0.15, 0.1});
+  parts("own faces", lattice_with_own_faces(first), lattice_with_own_faces(second), 4);
+}
+
+}  // namespace
+
+int main() {
+  std::printf("Bullet in %s precision\n", bullet::double_precision ? "double" : "float");
+  skins_in_cages();
+  own_faces();
+  return failures == 0 ? 0 : 1;
+}

@@ -1,0 +1,28 @@
+/* Small closed shapes with known answers. */
+#ifndef SHAPES_H
+#define SHAPES_H
+
+#include "raycontact.h"
+
+#define OCTAHEDRON_VERTICES 6
+#define OCTAHEDRON_TRIANGLES 8
+
+/* Radius 1 around the origin. Vertices: +x, -x, +y, -y, +z, -z, so each vertex normal is exactly an axis. */
+extern const double octahedron_positions[3 * OCTAHEDRON_VERTICES];
+extern const uint32_t octahedron_triangles[3 * OCTAHEDRON_TRIANGLES];
+
+/* Overlapped like this, the vertex +x of the first and the vertex -x of the second octahedron are inside the other,
+   each at SHIFTED_DEPTH along its ray; every number is a sum of a few powers of two, exact in float. */
+extern const double octahedron_shift[3];
+#define SHIFTED_DEPTH 0.3125
+
+void octahedron_shifted(const double shift[3], double positions[3 * OCTAHEDRON_VERTICES]);
+
+/* Packed 3-vectors of doubles. */
+rayc_vectors packed(const double* data, size_t count);
+rayc_vectors_mut packed_mut(double* data, size_t count);
+
+/* A mesh with default options; ends the program if it cannot be made. */
+rayc_mesh* octahedron_mesh(const double shift[3]);
+
+#endif
