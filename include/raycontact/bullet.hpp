@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/**
+ * raycontact for Bullet: contact between deformable bodies as an implicit force.
+ *
+ * Header-only, for the float and the double build of Bullet. Include this one file; the parts below `bullet/` are
+ * its chapters. In short:
+ *
+ *     raycontact::bullet::ContactForce contact(options);       // options.stiffness in N/m^3, see suggested_stiffness
+ *     contact.register_with(solver);                           // instead of world.addForce
+ *     contact.add_body(*soft_body);                            // its own faces are the collision surface, or
+ *     contact.add_body(*cage_body, skin);                      // a fine skin carried by a coarse cage
+ *
+ * and step a btDeformableMultiBodyDynamicsWorld with setImplicit(true), setUseProjection(true), setLineSearch(false).
+ */
+#ifndef RAYCONTACT_BULLET_HPP
+#define RAYCONTACT_BULLET_HPP
+
+#include "raycontact.hpp"
+#include "raycontact/bullet/cage.hpp"
+#include "raycontact/bullet/contact_force.hpp"
+
+#endif  // RAYCONTACT_BULLET_HPP
