@@ -1,0 +1,13 @@
+//! Gives the shared library its SONAME, so that programs record `libraycontact.so.<major>` and not a file name, and
+//! tells the tests the target, for which they compile C.
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    let target = std::env::var("TARGET").expect("cargo sets the target");
+    println!("cargo::rustc-env=RAYCONTACT_TARGET={target}");
+    let major = std::env::var("CARGO_PKG_VERSION_MAJOR").expect("cargo sets the version");
+    let system = std::env::var("CARGO_CFG_TARGET_OS").expect("cargo sets the target");
+    if system == "linux" {
+        println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libraycontact.so.{major}");
+    }
+}

@@ -1,0 +1,262 @@
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
+use super::octree::{AnyOctree, rayc_octree};
+use super::pointers::{Output, give, reference, reference_mut, take_back};
+use crate::contact::{Contact, ContactList, Statistics, SurfacePoint, query_pair};
+use crate::math::Scalar;
+
+/// The contacts of one query, in a fixed order: by pair, then the colliding body, then the vertex.
+///
+/// Threads: calls with const contacts may run at once. The caller frees it with rayc_contacts_destroy(); it stays
+/// valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory.
+pub struct rayc_contacts {
+    pub(super) list: AnyContacts,
+}
+
+/// Contacts of either precision.
+pub(super) enum AnyContacts {
+    F32(ContactList<f32>),
+    F64(ContactList<f64>),
+}
+
+impl AnyContacts {
+    /// The list, made empty first where it was of the other precision.
+    pub(super) fn as_f32(&mut self) -> &mut ContactList<f32> {
+        if let Self::F64(_) = self {
+            *self = Self::F32(ContactList::default());
+        }
+        match self {
+            Self::F32(list) => list,
+            Self::F64(_) => unreachable!("replaced above"),
+        }
+    }
+
+    /// The list, made empty first where it was of the other precision.
+    pub(super) fn as_f64(&mut self) -> &mut ContactList<f64> {
+        if let Self::F32(_) = self {
+            *self = Self::F64(ContactList::default());
+        }
+        match self {
+            Self::F64(list) => list,
+            Self::F32(_) => unreachable!("replaced above"),
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::F32(list) => list.len(),
+            Self::F64(list) => list.len(),
+        }
+    }
+
+    /// Refuses a range that reaches beyond the end.
+    pub(super) fn check_range(&self, first: usize, count: usize) -> Result<(), Failure> {
+        if first.checked_add(count).is_some_and(|end| end <= self.len()) {
+            return Ok(());
+        }
+        let message = format!(
+            "contacts {first} to {first} + {count} were asked for, but there are {}; ask for fewer",
+            self.len()
+        );
+        Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+    }
+}
+
+/// A point on a mesh's surface: the weighted sum of a triangle's vertices, with which it moves.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_surface_point {
+    /// The triangle it lies on.
+    pub triangle: u32,
+    /// The triangle's corners. Where the point is a vertex, that vertex comes first.
+    pub vertices: [u32; 3],
+    /// Barycentric weights at `vertices`; they sum to 1. A vertex has 1, 0, 0.
+    pub weights: [f64; 3],
+    /// Where it was at detection.
+    pub position: [f64; 3],
+}
+
+/// A point p1 of one surface inside another body, and the point p2 of that body's surface to which it is pulled.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_contact {
+    /// The body the ray starts from: its number in the scene, or 0 and 1 for the first and second mesh of
+    /// rayc_query_pair().
+    pub colliding: u32,
+    /// The body the ray ends on.
+    pub collided: u32,
+    /// The ray's origin, on the colliding body.
+    pub p1: rayc_surface_point,
+    /// The ray's end, on the collided body.
+    pub p2: rayc_surface_point,
+    /// The ray's direction, from p1 to p2: the inward normal at p1, of unit length.
+    pub direction: [f64; 3],
+    /// The distance from p1 to p2, ≥ 0.
+    pub depth: f64,
+    /// Cosine of the angle between the ray and the outward normal at p2, 0 to 1.
+    pub cos_alpha: f64,
+    /// The surface area the ray stands for: a third of the triangles around its vertex, halved because both bodies
+    /// cast rays at one another.
+    pub area: f64,
+}
+
+/// What a query did. Every ray is either a contact or counted under the one reason why it is none.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_statistics {
+    /// Pairs of meshes whose boxes overlap.
+    pub pairs: u64,
+    /// Rays traced: one for each vertex inside an overlap box.
+    pub rays: u64,
+    /// Rays that left the overlap box without meeting the other mesh.
+    pub misses: u64,
+    /// Rays whose first hit enters the other mesh: they start outside it.
+    pub entry_hits: u64,
+    /// Rays that leave their own mesh before the other.
+    pub own_surface_hits: u64,
+    /// Vertices inside an overlap box that cast no ray: their normals cancel out or have no length.
+    pub without_normal: u64,
+    /// Contacts found.
+    pub contacts: u64,
+}
+
+impl<T: Scalar> From<&SurfacePoint<T>> for rayc_surface_point {
+    fn from(point: &SurfacePoint<T>) -> Self {
+        Self {
+            triangle: point.triangle,
+            vertices: point.vertices,
+            weights: point.weights.map(T::to_f64),
+            position: point.position.map(T::to_f64).into(),
+        }
+    }
+}
+
+impl<T: Scalar> From<&Contact<T>> for rayc_contact {
+    fn from(contact: &Contact<T>) -> Self {
+        Self {
+            colliding: contact.colliding,
+            collided: contact.collided,
+            p1: (&contact.p1).into(),
+            p2: (&contact.p2).into(),
+            direction: contact.direction.map(T::to_f64).into(),
+            depth: contact.depth.to_f64(),
+            cos_alpha: contact.cos_alpha.to_f64(),
+            area: contact.area.to_f64(),
+        }
+    }
+}
+
+/// Makes an empty list. *contacts: the new handle.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        give(Output::new(contacts, "contacts")?, rayc_contacts { list: AnyContacts::F64(ContactList::default()) });
+        Ok(())
+    })
+}
+
+/// Frees the contacts; NULL does nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_destroy(contacts: *mut rayc_contacts) -> rayc_status {
+    guard(|| {
+        // SAFETY: the handle is the caller's, and is not used again.
+        unsafe { take_back(contacts) };
+        Ok(())
+    })
+}
+
+/// Finds the contacts between two meshes, rays both ways: Algorithm 1 of Hermann, Faure, Raffin 2008. Body 0 is `a`,
+/// body 1 is `b`. Replaces what `contacts` held.
+///
+/// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH; `contacts` is
+/// then as before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_query_pair(
+    a: *const rayc_mesh,
+    octree_a: *const rayc_octree,
+    b: *const rayc_mesh,
+    octree_b: *const rayc_octree,
+    contacts: *mut rayc_contacts,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (a, octree_a) = (&reference(a, "a")?.mesh, &reference(octree_a, "octree_a")?.octree);
+        let (b, octree_b) = (&reference(b, "b")?.mesh, &reference(octree_b, "octree_b")?.octree);
+        let list = &mut reference_mut(contacts, "contacts")?.list;
+        match (a, octree_a, b, octree_b) {
+            (AnyMesh::F32(a), AnyOctree::F32(octree_a), AnyMesh::F32(b), AnyOctree::F32(octree_b)) => {
+                octree_a.tracer(a).and(octree_b.tracer(b))?;
+                Ok(query_pair(a, octree_a, b, octree_b, list.as_f32())?)
+            }
+            (AnyMesh::F64(a), AnyOctree::F64(octree_a), AnyMesh::F64(b), AnyOctree::F64(octree_b)) => {
+                octree_a.tracer(a).and(octree_b.tracer(b))?;
+                Ok(query_pair(a, octree_a, b, octree_b, list.as_f64())?)
+            }
+            _ => Err(precision_mismatch()),
+        }
+    })
+}
+
+/// How many contacts there are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_count(contacts: *const rayc_contacts, count: *mut usize) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let contacts = reference(contacts, "contacts")?;
+        Output::new(count, "count")?.write(contacts.list.len());
+        Ok(())
+    })
+}
+
+/// Copies contacts first … first + count − 1 to `out`, which has room for `count`.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_copy(
+    contacts: *const rayc_contacts,
+    first: usize,
+    count: usize,
+    out: *mut rayc_contact,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reference(contacts, "contacts")?.list;
+        list.check_range(first, count)?;
+        let out = Output::array(out, count, "out")?;
+        match list {
+            AnyContacts::F32(list) => out.write_all(list.contacts[first..first + count].iter().map(Into::into)),
+            AnyContacts::F64(list) => out.write_all(list.contacts[first..first + count].iter().map(Into::into)),
+        }
+        Ok(())
+    })
+}
+
+/// What the query that filled `contacts` did.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_statistics(
+    contacts: *const rayc_contacts,
+    statistics: *mut rayc_statistics,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reference(contacts, "contacts")?.list;
+        let statistics = Output::new(statistics, "statistics")?;
+        let Statistics { pairs, rays, misses, entry_hits, own_surface_hits, without_normal } = match list {
+            AnyContacts::F32(list) => list.statistics,
+            AnyContacts::F64(list) => list.statistics,
+        };
+        let contacts = list.len() as u64;
+        statistics.write(rayc_statistics {
+            pairs,
+            rays,
+            misses,
+            entry_hits,
+            own_surface_hits,
+            without_normal,
+            contacts,
+        });
+        Ok(())
+    })
+}

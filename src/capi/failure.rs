@@ -1,0 +1,136 @@
+use crate::mesh::{MeshError, ObjFileError};
+use crate::octree::OctreeError;
+use crate::response::LawError;
+use crate::scene::SceneError;
+
+/// How a call ended. The numbers never change; new ones may be added.
+///
+/// After every status but RAYC_STATUS_OK the call has changed nothing, no output has been written, and
+/// rayc_last_error_message() says what was wrong where and what to do.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum rayc_status {
+    /// The call did what it says.
+    RAYC_STATUS_OK = 0,
+
+    /// A pointer that must not be NULL is NULL.
+    RAYC_STATUS_NULL_POINTER = 100,
+    /// An options struct's struct_size is zero, too small, or larger than this library knows.
+    RAYC_STATUS_INVALID_STRUCT_SIZE = 101,
+    /// A number that stands for an enum names no member of it.
+    RAYC_STATUS_UNKNOWN_ENUM = 102,
+    /// A number among the options or arguments lies outside its range.
+    RAYC_STATUS_INVALID_OPTION = 103,
+    /// An array has another length than is needed, or a range reaches beyond the end.
+    RAYC_STATUS_WRONG_COUNT = 104,
+    /// A stride is smaller than the three numbers it must span.
+    RAYC_STATUS_INVALID_STRIDE = 105,
+    /// The scene has no body of this number.
+    RAYC_STATUS_UNKNOWN_BODY = 106,
+    /// A coordinate is NaN or infinite.
+    RAYC_STATUS_NOT_FINITE = 107,
+
+    /// The mesh has no triangle.
+    RAYC_STATUS_MESH_EMPTY = 200,
+    /// A triangle names a vertex that does not exist.
+    RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE = 201,
+    /// A triangle names a vertex twice or has its corners on one line.
+    RAYC_STATUS_MESH_DEGENERATE_TRIANGLE = 202,
+    /// An edge belongs to one triangle only: the surface has a hole.
+    RAYC_STATUS_MESH_OPEN = 203,
+    /// Two neighbouring triangles face opposite ways.
+    RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION = 204,
+    /// An edge belongs to more than two triangles, or sheets touch in one vertex.
+    RAYC_STATUS_MESH_NON_MANIFOLD = 205,
+    /// The surface is closed but inside out.
+    RAYC_STATUS_MESH_INWARD = 206,
+    /// More vertices or triangles than 32-bit indices reach.
+    RAYC_STATUS_MESH_TOO_LARGE = 207,
+
+    /// The octree is older than its mesh's positions: call rayc_octree_update().
+    RAYC_STATUS_OCTREE_STALE = 300,
+    /// The octree was built for another mesh.
+    RAYC_STATUS_OCTREE_OF_OTHER_MESH = 301,
+    /// Handles of float and of double precision were used together.
+    RAYC_STATUS_PRECISION_MISMATCH = 302,
+
+    /// A file is missing or may not be read.
+    RAYC_STATUS_FILE_NOT_READABLE = 400,
+    /// A file's text is not what it should be.
+    RAYC_STATUS_FILE_BROKEN = 401,
+
+    /// The system gave no threads.
+    RAYC_STATUS_THREADS_NOT_STARTED = 500,
+
+    /// A fault inside the library was caught. Destroy the handles of this call; please report it.
+    RAYC_STATUS_PANIC = 900,
+}
+
+use rayc_status::*;
+
+/// A status other than OK, and its message.
+#[derive(Debug)]
+pub(super) struct Failure {
+    pub(super) status: rayc_status,
+    pub(super) message: String,
+}
+
+impl Failure {
+    pub(super) fn new(status: rayc_status, message: impl Into<String>) -> Self {
+        Self { status, message: message.into() }
+    }
+}
+
+impl From<MeshError> for Failure {
+    fn from(error: MeshError) -> Self {
+        let status = match error {
+            MeshError::Empty => RAYC_STATUS_MESH_EMPTY,
+            MeshError::TooLarge { .. } => RAYC_STATUS_MESH_TOO_LARGE,
+            MeshError::IndexOutOfRange { .. } => RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE,
+            MeshError::DegenerateTriangle { .. } => RAYC_STATUS_MESH_DEGENERATE_TRIANGLE,
+            MeshError::Open { .. } => RAYC_STATUS_MESH_OPEN,
+            MeshError::InconsistentOrientation { .. } => RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION,
+            MeshError::NonManifoldEdge { .. } | MeshError::NonManifoldVertex { .. } => RAYC_STATUS_MESH_NON_MANIFOLD,
+            MeshError::Inward { .. } => RAYC_STATUS_MESH_INWARD,
+            MeshError::WrongCount { .. } => RAYC_STATUS_WRONG_COUNT,
+            MeshError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl From<ObjFileError> for Failure {
+    fn from(error: ObjFileError) -> Self {
+        let status = match error {
+            ObjFileError::NotReadable { .. } => RAYC_STATUS_FILE_NOT_READABLE,
+            ObjFileError::Broken { .. } => RAYC_STATUS_FILE_BROKEN,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl From<OctreeError> for Failure {
+    fn from(error: OctreeError) -> Self {
+        let status = match error {
+            OctreeError::Stale => RAYC_STATUS_OCTREE_STALE,
+            OctreeError::OtherMesh => RAYC_STATUS_OCTREE_OF_OTHER_MESH,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl From<LawError> for Failure {
+    fn from(error: LawError) -> Self {
+        Self::new(RAYC_STATUS_INVALID_OPTION, error.to_string())
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        let message = error.to_string();
+        match error {
+            SceneError::UnknownBody { .. } => Self::new(RAYC_STATUS_UNKNOWN_BODY, message),
+            SceneError::ThreadsNotStarted { .. } => Self::new(RAYC_STATUS_THREADS_NOT_STARTED, message),
+        }
+    }
+}

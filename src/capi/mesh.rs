@@ -1,0 +1,215 @@
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::options::{rayc_mesh_options, read_options};
+use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
+use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
+use crate::math::Scalar;
+use crate::mesh::{Mesh, read_obj_file};
+use libc::c_char;
+use std::ffi::CStr;
+use std::path::Path;
+
+/// One closed triangle surface, counter-clockwise seen from outside: its topology is fixed, its positions are renewed
+/// each step. Vertices that no triangle uses are allowed (the inner nodes of a volume mesh).
+///
+/// Threads: calls with a const mesh may run at once; no other call may run beside one that changes it. The caller
+/// frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay.
+pub struct rayc_mesh {
+    pub(super) mesh: AnyMesh,
+}
+
+/// A mesh of either precision.
+#[derive(Clone)]
+pub(super) enum AnyMesh {
+    F32(Mesh<f32>),
+    F64(Mesh<f64>),
+}
+
+impl AnyMesh {
+    fn new(precision: u32, positions: &Strided, triangles: &[[u32; 3]]) -> Result<Self, Failure> {
+        Ok(match scalar_from(precision, "precision")? {
+            rayc_scalar::RAYC_SCALAR_F32 => Self::F32(Mesh::new(&read_all(positions), triangles)?),
+            rayc_scalar::RAYC_SCALAR_F64 => Self::F64(Mesh::new(&read_all(positions), triangles)?),
+        })
+    }
+
+    pub(super) fn topology(&self) -> &crate::mesh::Topology {
+        match self {
+            Self::F32(mesh) => mesh.topology(),
+            Self::F64(mesh) => mesh.topology(),
+        }
+    }
+}
+
+fn read_all<T: Scalar>(vectors: &Strided) -> Vec<[T; 3]> {
+    (0..vectors.count()).map(|index| vectors.read::<T>(index).into()).collect()
+}
+
+pub(super) fn renew_positions<T: Scalar>(mesh: &mut Mesh<T>, positions: &Strided) -> Result<(), Failure> {
+    Ok(mesh.set_positions_with(positions.count(), |vertex| positions.read(vertex))?)
+}
+
+pub(super) fn precision_mismatch() -> Failure {
+    Failure::new(
+        rayc_status::RAYC_STATUS_PRECISION_MISMATCH,
+        "handles of float and of double precision were used together; create them with the same precision",
+    )
+}
+
+/// Checks and copies a surface.
+///
+/// options: NULL for the defaults. positions: one for each vertex, finite, in metres (or any one unit of length).
+/// triangles: 3 · triangle_count vertex numbers, from 0. *mesh: the new handle.
+///
+/// Errors: every fault of the surface has its own status (RAYC_STATUS_MESH_…, RAYC_STATUS_NOT_FINITE).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_create(
+    options: *const rayc_mesh_options,
+    positions: *const rayc_vectors,
+    triangles: *const u32,
+    triangle_count: usize,
+    mesh: *mut *mut rayc_mesh,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let options = read_options(options)?;
+        let positions = Strided::new(reference(positions, "positions")?, "positions")?;
+        let triangles = slice(triangles.cast::<[u32; 3]>(), triangle_count, "triangles")?;
+        let place = Output::new(mesh, "mesh")?;
+        give(place, rayc_mesh { mesh: AnyMesh::new(options.precision, &positions, triangles)? });
+        Ok(())
+    })
+}
+
+/// Reads a surface from a Wavefront .obj file: vertices in the file's order and through float, faces of all objects
+/// together, polygons cut into triangle fans.
+///
+/// options: NULL for the defaults. path: UTF-8, ended by zero. *mesh: the new handle.
+///
+/// Errors: RAYC_STATUS_FILE_NOT_READABLE, RAYC_STATUS_FILE_BROKEN, and those of rayc_mesh_create().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_create_from_obj(
+    options: *const rayc_mesh_options,
+    path: *const c_char,
+    mesh: *mut *mut rayc_mesh,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let options = read_options(options)?;
+        let path = CStr::from_ptr(reference(path, "path")?).to_str().map_err(|_| {
+            Failure::new(rayc_status::RAYC_STATUS_FILE_NOT_READABLE, "path is not UTF-8; pass it encoded so")
+        })?;
+        let place = Output::new(mesh, "mesh")?;
+        let (positions, triangles) = read_obj_file(Path::new(path))?;
+        let positions = rayc_vectors {
+            data: positions.as_ptr().cast(),
+            count: positions.len(),
+            stride: 0,
+            scalar: rayc_scalar::RAYC_SCALAR_F64 as u32,
+        };
+        let mesh = AnyMesh::new(options.precision, &Strided::new(&positions, "positions")?, &triangles);
+        give(
+            place,
+            rayc_mesh {
+                mesh: mesh.map_err(|failure| Failure { message: format!("{path}: {}", failure.message), ..failure })?,
+            },
+        );
+        Ok(())
+    })
+}
+
+/// Frees a mesh; NULL does nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_destroy(mesh: *mut rayc_mesh) -> rayc_status {
+    guard(|| {
+        // SAFETY: the handle is the caller's, and is not used again.
+        unsafe { take_back(mesh) };
+        Ok(())
+    })
+}
+
+/// Renews the positions of all vertices. Octrees of this mesh are stale from here on.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; the positions are then as before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions: *const rayc_vectors) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let positions = Strided::new(reference(positions, "positions")?, "positions")?;
+        match &mut reference_mut(mesh, "mesh")?.mesh {
+            AnyMesh::F32(mesh) => renew_positions(mesh, &positions),
+            AnyMesh::F64(mesh) => renew_positions(mesh, &positions),
+        }
+    })
+}
+
+/// How many vertices the mesh has, used by triangles or not.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_vertex_count(mesh: *const rayc_mesh, count: *mut usize) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mesh = reference(mesh, "mesh")?;
+        Output::new(count, "count")?.write(mesh.mesh.topology().vertex_count());
+        Ok(())
+    })
+}
+
+/// How many triangles the mesh has.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_triangle_count(mesh: *const rayc_mesh, count: *mut usize) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mesh = reference(mesh, "mesh")?;
+        Output::new(count, "count")?.write(mesh.mesh.topology().triangles().len());
+        Ok(())
+    })
+}
+
+/// Copies the present positions to `positions`, whose count must be the mesh's.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_copy_positions(
+    mesh: *const rayc_mesh,
+    positions: *const rayc_vectors_mut,
+) -> rayc_status {
+    fn copy<T: Scalar>(mesh: &Mesh<T>, to: &mut Strided) -> Result<(), Failure> {
+        check_count("positions", to.count(), mesh.positions().len())?;
+        mesh.positions().iter().enumerate().for_each(|(vertex, position)| to.write(vertex, position));
+        Ok(())
+    }
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut positions = Strided::new_mut(reference(positions, "positions")?, "positions")?;
+        match &reference(mesh, "mesh")?.mesh {
+            AnyMesh::F32(mesh) => copy(mesh, &mut positions),
+            AnyMesh::F64(mesh) => copy(mesh, &mut positions),
+        }
+    })
+}
+
+/// Copies the triangles' vertex numbers to `triangles`; index_count must be 3 · the number of triangles.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_copy_triangles(
+    mesh: *const rayc_mesh,
+    index_count: usize,
+    triangles: *mut u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let indices = reference(mesh, "mesh")?.mesh.topology().triangles().as_flattened();
+        check_count("triangles", index_count, indices.len())?;
+        Output::array(triangles, index_count, "triangles")?.write_all(indices.iter().copied());
+        Ok(())
+    })
+}
+
+fn check_count(name: &str, given: usize, expected: usize) -> Result<(), Failure> {
+    if given == expected {
+        return Ok(());
+    }
+    let message = format!("{name} has room for {given}, but the mesh has {expected}; give an array of that length");
+    Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+}

@@ -1,0 +1,27 @@
+//! The C interface: handles, status codes, the panic guard. `include/raycontact.h` is generated from here and is the
+//! manual; this is the only place, besides SIMD kernels, with `unsafe` code.
+
+#![allow(unsafe_code, non_camel_case_types, clippy::missing_safety_doc)] // C names; safety stands in each function's text
+
+mod contacts;
+mod failure;
+mod guard;
+mod mesh;
+mod octree;
+mod options;
+mod pointers;
+mod response;
+mod scene;
+mod vectors;
+mod version;
+
+pub use contacts::*;
+pub use failure::rayc_status;
+pub use guard::rayc_last_error_message;
+pub use mesh::*;
+pub use octree::*;
+pub use options::*;
+pub use response::*;
+pub use scene::*;
+pub use vectors::{rayc_scalar, rayc_vectors, rayc_vectors_mut};
+pub use version::*;

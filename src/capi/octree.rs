@@ -1,0 +1,183 @@
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
+use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
+use crate::math::{Scalar, Vector3};
+use crate::mesh::Mesh;
+use crate::octree::Octree;
+use crate::ray::Ray;
+
+/// The triangle number of a ray that meets nothing.
+pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
+
+/// The search structure over one mesh's triangles, for one state of its positions.
+///
+/// Threads: calls with a const octree may run at once. The caller frees it with rayc_octree_destroy(), before or after
+/// its mesh. After rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
+pub struct rayc_octree {
+    pub(super) octree: AnyOctree,
+}
+
+/// An octree of either precision.
+pub(super) enum AnyOctree {
+    F32(Octree<f32>),
+    F64(Octree<f64>),
+}
+
+/// A half line, cut at t_max.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_ray {
+    /// Where it starts (t = 0); finite.
+    pub origin: [f64; 3],
+    /// Where it goes; finite and not zero, need not be of unit length. t counts multiples of it.
+    pub direction: [f64; 3],
+    /// Hits beyond this t do not count. ≥ 0; may be infinite.
+    pub t_max: f64,
+}
+
+/// Where a ray first meets a mesh.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_hit {
+    /// The triangle, or RAYC_NO_TRIANGLE for a miss; the other fields are then zero. At equal t, the smallest number.
+    pub triangle: u32,
+    /// 1 where the ray leaves the body (ray · normal > 0), 0 where it enters.
+    pub is_exit: u32,
+    /// The point is origin + t · direction.
+    pub t: f64,
+    /// Barycentric weights of the point at the triangle's three corners.
+    pub weights: [f64; 3],
+}
+
+/// Builds the octree of `mesh` for its present positions. *octree: the new handle.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_octree_create(mesh: *const rayc_mesh, octree: *mut *mut rayc_octree) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mesh = reference(mesh, "mesh")?;
+        let place = Output::new(octree, "octree")?;
+        let octree = match &mesh.mesh {
+            AnyMesh::F32(mesh) => AnyOctree::F32(Octree::new(mesh)),
+            AnyMesh::F64(mesh) => AnyOctree::F64(Octree::new(mesh)),
+        };
+        give(place, rayc_octree { octree });
+        Ok(())
+    })
+}
+
+/// Frees an octree; NULL does nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_octree_destroy(octree: *mut rayc_octree) -> rayc_status {
+    guard(|| {
+        // SAFETY: the handle is the caller's, and is not used again.
+        unsafe { take_back(octree) };
+        Ok(())
+    })
+}
+
+/// Builds the octree anew for its mesh's present positions; its memory is reused.
+///
+/// Errors: RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_octree_update(octree: *mut rayc_octree, mesh: *const rayc_mesh) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let octree = reference_mut(octree, "octree")?;
+        match (&mut octree.octree, &reference(mesh, "mesh")?.mesh) {
+            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => Ok(octree.update(mesh)?),
+            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => Ok(octree.update(mesh)?),
+            _ => Err(precision_mismatch()),
+        }
+    })
+}
+
+/// Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
+/// Benthin, Wald 2013): a ray through a shared edge or vertex hits.
+///
+/// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+/// RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_octree_trace_ray(
+    octree: *const rayc_octree,
+    mesh: *const rayc_mesh,
+    ray: *const rayc_ray,
+    hit: *mut rayc_hit,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe { trace_all(octree, mesh, slice(ray, 1, "ray")?, Output::new(hit, "hit")?) })
+}
+
+/// Traces `count` rays; hits[i] is where rays[i] first meets the mesh. See rayc_octree_trace_ray().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_octree_trace_rays(
+    octree: *const rayc_octree,
+    mesh: *const rayc_mesh,
+    rays: *const rayc_ray,
+    count: usize,
+    hits: *mut rayc_hit,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe { trace_all(octree, mesh, slice(rays, count, "rays")?, Output::array(hits, count, "hits")?) })
+}
+
+/// # Safety
+/// `octree` and `mesh` are NULL or handles; `hits` has room for one hit per ray.
+unsafe fn trace_all(
+    octree: *const rayc_octree,
+    mesh: *const rayc_mesh,
+    rays: &[rayc_ray],
+    hits: Output<rayc_hit>,
+) -> Result<(), Failure> {
+    rays.iter().enumerate().try_for_each(|(index, ray)| check_ray(index, ray))?;
+    // SAFETY: by this function's contract.
+    unsafe {
+        match (&reference(octree, "octree")?.octree, &reference(mesh, "mesh")?.mesh) {
+            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => trace_into(octree, mesh, rays, hits),
+            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => trace_into(octree, mesh, rays, hits),
+            _ => Err(precision_mismatch()),
+        }
+    }
+}
+
+/// # Safety
+/// `hits` has room for one hit per ray.
+unsafe fn trace_into<T: Scalar>(
+    octree: &Octree<T>,
+    mesh: &Mesh<T>,
+    rays: &[rayc_ray],
+    hits: Output<rayc_hit>,
+) -> Result<(), Failure> {
+    let tracer = octree.tracer(mesh)?;
+    let trace = |ray: &rayc_ray| {
+        let vector = |v: [f64; 3]| Vector3::from(v.map(T::of));
+        let ray = Ray { origin: vector(ray.origin), direction: vector(ray.direction), t_max: T::of(ray.t_max) };
+        let miss = rayc_hit { triangle: RAYC_NO_TRIANGLE, is_exit: 0, t: 0.0, weights: [0.0; 3] };
+        tracer.nearest_hit(&ray).map_or(miss, |hit| rayc_hit {
+            triangle: hit.triangle,
+            is_exit: u32::from(hit.is_exit),
+            t: hit.t.to_f64(),
+            weights: hit.weights.map(T::to_f64),
+        })
+    };
+    // SAFETY: by this function's contract.
+    unsafe { hits.write_all(rays.iter().map(trace)) };
+    Ok(())
+}
+
+fn check_ray(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
+    let failure = |status, what: &str| Err(Failure::new(status, format!("ray {index}: {what}")));
+    if !ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite()) {
+        return failure(
+            rayc_status::RAYC_STATUS_NOT_FINITE,
+            "origin or direction has a number that is NaN or infinite; give finite ones",
+        );
+    }
+    if ray.direction == [0.0; 3] {
+        return failure(rayc_status::RAYC_STATUS_INVALID_OPTION, "direction is zero; give it a length");
+    }
+    if ray.t_max.is_nan() || ray.t_max < 0.0 {
+        return failure(rayc_status::RAYC_STATUS_INVALID_OPTION, "t_max is negative or NaN; give it ≥ 0, or infinity");
+    }
+    Ok(())
+}

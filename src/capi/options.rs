@@ -1,0 +1,165 @@
+use super::failure::{Failure, rayc_status};
+use super::pointers::{Output, reference};
+use super::vectors::rayc_scalar;
+use super::{guard::guard, response::rayc_weighting};
+use crate::response::{PenaltyLaw, Weighting};
+
+/// How a mesh is kept. Fill with rayc_default_mesh_options(), then change what you need.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_mesh_options {
+    /// sizeof(rayc_mesh_options): lets the struct grow without breaking programs built earlier.
+    pub struct_size: usize,
+    /// Arithmetic of detection, a rayc_scalar. Default RAYC_SCALAR_F64.
+    pub precision: u32,
+}
+
+/// How contacts push. Fill with rayc_default_response_options(), then change what you need.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_response_options {
+    /// sizeof(rayc_response_options).
+    pub struct_size: usize,
+    /// k ≥ 0, in N/m³ with RAYC_WEIGHTING_AREA, in N/m with RAYC_WEIGHTING_VERTEX. Default 1.
+    pub stiffness: f64,
+    /// Seconds, ≥ 0: the damping along the ray is k · damping_time. Default 0.
+    pub damping_time: f64,
+    /// A rayc_weighting. Default RAYC_WEIGHTING_AREA.
+    pub weighting: u32,
+}
+
+/// How a scene works. Fill with rayc_default_scene_options(), then change what you need.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_scene_options {
+    /// sizeof(rayc_scene_options).
+    pub struct_size: usize,
+    /// Arithmetic of detection, a rayc_scalar; all meshes added must have the same. Default RAYC_SCALAR_F64.
+    pub precision: u32,
+    /// 1: the caller's own thread only; n: a pool of n threads that the scene owns; 0: one thread per core. At most
+    /// 1024. Results do not depend on it. Default 1.
+    pub threads: u32,
+}
+
+/// An options struct that starts with its own size.
+pub(super) trait Options: Copy {
+    const NAME: &'static str;
+    /// Where the last field of the first released version ends; programs built then pass no less.
+    const SMALLEST: usize;
+    fn defaults() -> Self;
+}
+
+impl Options for rayc_mesh_options {
+    const NAME: &'static str = "rayc_mesh_options";
+    const SMALLEST: usize = std::mem::offset_of!(Self, precision) + size_of::<u32>();
+    fn defaults() -> Self {
+        Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32 }
+    }
+}
+
+impl Options for rayc_response_options {
+    const NAME: &'static str = "rayc_response_options";
+    const SMALLEST: usize = std::mem::offset_of!(Self, weighting) + size_of::<u32>();
+    fn defaults() -> Self {
+        let weighting = rayc_weighting::RAYC_WEIGHTING_AREA as u32;
+        Self { struct_size: size_of::<Self>(), stiffness: 1.0, damping_time: 0.0, weighting }
+    }
+}
+
+impl Options for rayc_scene_options {
+    const NAME: &'static str = "rayc_scene_options";
+    const SMALLEST: usize = std::mem::offset_of!(Self, threads) + size_of::<u32>();
+    fn defaults() -> Self {
+        Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32, threads: 1 }
+    }
+}
+
+impl rayc_response_options {
+    pub(super) fn law(&self) -> Result<PenaltyLaw, Failure> {
+        let weighting = match self.weighting {
+            w if w == rayc_weighting::RAYC_WEIGHTING_AREA as u32 => Weighting::Area,
+            w if w == rayc_weighting::RAYC_WEIGHTING_VERTEX as u32 => Weighting::Vertex,
+            other => return Err(unknown_enum("weighting", other, "rayc_weighting")),
+        };
+        Ok(PenaltyLaw::new(self.stiffness, self.damping_time, weighting)?)
+    }
+}
+
+pub(super) fn unknown_enum(field: &str, value: u32, name: &str) -> Failure {
+    Failure::new(
+        rayc_status::RAYC_STATUS_UNKNOWN_ENUM,
+        format!("{field} is {value}, which is no member of {name}; use one of its names"),
+    )
+}
+
+fn check_size<O: Options>(struct_size: usize) -> Result<(), Failure> {
+    if (O::SMALLEST..=size_of::<O>()).contains(&struct_size) {
+        return Ok(());
+    }
+    let (name, smallest, largest) = (O::NAME, O::SMALLEST, size_of::<O>());
+    Err(Failure::new(
+        rayc_status::RAYC_STATUS_INVALID_STRUCT_SIZE,
+        format!(
+            "struct_size of {name} is {struct_size}, not {smallest} to {largest}; fill the struct with its default \
+             function first, and link the library your header belongs to"
+        ),
+    ))
+}
+
+/// The caller's options, or the defaults for NULL and for fields the caller's header did not have yet.
+///
+/// # Safety
+/// `options` is NULL or points to `struct_size` readable bytes.
+pub(super) unsafe fn read_options<O: Options>(options: *const O) -> Result<O, Failure> {
+    let mut read = O::defaults();
+    if !options.is_null() {
+        // SAFETY: every options struct starts with its size.
+        let struct_size = *unsafe { reference(options.cast::<usize>(), O::NAME) }?;
+        check_size::<O>(struct_size)?;
+        // SAFETY: struct_size bytes are readable by this function's contract, and no more than `read` holds.
+        unsafe { std::ptr::copy_nonoverlapping(options.cast::<u8>(), (&raw mut read).cast::<u8>(), struct_size) };
+    }
+    Ok(read)
+}
+
+/// # Safety
+/// `place` is writable for `struct_size` bytes.
+unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Result<(), Failure> {
+    check_size::<O>(struct_size)?;
+    Output::new(place, "options")?;
+    let defaults = O::defaults();
+    // SAFETY: struct_size bytes are writable by this function's contract, and no more than `defaults` holds. The
+    // first field is the size, which tells later calls how much of the struct the caller knows.
+    unsafe {
+        std::ptr::copy_nonoverlapping((&raw const defaults).cast::<u8>(), place.cast::<u8>(), struct_size);
+        place.cast::<usize>().write(struct_size);
+    }
+    Ok(())
+}
+
+/// Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_default_mesh_options(struct_size: usize, options: *mut rayc_mesh_options) -> rayc_status {
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe { write_defaults(struct_size, options) })
+}
+
+/// Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_default_response_options(
+    struct_size: usize,
+    options: *mut rayc_response_options,
+) -> rayc_status {
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe { write_defaults(struct_size, options) })
+}
+
+/// Fills `options` with the defaults. struct_size: sizeof(rayc_scene_options).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_default_scene_options(
+    struct_size: usize,
+    options: *mut rayc_scene_options,
+) -> rayc_status {
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe { write_defaults(struct_size, options) })
+}

@@ -1,0 +1,80 @@
+use super::failure::{Failure, rayc_status};
+
+fn null(name: &str) -> Failure {
+    Failure::new(rayc_status::RAYC_STATUS_NULL_POINTER, format!("{name} is NULL; pass a valid pointer"))
+}
+
+/// # Safety
+/// `pointer` is NULL or points to a `V` that nobody changes during `'a`.
+pub(super) unsafe fn reference<'a, V>(pointer: *const V, name: &str) -> Result<&'a V, Failure> {
+    // SAFETY: by this function's contract.
+    unsafe { pointer.as_ref() }.ok_or_else(|| null(name))
+}
+
+/// # Safety
+/// `pointer` is NULL or points to a `V` that nobody else uses during `'a`.
+pub(super) unsafe fn reference_mut<'a, V>(pointer: *mut V, name: &str) -> Result<&'a mut V, Failure> {
+    // SAFETY: by this function's contract.
+    unsafe { pointer.as_mut() }.ok_or_else(|| null(name))
+}
+
+/// # Safety
+/// `pointer` is NULL, or `count` is 0, or it points to `count` values that nobody changes during `'a`.
+pub(super) unsafe fn slice<'a, V>(pointer: *const V, count: usize, name: &str) -> Result<&'a [V], Failure> {
+    match (count, pointer.is_null()) {
+        (0, _) => Ok(&[]),
+        (_, true) => Err(null(name)),
+        // SAFETY: by this function's contract.
+        _ => Ok(unsafe { std::slice::from_raw_parts(pointer, count) }),
+    }
+}
+
+/// A place for an output: known not to be NULL before any work is done, written on success only.
+pub(super) struct Output<V>(*mut V);
+
+impl<V> Output<V> {
+    pub(super) fn new(pointer: *mut V, name: &str) -> Result<Self, Failure> {
+        if pointer.is_null() { Err(null(name)) } else { Ok(Self(pointer)) }
+    }
+
+    /// Like [`new`](Self::new), for an array: NULL is fine where it has no elements.
+    pub(super) fn array(pointer: *mut V, count: usize, name: &str) -> Result<Self, Failure> {
+        if count == 0 { Ok(Self(pointer)) } else { Self::new(pointer, name) }
+    }
+
+    /// # Safety
+    /// The pointer is writable for one `V`.
+    pub(super) unsafe fn write(self, value: V) {
+        // SAFETY: by this function's contract.
+        unsafe { self.0.write(value) }
+    }
+
+    /// # Safety
+    /// The pointer is writable for as many values as `values` yields.
+    pub(super) unsafe fn write_all(self, values: impl Iterator<Item = V>) {
+        for (index, value) in values.enumerate() {
+            // SAFETY: by this function's contract.
+            unsafe { self.0.add(index).write(value) }
+        }
+    }
+}
+
+/// Gives a new handle to the caller.
+///
+/// # Safety
+/// `place` is writable.
+pub(super) unsafe fn give<V>(place: Output<*mut V>, value: V) {
+    // SAFETY: by this function's contract.
+    unsafe { place.write(Box::into_raw(Box::new(value))) }
+}
+
+/// Takes a handle back and drops it; NULL does nothing.
+///
+/// # Safety
+/// `handle` is NULL or came from [`give`] and has not been taken back.
+pub(super) unsafe fn take_back<V>(handle: *mut V) {
+    if !handle.is_null() {
+        // SAFETY: by this function's contract it is a box's pointer, and the last one.
+        drop(unsafe { Box::from_raw(handle) });
+    }
+}

@@ -1,0 +1,207 @@
+use super::contacts::{AnyContacts, rayc_contacts};
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::options::{rayc_response_options, read_options};
+use super::pointers::{Output, reference, slice};
+use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
+use crate::contact::Contact;
+use crate::math::Scalar;
+use crate::response::{add_differential, add_forces, energy};
+
+/// What a contact's stiffness is multiplied with.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum rayc_weighting {
+    /// The area the ray stands for: stiffness is in N/m³, and the net force does not depend on the triangulation.
+    RAYC_WEIGHTING_AREA = 1,
+    /// Nothing, as in the paper: stiffness is in N/m per ray, and a finer mesh is a stiffer one.
+    RAYC_WEIGHTING_VERTEX = 2,
+}
+
+/// Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
+/// in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
+/// coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite.
+///
+/// options: NULL for the defaults. Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
+    contacts: *const rayc_contacts,
+    options: *const rayc_response_options,
+    first: usize,
+    count: usize,
+    coefficients: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reference(contacts, "contacts")?.list;
+        let law = read_options(options)?.law()?;
+        list.check_range(first, count)?;
+        let out = Output::array(coefficients, count, "coefficients")?;
+        let range = first..first + count;
+        match list {
+            AnyContacts::F32(list) => {
+                out.write_all(list.contacts[range].iter().map(|contact| law.coefficient(contact).to_f64()));
+            }
+            AnyContacts::F64(list) => out.write_all(list.contacts[range].iter().map(|c| law.coefficient(c))),
+        }
+        Ok(())
+    })
+}
+
+/// Adds the contact forces to `forces`, in N.
+///
+/// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one per body, in the order
+/// of the bodies' numbers; bodies without contact may have an array of count 0. positions NULL: as at detection.
+/// velocities NULL: no damping. Contacts are held: each stays at its points and along its direction, whatever the
+/// positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_add_forces(
+    contacts: *const rayc_contacts,
+    options: *const rayc_response_options,
+    body_count: usize,
+    positions: *const rayc_vectors,
+    velocities: *const rayc_vectors,
+    forces: *const rayc_vectors_mut,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reference(contacts, "contacts")?.list;
+        let law = read_options(options)?.law()?;
+        let positions = optional_arrays(positions, body_count, "positions")?;
+        let velocities = optional_arrays(velocities, body_count, "velocities")?;
+        let mut forces = arrays_mut(forces, body_count, "forces")?;
+        let given = [positions.as_deref(), velocities.as_deref(), Some(&forces)];
+        check_arrays(list, given)?;
+        let (positions, velocities) = (positions.as_deref(), velocities.as_deref());
+        match list {
+            AnyContacts::F32(list) => add_forces(&list.contacts, &law, positions, velocities, &mut forces),
+            AnyContacts::F64(list) => add_forces(&list.contacts, &law, positions, velocities, &mut forces),
+        }
+        Ok(())
+    })
+}
+
+/// Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, for the
+/// displacements d; both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once per
+/// iteration.
+///
+/// options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_INVALID_OPTION
+/// where a factor is not finite.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_add_differential(
+    contacts: *const rayc_contacts,
+    options: *const rayc_response_options,
+    stiffness_factor: f64,
+    damping_factor: f64,
+    body_count: usize,
+    displacements: *const rayc_vectors,
+    forces: *const rayc_vectors_mut,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reference(contacts, "contacts")?.list;
+        let law = read_options(options)?.law()?;
+        if !(stiffness_factor.is_finite() && damping_factor.is_finite()) {
+            return Err(Failure::new(
+                rayc_status::RAYC_STATUS_INVALID_OPTION,
+                format!("the factors are {stiffness_factor} and {damping_factor}; give finite numbers"),
+            ));
+        }
+        let displacements = arrays(displacements, body_count, "displacements")?;
+        let mut forces = arrays_mut(forces, body_count, "forces")?;
+        check_arrays(list, [Some(&displacements), Some(&forces)])?;
+        let (s, d) = (stiffness_factor, damping_factor);
+        match list {
+            AnyContacts::F32(list) => add_differential(&list.contacts, &law, s, d, &displacements, &mut forces),
+            AnyContacts::F64(list) => add_differential(&list.contacts, &law, s, d, &displacements, &mut forces),
+        }
+        Ok(())
+    })
+}
+
+/// The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
+/// elastic force is its negative gradient.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_energy(
+    contacts: *const rayc_contacts,
+    options: *const rayc_response_options,
+    body_count: usize,
+    positions: *const rayc_vectors,
+    joules: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reference(contacts, "contacts")?.list;
+        let law = read_options(options)?.law()?;
+        let positions = optional_arrays(positions, body_count, "positions")?;
+        let place = Output::new(joules, "joules")?;
+        check_arrays(list, [positions.as_deref()])?;
+        place.write(match list {
+            AnyContacts::F32(list) => energy(&list.contacts, &law, positions.as_deref()).to_f64(),
+            AnyContacts::F64(list) => energy(&list.contacts, &law, positions.as_deref()),
+        });
+        Ok(())
+    })
+}
+
+/// # Safety
+/// `bodies` is NULL or points to `count` arrays that are as they say.
+unsafe fn arrays(bodies: *const rayc_vectors, count: usize, name: &str) -> Result<Vec<Strided>, Failure> {
+    // SAFETY: by this function's contract.
+    unsafe {
+        let bodies = slice(bodies, count, name)?.iter().enumerate();
+        bodies.map(|(body, vectors)| Strided::new(vectors, &format!("{name}[{body}]"))).collect()
+    }
+}
+
+/// # Safety
+/// As [`arrays`].
+unsafe fn optional_arrays(
+    bodies: *const rayc_vectors,
+    count: usize,
+    name: &str,
+) -> Result<Option<Vec<Strided>>, Failure> {
+    // SAFETY: by this function's contract.
+    if bodies.is_null() { Ok(None) } else { unsafe { arrays(bodies, count, name) }.map(Some) }
+}
+
+/// # Safety
+/// As [`arrays`], and nobody else uses the arrays.
+unsafe fn arrays_mut(bodies: *const rayc_vectors_mut, count: usize, name: &str) -> Result<Vec<Strided>, Failure> {
+    // SAFETY: by this function's contract.
+    unsafe {
+        let bodies = slice(bodies, count, name)?.iter().enumerate();
+        bodies.map(|(body, vectors)| Strided::new_mut(vectors, &format!("{name}[{body}]"))).collect()
+    }
+}
+
+/// Refuses arrays that do not reach to every body and vertex of the contacts, before anything is changed.
+fn check_arrays<const N: usize>(list: &AnyContacts, given: [Option<&[Strided]>; N]) -> Result<(), Failure> {
+    fn check<T: Scalar>(contacts: &[Contact<T>], bodies: &[Strided]) -> Result<(), Failure> {
+        let points = contacts.iter().flat_map(|c| [(c.colliding, &c.p1.vertices), (c.collided, &c.p2.vertices)]);
+        for (body, vertices) in points {
+            let count = bodies.get(body as usize).map(Strided::count);
+            if let Some(vertex) = vertices.iter().find(|&&v| count.is_none_or(|count| v as usize >= count)) {
+                let reach = count.map_or("no array".to_owned(), |count| format!("an array of {count} vectors"));
+                return Err(Failure::new(
+                    rayc_status::RAYC_STATUS_WRONG_COUNT,
+                    format!(
+                        "a contact needs vertex {vertex} of body {body}, which has {reach}; give one vector for \
+                             each vertex of each body"
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+    given.into_iter().flatten().try_for_each(|bodies| match list {
+        AnyContacts::F32(list) => check(&list.contacts, bodies),
+        AnyContacts::F64(list) => check(&list.contacts, bodies),
+    })
+}

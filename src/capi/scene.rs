@@ -1,0 +1,146 @@
+use super::contacts::rayc_contacts;
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh, renew_positions};
+use super::options::{rayc_scene_options, read_options};
+use super::pointers::{Output, give, reference, reference_mut, take_back};
+use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
+use crate::math::Scalar;
+use crate::scene::Scene;
+
+/// Many bodies, and all contacts among them. Bodies are numbered from 0; a scene holds copies of the meshes it is
+/// given.
+///
+/// Threads: one call at a time for one scene; different scenes may be used at once. The caller frees it with
+/// rayc_scene_destroy(), which also ends its threads.
+pub struct rayc_scene {
+    scene: AnyScene,
+}
+
+/// A scene of either precision.
+enum AnyScene {
+    F32(Scene<f32>),
+    F64(Scene<f64>),
+}
+
+/// More threads than any machine this runs on has cores are a mistake of the caller's.
+const MOST_THREADS: u32 = 1024;
+
+/// Makes an empty scene. options: NULL for the defaults. *scene: the new handle.
+///
+/// Errors: RAYC_STATUS_THREADS_NOT_STARTED, RAYC_STATUS_INVALID_OPTION for too many threads.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_create(
+    options: *const rayc_scene_options,
+    scene: *mut *mut rayc_scene,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let options = read_options(options)?;
+        let place = Output::new(scene, "scene")?;
+        let precision = scalar_from(options.precision, "precision")?;
+        if options.threads > MOST_THREADS {
+            return Err(Failure::new(
+                rayc_status::RAYC_STATUS_INVALID_OPTION,
+                format!("threads is {}; give 0 to {MOST_THREADS}", options.threads),
+            ));
+        }
+        let threads = options.threads as usize;
+        let scene = match precision {
+            rayc_scalar::RAYC_SCALAR_F32 => AnyScene::F32(Scene::new(threads)?),
+            rayc_scalar::RAYC_SCALAR_F64 => AnyScene::F64(Scene::new(threads)?),
+        };
+        give(place, rayc_scene { scene });
+        Ok(())
+    })
+}
+
+/// Frees a scene and ends its threads; NULL does nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_status {
+    guard(|| {
+        // SAFETY: the handle is the caller's, and is not used again.
+        unsafe { take_back(scene) };
+        Ok(())
+    })
+}
+
+/// Adds a copy of `mesh` with its present positions. *body: its number, the smallest that is free.
+///
+/// Errors: RAYC_STATUS_PRECISION_MISMATCH.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_add_mesh(
+    scene: *mut rayc_scene,
+    mesh: *const rayc_mesh,
+    body: *mut u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let mesh = &reference(mesh, "mesh")?.mesh;
+        let place = Output::new(body, "body")?;
+        place.write(match (scene, mesh) {
+            (AnyScene::F32(scene), AnyMesh::F32(mesh)) => scene.add(mesh.clone()),
+            (AnyScene::F64(scene), AnyMesh::F64(mesh)) => scene.add(mesh.clone()),
+            _ => return Err(precision_mismatch()),
+        });
+        Ok(())
+    })
+}
+
+/// Removes a body; its number may be given to a later one.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u32) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        match &mut reference_mut(scene, "scene")?.scene {
+            AnyScene::F32(scene) => scene.remove(body).map(drop)?,
+            AnyScene::F64(scene) => scene.remove(body).map(drop)?,
+        }
+        Ok(())
+    })
+}
+
+/// Renews the positions of a body's vertices.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; the positions are then as before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_set_positions(
+    scene: *mut rayc_scene,
+    body: u32,
+    positions: *const rayc_vectors,
+) -> rayc_status {
+    fn set<T: Scalar>(scene: &mut Scene<T>, body: u32, positions: &Strided) -> Result<(), Failure> {
+        renew_positions(scene.mesh_mut(body)?, positions)
+            .map_err(|failure| Failure { message: format!("body {body}: {}", failure.message), ..failure })
+    }
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let positions = Strided::new(reference(positions, "positions")?, "positions")?;
+        match scene {
+            AnyScene::F32(scene) => set(scene, body, &positions),
+            AnyScene::F64(scene) => set(scene, body, &positions),
+        }
+    })
+}
+
+/// Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
+/// for each such pair. Octrees are renewed where they need to be. Replaces what `contacts` held; the order is by pair
+/// (smaller body number first, then the other), then the colliding body, then the vertex, whatever the number of
+/// threads.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let list = &mut reference_mut(contacts, "contacts")?.list;
+        match scene {
+            AnyScene::F32(scene) => scene.query(list.as_f32()),
+            AnyScene::F64(scene) => scene.query(list.as_f64()),
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,146 @@
+use super::failure::{Failure, rayc_status};
+use super::options::unknown_enum;
+use crate::math::{Scalar, Vector3};
+use crate::response::{Vectors, VectorsMut};
+use libc::c_void;
+
+/// The type of a number. In structs it stands as a uint32_t and is checked.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum rayc_scalar {
+    /// float
+    RAYC_SCALAR_F32 = 1,
+    /// double
+    RAYC_SCALAR_F64 = 2,
+}
+
+/// An array of 3-vectors of the caller's, of any stride: vector i lies at data + i · stride. Only its three numbers
+/// are read, never anything beyond the last one; they need no alignment.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_vectors {
+    /// x of the first vector. With count 0 it may be anything.
+    pub data: *const c_void,
+    /// How many vectors.
+    pub count: usize,
+    /// Bytes from one vector to the next; 0: they are packed. At least three numbers' size.
+    pub stride: usize,
+    /// The numbers' type, a rayc_scalar.
+    pub scalar: u32,
+}
+
+/// The same, to be written or added to.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_vectors_mut {
+    /// x of the first vector. With count 0 it may be anything.
+    pub data: *mut c_void,
+    /// How many vectors.
+    pub count: usize,
+    /// Bytes from one vector to the next; 0: they are packed. At least three numbers' size.
+    pub stride: usize,
+    /// The numbers' type, a rayc_scalar.
+    pub scalar: u32,
+}
+
+pub(super) fn scalar_from(value: u32, field: &str) -> Result<rayc_scalar, Failure> {
+    match value {
+        v if v == rayc_scalar::RAYC_SCALAR_F32 as u32 => Ok(rayc_scalar::RAYC_SCALAR_F32),
+        v if v == rayc_scalar::RAYC_SCALAR_F64 as u32 => Ok(rayc_scalar::RAYC_SCALAR_F64),
+        other => Err(unknown_enum(field, other, "rayc_scalar")),
+    }
+}
+
+/// A checked array of the caller's, readable and, where it came from a `rayc_vectors_mut`, writable.
+#[derive(Clone, Copy)]
+pub(super) struct Strided {
+    data: *mut u8,
+    count: usize,
+    stride: usize,
+    scalar: rayc_scalar,
+}
+
+impl Strided {
+    /// # Safety
+    /// The array is as it says, and stays so while the result is used.
+    pub(super) unsafe fn new(vectors: &rayc_vectors, name: &str) -> Result<Self, Failure> {
+        Self::checked(vectors.data.cast_mut(), vectors.count, vectors.stride, vectors.scalar, name)
+    }
+
+    /// # Safety
+    /// The array is as it says, and nobody else uses it while the result is used.
+    pub(super) unsafe fn new_mut(vectors: &rayc_vectors_mut, name: &str) -> Result<Self, Failure> {
+        Self::checked(vectors.data, vectors.count, vectors.stride, vectors.scalar, name)
+    }
+
+    fn checked(data: *mut c_void, count: usize, stride: usize, scalar: u32, name: &str) -> Result<Self, Failure> {
+        let scalar = scalar_from(scalar, &format!("{name}.scalar"))?;
+        let packed = 3 * match scalar {
+            rayc_scalar::RAYC_SCALAR_F32 => size_of::<f32>(),
+            rayc_scalar::RAYC_SCALAR_F64 => size_of::<f64>(),
+        };
+        let stride = if stride == 0 { packed } else { stride };
+        if stride < packed {
+            return Err(Failure::new(
+                rayc_status::RAYC_STATUS_INVALID_STRIDE,
+                format!("{name}.stride is {stride} bytes, but three numbers take {packed}; give at least that, or 0"),
+            ));
+        }
+        if count > 0 && data.is_null() {
+            return Err(Failure::new(
+                rayc_status::RAYC_STATUS_NULL_POINTER,
+                format!("{name}.data is NULL, but {name}.count is {count}; pass the array"),
+            ));
+        }
+        Ok(Self { data: data.cast(), count, stride, scalar })
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    fn place(&self, index: usize) -> *mut u8 {
+        assert!(index < self.count, "vector {index} of {}", self.count);
+        // SAFETY: the caller's array reaches at least to the start of its last vector.
+        unsafe { self.data.add(index * self.stride) }
+    }
+
+    pub(super) fn read<T: Scalar>(&self, index: usize) -> Vector3<T> {
+        let place = self.place(index);
+        // SAFETY: three numbers of the given type lie there, aligned or not.
+        unsafe {
+            match self.scalar {
+                rayc_scalar::RAYC_SCALAR_F32 => {
+                    place.cast::<[f32; 3]>().read_unaligned().map(|x| T::of(f64::from(x))).into()
+                }
+                rayc_scalar::RAYC_SCALAR_F64 => place.cast::<[f64; 3]>().read_unaligned().map(T::of).into(),
+            }
+        }
+    }
+
+    pub(super) fn write<T: Scalar>(&mut self, index: usize, vector: &Vector3<T>) {
+        let place = self.place(index);
+        let vector: [f64; 3] = vector.map(T::to_f64).into();
+        // SAFETY: three numbers of the given type fit there, aligned or not, and only arrays made by `new_mut` are
+        // written to.
+        unsafe {
+            match self.scalar {
+                rayc_scalar::RAYC_SCALAR_F32 => place.cast::<[f32; 3]>().write_unaligned(vector.map(|x| x as f32)),
+                rayc_scalar::RAYC_SCALAR_F64 => place.cast::<[f64; 3]>().write_unaligned(vector),
+            }
+        }
+    }
+}
+
+impl<T: Scalar> Vectors<T> for Strided {
+    fn get(&self, vertex: u32) -> Vector3<T> {
+        self.read(vertex as usize)
+    }
+}
+
+impl<T: Scalar> VectorsMut<T> for Strided {
+    fn add(&mut self, vertex: u32, vector: Vector3<T>) {
+        let sum = self.read::<T>(vertex as usize) + vector;
+        self.write(vertex as usize, &sum);
+    }
+}

@@ -1,0 +1,66 @@
+use super::failure::rayc_status;
+use super::guard::guard_value;
+use libc::c_char;
+use std::ffi::CStr;
+
+/// Major version of this header. The ABI stays compatible within one major version (within one minor version of 0).
+pub const RAYC_VERSION_MAJOR: u32 = 0;
+/// Minor version of this header.
+pub const RAYC_VERSION_MINOR: u32 = 1;
+/// Patch version of this header.
+pub const RAYC_VERSION_PATCH: u32 = 0;
+
+/// The version of the library that is linked: major · 10000 + minor · 100 + patch.
+#[unsafe(no_mangle)]
+pub extern "C" fn rayc_version() -> u32 {
+    guard_value(0, || RAYC_VERSION_MAJOR * 10_000 + RAYC_VERSION_MINOR * 100 + RAYC_VERSION_PATCH)
+}
+
+// A test holds this list against the header's enum.
+macro_rules! status_names {
+    ($($name:ident)*) => {
+        fn status_name(status: u32) -> &'static CStr {
+            $(if status == rayc_status::$name as u32 {
+                const NAME: &CStr = match CStr::from_bytes_with_nul(concat!(stringify!($name), "\0").as_bytes()) {
+                    Ok(name) => name,
+                    Err(_) => panic!("the name ends in its only zero byte"),
+                };
+                return NAME;
+            })*
+            c"unknown status"
+        }
+    };
+}
+
+status_names! {
+    RAYC_STATUS_OK
+    RAYC_STATUS_NULL_POINTER
+    RAYC_STATUS_INVALID_STRUCT_SIZE
+    RAYC_STATUS_UNKNOWN_ENUM
+    RAYC_STATUS_INVALID_OPTION
+    RAYC_STATUS_WRONG_COUNT
+    RAYC_STATUS_INVALID_STRIDE
+    RAYC_STATUS_UNKNOWN_BODY
+    RAYC_STATUS_NOT_FINITE
+    RAYC_STATUS_MESH_EMPTY
+    RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE
+    RAYC_STATUS_MESH_DEGENERATE_TRIANGLE
+    RAYC_STATUS_MESH_OPEN
+    RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION
+    RAYC_STATUS_MESH_NON_MANIFOLD
+    RAYC_STATUS_MESH_INWARD
+    RAYC_STATUS_MESH_TOO_LARGE
+    RAYC_STATUS_OCTREE_STALE
+    RAYC_STATUS_OCTREE_OF_OTHER_MESH
+    RAYC_STATUS_PRECISION_MISMATCH
+    RAYC_STATUS_FILE_NOT_READABLE
+    RAYC_STATUS_FILE_BROKEN
+    RAYC_STATUS_THREADS_NOT_STARTED
+    RAYC_STATUS_PANIC
+}
+
+/// The name of a status, e.g. "RAYC_STATUS_OK"; "unknown status" for other numbers. Never NULL, never freed.
+#[unsafe(no_mangle)]
+pub extern "C" fn rayc_status_name(status: u32) -> *const c_char {
+    guard_value(c"".as_ptr(), || status_name(status).as_ptr())
+}

@@ -1,0 +1,131 @@
+use super::{Contact, ContactList, SurfacePoint};
+use crate::math::{Aabb, Scalar, Vector3, direction};
+use crate::mesh::{Mesh, VertexNormal};
+use crate::octree::{Octree, OctreeError, Tracer};
+use crate::ray::{Hit, Ray};
+
+/// Finds the contacts between two meshes, both ways; body 0 is `a`, body 1 is `b`. Replaces what `contacts` held.
+///
+/// # Errors
+/// [`OctreeError`] where an octree is stale or another mesh's; `contacts` is then as before.
+pub fn query_pair<T: Scalar>(
+    a: &Mesh<T>,
+    octree_a: &Octree<T>,
+    b: &Mesh<T>,
+    octree_b: &Octree<T>,
+    contacts: &mut ContactList<T>,
+) -> Result<(), OctreeError> {
+    let (a, b) = (octree_a.tracer(a)?, octree_b.tracer(b)?);
+    contacts.clear();
+    detect_pair([0, 1], [&a, &b], contacts);
+    Ok(())
+}
+
+/// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008.
+pub fn detect_pair<T: Scalar>(bodies: [u32; 2], tracers: [&Tracer<'_, T>; 2], contacts: &mut ContactList<T>) {
+    let overlap = tracers[0].mesh().aabb().intersection(tracers[1].mesh().aabb());
+    if overlap.is_empty() {
+        return;
+    }
+    contacts.statistics.pairs += 1;
+    for (colliding, collided) in [(0, 1), (1, 0)] {
+        Detection {
+            bodies: [bodies[colliding], bodies[collided]],
+            colliding: tracers[colliding],
+            collided: tracers[collided],
+            overlap: &overlap,
+        }
+        .run(contacts);
+    }
+}
+
+/// One direction of a pair.
+struct Detection<'a, T: Scalar> {
+    bodies: [u32; 2],
+    colliding: &'a Tracer<'a, T>,
+    collided: &'a Tracer<'a, T>,
+    overlap: &'a Aabb<T>,
+}
+
+impl<T: Scalar> Detection<'_, T> {
+    fn run(&self, contacts: &mut ContactList<T>) {
+        let mesh = self.colliding.mesh();
+        for &vertex in mesh.topology().surface_vertices() {
+            if !self.overlap.contains(&mesh.positions()[vertex as usize]) {
+                continue;
+            }
+            match mesh.vertex_normal(vertex) {
+                Some(normal) => self.trace(vertex, &normal, contacts),
+                None => contacts.statistics.without_normal += 1,
+            }
+        }
+    }
+
+    /// Traces the ray of one vertex and keeps it if it passes both filters of the paper.
+    fn trace(&self, vertex: u32, normal: &VertexNormal<T>, contacts: &mut ContactList<T>) {
+        let statistics = &mut contacts.statistics;
+        statistics.rays += 1;
+        let ray = self.inward_ray(vertex, normal);
+        let Some(hit) = self.collided.nearest_hit(&ray) else {
+            statistics.misses += 1;
+            return;
+        };
+        if !hit.is_exit {
+            statistics.entry_hits += 1;
+            return;
+        }
+        if self.colliding.is_hit_before_end(&ray.until(hit.t), vertex) {
+            statistics.own_surface_hits += 1;
+            return;
+        }
+        contacts.contacts.push(self.contact(vertex, normal.area, &ray, &hit));
+    }
+
+    /// The ray, cut where it leaves the overlap box: p2 of an accepted contact lies on one body and inside the other,
+    /// so in both boxes.
+    fn inward_ray(&self, vertex: u32, normal: &VertexNormal<T>) -> Ray<T> {
+        let origin = self.colliding.mesh().positions()[vertex as usize];
+        let direction = -normal.normal;
+        // A hit on the box's very face must not be lost to the rounding of either distance.
+        let margin = self.overlap.reach_from(&origin) * T::ROUNDING_UNIT * T::of(64.0);
+        let mut t_max = T::INFINITY;
+        for axis in 0..3 {
+            if direction[axis] > T::zero() {
+                t_max = t_max.min((self.overlap.upper[axis] - origin[axis] + margin) / direction[axis]);
+            } else if direction[axis] < T::zero() {
+                t_max = t_max.min((self.overlap.lower[axis] - origin[axis] - margin) / direction[axis]);
+            }
+        }
+        Ray { origin, direction, t_max }
+    }
+
+    fn contact(&self, vertex: u32, area: T, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
+        let half = T::of(0.5);
+        let normal = direction(&self.collided.mesh().scaled_normal(hit.triangle));
+        let cos_alpha = normal.map_or(T::zero(), |n| n.dot(&ray.direction).clamp(T::zero(), T::one()));
+        Contact {
+            colliding: self.bodies[0],
+            collided: self.bodies[1],
+            p1: at_vertex(self.colliding.mesh(), vertex),
+            p2: SurfacePoint {
+                triangle: hit.triangle,
+                vertices: self.collided.mesh().topology().triangles()[hit.triangle as usize],
+                weights: hit.weights,
+                position: ray.origin + ray.direction * hit.t,
+            },
+            direction: ray.direction,
+            depth: hit.t,
+            cos_alpha,
+            area: area * half,
+        }
+    }
+}
+
+fn at_vertex<T: Scalar>(mesh: &Mesh<T>, vertex: u32) -> SurfacePoint<T> {
+    let triangle = mesh.topology().triangles_around(vertex)[0];
+    let mut vertices = mesh.topology().triangles()[triangle as usize];
+    let place = vertices.iter().position(|&v| v == vertex).expect("triangle lies around its vertex");
+    vertices.rotate_left(place);
+    let position: Vector3<T> = mesh.positions()[vertex as usize];
+    SurfacePoint { triangle, vertices, weights: [T::one(), T::zero(), T::zero()], position }
+}

@@ -1,0 +1,51 @@
+//! Contact between deformable bodies, found by tracing rays.
+//!
+//! Each body is a closed triangle surface. From every surface vertex inside the overlap of two bodies' boxes a ray
+//! runs along the inward normal; where it leaves the *other* body before its own, a contact is found, and a penalty
+//! force weighted by cos α pulls the two points together (Hermann, Faure, Raffin 2008, "Ray-traced collision
+//! detection for deformable bodies"). Nothing is precomputed that deformation would spoil, and deep overlap is fine.
+//!
+//! The modules are floors: each uses only those below it.
+//!
+//! | floor | holds |
+//! | --- | --- |
+//! | [`scene`] | broad phase and parallel narrow phase over many meshes |
+//! | [`response`] | penalty law: forces, differential, energy |
+//! | [`contact`] | the detection between two meshes, [`contact::Contact`], [`contact::ContactList`] |
+//! | [`octree`] | the search structure over one mesh's triangles |
+//! | [`mesh`] | topology, positions, normals, areas, boxes |
+//! | [`ray`] | rays, hits, ray–triangle tests |
+//! | [`math`] | scalars, boxes |
+//!
+//! # Example
+//! Two unit cubes, one shifted by (0.8, 0.1, 0.2): the corner of each that lies inside the other is pulled out.
+//! ```
+//! use raycontact::contact::{ContactList, query_pair};
+//! use raycontact::{mesh::Mesh, octree::Octree};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let corner = |i: usize| [(i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64];
+//! let cube: Vec<[f64; 3]> = (0..8).map(corner).collect();
+//! let moved: Vec<[f64; 3]> = cube.iter().map(|p| [p[0] + 0.8, p[1] + 0.1, p[2] + 0.2]).collect();
+//! let faces = [
+//!     [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
+//!     [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+//! ];
+//! let a = Mesh::new(&cube, &faces)?;
+//! let b = Mesh::new(&moved, &faces)?;
+//! let (octree_a, octree_b) = (Octree::new(&a), Octree::new(&b));
+//! let mut contacts = ContactList::default();
+//! query_pair(&a, &octree_a, &b, &octree_b, &mut contacts)?;
+//! assert_eq!(contacts.len(), 2);
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod capi;
+pub mod contact;
+pub mod math;
+pub mod mesh;
+pub mod octree;
+pub mod ray;
+pub mod response;
+pub mod scene;

@@ -1,0 +1,162 @@
+//! One closed, outward-oriented triangle surface: fixed topology, positions renewed each step.
+
+mod error;
+mod obj_file;
+mod topology;
+
+pub use error::MeshError;
+pub use obj_file::{ObjFileError, read_obj_file};
+pub use topology::Topology;
+
+use crate::math::{Aabb, Scalar, Vector3, direction, length};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A closed, manifold triangle surface with outward normals, at its positions of this step.
+///
+/// A clone shares the topology and has positions of its own.
+#[derive(Clone, Debug)]
+pub struct Mesh<T: Scalar> {
+    topology: Arc<Topology>,
+    positions: Vec<Vector3<T>>,
+    aabb: Aabb<T>,
+    stamp: u64,
+}
+
+/// A vertex normal and the surface its vertex stands for.
+#[derive(Clone, Copy, Debug)]
+pub struct VertexNormal<T: Scalar> {
+    /// Outward, of unit length: the mean of the surrounding triangles' normals, weighted by their areas.
+    pub normal: Vector3<T>,
+    /// One third of the surrounding triangles' areas.
+    pub area: T,
+}
+
+impl<T: Scalar> Mesh<T> {
+    /// Checks and copies a surface: `triangles` name the corners in `positions`, counter-clockwise seen from outside.
+    /// Positions that no triangle uses are allowed.
+    ///
+    /// # Errors
+    /// Every way in which the surface is not closed, manifold, consistently and outward oriented, without degenerate
+    /// triangles and finite has its own [`MeshError`].
+    pub fn new(positions: &[[T; 3]], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+        let mut mesh = Self {
+            topology: Arc::new(Topology::new(positions.len(), triangles)?),
+            positions: vec![Vector3::zeros(); positions.len()],
+            aabb: Aabb::empty(),
+            stamp: 0,
+        };
+        mesh.set_positions(positions)?;
+        mesh.check_areas()?;
+        mesh.check_outward()?;
+        Ok(mesh)
+    }
+
+    /// Renews the positions. Octrees of this mesh are stale from here on.
+    ///
+    /// # Errors
+    /// [`MeshError::WrongCount`] and [`MeshError::NotFinite`]; the positions are then as before.
+    pub fn set_positions(&mut self, positions: &[[T; 3]]) -> Result<(), MeshError> {
+        self.set_positions_with(positions.len(), |vertex| Vector3::from(positions[vertex]))
+    }
+
+    /// [`set_positions`](Self::set_positions) from any layout: `position` is asked twice for each of `count` vertices.
+    pub fn set_positions_with(
+        &mut self,
+        count: usize,
+        position: impl Fn(usize) -> Vector3<T>,
+    ) -> Result<(), MeshError> {
+        if count != self.positions.len() {
+            return Err(MeshError::WrongCount { given: count, expected: self.positions.len() });
+        }
+        if let Some(vertex) = (0..count).find(|&v| !position(v).iter().all(|x| x.is_finite())) {
+            return Err(MeshError::NotFinite { vertex });
+        }
+        for (vertex, place) in self.positions.iter_mut().enumerate() {
+            *place = position(vertex);
+        }
+        self.aabb = Aabb::empty();
+        for &vertex in self.topology.surface_vertices() {
+            self.aabb.include(&self.positions[vertex as usize]);
+        }
+        static NEXT_STAMP: AtomicU64 = AtomicU64::new(1);
+        self.stamp = NEXT_STAMP.fetch_add(1, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Triangles, neighbourhoods and vertices.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The position of every vertex.
+    pub fn positions(&self) -> &[Vector3<T>] {
+        &self.positions
+    }
+
+    /// The smallest box around the surface.
+    pub fn aabb(&self) -> &Aabb<T> {
+        &self.aabb
+    }
+
+    /// The three corners of a triangle.
+    pub fn corners(&self, triangle: u32) -> [Vector3<T>; 3] {
+        self.topology.triangles()[triangle as usize].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// Outward, as long as twice the triangle's area.
+    pub fn scaled_normal(&self, triangle: u32) -> Vector3<T> {
+        let [a, b, c] = self.corners(triangle);
+        (b - a).cross(&(c - a))
+    }
+
+    /// The normal at a vertex, from the positions of this step; `None` where the surrounding triangles have no area
+    /// or cancel out.
+    pub fn vertex_normal(&self, vertex: u32) -> Option<VertexNormal<T>> {
+        let mut sum = Vector3::zeros();
+        let mut doubled_area = T::zero();
+        for &triangle in self.topology.triangles_around(vertex) {
+            let normal = self.scaled_normal(triangle);
+            sum += normal;
+            doubled_area += length(&normal);
+        }
+        Some(VertexNormal { normal: direction(&sum)?, area: doubled_area / T::of(6.0) })
+    }
+
+    /// The enclosed volume.
+    pub fn volume(&self) -> T {
+        let base = self.aabb.lower;
+        let six_fold = (0..self.topology.triangles().len() as u32).fold(T::zero(), |sum, triangle| {
+            let [a, b, c] = self.corners(triangle).map(|corner| corner - base);
+            sum + a.dot(&b.cross(&c))
+        });
+        six_fold / T::of(6.0)
+    }
+
+    /// Tells these positions from all others, so that a stale octree is recognised.
+    pub(crate) fn stamp(&self) -> u64 {
+        self.stamp
+    }
+
+    pub(crate) fn shares_topology_with(&self, topology: &Arc<Topology>) -> bool {
+        Arc::ptr_eq(&self.topology, topology)
+    }
+
+    pub(crate) fn shared_topology(&self) -> &Arc<Topology> {
+        &self.topology
+    }
+
+    fn check_areas(&self) -> Result<(), MeshError> {
+        for (triangle, &corners) in self.topology.triangles().iter().enumerate() {
+            if self.scaled_normal(triangle as u32) == Vector3::zeros() {
+                return Err(MeshError::DegenerateTriangle { triangle, corners });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_outward(&self) -> Result<(), MeshError> {
+        let volume = self.volume();
+        if volume > T::zero() { Ok(()) } else { Err(MeshError::Inward { volume: volume.to_f64() }) }
+    }
+}

@@ -1,0 +1,115 @@
+use super::{Node, Octree};
+use crate::math::{Aabb, Scalar, Vector3};
+use crate::mesh::Mesh;
+
+/// Cells of the deepest level are 2⁻²⁰ of the root; smaller triangles share them.
+const DEEPEST_LEVEL: u8 = 20;
+
+/// A triangle in one cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Entry {
+    pub(super) triangle: u32,
+    level: u8,
+    /// Integer coordinates of the cell among the 2^level cells along each axis.
+    cell: [u32; 3],
+}
+
+impl Entry {
+    /// Which child of the cell above, at `level`, leads to this entry.
+    fn octant_below(&self, level: u8) -> usize {
+        let shift = self.level - level - 1;
+        (0..3).map(|axis| ((self.cell[axis] >> shift & 1) as usize) << axis).sum()
+    }
+}
+
+impl<T: Scalar> Octree<T> {
+    pub(super) fn build(&mut self, mesh: &Mesh<T>) {
+        let aabb = mesh.aabb();
+        let side = aabb.longest_side();
+        self.root = Aabb { lower: aabb.lower, upper: aabb.lower.add_scalar(side) };
+        self.entries.clear();
+        for triangle in 0..mesh.topology().triangles().len() as u32 {
+            self.insert(triangle, &Aabb::of_triangle(&mesh.corners(triangle)), side);
+        }
+        self.scratch.resize(self.entries.len(), Entry::default());
+        self.nodes.clear();
+        self.nodes.push(Node { subtree_end: self.entries.len() as u32, ..Node::default() });
+        let mut next = 0;
+        while next < self.nodes.len() {
+            self.split(next);
+            next += 1;
+        }
+    }
+
+    /// Adds the entries of one triangle: one for each cell its box touches at its level.
+    fn insert(&mut self, triangle: u32, aabb: &Aabb<T>, root_side: T) {
+        let half = T::of(0.5);
+        let longest = aabb.longest_side();
+        let mut level = 0;
+        let mut cell_side = root_side * half;
+        while level < DEEPEST_LEVEL && cell_side >= longest {
+            level += 1;
+            cell_side *= half;
+        }
+        let (mut lower, mut upper) = self.cell_range(aabb, level);
+        // Rounding may spread a box that just fits its cell over three: one level up it touches two again.
+        while level > 0 && (0..3).any(|axis| upper[axis] - lower[axis] > 1) {
+            level -= 1;
+            (lower, upper) = self.cell_range(aabb, level);
+        }
+        for z in lower[2]..=upper[2] {
+            for y in lower[1]..=upper[1] {
+                for x in lower[0]..=upper[0] {
+                    self.entries.push(Entry { triangle, level, cell: [x, y, z] });
+                }
+            }
+        }
+    }
+
+    fn cell_range(&self, aabb: &Aabb<T>, level: u8) -> ([u32; 3], [u32; 3]) {
+        let cells = 1u32 << level;
+        let side = self.root.upper.x - self.root.lower.x;
+        let cell_of = |point: &Vector3<T>| {
+            std::array::from_fn(|axis| {
+                let place = (point[axis] - self.root.lower[axis]) / side * T::of(cells as f64);
+                // The conversion saturates, and takes NaN (a root without extent) to 0.
+                (place.to_f64() as u32).min(cells - 1)
+            })
+        };
+        (cell_of(&aabb.lower), cell_of(&aabb.upper))
+    }
+
+    /// Sorts the entries of a node's subtree into its own and those of each octant, and adds the children.
+    fn split(&mut self, index: usize) {
+        let Node { first_entry, subtree_end, level, .. } = self.nodes[index];
+        let range = first_entry as usize..subtree_end as usize;
+        let bin = |entry: &Entry| if entry.level == level { 0 } else { 1 + entry.octant_below(level) };
+
+        let mut bin_end = [0u32; 9];
+        for entry in &self.entries[range.clone()] {
+            bin_end[bin(entry)] += 1;
+        }
+        let mut bin_start = [first_entry; 9];
+        for i in 0..9 {
+            bin_start[i] = if i == 0 { first_entry } else { bin_end[i - 1] };
+            bin_end[i] += bin_start[i];
+        }
+        let mut place = bin_start;
+        for entry in &self.entries[range.clone()] {
+            let bin = bin(entry);
+            self.scratch[place[bin] as usize] = *entry;
+            place[bin] += 1;
+        }
+        self.entries[range.clone()].copy_from_slice(&self.scratch[range]);
+
+        self.nodes[index].own_end = bin_end[0];
+        self.nodes[index].first_child = self.nodes.len() as u32;
+        for octant in 0..8 {
+            let (start, end) = (bin_start[octant + 1], bin_end[octant + 1]);
+            if start < end {
+                self.nodes[index].children |= 1 << octant;
+                self.nodes.push(Node { first_entry: start, subtree_end: end, level: level + 1, ..Node::default() });
+            }
+        }
+    }
+}

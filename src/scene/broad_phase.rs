@@ -1,0 +1,66 @@
+use crate::math::{Aabb, Scalar};
+
+/// Finds the pairs of bodies whose boxes overlap: sorts the boxes along one axis and compares those whose intervals
+/// meet.
+#[derive(Debug)]
+pub(super) struct BroadPhase<T: Scalar> {
+    sorted: Vec<(Aabb<T>, u32)>,
+    pairs: Vec<[u32; 2]>,
+    in_a_pair: Vec<bool>,
+}
+
+impl<T: Scalar> Default for BroadPhase<T> {
+    fn default() -> Self {
+        Self { sorted: Vec::new(), pairs: Vec::new(), in_a_pair: Vec::new() }
+    }
+}
+
+impl<T: Scalar> BroadPhase<T> {
+    /// Finds the pairs anew; `None` stands for a number without a body.
+    pub(super) fn update(&mut self, boxes: impl Iterator<Item = Option<Aabb<T>>>) {
+        self.sorted.clear();
+        self.in_a_pair.clear();
+        for (body, aabb) in boxes.enumerate() {
+            self.in_a_pair.push(false);
+            self.sorted.extend(aabb.map(|aabb| (aabb, body as u32)));
+        }
+        let axis = self.longest_axis();
+        self.sorted.sort_unstable_by(|(a, i), (b, j)| {
+            a.lower[axis].partial_cmp(&b.lower[axis]).expect("positions are finite").then(i.cmp(j))
+        });
+
+        self.pairs.clear();
+        for (place, (aabb, body)) in self.sorted.iter().enumerate() {
+            let later = self.sorted[place + 1..].iter();
+            for (other_box, other) in later.take_while(|(other, _)| other.lower[axis] <= aabb.upper[axis]) {
+                if aabb.overlaps(other_box) {
+                    self.pairs.push([*body.min(other), *body.max(other)]);
+                }
+            }
+        }
+        self.pairs.sort_unstable();
+        for &body in self.pairs.as_flattened() {
+            self.in_a_pair[body as usize] = true;
+        }
+    }
+
+    /// Overlapping pairs, smaller number first, in ascending order.
+    pub(super) fn pairs(&self) -> &[[u32; 2]] {
+        &self.pairs
+    }
+
+    /// Whether a body belongs to any pair.
+    pub(super) fn is_in_a_pair(&self, body: usize) -> bool {
+        self.in_a_pair[body]
+    }
+
+    /// The axis along which the scene is longest: there the fewest intervals meet.
+    fn longest_axis(&self) -> usize {
+        let mut scene = Aabb::empty();
+        for (aabb, _) in &self.sorted {
+            scene.include(&aabb.lower);
+            scene.include(&aabb.upper);
+        }
+        (scene.upper - scene.lower).imax()
+    }
+}

@@ -1,0 +1,175 @@
+//! Many meshes at once: which boxes overlap (broad phase), then their contacts, pairs in parallel (narrow phase).
+
+mod broad_phase;
+
+use crate::contact::{ContactList, detect_pair};
+use crate::math::Scalar;
+use crate::mesh::Mesh;
+use crate::octree::Octree;
+use broad_phase::BroadPhase;
+use rayon::prelude::*;
+use std::fmt;
+
+/// Bodies, and what is needed to find all contacts among them.
+///
+/// The contacts and their order do not depend on the number of threads.
+#[derive(Debug)]
+pub struct Scene<T: Scalar> {
+    bodies: Vec<Option<Body<T>>>,
+    broad_phase: BroadPhase<T>,
+    /// The contacts of each overlapping pair; kept so that a steady step allocates nothing.
+    pair_contacts: Vec<ContactList<T>>,
+    /// `None`: the caller's own thread.
+    pool: Option<rayon::ThreadPool>,
+}
+
+#[derive(Debug)]
+struct Body<T: Scalar> {
+    mesh: Mesh<T>,
+    octree: Octree<T>,
+}
+
+/// Why a scene refused something. Nothing was changed.
+#[derive(Debug)]
+pub enum SceneError {
+    /// There is no body of this number.
+    UnknownBody {
+        /// The number.
+        body: u32,
+    },
+    /// The system gave no threads.
+    ThreadsNotStarted {
+        /// How many were wanted.
+        threads: usize,
+        /// Why.
+        source: rayon::ThreadPoolBuildError,
+    },
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnknownBody { body } => write!(f, "the scene has no body {body}; it was never added, or was removed"),
+            Self::ThreadsNotStarted { threads, source } => {
+                write!(f, "could not start {threads} threads: {source}; ask for fewer, or for 1 to use your own")
+            }
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl<T: Scalar> Scene<T> {
+    /// An empty scene. `threads`: 1 works on the caller's own thread, n on a pool of n threads that the scene owns, 0
+    /// on one thread per core.
+    ///
+    /// # Errors
+    /// [`SceneError::ThreadsNotStarted`].
+    pub fn new(threads: usize) -> Result<Self, SceneError> {
+        let pool = match threads {
+            1 => None,
+            _ => {
+                let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
+                let named = builder.thread_name(|index| format!("raycontact-{index}"));
+                Some(named.build().map_err(|source| SceneError::ThreadsNotStarted { threads, source })?)
+            }
+        };
+        Ok(Self { bodies: Vec::new(), broad_phase: BroadPhase::default(), pair_contacts: Vec::new(), pool })
+    }
+
+    /// Adds a body; gives its number: the smallest that is free.
+    pub fn add(&mut self, mesh: Mesh<T>) -> u32 {
+        let octree = Octree::new(&mesh);
+        let body = Some(Body { mesh, octree });
+        match self.bodies.iter().position(Option::is_none) {
+            Some(free) => {
+                self.bodies[free] = body;
+                free as u32
+            }
+            None => {
+                self.bodies.push(body);
+                (self.bodies.len() - 1) as u32
+            }
+        }
+    }
+
+    /// Removes a body; its number may be given to a later one.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn remove(&mut self, body: u32) -> Result<Mesh<T>, SceneError> {
+        let removed = self.bodies.get_mut(body as usize).and_then(Option::take);
+        removed.map(|body| body.mesh).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// A body's mesh.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn mesh(&self, body: u32) -> Result<&Mesh<T>, SceneError> {
+        let found = self.bodies.get(body as usize).and_then(Option::as_ref);
+        found.map(|body| &body.mesh).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// A body's mesh, to renew its positions.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn mesh_mut(&mut self, body: u32) -> Result<&mut Mesh<T>, SceneError> {
+        let found = self.bodies.get_mut(body as usize).and_then(Option::as_mut);
+        found.map(|body| &mut body.mesh).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// Finds all contacts between different bodies at their present positions. Replaces what `contacts` held; their
+    /// order is by pair (smaller body number first, then the other), then the colliding body, then the vertex.
+    pub fn query(&mut self, contacts: &mut ContactList<T>) {
+        match self.pool.take() {
+            None => self.detect(false),
+            Some(pool) => {
+                pool.install(|| self.detect(true));
+                self.pool = Some(pool);
+            }
+        }
+        contacts.clear();
+        for pair in &self.pair_contacts[..self.broad_phase.pairs().len()] {
+            contacts.append(pair);
+        }
+    }
+
+    fn detect(&mut self, parallel: bool) {
+        let boxes = self.bodies.iter().map(|body| body.as_ref().map(|body| *body.mesh.aabb()));
+        self.broad_phase.update(boxes);
+        let broad_phase = &self.broad_phase;
+        let pairs = broad_phase.pairs();
+        if self.pair_contacts.len() < pairs.len() {
+            self.pair_contacts.resize_with(pairs.len(), ContactList::default);
+        }
+
+        // Only bodies that meet another one need their octree.
+        let update = |(index, body): (usize, &mut Option<Body<T>>)| {
+            if let Some(body) = body.as_mut().filter(|_| broad_phase.is_in_a_pair(index)) {
+                body.octree.update(&body.mesh).expect("a body keeps its own octree");
+            }
+        };
+        if parallel {
+            self.bodies.par_iter_mut().enumerate().for_each(update);
+        } else {
+            self.bodies.iter_mut().enumerate().for_each(update);
+        }
+
+        let bodies = &self.bodies;
+        let tracer = |index: u32| {
+            let body = bodies[index as usize].as_ref().expect("pairs name present bodies");
+            body.octree.tracer(&body.mesh).expect("octrees are up to date")
+        };
+        let detect = |(&[a, b], contacts): (&[u32; 2], &mut ContactList<T>)| {
+            contacts.clear();
+            detect_pair([a, b], [&tracer(a), &tracer(b)], contacts);
+        };
+        if parallel {
+            pairs.par_iter().zip(&mut self.pair_contacts).for_each(detect);
+        } else {
+            pairs.iter().zip(&mut self.pair_contacts).for_each(detect);
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The C header is what the sources say, compiles as C99 and C++17, and every export keeps the house rules.
+
+use std::ffi::CStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn header() -> String {
+    fs::read_to_string(root().join("include/raycontact.h")).expect("the header is committed")
+}
+
+/// The sources of the C interface: (file name, text).
+fn sources() -> Vec<(PathBuf, String)> {
+    let files = fs::read_dir(root().join("src/capi")).expect("src/capi exists");
+    let paths = files.map(|file| file.expect("a readable entry").path());
+    paths.map(|path| (path.clone(), fs::read_to_string(path).expect("a readable source"))).collect()
+}
+
+/// The texts of all `extern "C"` functions, from their `#[unsafe(no_mangle)]` to the closing brace, each with the
+/// line before it.
+fn exports() -> Vec<String> {
+    let mut exports = Vec::new();
+    for (_, text) in sources() {
+        let lines: Vec<&str> = text.lines().collect();
+        for (at, line) in lines.iter().enumerate() {
+            if *line == "#[unsafe(no_mangle)]" {
+                let length = lines[at..].iter().position(|line| *line == "}").expect("functions end");
+                exports.push(lines[at - 1..=at + length].join("\n"));
+            }
+        }
+    }
+    assert!(exports.len() > 30, "the sources are found");
+    exports
+}
+
+/// With RAYCONTACT_WRITE_HEADER=1 the header is written instead of compared.
+#[test]
+fn header_is_what_cbindgen_generates() {
+    let config = cbindgen::Config::from_file(root().join("cbindgen.toml")).expect("cbindgen.toml is valid");
+    let mut paths: Vec<PathBuf> = sources().into_iter().map(|(path, _)| path).collect();
+    paths.sort_by_key(|path| position_in_header(path));
+    // Its own sources only: the rest of the crate stays out of the header.
+    let builder = cbindgen::Builder::new().with_config(config);
+    let builder = paths.iter().fold(builder, |builder, path| builder.with_src(path));
+    let mut generated = Vec::new();
+    builder.generate().expect("the sources parse").write(&mut generated);
+    let generated = String::from_utf8(generated).expect("the header is UTF-8");
+    if std::env::var_os("RAYCONTACT_WRITE_HEADER").is_some() {
+        fs::write(root().join("include/raycontact.h"), generated).expect("the header can be written");
+    } else {
+        assert!(generated == header(), "include/raycontact.h is out of date: see CONTRIBUTING.md for how to renew it");
+    }
+}
+
+/// The header reads from the general to the particular.
+fn position_in_header(path: &Path) -> usize {
+    let order =
+        ["version", "failure", "guard", "vectors", "options", "mesh", "octree", "contacts", "response", "scene"];
+    let name = path.file_stem().and_then(|stem| stem.to_str()).expect("sources have names");
+    order.iter().position(|known| *known == name).unwrap_or(order.len())
+}
+
+#[test]
+fn header_compiles_alone_as_c99_and_cpp17() {
+    for (standard, extension) in [("c99", "c"), ("c++17", "cpp")] {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(extension);
+        fs::create_dir_all(&folder).expect("the test's folder can be made");
+        let source = folder.join(format!("alone.{extension}"));
+        let text =
+            "#include <raycontact.h>\n#include <raycontact.h>\nint main(void) { return (int)rayc_version() * 0; }\n";
+        fs::write(&source, text).expect("the test's source can be written");
+        cc::Build::new()
+            .cpp(extension == "cpp")
+            .std(standard)
+            .include(root().join("include"))
+            .file(&source)
+            .flags(["-Wall", "-Wextra", "-Wpedantic", "-Werror"])
+            .target(env!("RAYCONTACT_TARGET"))
+            .host(env!("RAYCONTACT_TARGET"))
+            .opt_level(0)
+            .cargo_metadata(false)
+            .out_dir(&folder)
+            .try_compile("alone")
+            .unwrap_or_else(|error| panic!("the header does not compile as {standard}: {error}"));
+    }
+}
+
+#[test]
+fn every_export_goes_through_the_guard() {
+    for export in exports() {
+        assert!(export.contains("guard(") || export.contains("guard_value("), "no panic guard in:\n{export}");
+    }
+}
+
+#[test]
+fn every_export_is_documented() {
+    for export in exports() {
+        assert!(export.starts_with("///"), "no text for users in:\n{export}");
+    }
+}
+
+#[test]
+fn every_status_has_its_name() {
+    let text = header();
+    let statuses = text.lines().filter_map(|line| {
+        let (name, number) = line.trim().strip_suffix(',')?.split_once(" = ")?;
+        name.starts_with("RAYC_STATUS_").then(|| (name, number.parse::<u32>().expect("a number")))
+    });
+    let mut count = 0;
+    for (name, number) in statuses {
+        assert_eq!(status_name(number).to_str(), Ok(name), "rayc_status_name({number})");
+        count += 1;
+    }
+    assert!(count > 20, "the statuses are found");
+}
+
+#[allow(unsafe_code)] // reading a C string needs it
+fn status_name(status: u32) -> &'static CStr {
+    // SAFETY: rayc_status_name gives a constant string that ends in zero.
+    unsafe { CStr::from_ptr(raycontact::capi::rayc_status_name(status)) }
+}
+
+#[test]
+fn version_is_that_of_the_package() {
+    let [major, minor, patch] =
+        [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")];
+    for (name, number) in [("MAJOR", major), ("MINOR", minor), ("PATCH", patch)] {
+        assert!(header().contains(&format!("#define RAYC_VERSION_{name} {number}\n")), "RAYC_VERSION_{name} {number}");
+    }
+    let number = |text: &str| text.parse::<u32>().expect("a number");
+    let version = number(major) * 10_000 + number(minor) * 100 + number(patch);
+    assert_eq!(raycontact::capi::rayc_version(), version);
+}
