@@ -10,6 +10,7 @@ Debian's VTK draws through X: without a display, run it as
 """
 
 import argparse
+import math
 import os
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -56,11 +57,14 @@ def split(frame, body):
     return normals.GetOutput()
 
 
-def add_view(window, frame, caption, viewport):
-    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer, vtkTextActor
+CAPTION_HEIGHT = 0.1  # of the picture
+
+
+def add_view(window, frame, left, right):
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer
 
     renderer = vtkRenderer()
-    renderer.SetViewport(*viewport)
+    renderer.SetViewport(left, CAPTION_HEIGHT, right, 1)
     renderer.SetBackground(1, 1, 1)
     for body, colour in enumerate(COLOURS):
         mapper = vtkPolyDataMapper()
@@ -73,47 +77,75 @@ def add_view(window, frame, caption, viewport):
         actor.GetProperty().SetSpecularPower(30)
         actor.GetProperty().SetAmbient(0.15)
         renderer.AddActor(actor)
+    window.AddRenderer(renderer)
+    return renderer
+
+
+def add_caption(window, caption, left, right):
+    from vtkmodules.vtkRenderingCore import vtkRenderer, vtkTextActor
+
     text = vtkTextActor()
     text.SetInput(caption)
-    text.GetTextProperty().SetFontSize(max(14, window.GetSize()[1] // 24))
+    text.GetTextProperty().SetFontSize(max(12, window.GetSize()[1] // 26))
     text.GetTextProperty().SetColor(0.1, 0.1, 0.1)
     text.GetTextProperty().SetJustificationToCentered()
     text.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
-    text.GetPositionCoordinate().SetValue(0.5, 0.03)
+    text.GetPositionCoordinate().SetValue(0.5, 0.3)
+    renderer = vtkRenderer()
+    renderer.SetViewport(left, 0, right, CAPTION_HEIGHT)
+    renderer.SetBackground(1, 1, 1)
     renderer.AddActor2D(text)
     window.AddRenderer(renderer)
-    return renderer
 
 
 def centre_of(body):
     return [sum(body.GetBounds()[2 * a : 2 * a + 2]) / 2 for a in range(3)]
 
 
-def viewing_direction(end):
+def viewing_direction(start, end):
     """From above and aside, turned so that the bodies lie beside one another rather than one behind the other."""
-    base = (0.45, 0.5, 1.0)
-    first, second = (centre_of(split(end, body)) for body in (0, 1))
-    apart = [b - a for a, b in zip(first, second)]
-    length = sum(x * x for x in apart) or 1.0
-    along = sum(b * a for b, a in zip(base, apart)) / length
-    return [b - 0.7 * along * a for b, a in zip(base, apart)]
+
+    def apart(frame):
+        first, second = (centre_of(split(frame, body)) for body in (0, 1))
+        return [b - a for a, b in zip(first, second)]
+
+    shift = apart(start)
+    side = math.hypot(shift[0], shift[2])
+    base = (-shift[2] / side, 0.5, shift[0] / side) if side > 0 else (0, 0.5, 1)
+    parting = apart(end)
+    length = sum(x * x for x in parting) or 1.0
+    along = sum(b * a for b, a in zip(base, parting)) / length
+    return [b - 0.4 * along * a for b, a in zip(base, parting)]
 
 
-def aim(renderers, surfaces):
-    """One camera for both views, so that they can be compared."""
-    boxes = [surface.GetBounds() for surface in surfaces]
-    low = [min(box[2 * a] for box in boxes) for a in range(3)]
-    high = [max(box[2 * a + 1] for box in boxes) for a in range(3)]
-    centre = [(lo + hi) / 2 for lo, hi in zip(low, high)]
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def unit(a):
+    length = math.sqrt(sum(x * x for x in a))
+    return [x / length for x in a]
+
+
+def aim(renderers, surfaces, aspect):
+    """One camera for both views, so that they can be compared; both bodies fill it at the start or at the end."""
+    towards = unit(viewing_direction(*surfaces))
+    right = unit(cross((0, 1, 0), towards))
+    axes = (right, cross(towards, right))
+    points = [surface.GetPoint(i) for surface in surfaces for i in range(surface.GetNumberOfPoints())]
+    seen = [[sum(a * x for a, x in zip(axis, point)) for point in points] for axis in axes]
+    far = 100 * max(abs(x) for point in points for x in point)  # in front of everything
+    middle = [(min(s) + max(s)) / 2 for s in seen]
+    half = [(max(s) - min(s)) / 2 for s in seen]
+    focus = [middle[0] * r + middle[1] * u for r, u in zip(*axes)]
     camera = renderers[0].GetActiveCamera()
-    camera.SetFocalPoint(*centre)
-    camera.SetPosition(*(c + d for c, d in zip(centre, viewing_direction(surfaces[-1]))))
+    camera.ParallelProjectionOn()
+    camera.SetParallelScale(1.04 * max(half[1], half[0] / aspect))
+    camera.SetFocalPoint(*focus)
+    camera.SetPosition(*(f + far * t for f, t in zip(focus, towards)))
     camera.SetViewUp(0, 1, 0)
-    renderers[0].ResetCamera([value for pair in zip(low, high) for value in pair])
-    camera.Zoom(1.35)
-    for renderer in renderers[1:]:
-        renderer.SetActiveCamera(camera)
     for renderer in renderers:
+        renderer.SetActiveCamera(camera)
         renderer.ResetCameraClippingRange()
 
 
@@ -138,8 +170,9 @@ def draw(pvd, png, width):
         frame = read(path)
         surfaces.append(frame)
         caption = f"{name}: {percent_inside(frame):.1f} % of the vertices inside (t = {time:.2f} s)"
-        renderers.append(add_view(window, frame, caption, (side / 2, 0, (side + 1) / 2, 1)))
-    aim(renderers, surfaces)
+        renderers.append(add_view(window, frame, side / 2, (side + 1) / 2))
+        add_caption(window, caption, side / 2, (side + 1) / 2)
+    aim(renderers, surfaces, (width / 2) / (window.GetSize()[1] * (1 - CAPTION_HEIGHT)))
     window.Render()
     image = vtkWindowToImageFilter()
     image.SetInput(window)

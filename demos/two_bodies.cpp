@@ -45,9 +45,9 @@ std::vector<Body> make_bodies(const Options& options) {
   } else {
     for (std::size_t i = 0; i < 2; ++i) {
       bodies[i].surface = demo::read_obj(options.surfaces[i]);
-      demo::normalise(bodies[i].surface, 2.8);  // the size of the tori
+      demo::normalise(bodies[i].surface, 2.8);  // m, the size of the tori
     }
-    demo::move(bodies[1].surface, {{0.25, 0.1, 0.3}});
+    demo::move(bodies[1].surface, {{0.1, 0.04, 0.12}});
     for (Body& body : bodies)
       body.cage = rb::make_cage(body.surface.positions, body.surface.triangles, static_cast<int>(options.cells));
   }

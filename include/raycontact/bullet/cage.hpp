@@ -25,7 +25,7 @@ namespace raycontact::bullet {
 
 struct Cage {
   std::vector<btVector3> nodes;
-  std::vector<btScalar> fill;  ///< for each node, the share of its cells' volume that lies inside the skin, m^3
+  std::vector<btScalar> fill;  ///< for each node, its part of the volume inside the skin, m^3; masses follow it
   std::vector<std::array<int, 4>> tetrahedra;  ///< positive volume
   Skin skin;
   double cell_edge = 0;  ///< the shortest edge of a cell, m
