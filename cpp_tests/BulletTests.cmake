@@ -6,6 +6,11 @@ if(NOT PkgConfig_FOUND)
 endif()
 
 foreach(package IN ITEMS bullet bullet-float64)
+    if(package MATCHES "float64$")
+        set(precision 64)
+    else()
+        set(precision 32)
+    endif()
     string(REPLACE "-" "_" name "${package}")
     pkg_check_modules(${name} QUIET IMPORTED_TARGET ${package})
     if(NOT ${name}_FOUND)
@@ -14,7 +19,10 @@ foreach(package IN ITEMS bullet bullet-float64)
     endif()
     # Two translation units, so that a function of the adapter that is not inline is noticed.
     add_executable(${name}_parts_bodies bullet_parts_bodies.cpp bullet_second_unit.cpp)
+    # Bullet's own headers set this off, although they are system headers, once they are inlined.
+    target_compile_options(${name}_parts_bodies PRIVATE -Wno-maybe-uninitialized)
     target_link_libraries(${name}_parts_bodies PRIVATE raycontact::raycontact PkgConfig::${name})
+    target_compile_definitions(${name}_parts_bodies PRIVATE RAYCONTACT_BULLET_PRECISION=${precision})
     # The world and the shapes are those of the demos.
     target_include_directories(${name}_parts_bodies PRIVATE "${PROJECT_SOURCE_DIR}/demos")
     add_test(NAME ${name}_parts_bodies COMMAND ${name}_parts_bodies)

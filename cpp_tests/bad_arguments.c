@@ -9,9 +9,11 @@ static void default_options_check_their_size(void) {
   rayc_mesh_options mesh_options;
   rayc_response_options response_options;
   rayc_scene_options scene_options;
-  CHECK_STATUS(rayc_default_mesh_options(0, &mesh_options), RAYC_STATUS_INVALID_STRUCT_SIZE, "sizeof");
-  CHECK_STATUS(rayc_default_response_options(0, &response_options), RAYC_STATUS_INVALID_STRUCT_SIZE, "sizeof");
-  CHECK_STATUS(rayc_default_scene_options(0, &scene_options), RAYC_STATUS_INVALID_STRUCT_SIZE, "sizeof");
+  CHECK_STATUS(rayc_default_mesh_options(0, &mesh_options), RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_mesh_options is 0");
+  CHECK_STATUS(rayc_default_response_options(0, &response_options), RAYC_STATUS_INVALID_STRUCT_SIZE,
+               "rayc_response_options is 0");
+  CHECK_STATUS(rayc_default_scene_options(0, &scene_options), RAYC_STATUS_INVALID_STRUCT_SIZE,
+               "rayc_scene_options is 0");
   CHECK_STATUS(rayc_default_mesh_options(sizeof mesh_options, NULL), RAYC_STATUS_NULL_POINTER, "options");
   CHECK_STATUS(rayc_default_response_options(sizeof response_options, NULL), RAYC_STATUS_NULL_POINTER, "options");
   CHECK_STATUS(rayc_default_scene_options(sizeof scene_options, NULL), RAYC_STATUS_NULL_POINTER, "options");
@@ -31,7 +33,7 @@ static void mesh_create_checks_its_arguments(void) {
   rayc_mesh_options options;
   memset(&options, 0, sizeof options);
   CHECK_STATUS(rayc_mesh_create(&options, &positions, octahedron_triangles, OCTAHEDRON_TRIANGLES, &mesh),
-               RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_default_mesh_options");
+               RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_mesh_options is 0");
   CHECK_OK(rayc_default_mesh_options(sizeof options, &options));
   options.precision = 7;
   CHECK_STATUS(rayc_mesh_create(&options, &positions, octahedron_triangles, OCTAHEDRON_TRIANGLES, &mesh),
@@ -104,9 +106,9 @@ static void query_checks_its_arguments(void) {
   CHECK_OK(rayc_octree_create(mesh, &octree));
   CHECK_STATUS(rayc_contacts_create(NULL), RAYC_STATUS_NULL_POINTER, "contacts");
   CHECK_OK(rayc_contacts_create(&contacts));
-  CHECK_STATUS(rayc_query_pair(NULL, octree, mesh, octree, contacts), RAYC_STATUS_NULL_POINTER, "mesh");
+  CHECK_STATUS(rayc_query_pair(NULL, octree, mesh, octree, contacts), RAYC_STATUS_NULL_POINTER, "a is NULL");
   CHECK_STATUS(rayc_query_pair(mesh, NULL, mesh, octree, contacts), RAYC_STATUS_NULL_POINTER, "octree");
-  CHECK_STATUS(rayc_query_pair(mesh, octree, NULL, octree, contacts), RAYC_STATUS_NULL_POINTER, "mesh");
+  CHECK_STATUS(rayc_query_pair(mesh, octree, NULL, octree, contacts), RAYC_STATUS_NULL_POINTER, "b is NULL");
   CHECK_STATUS(rayc_query_pair(mesh, octree, mesh, NULL, contacts), RAYC_STATUS_NULL_POINTER, "octree");
   CHECK_STATUS(rayc_query_pair(mesh, octree, mesh, octree, NULL), RAYC_STATUS_NULL_POINTER, "contacts");
   CHECK_OK(rayc_octree_destroy(octree));
@@ -119,7 +121,7 @@ static void scene_checks_its_arguments(void) {
   rayc_scene* scene = NULL;
   rayc_scene_options options;
   memset(&options, 0, sizeof options);
-  CHECK_STATUS(rayc_scene_create(&options, &scene), RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_default_scene_options");
+  CHECK_STATUS(rayc_scene_create(&options, &scene), RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_scene_options is 0");
   CHECK_OK(rayc_default_scene_options(sizeof options, &options));
   options.precision = 9;
   CHECK_STATUS(rayc_scene_create(&options, &scene), RAYC_STATUS_UNKNOWN_ENUM, "9");

@@ -55,9 +55,10 @@ int main(int argc, char** argv) {
 
   check_broken("number.obj", "v 0 0 0\nv 1 zero 0\n" TETRAHEDRON_FACES, "line 2");
   check_broken("coordinates.obj", "v 0 0 0\nv 1 0 0\nv 0 1\n" TETRAHEDRON_FACES, "line 3");
-  check_broken("index.obj", TETRAHEDRON_VERTICES "f 1 3 2\nf 1 2 9\n", "9");
-  check_broken("zero.obj", TETRAHEDRON_VERTICES "f 0 3 2\n", "0");
-  check_broken("face.obj", TETRAHEDRON_VERTICES "f 1 3\n", "line 5");
+  check_broken("index.obj", TETRAHEDRON_VERTICES "f 1 3 2\nf 1 2 9\n", "vertex 9");
+  check_broken("zero.obj", TETRAHEDRON_VERTICES "f 0 3 2\n", "line 5");
+  check_broken("face.obj", TETRAHEDRON_VERTICES "f 1 3\n", "fewer than three");
+  check_broken("huge.obj", TETRAHEDRON_VERTICES "f 4294967297 3 2\n", "4294967297");
   check_broken("no_faces.obj", TETRAHEDRON_VERTICES, NULL);
   check_broken("empty.obj", "", NULL);
   check_broken("binary.obj", "\x01\x02\xff\xfe\x80", NULL);

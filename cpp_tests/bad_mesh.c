@@ -67,6 +67,12 @@ static void refuses_a_degenerate_triangle(void) {
   mesh_case mesh = octahedron();
   mesh.triangles[3 * 3 + 2] = mesh.triangles[3 * 3];
   check_refused("one vertex twice", &mesh, RAYC_STATUS_MESH_DEGENERATE_TRIANGLE, "triangle 3", NULL);
+
+  /* Corners on a line: +z between +x and +y. Triangle 0 is the only one with all three. */
+  static const double halfway[3] = {0.5, 0.5, 0};
+  mesh = octahedron();
+  memcpy(&mesh.positions[3 * 4], halfway, sizeof halfway);
+  check_refused("corners on a line", &mesh, RAYC_STATUS_MESH_DEGENERATE_TRIANGLE, "triangle 0", NULL);
 }
 
 static void refuses_an_open_mesh(void) {
@@ -90,7 +96,7 @@ static void refuses_a_non_manifold_mesh(void) {
   mesh_case mesh = octahedron();
   memcpy(mesh.positions, positions, sizeof positions);
   memcpy(mesh.triangles, triangles, sizeof triangles);
-  check_refused("four triangles at an edge", &mesh, RAYC_STATUS_MESH_NON_MANIFOLD, "edge", "4");
+  check_refused("four triangles at an edge", &mesh, RAYC_STATUS_MESH_NON_MANIFOLD, "edge (0, 1)", "4 triangles");
 }
 
 static void refuses_an_inward_mesh(void) {
@@ -98,7 +104,7 @@ static void refuses_an_inward_mesh(void) {
   for (size_t i = 0; i < mesh.triangle_count; ++i) {
     flip(&mesh, i);
   }
-  check_refused("inside out", &mesh, RAYC_STATUS_MESH_INWARD, "outward", NULL);
+  check_refused("inside out", &mesh, RAYC_STATUS_MESH_INWARD, "inside out", NULL);
 }
 
 static void refuses_positions_that_are_not_finite(void) {
@@ -110,14 +116,29 @@ static void refuses_positions_that_are_not_finite(void) {
   }
 }
 
+static void check_accepted(const mesh_case* mesh) {
+  const rayc_vectors vectors = packed(mesh->positions, mesh->vertex_count);
+  rayc_mesh* handle = NULL;
+  CHECK_OK(rayc_mesh_create(NULL, &vectors, mesh->triangles, mesh->triangle_count, &handle));
+  CHECK(handle != NULL);
+  CHECK_OK(rayc_mesh_destroy(handle));
+}
+
 static void accepts_a_vertex_without_triangle(void) {
   mesh_case mesh = octahedron();
   mesh.vertex_count = OCTAHEDRON_VERTICES + 1; /* the inner node of a volume mesh, at the origin */
-  const rayc_vectors vectors = packed(mesh.positions, mesh.vertex_count);
-  rayc_mesh* handle = NULL;
-  CHECK_OK(rayc_mesh_create(NULL, &vectors, mesh.triangles, mesh.triangle_count, &handle));
-  CHECK(handle != NULL);
-  CHECK_OK(rayc_mesh_destroy(handle));
+  check_accepted(&mesh);
+}
+
+/* Modelled surfaces have such vertices, and inside and outside are clear all the same. */
+static void accepts_sheets_that_touch_in_a_vertex(void) {
+  static const double positions[] = {0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0, -0.5, -0.5, 1};
+  static const uint32_t triangles[] = {0, 3, 2, 0, 2, 1, 0, 1, 3, 2, 3, 1, 0, 5, 4, 0, 4, 6, 0, 6, 5, 4, 5, 6};
+  mesh_case mesh = octahedron();
+  memcpy(mesh.positions, positions, sizeof positions);
+  memcpy(mesh.triangles, triangles, sizeof triangles);
+  mesh.vertex_count = 7;
+  check_accepted(&mesh);
 }
 
 int main(void) {
@@ -130,5 +151,6 @@ int main(void) {
   refuses_an_inward_mesh();
   refuses_positions_that_are_not_finite();
   accepts_a_vertex_without_triangle();
+  accepts_sheets_that_touch_in_a_vertex();
   return check_result();
 }

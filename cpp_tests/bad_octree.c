@@ -24,10 +24,10 @@ int main(void) {
   octahedron_shifted(far_away, positions);
   const rayc_vectors vectors = packed(positions, OCTAHEDRON_VERTICES);
   CHECK_OK(rayc_mesh_set_positions(a, &vectors));
-  CHECK_STATUS(rayc_query_pair(a, octree_a, b, octree_b, contacts), RAYC_STATUS_OCTREE_STALE, "rayc_octree_update");
-  CHECK_STATUS(rayc_query_pair(b, octree_b, a, octree_a, contacts), RAYC_STATUS_OCTREE_STALE, "rayc_octree_update");
-  CHECK_STATUS(rayc_octree_trace_ray(octree_a, a, &ray, &hit), RAYC_STATUS_OCTREE_STALE, "rayc_octree_update");
-  CHECK_STATUS(rayc_octree_trace_rays(octree_a, a, &ray, 1, &hit), RAYC_STATUS_OCTREE_STALE, "rayc_octree_update");
+  CHECK_STATUS(rayc_query_pair(a, octree_a, b, octree_b, contacts), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
+  CHECK_STATUS(rayc_query_pair(b, octree_b, a, octree_a, contacts), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
+  CHECK_STATUS(rayc_octree_trace_ray(octree_a, a, &ray, &hit), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
+  CHECK_STATUS(rayc_octree_trace_rays(octree_a, a, &ray, 1, &hit), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
   CHECK(hit.triangle == 42 && hit.is_exit == 42 && hit.t == 42);
   count = 0;
   CHECK_OK(rayc_contacts_count(contacts, &count));

@@ -119,7 +119,7 @@ static void bad_arguments_change_nothing(void) {
   rayc_response_options bad;
   memset(&bad, 0, sizeof bad);
   CHECK_STATUS(rayc_contacts_add_forces(contacts, &bad, 2, NULL, NULL, out), RAYC_STATUS_INVALID_STRUCT_SIZE,
-               "rayc_default_response_options");
+               "rayc_response_options is 0");
   bad = options;
   bad.weighting = 12;
   CHECK_STATUS(rayc_contacts_add_forces(contacts, &bad, 2, NULL, NULL, out), RAYC_STATUS_UNKNOWN_ENUM, "12");
@@ -148,7 +148,7 @@ static void bad_arguments_change_nothing(void) {
   CHECK_STATUS(rayc_contacts_add_differential(contacts, &options, 1, 0, 2, NULL, out), RAYC_STATUS_NULL_POINTER,
                "displacements");
   CHECK_STATUS(rayc_contacts_add_differential(contacts, &options, 1, 0, 2, speeds, out), RAYC_STATUS_WRONG_COUNT, "4");
-  CHECK_STATUS(rayc_contacts_energy(contacts, &options, 2, NULL, NULL), RAYC_STATUS_NULL_POINTER, "energy");
+  CHECK_STATUS(rayc_contacts_energy(contacts, &options, 2, NULL, NULL), RAYC_STATUS_NULL_POINTER, "joules");
   CHECK(memcmp(&forces, &before, sizeof forces) == 0);
 }
 

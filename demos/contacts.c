@@ -84,12 +84,13 @@ static int parse_arguments(int argc, char** argv, arguments* out) {
   return path_count == 2 ? EXIT_OK : usage_error("give two .obj files", "");
 }
 
-/* Prints what the library said; 1 when the call succeeded. */
+/* Prints what the library said; 1 when the call succeeded. `what` is NULL where the message says it itself. */
 static int succeeded(rayc_status status, const char* what) {
   if (status == RAYC_STATUS_OK) {
     return 1;
   }
-  fprintf(stderr, "contacts: %s: %s (%s)\n", what, rayc_last_error_message(), rayc_status_name((uint32_t)status));
+  fprintf(stderr, "contacts: %s%s%s (%s)\n", what != NULL ? what : "", what != NULL ? ": " : "",
+          rayc_last_error_message(), rayc_status_name((uint32_t)status));
   return 0;
 }
 
@@ -135,7 +136,7 @@ static int move(rayc_mesh* mesh, const double shift[3]) {
 static int detect(const arguments* arguments, run* run) {
   for (int i = 0; i < 2; ++i) {
     const char* path = arguments->paths[i];
-    if (!succeeded(rayc_mesh_create_from_obj(NULL, path, &run->meshes[i]), path)) {
+    if (!succeeded(rayc_mesh_create_from_obj(NULL, path, &run->meshes[i]), NULL)) {
       return 0;
     }
     if (i == 1 && !move(run->meshes[1], arguments->shift)) {

@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Shared by the scripts beside it: sourced, not run. Leaves the shell in the root of the repository.
 set -euo pipefail
 
@@ -6,9 +7,9 @@ caller_dir="$PWD"
 
 # Colours only for a person, and only when wanted.
 if [[ -t 2 && -z "${NO_COLOR:-}" && "${TERM:-dumb}" != dumb ]]; then
-    bold=$'\e[1m' red=$'\e[31m' green=$'\e[32m' plain=$'\e[0m'
+    bold=$'\e[1m' red=$'\e[31m' plain=$'\e[0m'
 else
-    bold='' red='' green='' plain=''
+    bold='' red='' plain=''
 fi
 
 say() { printf '%s==> %s%s\n' "$bold" "$*" "$plain" >&2; }

@@ -30,14 +30,21 @@ say 'Building (release)'
 cmake --workflow --preset release >&2 || fail 'the build failed, see above'
 
 demo=build/release/demos/two_bodies
-[[ -x "$demo" ]] || fail "the build made no $demo"
-started="$(mktemp)"
-trap 'rm -f "$started"' EXIT
-status=0
-"$demo" ${files[@]+"${files[@]}"} || status=$?
+[[ -x "$demo" ]] || fail "the build made no $demo: see its messages above"
 
-# On standard error, so that the demo's own last line stays the last line of the output.
-while IFS= read -r picture; do
-    say "Picture: $root/$picture"
-done < <(find out -name '*.png' -newer "$started" 2>/dev/null)
+# Kept back until the picture is drawn, so that the demo's last line is the last line.
+answer="$(mktemp)"
+trap 'rm -f "$answer"' EXIT
+status=0
+rm -f out/two_bodies.pvd out/two_bodies.png
+"$demo" --out out ${files[@]+"${files[@]}"} >"$answer" || status=$?
+
+if [[ -f out/two_bodies.pvd ]]; then
+    # Debian's Python, because the VTK package belongs to it.
+    xvfb-run --auto-servernum /usr/bin/python3 demos/render_two_bodies.py out/two_bodies.pvd out/two_bodies.png >&2 ||
+        fail 'the picture could not be drawn, see above'
+    say "For ParaView: $root/out/two_bodies.pvd"
+    say "Picture:      $root/out/two_bodies.png"
+fi
+cat "$answer"
 exit "$status"

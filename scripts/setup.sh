@@ -8,7 +8,9 @@ packages=(
     ninja-build     # the generator of the presets
     pkg-config      # finds both builds of Bullet
     libbullet-dev   # Bullet, float and double
-    python3-vtk9    # draws the demo's picture off-screen
+    python3-vtk9    # draws the demo's picture
+    xvfb            # gives VTK something to draw on where there is no screen
+    xauth           # xvfb-run needs it
 )
 
 usage() {

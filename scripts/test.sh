@@ -37,4 +37,4 @@ check 'C, C++ tests' cmake --workflow --preset test
 
 say 'Summary'
 printf '%s\n' "${passed[@]}"
-printf '%sall checks passed%s\n' "$green" "$plain"
+echo 'all checks passed'
