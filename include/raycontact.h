@@ -100,7 +100,7 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION = 204,
   /**
-   * An edge belongs to more than two triangles, or sheets touch in one vertex.
+   * An edge belongs to more than two triangles.
    */
   RAYC_STATUS_MESH_NON_MANIFOLD = 205,
   /**

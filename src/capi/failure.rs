@@ -40,7 +40,7 @@ pub enum rayc_status {
     RAYC_STATUS_MESH_OPEN = 203,
     /// Two neighbouring triangles face opposite ways.
     RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION = 204,
-    /// An edge belongs to more than two triangles, or sheets touch in one vertex.
+    /// An edge belongs to more than two triangles.
     RAYC_STATUS_MESH_NON_MANIFOLD = 205,
     /// The surface is closed but inside out.
     RAYC_STATUS_MESH_INWARD = 206,
@@ -90,7 +90,7 @@ impl From<MeshError> for Failure {
             MeshError::DegenerateTriangle { .. } => RAYC_STATUS_MESH_DEGENERATE_TRIANGLE,
             MeshError::Open { .. } => RAYC_STATUS_MESH_OPEN,
             MeshError::InconsistentOrientation { .. } => RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION,
-            MeshError::NonManifoldEdge { .. } | MeshError::NonManifoldVertex { .. } => RAYC_STATUS_MESH_NON_MANIFOLD,
+            MeshError::NonManifold { .. } => RAYC_STATUS_MESH_NON_MANIFOLD,
             MeshError::Inward { .. } => RAYC_STATUS_MESH_INWARD,
             MeshError::WrongCount { .. } => RAYC_STATUS_WRONG_COUNT,
             MeshError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,

@@ -41,16 +41,11 @@ pub enum MeshError {
         edge: [u32; 2],
     },
     /// An edge belongs to more than two triangles.
-    NonManifoldEdge {
+    NonManifold {
         /// The edge's two vertices.
         edge: [u32; 2],
         /// How many triangles share it.
         triangle_count: usize,
-    },
-    /// Separate sheets of triangles touch in one vertex.
-    NonManifoldVertex {
-        /// The vertex.
-        vertex: u32,
     },
     /// Closed and consistent, but its normals point into the body.
     Inward {
@@ -97,15 +92,10 @@ impl fmt::Display for MeshError {
                 "triangles {s} and {t} run through their shared edge ({a}, {b}) the same way; flip one of them so that \
                  all face outward"
             ),
-            Self::NonManifoldEdge { edge: [a, b], triangle_count } => write!(
+            Self::NonManifold { edge: [a, b], triangle_count } => write!(
                 f,
                 "edge ({a}, {b}) is not manifold: {triangle_count} triangles share it, and only two may; split the \
                  surface there"
-            ),
-            Self::NonManifoldVertex { vertex } => write!(
-                f,
-                "vertex {vertex} is not manifold: separate sheets of triangles touch in it; give each sheet a vertex \
-                 of its own"
             ),
             Self::Inward { volume } => write!(
                 f,

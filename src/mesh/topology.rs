@@ -13,12 +13,13 @@ pub struct Topology {
 
 impl Topology {
     /// Checks the triangles and finds the neighbourhoods. Vertices that no triangle uses are allowed: the inner
-    /// nodes of a volume mesh need not be sorted out.
+    /// nodes of a volume mesh need not be sorted out. So are sheets that touch in one vertex: each edge still has an
+    /// inside and an outside, and rays need no more.
     pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         check_indices(vertex_count, triangles)?;
         check_edges(triangles)?;
         let (around, around_start) = triangles_around_vertices(vertex_count, triangles);
-        let topology = Self {
+        Ok(Self {
             vertex_count,
             triangles: triangles.to_vec(),
             surface_vertices: (0..vertex_count as u32)
@@ -26,9 +27,7 @@ impl Topology {
                 .collect(),
             around,
             around_start,
-        };
-        topology.check_vertices()?;
-        Ok(topology)
+        })
     }
 
     /// How many vertices there are, used by triangles or not.
@@ -50,32 +49,6 @@ impl Topology {
     /// The vertices that at least one triangle uses, in ascending order.
     pub fn surface_vertices(&self) -> &[u32] {
         &self.surface_vertices
-    }
-
-    /// Around each vertex the triangles must form one closed fan.
-    fn check_vertices(&self) -> Result<(), MeshError> {
-        let mut fan = Vec::new();
-        for &vertex in &self.surface_vertices {
-            // Each triangle leads from its next corner to its last one; closed edges make this a permutation.
-            fan.clear();
-            fan.extend(self.triangles_around(vertex).iter().map(|&t| {
-                let corners = self.triangles[t as usize];
-                let at = corners.iter().position(|&c| c == vertex).expect("triangle lies around its vertex");
-                (corners[(at + 1) % 3], corners[(at + 2) % 3])
-            }));
-            fan.sort_unstable();
-            let (start, mut next) = fan[0];
-            let mut steps = 1;
-            while next != start {
-                let place = fan.binary_search_by_key(&next, |&(from, _)| from).expect("every edge has two triangles");
-                next = fan[place].1;
-                steps += 1;
-            }
-            if steps != fan.len() {
-                return Err(MeshError::NonManifoldVertex { vertex });
-            }
-        }
-        Ok(())
     }
 }
 
@@ -117,7 +90,7 @@ fn check_edges(triangles: &[[u32; 3]]) -> Result<(), MeshError> {
             }
             [_, _] => {}
             [(.., triangle)] => return Err(MeshError::Open { triangle, edge }),
-            _ => return Err(MeshError::NonManifoldEdge { edge, triangle_count: shared.len() }),
+            _ => return Err(MeshError::NonManifold { edge, triangle_count: shared.len() }),
         }
     }
     Ok(())

@@ -1,45 +1,45 @@
-//! The search structure over one mesh's triangles.
+//! The search structure over one mesh's triangles, in two layouts that give the same hits to the bit.
 //!
-//! The paper's rule: a triangle lives at the deepest level whose cell is at least as large as the triangle's box, in
-//! the at most eight cells its box touches there. Everything is relative to the mesh's own box, so there is no world
-//! size and no smallest triangle.
+//! Everything is relative to the mesh's own box: there is no world size, no smallest triangle, no absolute tolerance.
 
-mod build;
-mod trace;
-mod validate;
+mod classic;
+mod slabs;
+mod tracer;
+mod wide;
 
-pub use trace::Tracer;
+pub use tracer::Tracer;
 
-use crate::math::{Aabb, Scalar};
+use crate::math::Scalar;
 use crate::mesh::{Mesh, Topology};
+use classic::Classic;
 use std::fmt;
 use std::sync::Arc;
+use wide::Wide;
 
-/// An octree over the triangles of one mesh, for the positions it was last built from.
+/// An octree over the triangles of one mesh, for the positions it was last updated to.
 #[derive(Clone, Debug)]
 pub struct Octree<T: Scalar> {
     topology: Arc<Topology>,
     stamp: u64,
-    /// The root cell: a cube whose lower corner is that of the mesh's box.
-    root: Aabb<T>,
-    /// Breadth first: the children of a node are neighbours, and come after it.
-    nodes: Vec<Node>,
-    /// The triangles of all nodes, each node's together.
-    entries: Vec<build::Entry>,
-    scratch: Vec<build::Entry>,
+    cells: Cells<T>,
 }
 
-/// A cell that holds triangles, itself or in a cell below.
-#[derive(Clone, Copy, Debug, Default)]
-struct Node {
-    first_entry: u32,
-    /// Own entries come first, those of the cells below follow.
-    own_end: u32,
-    subtree_end: u32,
-    first_child: u32,
-    /// Bit i: there is a child in octant i (bit 0 of i: upper half along x, bit 1: y, bit 2: z).
-    children: u8,
-    level: u8,
+/// How an octree keeps its triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Layout {
+    /// Tiles of neighbouring triangles under tight boxes, eight side by side: grouped once for the mesh, refitted to
+    /// new positions. The fast one.
+    #[default]
+    Wide,
+    /// The paper's: cubic cells, each triangle at the deepest level whose cells are at least as large as its box;
+    /// built anew for new positions.
+    Classic,
+}
+
+#[derive(Clone, Debug)]
+enum Cells<T: Scalar> {
+    Wide(Wide<T>),
+    Classic(Classic<T>),
 }
 
 /// Why an octree cannot be used with a mesh.
@@ -65,21 +65,21 @@ impl fmt::Display for OctreeError {
 impl std::error::Error for OctreeError {}
 
 impl<T: Scalar> Octree<T> {
-    /// Builds the octree of `mesh` at its present positions.
+    /// Builds the octree of `mesh` at its present positions, in the default layout.
     pub fn new(mesh: &Mesh<T>) -> Self {
-        let mut octree = Self {
-            topology: Arc::clone(mesh.shared_topology()),
-            stamp: mesh.stamp(),
-            root: Aabb::empty(),
-            nodes: Vec::new(),
-            entries: Vec::new(),
-            scratch: Vec::new(),
-        };
-        octree.build(mesh);
-        octree
+        Self::with_layout(mesh, Layout::default())
     }
 
-    /// Builds it anew for the mesh's present positions; memory is reused.
+    /// Builds the octree of `mesh` at its present positions.
+    pub fn with_layout(mesh: &Mesh<T>, layout: Layout) -> Self {
+        let cells = match layout {
+            Layout::Wide => Cells::Wide(Wide::new(mesh)),
+            Layout::Classic => Cells::Classic(Classic::new(mesh)),
+        };
+        Self { topology: Arc::clone(mesh.shared_topology()), stamp: mesh.stamp(), cells }
+    }
+
+    /// Follows the mesh to its present positions; memory is reused.
     ///
     /// # Errors
     /// [`OctreeError::OtherMesh`]; the octree is then as before.
@@ -88,7 +88,10 @@ impl<T: Scalar> Octree<T> {
             return Err(OctreeError::OtherMesh);
         }
         if self.stamp != mesh.stamp() {
-            self.build(mesh);
+            match &mut self.cells {
+                Cells::Wide(cells) => cells.refit(mesh),
+                Cells::Classic(cells) => cells.build(mesh),
+            }
             self.stamp = mesh.stamp();
         }
         Ok(())
@@ -105,6 +108,19 @@ impl<T: Scalar> Octree<T> {
         if self.stamp != mesh.stamp() {
             return Err(OctreeError::Stale);
         }
-        Ok(Tracer::new(self, mesh))
+        Ok(Tracer::new(&self.cells, mesh))
+    }
+
+    /// Checks every promise of the structure against the mesh: all triangles are there, as often as they should be;
+    /// cells and boxes hold what lies under them. For tests and for hunting faults; takes the time of several builds.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
+        self.tracer(mesh).map_err(|error| error.to_string())?;
+        match &self.cells {
+            Cells::Wide(cells) => cells.validate(mesh),
+            Cells::Classic(cells) => cells.validate(mesh),
+        }
     }
 }

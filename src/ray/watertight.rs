@@ -35,6 +35,17 @@ impl<T: Scalar> ShearedRay<T> {
         )
     }
 
+    /// The projections (x and y) of many corners, given axis by axis, each rounded as [`intersect`](Self::intersect)
+    /// rounds it.
+    pub(crate) fn project_all<const N: usize>(&self, corners: &[[T; N]; 3]) -> [[T; N]; 2] {
+        let [x, y, z] = self.axes;
+        let along: [T; N] = std::array::from_fn(|i| corners[z][i] - self.origin[z]);
+        [
+            std::array::from_fn(|i| corners[x][i] - self.origin[x] - self.shear.x * along[i]),
+            std::array::from_fn(|i| corners[y][i] - self.origin[y] - self.shear.y * along[i]),
+        ]
+    }
+
     /// The hit on the triangle with these corners at `t` ≥ 0, from either side. A ray through an edge or a vertex
     /// shared by several triangles hits at least one of them.
     pub fn intersect(&self, corners: &[Vector3<T>; 3], triangle: u32) -> Option<Hit<T>> {

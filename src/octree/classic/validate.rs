@@ -1,16 +1,11 @@
-use super::Octree;
+use super::Classic;
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 
-impl<T: Scalar> Octree<T> {
-    /// Checks every promise of the structure against the mesh it was built for: each triangle lives at one level, in
-    /// one to eight cells, at the deepest level that is large enough, its box covered by them; nodes cover all entries
-    /// once, children lie inside their parents. For tests and for hunting faults; the time is that of several builds.
-    ///
-    /// # Errors
-    /// What is wrong, and where.
-    pub fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
-        self.tracer(mesh).map_err(|error| error.to_string())?;
+impl<T: Scalar> Classic<T> {
+    /// Each triangle lives at one level, in one to eight cells that cover its box, at a level that is large enough;
+    /// nodes cover all entries once, children continue their parents.
+    pub(in crate::octree) fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
         let mut cells_of = vec![Vec::new(); mesh.topology().triangles().len()];
         let mut entries_seen = 0;
         self.validate_node(0, self.root, &mut |triangle, level, cell| {

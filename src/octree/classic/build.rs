@@ -1,4 +1,4 @@
-use super::{Node, Octree};
+use super::{Classic, Node};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 
@@ -8,22 +8,35 @@ const DEEPEST_LEVEL: u8 = 20;
 /// A triangle in one cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Entry {
+    /// The octants on the way down to the cell, three bits each, the last one lowest.
+    path: u64,
     pub(super) triangle: u32,
     level: u8,
-    /// Integer coordinates of the cell among the 2^level cells along each axis.
-    cell: [u32; 3],
 }
 
 impl Entry {
+    fn new(triangle: u32, level: u8, cell: [u32; 3]) -> Self {
+        Self { path: spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2, triangle, level }
+    }
+
     /// Which child of the cell above, at `level`, leads to this entry.
     fn octant_below(&self, level: u8) -> usize {
-        let shift = self.level - level - 1;
-        (0..3).map(|axis| ((self.cell[axis] >> shift & 1) as usize) << axis).sum()
+        (self.path >> (3 * (self.level - level - 1)) & 7) as usize
     }
 }
 
-impl<T: Scalar> Octree<T> {
-    pub(super) fn build(&mut self, mesh: &Mesh<T>) {
+/// Moves bit i to bit 3 i, for up to 21 bits.
+fn spread(bits: u32) -> u64 {
+    let mut x = u64::from(bits);
+    x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+impl<T: Scalar> Classic<T> {
+    pub(in crate::octree) fn build(&mut self, mesh: &Mesh<T>) {
         let aabb = mesh.aabb();
         let side = aabb.longest_side();
         self.root = Aabb { lower: aabb.lower, upper: aabb.lower.add_scalar(side) };
@@ -60,7 +73,7 @@ impl<T: Scalar> Octree<T> {
         for z in lower[2]..=upper[2] {
             for y in lower[1]..=upper[1] {
                 for x in lower[0]..=upper[0] {
-                    self.entries.push(Entry { triangle, level, cell: [x, y, z] });
+                    self.entries.push(Entry::new(triangle, level, [x, y, z]));
                 }
             }
         }
@@ -68,10 +81,10 @@ impl<T: Scalar> Octree<T> {
 
     fn cell_range(&self, aabb: &Aabb<T>, level: u8) -> ([u32; 3], [u32; 3]) {
         let cells = 1u32 << level;
-        let side = self.root.upper.x - self.root.lower.x;
+        let (side, scale) = (self.root.upper.x - self.root.lower.x, T::of(f64::from(cells)));
         let cell_of = |point: &Vector3<T>| {
             std::array::from_fn(|axis| {
-                let place = (point[axis] - self.root.lower[axis]) / side * T::of(cells as f64);
+                let place = (point[axis] - self.root.lower[axis]) / side * scale;
                 // The conversion saturates, and takes NaN (a root without extent) to 0.
                 (place.to_f64() as u32).min(cells - 1)
             })

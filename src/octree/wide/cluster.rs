@@ -1,0 +1,89 @@
+use super::TILE_SIZE;
+use crate::math::{Scalar, Vector3};
+use crate::mesh::{Mesh, Topology};
+
+/// Cuts the surface into tiles: each grows from a seed over shared edges until it has 16 triangles or would have more
+/// than 16 vertices. Which neighbour is next: the one that adds the fewest vertices, then the one nearest to the
+/// tile's centre, then the smallest index. A new tile starts where the last one could not go on, so that few remnants
+/// are left between tiles.
+pub(super) fn cluster<T: Scalar>(mesh: &Mesh<T>) -> Vec<Vec<u32>> {
+    let count = mesh.topology().triangles().len();
+    let mut growth = Growth { mesh, taken: vec![false; count], seeds: Vec::new() };
+    let mut tiles = Vec::with_capacity(count / 12 + 1);
+    for first in 0..count as u32 {
+        growth.seeds.push(first);
+        while let Some(seed) = growth.seeds.pop() {
+            if !growth.taken[seed as usize] {
+                let tile = growth.grow(seed);
+                tiles.push(tile);
+            }
+        }
+    }
+    tiles
+}
+
+struct Growth<'a, T: Scalar> {
+    mesh: &'a Mesh<T>,
+    taken: Vec<bool>,
+    seeds: Vec<u32>,
+}
+
+impl<T: Scalar> Growth<'_, T> {
+    fn grow(&mut self, seed: u32) -> Vec<u32> {
+        let mut tile = Vec::with_capacity(TILE_SIZE);
+        let mut vertices: Vec<u32> = Vec::with_capacity(TILE_SIZE);
+        let mut border = vec![seed];
+        let mut sum = Vector3::zeros();
+        while tile.len() < TILE_SIZE {
+            let centre = sum / T::of((tile.len() as f64).max(1.0));
+            let Some(place) = self.best(&border, &vertices, &centre) else { break };
+            let triangle = border.swap_remove(place);
+            self.taken[triangle as usize] = true;
+            tile.push(triangle);
+            sum += self.centre(triangle);
+            for vertex in self.mesh.topology().triangles()[triangle as usize] {
+                if !vertices.contains(&vertex) {
+                    vertices.push(vertex);
+                }
+            }
+            for neighbour in neighbours(self.mesh.topology(), triangle) {
+                if !self.taken[neighbour as usize] && !border.contains(&neighbour) {
+                    border.push(neighbour);
+                }
+            }
+        }
+        self.seeds.extend(border);
+        tile
+    }
+
+    /// The place in `border` of the triangle to take next; `None` where all have too many new vertices.
+    fn best(&self, border: &[u32], vertices: &[u32], centre: &Vector3<T>) -> Option<usize> {
+        let ranked = border.iter().enumerate().filter_map(|(place, &triangle)| {
+            let corners = self.mesh.topology().triangles()[triangle as usize];
+            let new = corners.iter().filter(|corner| !vertices.contains(corner)).count();
+            let distance = (self.centre(triangle) - centre).norm_squared();
+            (vertices.len() + new <= TILE_SIZE).then_some((new, distance, triangle, place))
+        });
+        let best = ranked.min_by(|a, b| {
+            let by_distance = a.1.partial_cmp(&b.1).unwrap_or(std::cmp::Ordering::Equal);
+            a.0.cmp(&b.0).then(by_distance).then(a.2.cmp(&b.2))
+        });
+        best.map(|(.., place)| place)
+    }
+
+    /// Thrice the centre: all are compared alike.
+    fn centre(&self, triangle: u32) -> Vector3<T> {
+        let [a, b, c] = self.mesh.corners(triangle);
+        a + b + c
+    }
+}
+
+/// The triangles across the three edges.
+fn neighbours(topology: &Topology, triangle: u32) -> impl Iterator<Item = u32> {
+    let corners = topology.triangles()[triangle as usize];
+    (0..3).filter_map(move |i| {
+        let (from, to) = (corners[i], corners[(i + 1) % 3]);
+        let around = topology.triangles_around(from).iter().copied();
+        around.filter(|&t| t != triangle).find(|&t| topology.triangles()[t as usize].contains(&to))
+    })
+}
