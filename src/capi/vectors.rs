@@ -86,6 +86,13 @@ impl Strided {
                 format!("{name}.stride is {stride} bytes, but three numbers take {packed}; give at least that, or 0"),
             ));
         }
+        // No array reaches so far; unchecked, the product would wrap and point anywhere.
+        if count.checked_mul(stride).is_none_or(|bytes| bytes > isize::MAX as usize) {
+            return Err(Failure::new(
+                rayc_status::RAYC_STATUS_INVALID_STRIDE,
+                format!("{name}: {count} vectors with a stride of {stride} bytes exceed any memory; check both"),
+            ));
+        }
         if count > 0 && data.is_null() {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_NULL_POINTER,

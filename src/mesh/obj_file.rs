@@ -1,7 +1,5 @@
 use obj::{ObjData, ObjError};
 use std::fmt;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 /// Positions and triangles as [`Mesh::new`](super::Mesh::new) takes them.
@@ -47,20 +45,23 @@ impl std::error::Error for ObjFileError {}
 /// # Errors
 /// [`ObjFileError`]; whether the surface is closed and so on is checked later, by [`Mesh::new`](super::Mesh::new).
 pub fn read_obj_file(path: &Path) -> Result<Surface, ObjFileError> {
-    let not_readable = |source| ObjFileError::NotReadable { path: path.to_owned(), source };
     let broken = |reason| ObjFileError::Broken { path: path.to_owned(), reason };
-    let file = File::open(path).map_err(not_readable)?;
-    let data = match ObjData::load_buf(BufReader::new(file)) {
-        Ok(data) => data,
-        Err(ObjError::Io(source)) if source.kind() != std::io::ErrorKind::InvalidData => {
-            return Err(not_readable(source));
-        }
-        Err(error) => return Err(broken(error.to_string())),
-    };
+    let text = std::fs::read(path).map_err(|source| ObjFileError::NotReadable { path: path.to_owned(), source })?;
+    let data = ObjData::load_buf(text.as_slice()).map_err(|error| broken(reason(&error)))?;
 
+    let vertex_count = data.position.len();
     let mut triangles = Vec::new();
     let polygons = data.objects.iter().flat_map(|object| &object.groups).flat_map(|group| &group.polys);
-    for polygon in polygons {
+    for (face, polygon) in polygons.enumerate() {
+        let face = face + 1;
+        if polygon.0.len() < 3 {
+            return Err(broken(format!("face {face} has fewer than three corners")));
+        }
+        // The reader gives wrapped numbers for negative ones that reach before the first vertex.
+        if let Some(corner) = polygon.0.iter().find(|corner| corner.0 >= vertex_count) {
+            let vertex = (corner.0 as isize).wrapping_add(1);
+            return Err(broken(format!("face {face} names vertex {vertex}, but there are {vertex_count} vertices")));
+        }
         let corners: Vec<u32> = polygon.0.iter().map(|corner| corner.0 as u32).collect();
         triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
     }
@@ -68,4 +69,21 @@ pub fn read_obj_file(path: &Path) -> Result<Surface, ObjFileError> {
         return Err(broken("it holds no faces".to_owned()));
     }
     Ok((data.position.iter().map(|p| p.map(f64::from)).collect(), triangles))
+}
+
+/// What the reader found; it counts lines from 0, people from 1.
+fn reason(error: &ObjError) -> String {
+    match error {
+        ObjError::Io(error) => format!("it is not text ({error})"),
+        ObjError::ArgumentListFailure { line_number, list } => {
+            format!("line {} should give numbers, not {list}", line_number + 1)
+        }
+        ObjError::MalformedFaceGroup { line_number, group } => {
+            format!("line {}: the corner {group:?} names no vertex", line_number + 1)
+        }
+        ObjError::ZeroVertexNumber { line_number } => {
+            format!("line {} names vertex 0, but vertices count from 1", line_number + 1)
+        }
+        other => other.to_string(),
+    }
 }
