@@ -23,17 +23,20 @@ impl<T: Scalar> Slabs<T> {
     }
 
     /// Whether the ray runs backwards along an axis.
+    #[inline(always)]
     pub(super) fn is_mirrored(&self, axis: usize) -> bool {
         self.inverse[axis] < T::zero()
     }
 
     /// The `t` at which the ray crosses a face with outward direction −axis.
+    #[inline(always)]
     pub(super) fn at_lower(&self, axis: usize, face: T) -> T {
         // The margin after the difference: far from the world's origin it would vanish in the face's own rounding.
         (face - self.origin[axis] - self.margin) * self.inverse[axis]
     }
 
     /// The `t` at which the ray crosses a face with outward direction +axis.
+    #[inline(always)]
     pub(super) fn at_upper(&self, axis: usize, face: T) -> T {
         (face - self.origin[axis] + self.margin) * self.inverse[axis]
     }

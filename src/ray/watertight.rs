@@ -37,13 +37,17 @@ impl<T: Scalar> ShearedRay<T> {
 
     /// The projections (x and y) of many corners, given axis by axis, each rounded as [`intersect`](Self::intersect)
     /// rounds it.
+    #[inline(always)] // into code for the processor at hand
     pub(crate) fn project_all<const N: usize>(&self, corners: &[[T; N]; 3]) -> [[T; N]; 2] {
-        let [x, y, z] = self.axes;
-        let along: [T; N] = std::array::from_fn(|i| corners[z][i] - self.origin[z]);
-        [
-            std::array::from_fn(|i| corners[x][i] - self.origin[x] - self.shear.x * along[i]),
-            std::array::from_fn(|i| corners[y][i] - self.origin[y] - self.shear.y * along[i]),
-        ]
+        let [x, y, z] = self.axes.map(|axis| &corners[axis]);
+        let origin = self.axes.map(|axis| self.origin[axis]);
+        let mut projected = [[T::zero(); N]; 2];
+        for i in 0..N {
+            let along = z[i] - origin[2];
+            projected[0][i] = (x[i] - origin[0]) - self.shear.x * along;
+            projected[1][i] = (y[i] - origin[1]) - self.shear.y * along;
+        }
+        projected
     }
 
     /// The hit on the triangle with these corners at `t` ≥ 0, from either side. A ray through an edge or a vertex

@@ -3,12 +3,14 @@
 //! for a mesh; new positions only renew boxes, from the tiles upward.
 
 mod cluster;
+mod dispatch;
 mod group;
 mod trace;
 mod validate;
 
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
+use crate::ray::{PreparedRay, Ray};
 
 /// At most so many triangles, and so many vertices, form a tile.
 const TILE_SIZE: usize = 16;
@@ -28,7 +30,9 @@ pub(super) struct Wide<T: Scalar> {
 struct Tile<T: Scalar> {
     /// Coordinates of the vertices, axis by axis; places beyond the last vertex repeat it.
     positions: [[T; TILE_SIZE]; 3],
-    /// Bit i: vertex i is a corner of the triangle. Zero beyond the last triangle.
+    /// The places of each triangle's corners.
+    corners: [[u8; 3]; TILE_SIZE],
+    /// Bit i: vertex i is a corner of the triangle. Zero beyond the last triangle, so that no ray finds it.
     vertex_masks: [u16; TILE_SIZE],
     triangle_count: u8,
     triangles: [u32; TILE_SIZE],
@@ -78,11 +82,25 @@ impl<T: Scalar> Wide<T> {
     }
 }
 
+impl<T: Scalar> Wide<T> {
+    /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned.
+    pub(super) fn visit(
+        &self,
+        ray: &Ray<T>,
+        prepared: &PreparedRay<T>,
+        mesh_box: &Aabb<T>,
+        visitor: &mut impl FnMut(u32) -> T,
+    ) {
+        dispatch::run(trace::Walk::new(self, ray, prepared, mesh_box, visitor));
+    }
+}
+
 impl<T: Scalar> Tile<T> {
     /// The tile of some triangles; positions are yet to be loaded.
     fn new(all_triangles: &[[u32; 3]], triangles: &[u32]) -> Self {
         let mut tile = Self {
             positions: [[T::zero(); TILE_SIZE]; 3],
+            corners: [[0; 3]; TILE_SIZE],
             vertex_masks: [0; TILE_SIZE],
             triangle_count: triangles.len() as u8,
             triangles: [u32::MAX; TILE_SIZE],
@@ -91,13 +109,14 @@ impl<T: Scalar> Tile<T> {
         let mut vertex_count = 0;
         for (place, &triangle) in triangles.iter().enumerate() {
             tile.triangles[place] = triangle;
-            for &vertex in &all_triangles[triangle as usize] {
+            for (corner, &vertex) in all_triangles[triangle as usize].iter().enumerate() {
                 let known = tile.vertices[..vertex_count].iter().position(|&v| v == vertex);
                 let vertex_place = known.unwrap_or_else(|| {
                     tile.vertices[vertex_count] = vertex;
                     vertex_count += 1;
                     vertex_count - 1
                 });
+                tile.corners[place][corner] = vertex_place as u8;
                 tile.vertex_masks[place] |= 1 << vertex_place;
             }
         }

@@ -1,24 +1,13 @@
 use super::{CHILD_COUNT, Child, Node, TILE_SIZE, Tile, Wide};
 use crate::math::{Aabb, Scalar};
 use crate::octree::slabs::Slabs;
-use crate::ray::{PreparedRay, Ray, ShearedRay};
+use crate::ray::{PreparedRay, Ray};
 
-impl<T: Scalar> Wide<T> {
-    /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned.
-    pub(in crate::octree) fn visit(
-        &self,
-        ray: &Ray<T>,
-        prepared: &PreparedRay<T>,
-        mesh_box: &Aabb<T>,
-        visitor: &mut impl FnMut(u32) -> T,
-    ) {
-        let slabs = Slabs::new(ray, mesh_box);
-        let mut walk = Walk { cells: self, slabs, prepared, t_max: ray.t_max, visitor };
-        walk.descend(0);
-    }
-}
+/// Nodes that can wait at once: seven for each level but the last, and 2³² tiles have no more than eleven levels.
+const STACK_SIZE: usize = 80;
 
-struct Walk<'a, T: Scalar, V> {
+/// One ray's way through the cells.
+pub(super) struct Walk<'a, T: Scalar, V> {
     cells: &'a Wide<T>,
     slabs: Slabs<T>,
     prepared: &'a PreparedRay<T>,
@@ -26,90 +15,134 @@ struct Walk<'a, T: Scalar, V> {
     visitor: &'a mut V,
 }
 
-impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
-    fn descend(&mut self, node: u32) {
-        let node = &self.cells.nodes[node as usize];
-        let entries = self.entries(node);
-        for (child, entry) in node.children.iter().zip(entries) {
-            // Tested one by one, since a hit in an earlier child may have shortened the ray.
-            if entry <= self.t_max {
-                match *child {
-                    Child::Node(node) => self.descend(node),
-                    Child::Tile(tile) => self.offer(&self.cells.tiles[tile as usize]),
-                    Child::None => {}
+impl<'a, T: Scalar, V: FnMut(u32) -> T> Walk<'a, T, V> {
+    pub(super) fn new(
+        cells: &'a Wide<T>,
+        ray: &Ray<T>,
+        prepared: &'a PreparedRay<T>,
+        mesh_box: &Aabb<T>,
+        visitor: &'a mut V,
+    ) -> Self {
+        Self { cells, slabs: Slabs::new(ray, mesh_box), prepared, t_max: ray.t_max, visitor }
+    }
+
+    // Everything below is inlined into `run`, so that it is compiled for the processor `run` is compiled for.
+    #[inline(always)]
+    pub(super) fn run(&mut self) {
+        let mut stack = [0u32; STACK_SIZE];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let node = &self.cells.nodes[stack[waiting] as usize];
+            let entries = entries(&self.slabs, node);
+            let mut met = at_most(&entries, self.t_max);
+            while met != 0 {
+                let place = met.trailing_zeros() as usize;
+                met &= met - 1;
+                match node.children[place] {
+                    Child::Node(child) => {
+                        stack[waiting] = child;
+                        waiting += 1;
+                    }
+                    // A hit found since may have shortened the ray.
+                    Child::Tile(tile) if entries[place] <= self.t_max => self.offer(&self.cells.tiles[tile as usize]),
+                    Child::Tile(_) | Child::None => {}
                 }
             }
         }
     }
 
-    /// Where the ray enters each child's box; NaN for boxes that it does not meet ahead of its origin.
-    fn entries(&self, node: &Node<T>) -> [T; CHILD_COUNT] {
-        let mut enters = [-T::INFINITY; CHILD_COUNT];
-        let mut leaves = [T::INFINITY; CHILD_COUNT];
-        for axis in 0..3 {
-            let (lower, upper) = (&node.lower[axis], &node.upper[axis]);
-            let at_lower: [T; CHILD_COUNT] = std::array::from_fn(|child| self.slabs.at_lower(axis, lower[child]));
-            let at_upper: [T; CHILD_COUNT] = std::array::from_fn(|child| self.slabs.at_upper(axis, upper[child]));
-            let mirrored = self.slabs.is_mirrored(axis);
-            let (from, to) = if mirrored { (&at_upper, &at_lower) } else { (&at_lower, &at_upper) };
-            for child in 0..CHILD_COUNT {
-                enters[child] = larger(enters[child], from[child]);
-                leaves[child] = smaller(leaves[child], to[child]);
+    #[inline(always)]
+    fn offer(&mut self, tile: &Tile<T>) {
+        match self.prepared {
+            PreparedRay::Watertight(ray) => {
+                let projected = ray.project_all(&tile.positions);
+                let mut candidates = around_ray(tile, &projected);
+                while candidates != 0 {
+                    let place = candidates.trailing_zeros() as usize;
+                    candidates &= candidates - 1;
+                    if may_meet(&tile.corners[place], &projected) {
+                        self.t_max = (self.visitor)(tile.triangles[place]);
+                    }
+                }
+            }
+            PreparedRay::MollerTrumbore(_) => {
+                for &triangle in &tile.triangles[..tile.triangle_count as usize] {
+                    self.t_max = (self.visitor)(triangle);
+                }
             }
         }
-        let nan = T::INFINITY - T::INFINITY;
-        std::array::from_fn(|child| {
-            let met = (enters[child] <= leaves[child]) & (leaves[child] >= T::zero());
-            if met { enters[child] } else { nan }
-        })
     }
+}
 
-    fn offer(&mut self, tile: &Tile<T>) {
-        let mut candidates = match self.prepared {
-            PreparedRay::Watertight(ray) => tile.candidates(ray),
-            PreparedRay::MollerTrumbore(_) => u16::MAX,
-        };
-        candidates &= u16::MAX >> (TILE_SIZE - tile.triangle_count as usize);
-        while candidates != 0 {
-            let place = candidates.trailing_zeros();
-            candidates &= candidates - 1;
-            self.t_max = (self.visitor)(tile.triangles[place as usize]);
+/// Where the ray enters each child's box; NaN for boxes that it does not meet ahead of its origin.
+#[inline(always)]
+fn entries<T: Scalar>(slabs: &Slabs<T>, node: &Node<T>) -> [T; CHILD_COUNT] {
+    let mut enters = [-T::INFINITY; CHILD_COUNT];
+    let mut leaves = [T::INFINITY; CHILD_COUNT];
+    for axis in 0..3 {
+        let (lower, upper) = (&node.lower[axis], &node.upper[axis]);
+        let mut at_lower = [T::zero(); CHILD_COUNT];
+        let mut at_upper = [T::zero(); CHILD_COUNT];
+        for child in 0..CHILD_COUNT {
+            at_lower[child] = slabs.at_lower(axis, lower[child]);
+            at_upper[child] = slabs.at_upper(axis, upper[child]);
+        }
+        let (from, to) = if slabs.is_mirrored(axis) { (&at_upper, &at_lower) } else { (&at_lower, &at_upper) };
+        for child in 0..CHILD_COUNT {
+            enters[child] = if from[child] > enters[child] { from[child] } else { enters[child] };
+            leaves[child] = if to[child] < leaves[child] { to[child] } else { leaves[child] };
         }
     }
-}
-
-impl<T: Scalar> Tile<T> {
-    /// Bit i: the ray's line may meet triangle i. Those are left out whose projected corners all lie strictly on one
-    /// side of an axis through the ray: the edge functions of [`ShearedRay::intersect`], exact in sign for the same
-    /// projections, refuse them too.
-    fn candidates(&self, ray: &ShearedRay<T>) -> u16 {
-        let [x, y] = ray.project_all(&self.positions);
-        let zero = T::zero();
-        let sides = [
-            vertex_mask(&x, |x| x > zero),
-            vertex_mask(&x, |x| x < zero),
-            vertex_mask(&y, |y| y > zero),
-            vertex_mask(&y, |y| y < zero),
-        ];
-        let mut candidates = [0u16; TILE_SIZE];
-        for triangle in 0..TILE_SIZE {
-            let outside = sides.map(|side| !side & self.vertex_masks[triangle]);
-            let keep = outside.iter().fold(true, |keep, &left_over| keep & (left_over != 0));
-            candidates[triangle] = if keep { 1 << triangle } else { 0 };
-        }
-        candidates.iter().fold(0, |mask, bit| mask | bit)
+    let nan = T::INFINITY - T::INFINITY;
+    for child in 0..CHILD_COUNT {
+        let met = (enters[child] <= leaves[child]) & (leaves[child] >= T::zero());
+        enters[child] = if met { enters[child] } else { nan };
     }
+    enters
 }
 
-fn vertex_mask<T: Scalar>(values: &[T; TILE_SIZE], is_in: impl Fn(T) -> bool) -> u16 {
-    let bits: [u16; TILE_SIZE] = std::array::from_fn(|place| if is_in(values[place]) { 1 << place } else { 0 });
-    bits.iter().fold(0, |mask, bit| mask | bit)
+/// Bit i: entry i is not beyond `t_max`.
+#[inline(always)]
+fn at_most<T: Scalar>(entries: &[T; CHILD_COUNT], t_max: T) -> u32 {
+    let mut mask = 0;
+    for (place, entry) in entries.iter().enumerate() {
+        mask |= u32::from(*entry <= t_max) << place;
+    }
+    mask
 }
 
-fn larger<T: Scalar>(a: T, b: T) -> T {
-    if b > a { b } else { a }
+/// Bit i: not all projected corners of triangle i lie strictly on one side of an axis through the ray. The edge
+/// functions of [`ShearedRay::intersect`], exact in sign for the same projections, refuse the others too.
+#[inline(always)]
+fn around_ray<T: Scalar>(tile: &Tile<T>, [x, y]: &[[T; TILE_SIZE]; 2]) -> u32 {
+    let zero = T::zero();
+    let (mut right, mut left, mut above, mut below) = (0u16, 0u16, 0u16, 0u16);
+    for place in 0..TILE_SIZE {
+        right |= u16::from(x[place] > zero) << place;
+        left |= u16::from(x[place] < zero) << place;
+        above |= u16::from(y[place] > zero) << place;
+        below |= u16::from(y[place] < zero) << place;
+    }
+    let mut mask = 0;
+    for triangle in 0..TILE_SIZE {
+        let all = tile.vertex_masks[triangle];
+        let around = (all & !right != 0) & (all & !left != 0) & (all & !above != 0) & (all & !below != 0);
+        mask |= u32::from(around) << triangle;
+    }
+    mask
 }
 
-fn smaller<T: Scalar>(a: T, b: T) -> T {
-    if b < a { b } else { a }
+/// Whether no two edge functions have opposite signs. A rounded edge function that is not zero has the exact one's
+/// sign, so no triangle that [`ShearedRay::intersect`] accepts is left out.
+#[inline(always)]
+fn may_meet<T: Scalar>(corners: &[u8; 3], [x, y]: &[[T; TILE_SIZE]; 2]) -> bool {
+    let [a, b, c] = corners.map(|place| place as usize % TILE_SIZE);
+    let u = x[c] * y[b] - y[c] * x[b];
+    let v = x[a] * y[c] - y[a] * x[c];
+    let w = x[b] * y[a] - y[b] * x[a];
+    let zero = T::zero();
+    let any_right = (u > zero) | (v > zero) | (w > zero);
+    let any_left = (u < zero) | (v < zero) | (w < zero);
+    !(any_right & any_left)
 }

@@ -61,17 +61,18 @@ impl<T: Scalar> Tile<T> {
         let mut around = Aabb::empty();
         for place in 0..count {
             let triangle = self.triangles[place];
-            let corners = mesh.topology().triangles()[triangle as usize];
-            if self.vertex_masks[place].count_ones() != 3 {
-                return Err(format!("triangle {triangle} has {} corners", self.vertex_masks[place].count_ones()));
+            let expected_mask = self.corners[place].iter().fold(0, |mask, corner| mask | 1 << corner);
+            if self.vertex_masks[place] != expected_mask {
+                return Err(format!("the mask of triangle {triangle} is not that of its corners"));
             }
-            for vertex_place in (0..TILE_SIZE).filter(|bit| self.vertex_masks[place] >> bit & 1 == 1) {
-                let vertex = self.vertices[vertex_place];
-                if !corners.contains(&vertex) {
-                    return Err(format!("vertex {vertex} is no corner of triangle {triangle}"));
-                }
+            for (corner, &vertex_place) in self.corners[place].iter().enumerate() {
+                let vertex_place = vertex_place as usize;
+                let vertex = mesh.topology().triangles()[triangle as usize][corner];
                 let position = mesh.positions()[vertex as usize];
                 around.include(&position);
+                if self.vertices[vertex_place] != vertex {
+                    return Err(format!("corner {corner} of triangle {triangle} is another vertex"));
+                }
                 if (0..3).any(|axis| self.positions[axis][vertex_place] != position[axis]) {
                     return Err(format!("vertex {vertex} is not where the mesh has it"));
                 }
