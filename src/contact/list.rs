@@ -1,3 +1,4 @@
+use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
 
 /// A point on a mesh's surface. It moves with its triangle: its position is the weighted sum of the three vertices'.
@@ -53,12 +54,21 @@ pub struct Statistics {
 }
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then the vertex.
-#[derive(Clone, Debug, Default, PartialEq)]
+///
+/// Two lists are equal where their contacts and statistics are.
+#[derive(Clone, Debug, Default)]
 pub struct ContactList<T: Scalar> {
     /// The contacts.
     pub contacts: Vec<Contact<T>>,
     /// How they were found.
     pub statistics: Statistics,
+    pub(super) workspace: Workspace<T>,
+}
+
+impl<T: Scalar> PartialEq for ContactList<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.contacts == other.contacts && self.statistics == other.statistics
+    }
 }
 
 impl<T: Scalar> ContactList<T> {

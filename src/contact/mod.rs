@@ -2,6 +2,7 @@
 
 mod list;
 mod pair;
+mod workspace;
 
 pub use list::{Contact, ContactList, Statistics, SurfacePoint};
 pub use pair::{detect_pair, query_pair};

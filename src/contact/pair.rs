@@ -1,4 +1,5 @@
-use super::{Contact, ContactList, SurfacePoint};
+use super::workspace::Workspace;
+use super::{Contact, ContactList, Statistics, SurfacePoint};
 use crate::math::{Aabb, Scalar, Vector3, direction};
 use crate::mesh::{Mesh, VertexNormal};
 use crate::octree::{Octree, OctreeError, Tracer};
@@ -49,36 +50,36 @@ struct Detection<'a, T: Scalar> {
 
 impl<T: Scalar> Detection<'_, T> {
     fn run(&self, contacts: &mut ContactList<T>) {
+        let ContactList { contacts, statistics, workspace } = contacts;
+        self.cast(workspace, statistics);
+        self.collided.nearest_hits(&workspace.rays, &mut workspace.hits);
+        workspace.keep_exits(statistics);
+        self.colliding.are_hit_before_end(&workspace.rays, &workspace.vertices, &mut workspace.hidden);
+        for (place, hit) in workspace.hits.iter().enumerate() {
+            match hit {
+                Some(hit) if !workspace.hidden[place] => {
+                    let (vertex, area) = (workspace.vertices[place], workspace.areas[place]);
+                    contacts.push(self.contact(vertex, area, &workspace.rays[place], hit));
+                }
+                _ => statistics.own_surface_hits += 1,
+            }
+        }
+    }
+
+    /// Makes the ray of each vertex inside the overlap box.
+    fn cast(&self, workspace: &mut Workspace<T>, statistics: &mut Statistics) {
+        workspace.clear();
         let mesh = self.colliding.mesh();
         for &vertex in mesh.topology().surface_vertices() {
             if !self.overlap.contains(&mesh.positions()[vertex as usize]) {
                 continue;
             }
             match mesh.vertex_normal(vertex) {
-                Some(normal) => self.trace(vertex, &normal, contacts),
-                None => contacts.statistics.without_normal += 1,
+                Some(normal) => workspace.push(vertex, normal.area, self.inward_ray(vertex, &normal)),
+                None => statistics.without_normal += 1,
             }
         }
-    }
-
-    /// Traces the ray of one vertex and keeps it if it passes both filters of the paper.
-    fn trace(&self, vertex: u32, normal: &VertexNormal<T>, contacts: &mut ContactList<T>) {
-        let statistics = &mut contacts.statistics;
-        statistics.rays += 1;
-        let ray = self.inward_ray(vertex, normal);
-        let Some(hit) = self.collided.nearest_hit(&ray) else {
-            statistics.misses += 1;
-            return;
-        };
-        if !hit.is_exit {
-            statistics.entry_hits += 1;
-            return;
-        }
-        if self.colliding.is_hit_before_end(&ray.until(hit.t), vertex) {
-            statistics.own_surface_hits += 1;
-            return;
-        }
-        contacts.contacts.push(self.contact(vertex, normal.area, &ray, &hit));
+        statistics.rays += workspace.rays.len() as u64;
     }
 
     /// The ray, cut where it leaves the overlap box: p2 of an accepted contact lies on one body and inside the other,

@@ -9,23 +9,29 @@ pub use scalar::Scalar;
 /// A position, direction or force: three scalars, contiguous.
 pub type Vector3<T> = nalgebra::Vector3<T>;
 
-/// The Euclidean length, without overflow or underflow of the squares, so that scaling the vector by a power of two
-/// scales the result exactly. NaN or infinite components give NaN or infinity.
+/// The Euclidean length. Where squares would overflow or underflow, the vector is first scaled by a power of two, which
+/// is exact: so scaling by powers of two scales the result exactly. NaN or infinite components give NaN or infinity.
 pub fn length<T: Scalar>(v: &Vector3<T>) -> T {
-    let largest = v.amax();
-    if largest == T::zero() {
-        return T::zero();
+    let square = v.norm_squared();
+    if T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1 {
+        return square.sqrt();
     }
-    (v / largest).norm() * largest
+    let factor = rescue_factor(square);
+    (v * factor).norm() / factor
 }
 
 /// The unit vector along `v`, or `None` where `v` has no direction (zero or not finite). Scaling `v` by a power of
 /// two does not change a bit of the result.
 pub fn direction<T: Scalar>(v: &Vector3<T>) -> Option<Vector3<T>> {
-    let largest = v.amax();
-    if !(largest > T::zero() && largest.is_finite()) {
-        return None;
+    let square = v.norm_squared();
+    if T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1 {
+        return Some(v / square.sqrt());
     }
-    let scaled = v / largest;
-    Some(scaled / scaled.norm())
+    let scaled = v * rescue_factor(square);
+    let length = scaled.norm();
+    (length > T::zero() && length.is_finite()).then(|| scaled / length)
+}
+
+fn rescue_factor<T: Scalar>(square: T) -> T {
+    if square < T::one() { T::RESCUE_FACTORS.0 } else { T::RESCUE_FACTORS.1 }
 }

@@ -6,6 +6,10 @@ pub trait Scalar: nalgebra::RealField + Copy + Default + Send + Sync + private::
     const LARGEST: Self;
     /// Positive infinity.
     const INFINITY: Self;
+    /// Squared lengths between these two have lost nothing to underflow or overflow.
+    const SAFE_SQUARES: (Self, Self);
+    /// Powers of two: the first lifts vectors whose squared length is below the safe ones, the second lowers those above.
+    const RESCUE_FACTORS: (Self, Self);
 
     /// The nearest number of this type.
     fn of(value: f64) -> Self;
@@ -20,11 +24,16 @@ mod private {
 }
 
 macro_rules! scalar {
-    ($type:ident) => {
+    ($type:ident, $raise:expr, $lower:expr) => {
         impl Scalar for $type {
             const ROUNDING_UNIT: Self = $type::EPSILON / 2.0;
             const LARGEST: Self = $type::MAX;
             const INFINITY: Self = $type::INFINITY;
+            const SAFE_SQUARES: (Self, Self) = {
+                let spare = 1.0 / ($type::EPSILON * $type::EPSILON);
+                ($type::MIN_POSITIVE * spare, $type::MAX / spare)
+            };
+            const RESCUE_FACTORS: (Self, Self) = ($raise, $lower);
 
             fn of(value: f64) -> Self {
                 value as $type
@@ -36,5 +45,13 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32);
-scalar!(f64);
+scalar!(f32, power_of_two_f32(100), power_of_two_f32(-70));
+scalar!(f64, power_of_two_f64(700), power_of_two_f64(-650));
+
+const fn power_of_two_f32(exponent: i32) -> f32 {
+    f32::from_bits(((exponent + 127) as u32) << 23)
+}
+
+const fn power_of_two_f64(exponent: i64) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}

@@ -40,4 +40,18 @@ impl<T: Scalar> Slabs<T> {
     pub(super) fn at_upper(&self, axis: usize, face: T) -> T {
         (face - self.origin[axis] + self.margin) * self.inverse[axis]
     }
+
+    /// A box that holds all of the ray that may count, and what triangles near it the tests may accept.
+    pub(super) fn box_around(&self, ray: &Ray<T>, mesh_box: &Aabb<T>) -> Aabb<T> {
+        let end = ray.origin + ray.direction * ray.t_max;
+        if !end.iter().all(|x| x.is_finite()) {
+            return *mesh_box;
+        }
+        let mut around = Aabb { lower: ray.origin, upper: ray.origin };
+        around.include(&end);
+        // The end is rounded as coarsely as its coordinates are.
+        let rounding = ray.origin.amax().max(end.amax()) * T::ROUNDING_UNIT * T::of(4.0);
+        let margin = self.margin + rounding;
+        Aabb { lower: around.lower.add_scalar(-margin), upper: around.upper.add_scalar(margin) }
+    }
 }

@@ -1,4 +1,5 @@
 use super::Cells;
+use super::wide::PACKET_SIZE;
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::ray::{Hit, PreparedRay, Ray, TriangleTest};
@@ -49,6 +50,19 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         nearest
     }
 
+    /// [`nearest_hit`](Self::nearest_hit) of each of many rays, into `hits`, which is cleared first. Fastest where
+    /// each 16 rays are neighbours.
+    pub fn nearest_hits(&self, rays: &[Ray<T>], hits: &mut Vec<Option<Hit<T>>>) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        for (rays, hits) in rays.chunks(PACKET_SIZE).zip(hits.chunks_mut(PACKET_SIZE)) {
+            self.visit_packet(rays, &mut |place, prepared, triangle| {
+                self.keep_nearer(&rays[place], prepared, triangle, &mut hits[place]);
+                hits[place].map_or(rays[place].t_max, |hit| hit.t)
+            });
+        }
+    }
+
     fn keep_nearer(&self, ray: &Ray<T>, prepared: &PreparedRay<T>, triangle: u32, nearest: &mut Option<Hit<T>>) {
         let hit = prepared.intersect(&self.mesh.corners(triangle), triangle);
         if let Some(hit) = hit.filter(|hit| hit.t <= ray.t_max && nearest.is_none_or(|n| hit.is_before(&n))) {
@@ -56,16 +70,39 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         }
     }
 
-    /// Whether the ray meets a triangle strictly before its `t_max`, not counting the triangles around `vertex`.
-    pub fn is_hit_before_end(&self, ray: &Ray<T>, vertex: u32) -> bool {
-        let prepared = PreparedRay::new(ray, self.test);
-        let mut found = false;
-        self.visit(ray, &prepared, &mut |triangle| {
-            found |= !self.mesh.topology().triangles()[triangle as usize].contains(&vertex)
-                && prepared.intersect(&self.mesh.corners(triangle), triangle).is_some_and(|hit| hit.t < ray.t_max);
-            if found { -T::INFINITY } else { ray.t_max }
-        });
-        found
+    /// For each ray whether it meets a triangle strictly before its `t_max`, not counting the triangles around the
+    /// vertex that stands at its place in `vertices`; into `found`, which is cleared first.
+    pub fn are_hit_before_end(&self, rays: &[Ray<T>], vertices: &[u32], found: &mut Vec<bool>) {
+        found.clear();
+        found.resize(rays.len(), false);
+        let triangles = self.mesh.topology().triangles();
+        let packets = rays.chunks(PACKET_SIZE).zip(vertices.chunks(PACKET_SIZE)).zip(found.chunks_mut(PACKET_SIZE));
+        for ((rays, vertices), found) in packets {
+            self.visit_packet(rays, &mut |place, prepared, triangle| {
+                found[place] |= !triangles[triangle as usize].contains(&vertices[place])
+                    && prepared
+                        .intersect(&self.mesh.corners(triangle), triangle)
+                        .is_some_and(|hit| hit.t < rays[place].t_max);
+                if found[place] { -T::INFINITY } else { rays[place].t_max }
+            });
+        }
+    }
+
+    fn visit_packet(&self, rays: &[Ray<T>], visitor: &mut impl FnMut(usize, &PreparedRay<T>, u32) -> T) {
+        let prepare = |place: usize| PreparedRay::new(&rays[place.min(rays.len() - 1)], self.test);
+        let prepared: [_; PACKET_SIZE] = std::array::from_fn(prepare);
+        match self.cells {
+            Cells::Wide(cells) => {
+                let mut visitor = |place: usize, triangle: u32| visitor(place, &prepared[place], triangle);
+                cells.visit_packet(rays, &prepared, self.mesh.aabb(), &mut visitor);
+            }
+            Cells::Classic(cells) => {
+                for (place, ray) in rays.iter().enumerate() {
+                    let mut visitor = |triangle| visitor(place, &prepared[place], triangle);
+                    cells.visit(ray, self.mesh.aabb(), &mut visitor);
+                }
+            }
+        }
     }
 
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned, perhaps several times.

@@ -5,12 +5,15 @@
 mod cluster;
 mod dispatch;
 mod group;
+mod packet;
 mod trace;
 mod validate;
 
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 use crate::ray::{PreparedRay, Ray};
+
+pub(super) use packet::PACKET_SIZE;
 
 /// At most so many triangles, and so many vertices, form a tile.
 const TILE_SIZE: usize = 16;
@@ -91,7 +94,18 @@ impl<T: Scalar> Wide<T> {
         mesh_box: &Aabb<T>,
         visitor: &mut impl FnMut(u32) -> T,
     ) {
-        dispatch::run(trace::Walk::new(self, ray, prepared, mesh_box, visitor));
+        dispatch::dispatch(trace::Walk::new(self, ray, prepared, mesh_box, visitor));
+    }
+
+    /// The same for up to 16 rays at once, which should be neighbours; `visitor` is told which ray it is.
+    pub(super) fn visit_packet(
+        &self,
+        rays: &[Ray<T>],
+        prepared: &[PreparedRay<T>],
+        mesh_box: &Aabb<T>,
+        visitor: &mut impl FnMut(usize, u32) -> T,
+    ) {
+        dispatch::dispatch(packet::PacketWalk::new(self, rays, prepared, mesh_box, visitor));
     }
 }
 

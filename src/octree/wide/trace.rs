@@ -1,10 +1,11 @@
+use super::dispatch::Kernel;
 use super::{CHILD_COUNT, Child, Node, TILE_SIZE, Tile, Wide};
 use crate::math::{Aabb, Scalar};
 use crate::octree::slabs::Slabs;
 use crate::ray::{PreparedRay, Ray};
 
 /// Nodes that can wait at once: seven for each level but the last, and 2³² tiles have no more than eleven levels.
-const STACK_SIZE: usize = 80;
+pub(super) const STACK_SIZE: usize = 80;
 
 /// One ray's way through the cells.
 pub(super) struct Walk<'a, T: Scalar, V> {
@@ -25,10 +26,11 @@ impl<'a, T: Scalar, V: FnMut(u32) -> T> Walk<'a, T, V> {
     ) -> Self {
         Self { cells, slabs: Slabs::new(ray, mesh_box), prepared, t_max: ray.t_max, visitor }
     }
+}
 
-    // Everything below is inlined into `run`, so that it is compiled for the processor `run` is compiled for.
+impl<T: Scalar, V: FnMut(u32) -> T> Kernel for Walk<'_, T, V> {
     #[inline(always)]
-    pub(super) fn run(&mut self) {
+    fn run(&mut self) {
         let mut stack = [0u32; STACK_SIZE];
         let mut waiting = 1;
         while waiting > 0 {
@@ -45,31 +47,39 @@ impl<'a, T: Scalar, V: FnMut(u32) -> T> Walk<'a, T, V> {
                         waiting += 1;
                     }
                     // A hit found since may have shortened the ray.
-                    Child::Tile(tile) if entries[place] <= self.t_max => self.offer(&self.cells.tiles[tile as usize]),
+                    Child::Tile(tile) if entries[place] <= self.t_max => {
+                        offer(&self.cells.tiles[tile as usize], self.prepared, &mut self.t_max, self.visitor);
+                    }
                     Child::Tile(_) | Child::None => {}
                 }
             }
         }
     }
+}
 
-    #[inline(always)]
-    fn offer(&mut self, tile: &Tile<T>) {
-        match self.prepared {
-            PreparedRay::Watertight(ray) => {
-                let projected = ray.project_all(&tile.positions);
-                let mut candidates = around_ray(tile, &projected);
-                while candidates != 0 {
-                    let place = candidates.trailing_zeros() as usize;
-                    candidates &= candidates - 1;
-                    if may_meet(&tile.corners[place], &projected) {
-                        self.t_max = (self.visitor)(tile.triangles[place]);
-                    }
+/// Offers the triangles of a tile that the ray may meet; `t_max` becomes what `visitor` last returned.
+#[inline(always)]
+pub(super) fn offer<T: Scalar>(
+    tile: &Tile<T>,
+    prepared: &PreparedRay<T>,
+    t_max: &mut T,
+    visitor: &mut impl FnMut(u32) -> T,
+) {
+    match prepared {
+        PreparedRay::Watertight(ray) => {
+            let projected = ray.project_all(&tile.positions);
+            let mut candidates = around_ray(tile, &projected);
+            while candidates != 0 {
+                let place = candidates.trailing_zeros() as usize;
+                candidates &= candidates - 1;
+                if may_meet(&tile.corners[place], &projected) {
+                    *t_max = visitor(tile.triangles[place]);
                 }
             }
-            PreparedRay::MollerTrumbore(_) => {
-                for &triangle in &tile.triangles[..tile.triangle_count as usize] {
-                    self.t_max = (self.visitor)(triangle);
-                }
+        }
+        PreparedRay::MollerTrumbore(_) => {
+            for &triangle in &tile.triangles[..tile.triangle_count as usize] {
+                *t_max = visitor(triangle);
             }
         }
     }
@@ -88,10 +98,11 @@ fn entries<T: Scalar>(slabs: &Slabs<T>, node: &Node<T>) -> [T; CHILD_COUNT] {
             at_lower[child] = slabs.at_lower(axis, lower[child]);
             at_upper[child] = slabs.at_upper(axis, upper[child]);
         }
-        let (from, to) = if slabs.is_mirrored(axis) { (&at_upper, &at_lower) } else { (&at_lower, &at_upper) };
         for child in 0..CHILD_COUNT {
-            enters[child] = if from[child] > enters[child] { from[child] } else { enters[child] };
-            leaves[child] = if to[child] < leaves[child] { to[child] } else { leaves[child] };
+            let (a, b) = (at_lower[child], at_upper[child]);
+            let (from, to) = if a < b { (a, b) } else { (b, a) };
+            enters[child] = if from > enters[child] { from } else { enters[child] };
+            leaves[child] = if to < leaves[child] { to } else { leaves[child] };
         }
     }
     let nan = T::INFINITY - T::INFINITY;
