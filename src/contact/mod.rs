@@ -2,6 +2,7 @@
 
 mod list;
 mod pair;
+mod samples;
 mod workspace;
 
 pub use list::{Contact, ContactList, Statistics, SurfacePoint};

@@ -1,7 +1,8 @@
+use super::samples::{Sample, at_vertices};
 use super::workspace::Workspace;
 use super::{Contact, ContactList, Statistics, SurfacePoint};
-use crate::math::{Aabb, Scalar, Vector3, direction};
-use crate::mesh::{Mesh, VertexNormal};
+use crate::math::{Aabb, Scalar, direction};
+use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
 use crate::ray::{Hit, Ray};
 
@@ -54,39 +55,34 @@ impl<T: Scalar> Detection<'_, T> {
         self.cast(workspace, statistics);
         self.collided.nearest_hits(&workspace.rays, &mut workspace.hits);
         workspace.keep_exits(statistics);
-        self.colliding.are_hit_before_end(&workspace.rays, &workspace.vertices, &mut workspace.hidden);
+        self.colliding.are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
         for (place, hit) in workspace.hits.iter().enumerate() {
             match hit {
                 Some(hit) if !workspace.hidden[place] => {
-                    let (vertex, area) = (workspace.vertices[place], workspace.areas[place]);
-                    contacts.push(self.contact(vertex, area, &workspace.rays[place], hit));
+                    contacts.push(self.contact(&workspace.samples[place], &workspace.rays[place], hit));
                 }
                 _ => statistics.own_surface_hits += 1,
             }
         }
     }
 
-    /// Makes the ray of each vertex inside the overlap box.
+    /// Makes the ray of each sample inside the overlap box.
     fn cast(&self, workspace: &mut Workspace<T>, statistics: &mut Statistics) {
-        workspace.clear();
-        let mesh = self.colliding.mesh();
-        for &vertex in mesh.topology().surface_vertices() {
-            if !self.overlap.contains(&mesh.positions()[vertex as usize]) {
-                continue;
-            }
-            match mesh.vertex_normal(vertex) {
-                Some(normal) => workspace.push(vertex, normal.area, self.inward_ray(vertex, &normal)),
-                None => statistics.without_normal += 1,
-            }
-        }
-        statistics.rays += workspace.rays.len() as u64;
+        let Workspace { samples, rays, .. } = workspace;
+        samples.clear();
+        rays.clear();
+        statistics.without_normal += at_vertices(self.colliding.mesh(), self.overlap, |sample| {
+            rays.push(self.inward_ray(&sample));
+            samples.push(sample);
+        });
+        statistics.rays += rays.len() as u64;
     }
 
     /// The ray, cut where it leaves the overlap box: p2 of an accepted contact lies on one body and inside the other,
     /// so in both boxes.
-    fn inward_ray(&self, vertex: u32, normal: &VertexNormal<T>) -> Ray<T> {
-        let origin = self.colliding.mesh().positions()[vertex as usize];
-        let direction = -normal.normal;
+    fn inward_ray(&self, sample: &Sample<T>) -> Ray<T> {
+        let origin = sample.point.position;
+        let direction = -sample.normal;
         // A hit on the box's very face must not be lost to the rounding of either distance.
         let margin = self.overlap.reach_from(&origin) * T::ROUNDING_UNIT * T::of(64.0);
         let mut t_max = T::INFINITY;
@@ -100,14 +96,14 @@ impl<T: Scalar> Detection<'_, T> {
         Ray { origin, direction, t_max }
     }
 
-    fn contact(&self, vertex: u32, area: T, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
+    fn contact(&self, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
         let half = T::of(0.5);
         let normal = direction(&self.collided.mesh().scaled_normal(hit.triangle));
         let cos_alpha = normal.map_or(T::zero(), |n| n.dot(&ray.direction).clamp(T::zero(), T::one()));
         Contact {
             colliding: self.bodies[0],
             collided: self.bodies[1],
-            p1: at_vertex(self.colliding.mesh(), vertex),
+            p1: sample.point,
             p2: SurfacePoint {
                 triangle: hit.triangle,
                 vertices: self.collided.mesh().topology().triangles()[hit.triangle as usize],
@@ -117,16 +113,7 @@ impl<T: Scalar> Detection<'_, T> {
             direction: ray.direction,
             depth: hit.t,
             cos_alpha,
-            area: area * half,
+            area: sample.area * half,
         }
     }
-}
-
-fn at_vertex<T: Scalar>(mesh: &Mesh<T>, vertex: u32) -> SurfacePoint<T> {
-    let triangle = mesh.topology().triangles_around(vertex)[0];
-    let mut vertices = mesh.topology().triangles()[triangle as usize];
-    let place = vertices.iter().position(|&v| v == vertex).expect("triangle lies around its vertex");
-    vertices.rotate_left(place);
-    let position: Vector3<T> = mesh.positions()[vertex as usize];
-    SurfacePoint { triangle, vertices, weights: [T::one(), T::zero(), T::zero()], position }
 }

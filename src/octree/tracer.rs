@@ -70,16 +70,18 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         }
     }
 
-    /// For each ray whether it meets a triangle strictly before its `t_max`, not counting the triangles around the
-    /// vertex that stands at its place in `vertices`; into `found`, which is cleared first.
-    pub fn are_hit_before_end(&self, rays: &[Ray<T>], vertices: &[u32], found: &mut Vec<bool>) {
+    /// For each ray whether it meets a triangle strictly before its `t_max`; into `found`, which is cleared first. The
+    /// triangles that have all three vertices in `touched` do not count: those a ray starts from. For a ray from a vertex
+    /// it names that one three times, from an edge its two vertices, from a face its three.
+    pub fn are_hit_before_end(&self, rays: &[Ray<T>], touched: &[[u32; 3]], found: &mut Vec<bool>) {
         found.clear();
         found.resize(rays.len(), false);
         let triangles = self.mesh.topology().triangles();
-        let packets = rays.chunks(PACKET_SIZE).zip(vertices.chunks(PACKET_SIZE)).zip(found.chunks_mut(PACKET_SIZE));
-        for ((rays, vertices), found) in packets {
+        let packets = rays.chunks(PACKET_SIZE).zip(touched.chunks(PACKET_SIZE)).zip(found.chunks_mut(PACKET_SIZE));
+        for ((rays, touched), found) in packets {
             self.visit_packet(rays, &mut |place, prepared, triangle| {
-                found[place] |= !triangles[triangle as usize].contains(&vertices[place])
+                let corners = triangles[triangle as usize];
+                found[place] |= !touched[place].iter().all(|vertex| corners.contains(vertex))
                     && prepared
                         .intersect(&self.mesh.corners(triangle), triangle)
                         .is_some_and(|hit| hit.t < rays[place].t_max);
