@@ -6,23 +6,6 @@ pub(super) trait Kernel {
     fn run(&mut self);
 }
 
-/// Runs the kernel on the best path.
-#[cfg(target_arch = "x86_64")]
-#[allow(unsafe_code)] // calling code for processors that may not be this one
-pub(super) fn dispatch(mut kernel: impl Kernel) {
-    use std::is_x86_feature_detected as has;
-    let wide = has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("popcnt");
-    if wide && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") {
-        // SAFETY: the processor has what the function was compiled for.
-        unsafe { run_avx512(&mut kernel) }
-    } else if wide {
-        // SAFETY: the processor has what the function was compiled for.
-        unsafe { run_avx2(&mut kernel) }
-    } else {
-        kernel.run();
-    }
-}
-
 /// Runs the kernel.
 #[cfg(not(target_arch = "x86_64"))]
 pub(super) fn dispatch(mut kernel: impl Kernel) {
@@ -30,13 +13,58 @@ pub(super) fn dispatch(mut kernel: impl Kernel) {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-fn run_avx2(kernel: &mut impl Kernel) {
-    kernel.run();
-}
+pub(super) use x86_64::dispatch;
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-fn run_avx512(kernel: &mut impl Kernel) {
-    kernel.run();
+mod x86_64 {
+    use super::Kernel;
+    use std::is_x86_feature_detected as has;
+    use std::sync::OnceLock;
+
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    enum Path {
+        Baseline,
+        Avx2,
+        Avx512,
+    }
+
+    /// Runs the kernel on the best path, or on the one that the environment variable `RAYCONTACT_SIMD` names
+    /// (`baseline`, `avx2`, `avx512`) if the processor has it. The variable is read once.
+    #[allow(unsafe_code)] // calling code for processors that may not be this one
+    pub(in super::super) fn dispatch(mut kernel: impl Kernel) {
+        static PATH: OnceLock<Path> = OnceLock::new();
+        match PATH.get_or_init(choose) {
+            // SAFETY: `choose` found what the function was compiled for.
+            Path::Avx512 => unsafe { run_avx512(&mut kernel) },
+            // SAFETY: `choose` found what the function was compiled for.
+            Path::Avx2 => unsafe { run_avx2(&mut kernel) },
+            Path::Baseline => kernel.run(),
+        }
+    }
+
+    fn choose() -> Path {
+        let avx2 = has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("popcnt");
+        let avx512 = avx2 && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
+        let best = match (avx512, avx2) {
+            (true, _) => Path::Avx512,
+            (false, true) => Path::Avx2,
+            (false, false) => Path::Baseline,
+        };
+        let asked = std::env::var("RAYCONTACT_SIMD").ok();
+        match asked.as_deref() {
+            Some("baseline") => Path::Baseline,
+            Some("avx2") => best.min(Path::Avx2),
+            _ => best,
+        }
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    fn run_avx2(kernel: &mut impl Kernel) {
+        kernel.run();
+    }
+
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+    fn run_avx512(kernel: &mut impl Kernel) {
+        kernel.run();
+    }
 }

@@ -2,10 +2,13 @@ use super::{CHILD_COUNT, Child, Node, Tile};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 
+/// The centre of a tile's box, and the tile.
+type Place<T> = (Vector3<T>, u32);
+
 /// Groups tiles into nodes of up to eight children, from the root down: a set of tiles is halved along the longest
 /// side of its centres' box, the halves again, and those again.
 pub(super) fn group<T: Scalar>(mesh: &Mesh<T>, tiles: &[Tile<T>]) -> Vec<Node<T>> {
-    let mut places: Vec<(Vector3<T>, u32)> = tiles
+    let mut places: Vec<Place<T>> = tiles
         .iter()
         .enumerate()
         .map(|(index, tile)| {
@@ -20,7 +23,7 @@ pub(super) fn group<T: Scalar>(mesh: &Mesh<T>, tiles: &[Tile<T>]) -> Vec<Node<T>
 }
 
 /// Adds the node of these tiles and all below it; gives its index.
-fn add_node<T: Scalar>(places: &mut [(Vector3<T>, u32)], nodes: &mut Vec<Node<T>>) -> u32 {
+fn add_node<T: Scalar>(places: &mut [Place<T>], nodes: &mut Vec<Node<T>>) -> u32 {
     let index = nodes.len();
     nodes.push(Node::new(&[]));
     let mut children = Vec::with_capacity(CHILD_COUNT);
@@ -38,12 +41,12 @@ fn add_node<T: Scalar>(places: &mut [(Vector3<T>, u32)], nodes: &mut Vec<Node<T>
     index as u32
 }
 
-fn in_eight<T: Scalar>(places: &mut [(Vector3<T>, u32)]) -> impl Iterator<Item = &mut [(Vector3<T>, u32)]> {
+fn in_eight<T: Scalar>(places: &mut [Place<T>]) -> impl Iterator<Item = &mut [Place<T>]> {
     let (a, b) = halves(places);
     [a, b].into_iter().flat_map(|half| <[_; 2]>::from(halves(half))).flat_map(|half| <[_; 2]>::from(halves(half)))
 }
 
-fn halves<T: Scalar>(places: &mut [(Vector3<T>, u32)]) -> (&mut [(Vector3<T>, u32)], &mut [(Vector3<T>, u32)]) {
+fn halves<T: Scalar>(places: &mut [Place<T>]) -> (&mut [Place<T>], &mut [Place<T>]) {
     let mut centres = Aabb::empty();
     places.iter().for_each(|(centre, _)| centres.include(centre));
     let axis = (centres.upper - centres.lower).imax();

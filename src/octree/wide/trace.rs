@@ -85,7 +85,7 @@ pub(super) fn offer<T: Scalar>(
     }
 }
 
-/// Where the ray enters each child's box; NaN for boxes that it does not meet ahead of its origin.
+/// Where the ray enters each child's box; infinity for boxes that it does not meet ahead of its origin.
 #[inline(always)]
 fn entries<T: Scalar>(slabs: &Slabs<T>, node: &Node<T>) -> [T; CHILD_COUNT] {
     let mut enters = [-T::INFINITY; CHILD_COUNT];
@@ -105,10 +105,9 @@ fn entries<T: Scalar>(slabs: &Slabs<T>, node: &Node<T>) -> [T; CHILD_COUNT] {
             leaves[child] = if to < leaves[child] { to } else { leaves[child] };
         }
     }
-    let nan = T::INFINITY - T::INFINITY;
     for child in 0..CHILD_COUNT {
         let met = (enters[child] <= leaves[child]) & (leaves[child] >= T::zero());
-        enters[child] = if met { enters[child] } else { nan };
+        enters[child] = if met { enters[child] } else { T::INFINITY };
     }
     enters
 }
