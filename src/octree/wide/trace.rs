@@ -85,7 +85,8 @@ pub(super) fn offer<T: Scalar>(
     }
 }
 
-/// Where the ray enters each child's box; infinity for boxes that it does not meet ahead of its origin.
+/// Where the ray enters each child's box; NaN, which no `t_max` reaches, for boxes that it does not meet ahead of its
+/// origin.
 #[inline(always)]
 fn entries<T: Scalar>(slabs: &Slabs<T>, node: &Node<T>) -> [T; CHILD_COUNT] {
     let mut enters = [-T::INFINITY; CHILD_COUNT];
@@ -107,7 +108,7 @@ fn entries<T: Scalar>(slabs: &Slabs<T>, node: &Node<T>) -> [T; CHILD_COUNT] {
     }
     for child in 0..CHILD_COUNT {
         let met = (enters[child] <= leaves[child]) & (leaves[child] >= T::zero());
-        enters[child] = if met { enters[child] } else { T::INFINITY };
+        enters[child] = if met { enters[child] } else { T::of(f64::NAN) };
     }
     enters
 }
