@@ -2,7 +2,8 @@ use super::Cells;
 use super::wide::PACKET_SIZE;
 use crate::math::Scalar;
 use crate::mesh::Mesh;
-use crate::ray::{Hit, PreparedRay, Ray, TriangleTest};
+use crate::ray::{Hit, PreparedRay, Ray, ShearedRay, TriangleTest};
+use std::cmp::Ordering;
 
 /// A mesh together with its up-to-date octree: what rays are traced in.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +49,25 @@ impl<'a, T: Scalar> Tracer<'a, T> {
             self.keep_nearer(ray, &prepared, triangle, &mut nearest);
         }
         nearest
+    }
+
+    /// All crossings along the ray up to its end, nearest first, into `crossings`, which is cleared first. Where the
+    /// ray has no end, their signs (exit +1, entry −1) sum to the winding number of the mesh at the origin: a ray
+    /// through an edge or a vertex crosses the surface there as often as one that passes beside it. Always watertight.
+    pub fn crossings(&self, ray: &Ray<T>, crossings: &mut Vec<Hit<T>>) {
+        crossings.clear();
+        let sheared = ShearedRay::new(ray);
+        let prepared = PreparedRay::Watertight(sheared);
+        self.visit(ray, &prepared, &mut |triangle| {
+            let crossing = sheared.crossing(&self.mesh.corners(triangle), triangle);
+            crossings.extend(crossing.filter(|hit| hit.t <= ray.t_max));
+            ray.t_max
+        });
+        crossings.sort_unstable_by(|a, b| {
+            a.t.partial_cmp(&b.t).unwrap_or(Ordering::Equal).then(a.triangle.cmp(&b.triangle))
+        });
+        // A triangle that lives in several cells was offered several times.
+        crossings.dedup_by_key(|hit| hit.triangle);
     }
 
     /// [`nearest_hit`](Self::nearest_hit) of each of many rays, into `hits`, which is cleared first. Fastest where

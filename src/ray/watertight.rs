@@ -78,6 +78,32 @@ impl<T: Scalar> ShearedRay<T> {
     }
 }
 
+impl<T: Scalar> ShearedRay<T> {
+    /// The crossing of the triangle with these corners at `t` ≥ 0, counted so that the signs along a ray sum to the
+    /// winding number of a closed mesh at the origin, +1 for an exit and −1 for an entry: a ray through an edge or a
+    /// vertex crosses just those of the triangles there that the ray moved aside by an infinitely small step (ε, ε²)
+    /// of the projection would cross.
+    pub fn crossing(&self, corners: &[Vector3<T>; 3], triangle: u32) -> Option<Hit<T>> {
+        let [a, b, c] = [0, 1, 2].map(|corner| self.project(&corners[corner]));
+        let sides = [(&c, &b), (&a, &c), (&b, &a)].map(|(p, q)| side_of_moved_ray(p, q));
+        if sides[0] == 0 || sides[0] != sides[1] || sides[1] != sides[2] {
+            return None;
+        }
+        // The moved ray crosses, so the ray itself meets the triangle, if only its border.
+        self.intersect(corners, triangle)
+    }
+}
+
+/// The sign of the edge function of a ray moved by (ε, ε²); zero only where p and q coincide.
+fn side_of_moved_ray<T: Scalar>(p: &Vector3<T>, q: &Vector3<T>) -> i8 {
+    let sign = |x: T| i8::from(x > T::zero()) - i8::from(x < T::zero());
+    match (sign(edge_function(p, q)), sign(p.y - q.y)) {
+        (0, 0) => sign(q.x - p.x),
+        (0, by_y) => by_y,
+        (by_area, _) => by_area,
+    }
+}
+
 /// Twice the signed area of (0, p, q) in the projection: p.x·q.y − p.y·q.x, with the exact sign.
 ///
 /// Two rounded products compare as the exact ones do unless they are equal; then their rounding errors decide. So
