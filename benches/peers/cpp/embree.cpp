@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+// Embree 3.13: one scene per body, sharing the host's arrays; rays in streams.
+#include <embree3/rtcore.h>
+
+#include <cstdlib>
+
+#include "ray_step.hpp"
+
+namespace bench {
+namespace {
+
+static_assert(sizeof(RayHit) == sizeof(RTCRayHit), "RayHit is laid out as Embree's");
+static_assert(offsetof(RayHit, triangle) == offsetof(RTCRayHit, hit.primID), "RayHit is laid out as Embree's");
+
+struct Context {
+  RTCIntersectContext embree;
+  const uint32_t* triangles;
+};
+
+// Refuses the triangles around the vertex that the ray starts from.
+void refuse_touched(const RTCFilterFunctionNArguments* arguments) {
+  const uint32_t* triangles = reinterpret_cast<const Context*>(arguments->context)->triangles;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] != -1) continue;
+    const uint32_t vertex = RTCRayN_id(arguments->ray, n, i);
+    const uint32_t* corner = triangles + 3 * size_t(RTCHitN_primID(arguments->hit, n, i));
+    if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex) arguments->valid[i] = 0;
+  }
+}
+
+class EmbreeStructure : public Structure {
+ public:
+  EmbreeStructure(RTCDevice device, const BodyView& body, RTCBuildQuality quality)
+      : body_(body), scene_(rtcNewScene(device)), geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE)) {
+    // Only a dynamic scene keeps one tree per geometry, which alone can be refitted.
+    rtcSetSceneFlags(scene_,
+                     RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
+    rtcSetGeometryBuildQuality(geometry_, quality);
+    rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, body.positions, 0,
+                               3 * sizeof(float), body.vertex_count);
+    rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, body.triangles, 0,
+                               3 * sizeof(uint32_t), body.triangle_count);
+    rtcCommitGeometry(geometry_);
+    rtcAttachGeometry(scene_, geometry_);
+    rtcCommitScene(scene_);
+  }
+
+  ~EmbreeStructure() override {
+    rtcReleaseGeometry(geometry_);
+    rtcReleaseScene(scene_);
+  }
+
+  void update() override {
+    rtcUpdateGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry_);
+    rtcCommitScene(scene_);
+  }
+
+  void nearest(RayHit* rays, size_t count) override {
+    Context context = new_context();
+    rtcIntersect1M(scene_, &context.embree, reinterpret_cast<RTCRayHit*>(rays), unsigned(count), sizeof(RayHit));
+  }
+
+  void occluded(RayHit* rays, size_t count) override {
+    Context context = new_context();
+    context.embree.filter = refuse_touched;
+    rtcOccluded1M(scene_, &context.embree, reinterpret_cast<RTCRay*>(rays), unsigned(count), sizeof(RayHit));
+  }
+
+ private:
+  Context new_context() const {
+    Context context;
+    rtcInitIntersectContext(&context.embree);
+    context.embree.flags = flags();
+    context.triangles = body_.triangles;
+    return context;
+  }
+
+  static RTCIntersectContextFlags flags() {
+    static const bool coherent = std::getenv("BENCH_COHERENT") != nullptr;
+    return coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  }
+
+  BodyView body_;
+  RTCScene scene_;
+  RTCGeometry geometry_;
+};
+
+// One thread inside Embree: where there are two, each commits and traces in its own part.
+RTCDevice device() {
+  static const RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+  if (!device) throw std::runtime_error("Embree gives no device");
+  return device;
+}
+
+}  // namespace
+
+std::unique_ptr<Peer> make_embree(const std::string& method, unsigned threads, const Bodies& bodies) {
+  RTCBuildQuality quality;
+  if (method == "embree-refit") {
+    quality = RTC_BUILD_QUALITY_REFIT;
+  } else if (method == "embree-low") {
+    quality = RTC_BUILD_QUALITY_LOW;
+  } else {
+    return nullptr;
+  }
+  std::vector<std::unique_ptr<Structure>> structures;
+  for (const auto& body : bodies) structures.push_back(std::make_unique<EmbreeStructure>(device(), body, quality));
+  return std::make_unique<RayStep>(bodies, std::move(structures), threads);
+}
+
+}  // namespace bench

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+// What every peer needs of a body besides its own structure: the box, and vertex normals.
+#pragma once
+
+#include <limits>
+#include <stdexcept>
+
+#include "peer.hpp"
+#include "vector4.hpp"
+
+namespace bench {
+
+template <typename T>
+struct Box {
+  Vector4<T> lower_corner, upper_corner;
+
+  bool is_empty() const {
+    bool empty = false;
+    for (int axis = 0; axis < 3; ++axis) empty |= lower_corner[axis] > upper_corner[axis];
+    return empty;
+  }
+  bool contains(Vector4<T> p) const {
+    const auto inside = (p >= lower_corner) & (p <= upper_corner);
+    return inside[0] & inside[1] & inside[2];
+  }
+  Box intersection(const Box& other) const {
+    return {upper(lower_corner, other.lower_corner), lower(upper_corner, other.upper_corner)};
+  }
+};
+
+/// The vertices around each vertex, in order, the first repeated at the end.
+class Rings {
+ public:
+  explicit Rings(const BodyView& body) : start_(body.vertex_count + 1) {
+    // next[v] holds (b, c) for each triangle (v, b, c).
+    std::vector<std::vector<std::pair<uint32_t, uint32_t>>> next(body.vertex_count);
+    for (uint32_t t = 0; t < body.triangle_count; ++t) {
+      const uint32_t* corner = body.triangles + 3 * size_t(t);
+      for (int i = 0; i < 3; ++i) next[corner[i]].push_back({corner[(i + 1) % 3], corner[(i + 2) % 3]});
+    }
+    for (uint32_t v = 0; v < body.vertex_count; ++v) {
+      start_[v] = uint32_t(vertices_.size());
+      uint32_t at = next[v].at(0).first;
+      vertices_.push_back(at);
+      for (size_t i = 0; i < next[v].size(); ++i) {
+        for (const auto& [b, c] : next[v]) {
+          if (b == at) {
+            at = c;
+            vertices_.push_back(at);
+            break;
+          }
+        }
+      }
+      if (at != next[v][0].first) throw std::runtime_error("the surface is not closed");
+    }
+    start_[body.vertex_count] = uint32_t(vertices_.size());
+  }
+
+  /// The sum of the surrounding triangles' normals, each as long as twice its area.
+  template <typename T>
+  Vector4<T> scaled_normal(const T* positions, uint32_t vertex) const {
+    const uint32_t* at = vertices_.data() + start_[vertex];
+    const uint32_t* end = vertices_.data() + start_[vertex + 1];
+    const Vector4<T> centre = load(positions + 3 * size_t(vertex));
+    Vector4<T> a = load(positions + 3 * size_t(*at)) - centre;
+    Vector4<T> a_turned = yzx<T>(a);
+    Vector4<T> sum{};
+    while (++at < end) {
+      const Vector4<T> b = load(positions + 3 * size_t(*at)) - centre;
+      const Vector4<T> b_turned = yzx<T>(b);
+      sum += a * b_turned - a_turned * b;
+      a = b;
+      a_turned = b_turned;
+    }
+    return yzx<T>(sum);
+  }
+
+ private:
+  std::vector<uint32_t> start_, vertices_;
+};
+
+template <typename T>
+Box<T> box_of(const T* positions, uint32_t count) {
+  Box<T> boxes[4];
+  for (auto& box : boxes) box = {load(positions), load(positions)};
+  uint32_t i = 0;
+  for (; i + 4 <= count; i += 4) {
+    for (uint32_t k = 0; k < 4; ++k) {
+      const Vector4<T> p = load(positions + 3 * size_t(i + k));
+      boxes[k] = {lower(boxes[k].lower_corner, p), upper(boxes[k].upper_corner, p)};
+    }
+  }
+  for (; i < count; ++i) {
+    const Vector4<T> p = load(positions + 3 * size_t(i));
+    boxes[0] = {lower(boxes[0].lower_corner, p), upper(boxes[0].upper_corner, p)};
+  }
+  for (int k = 1; k < 4; ++k) {
+    boxes[0] = {lower(boxes[0].lower_corner, boxes[k].lower_corner), upper(boxes[0].upper_corner, boxes[k].upper_corner)};
+  }
+  return boxes[0];
+}
+
+}  // namespace bench

@@ -1,0 +1,84 @@
+//! What is measured: one way to find the contacts of a step.
+
+use crate::host::Host;
+use crate::workload::Workload;
+use crate::{library, peer};
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Precision {
+    F32,
+    F64,
+}
+
+impl Precision {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
+/// Microseconds by stage, where a method separates them.
+#[derive(Clone, Copy, Default)]
+#[repr(C)]
+pub struct Stages {
+    pub normals: f64,
+    pub structure: f64,
+    pub trace: f64,
+    pub filter: f64,
+}
+
+/// What identifies a contact.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct Key {
+    pub colliding: u32,
+    pub collided: u32,
+    pub vertex: u32,
+    pub triangle: u32,
+}
+
+pub trait Method {
+    /// Does a whole step with the positions in the host's arrays.
+    fn step(&mut self, host: &Host) -> Option<Stages>;
+    /// The contacts of the last step.
+    fn contacts(&self) -> Vec<Key>;
+}
+
+/// What to measure.
+#[derive(Clone, Copy)]
+pub struct Description {
+    pub name: &'static str,
+    pub precision: Precision,
+    pub threads: u32,
+    /// Whether it finds the contacts of the method, so that they can be held against the oracle's.
+    pub same_contacts: bool,
+}
+
+/// Every method, in the order of the report.
+pub fn all() -> Vec<Description> {
+    use Precision::{F32, F64};
+    let method = |name, precision, threads| Description { name, precision, threads, same_contacts: true };
+    vec![
+        method("raycontact", F32, 1),
+        method("raycontact", F64, 1),
+        method("raycontact", F32, 2),
+        method("raycontact-classic", F32, 1),
+        Description { same_contacts: false, ..method("floor", F32, 1) },
+        Description { same_contacts: false, ..method("floor", F64, 1) },
+        method("embree-refit", F32, 1),
+        method("embree-refit", F32, 2),
+        method("embree-low", F32, 1),
+    ]
+}
+
+impl Description {
+    pub fn start(&self, workload: &Workload, host: &Host, peers: &peer::Library) -> Result<Box<dyn Method>, String> {
+        match (self.name, self.precision) {
+            ("raycontact", Precision::F32) => Ok(Box::new(library::Whole::<f32>::new(workload, host, self.threads)?)),
+            ("raycontact", Precision::F64) => Ok(Box::new(library::Whole::<f64>::new(workload, host, self.threads)?)),
+            ("raycontact-classic", _) => Ok(Box::new(library::Classic::new(workload, host)?)),
+            _ => Ok(Box::new(peers.start(self, workload, host)?)),
+        }
+    }
+}

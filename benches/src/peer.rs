@@ -1,0 +1,120 @@
+//! The peers, out of the shared library that is compiled for this very processor.
+
+use crate::host::{Host, HostBody};
+use crate::method::{Description, Key, Method, Precision, Stages};
+use crate::workload::{Body, Workload};
+use std::ffi::{CString, OsStr, c_char, c_void};
+use std::sync::Arc;
+
+/// As `BodyView` in `peers/cpp/peer.hpp`.
+#[repr(C)]
+struct BodyView {
+    positions: *const f32,
+    double_positions: *const f64,
+    triangles: *const u32,
+    vertex_count: u32,
+    triangle_count: u32,
+    rows: u32,
+    columns: u32,
+}
+
+/// As `Contact` in `peers/cpp/peer.hpp`.
+#[repr(C)]
+struct PeerContact {
+    key: [u32; 4],
+    numbers: [f32; 10],
+}
+
+type New = unsafe extern "C" fn(*const c_char, u32, *const BodyView, usize) -> *mut c_void;
+type Step = unsafe extern "C" fn(*mut c_void, *mut Stages) -> bool;
+type Contacts = unsafe extern "C" fn(*const c_void, *mut usize) -> *const PeerContact;
+type Free = unsafe extern "C" fn(*mut c_void);
+
+struct Functions {
+    new: New,
+    step: Step,
+    contacts: Contacts,
+    free: Free,
+    _library: libloading::Library,
+}
+
+pub struct Library(Arc<Functions>);
+
+impl Library {
+    pub fn open(path: &OsStr) -> Result<Self, String> {
+        let failed = |error: libloading::Error| {
+            format!("cannot open the peers at {}: {error}; scripts/bench.sh builds them", path.display())
+        };
+        // SAFETY: the library is this package's own; its functions have the types above.
+        unsafe {
+            let library = libloading::Library::new(path).map_err(failed)?;
+            Ok(Self(Arc::new(Functions {
+                new: *library.get::<New>(b"peer_new").map_err(failed)?,
+                step: *library.get::<Step>(b"peer_step").map_err(failed)?,
+                contacts: *library.get::<Contacts>(b"peer_contacts").map_err(failed)?,
+                free: *library.get::<Free>(b"peer_free").map_err(failed)?,
+                _library: library,
+            })))
+        }
+    }
+
+    /// `host` must outlive the peer: peers read its arrays.
+    pub fn start(&self, method: &Description, workload: &Workload, host: &Host) -> Result<Peer, String> {
+        let view = |(body, host): (&Body, &HostBody)| BodyView {
+            positions: host.single().as_ptr().cast(),
+            double_positions: host.double().as_ptr().cast(),
+            triangles: body.triangles.as_ptr().cast(),
+            vertex_count: body.rest.len() as u32,
+            triangle_count: body.triangles.len() as u32,
+            rows: body.rows,
+            columns: body.columns,
+        };
+        let views: Vec<BodyView> = workload.bodies.iter().zip(&host.bodies).map(view).collect();
+        let name = match method.precision {
+            Precision::F32 => method.name.to_owned(),
+            Precision::F64 => format!("{}-f64", method.name),
+        };
+        let terminated = CString::new(name).expect("names hold no zero");
+        // SAFETY: the views are good, and what they point to outlives the peer.
+        let peer = unsafe { (self.0.new)(terminated.as_ptr(), method.threads, views.as_ptr(), views.len()) };
+        if peer.is_null() {
+            return Err(format!("the peers know no method '{}'", method.name));
+        }
+        Ok(Peer { functions: Arc::clone(&self.0), peer })
+    }
+}
+
+pub struct Peer {
+    functions: Arc<Functions>,
+    peer: *mut c_void,
+}
+
+impl Method for Peer {
+    fn step(&mut self, _: &Host) -> Option<Stages> {
+        let mut stages = Stages::default();
+        // SAFETY: the peer lives.
+        unsafe { (self.functions.step)(self.peer, &mut stages) }.then_some(stages)
+    }
+
+    fn contacts(&self) -> Vec<Key> {
+        let mut count = 0;
+        // SAFETY: the peer lives, and its contacts last until its next step.
+        let contacts = unsafe {
+            let first = (self.functions.contacts)(self.peer, &mut count);
+            if count == 0 { &[] } else { std::slice::from_raw_parts(first, count) }
+        };
+        let key = |contact: &PeerContact| {
+            let [colliding, collided, vertex, triangle] = contact.key;
+            debug_assert!(contact.numbers.iter().all(|x| x.is_finite()));
+            Key { colliding, collided, vertex, triangle }
+        };
+        contacts.iter().map(key).collect()
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        // SAFETY: the peer lives, and ends here.
+        unsafe { (self.functions.free)(self.peer) }
+    }
+}
