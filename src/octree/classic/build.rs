@@ -39,7 +39,7 @@ impl<T: Scalar> Classic<T> {
     pub(in crate::octree) fn build(&mut self, mesh: &Mesh<T>) {
         let aabb = mesh.aabb();
         let side = aabb.longest_side();
-        self.root = Aabb { lower: aabb.lower, upper: aabb.lower.add_scalar(side) };
+        (self.corner, self.side) = (aabb.lower, side);
         self.entries.clear();
         for triangle in 0..mesh.topology().triangles().len() as u32 {
             self.insert(triangle, &Aabb::of_triangle(&mesh.corners(triangle)), side);
@@ -81,10 +81,10 @@ impl<T: Scalar> Classic<T> {
 
     fn cell_range(&self, aabb: &Aabb<T>, level: u8) -> ([u32; 3], [u32; 3]) {
         let cells = 1u32 << level;
-        let (side, scale) = (self.root.upper.x - self.root.lower.x, T::of(f64::from(cells)));
+        let scale = T::of(f64::from(cells));
         let cell_of = |point: &Vector3<T>| {
             std::array::from_fn(|axis| {
-                let place = (point[axis] - self.root.lower[axis]) / side * scale;
+                let place = (point[axis] - self.corner[axis]) / self.side * scale;
                 // The conversion saturates, and takes NaN (a root without extent) to 0.
                 (place.to_f64() as u32).min(cells - 1)
             })

@@ -5,14 +5,17 @@ mod build;
 mod trace;
 mod validate;
 
-use crate::math::{Aabb, Scalar};
+use crate::math::{Scalar, Vector3};
 use crate::mesh::Mesh;
 
 /// Cubic cells in flat arrays, without a pointer in any node.
 #[derive(Clone, Debug)]
 pub(super) struct Classic<T: Scalar> {
-    /// The root cell: a cube whose lower corner is that of the mesh's box.
-    root: Aabb<T>,
+    /// The lower corner of the root cell, a cube: that of the mesh's box. Cells are measured from here, since far from
+    /// the world's origin their planes would be rounded more coarsely than any margin allows for.
+    corner: Vector3<T>,
+    /// The root cell's side.
+    side: T,
     /// Breadth first: the children of a node are neighbours, and come after it.
     nodes: Vec<Node>,
     /// The triangles of all nodes, each node's together.
@@ -35,7 +38,13 @@ struct Node {
 
 impl<T: Scalar> Classic<T> {
     pub(super) fn new(mesh: &Mesh<T>) -> Self {
-        let mut cells = Self { root: Aabb::empty(), nodes: Vec::new(), entries: Vec::new(), scratch: Vec::new() };
+        let mut cells = Self {
+            corner: Vector3::zeros(),
+            side: T::zero(),
+            nodes: Vec::new(),
+            entries: Vec::new(),
+            scratch: Vec::new(),
+        };
         cells.build(mesh);
         cells
     }

@@ -7,10 +7,13 @@ impl<T: Scalar> Classic<T> {
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned; a triangle that lives
     /// in several cells may be offered several times.
     pub(in crate::octree) fn visit(&self, ray: &Ray<T>, mesh_box: &Aabb<T>, visitor: &mut impl FnMut(u32) -> T) {
-        let slabs = Slabs::new(ray, mesh_box);
+        let mut slabs = Slabs::new(ray, mesh_box);
+        slabs.origin -= self.corner;
+        // On the way down planes are rounded once a level.
+        slabs.margin *= T::of(3.0);
         let mirror = (0..3).map(|axis| usize::from(slabs.is_mirrored(axis)) << axis).sum();
         let mut walk = Walk { cells: self, slabs, mirror, t_max: ray.t_max, visitor };
-        walk.descend(&self.nodes[0], self.root.lower, self.root.upper.x - self.root.lower.x);
+        walk.descend(&self.nodes[0], Vector3::zeros(), self.side);
     }
 }
 

@@ -8,7 +8,8 @@ impl<T: Scalar> Classic<T> {
     pub(in crate::octree) fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
         let mut cells_of = vec![Vec::new(); mesh.topology().triangles().len()];
         let mut entries_seen = 0;
-        self.validate_node(0, self.root, &mut |triangle, level, cell| {
+        let root = Aabb { lower: Vector3::zeros(), upper: Vector3::repeat(self.side) };
+        self.validate_node(0, root, &mut |triangle, level, cell| {
             entries_seen += 1;
             cells_of[triangle as usize].push((level, cell));
         })?;
@@ -56,7 +57,7 @@ impl<T: Scalar> Classic<T> {
     }
 
     fn validate_triangle(&self, mesh: &Mesh<T>, triangle: u32, cells: &[(u8, Aabb<T>)]) -> Result<(), String> {
-        let aabb = Aabb::of_triangle(&mesh.corners(triangle));
+        let aabb = Aabb::of_triangle(&mesh.corners(triangle).map(|corner| corner - self.corner));
         let Some(&(level, first)) = cells.first() else {
             return Err(format!("triangle {triangle} is in no cell"));
         };
@@ -64,7 +65,7 @@ impl<T: Scalar> Classic<T> {
             return Err(format!("triangle {triangle} is in {} cells or at several levels", cells.len()));
         }
         // Planes are rounded once per level on the way down.
-        let margin = self.root.reach_from(&Vector3::zeros()) * T::ROUNDING_UNIT * T::of(64.0);
+        let margin = self.side * T::ROUNDING_UNIT * T::of(64.0);
         let side = first.longest_side();
         if side + margin < aabb.longest_side() {
             return Err(format!("triangle {triangle} is larger than its cells at level {level}"));
