@@ -14,7 +14,8 @@ pub struct ShearedRay<T: Scalar> {
 impl<T: Scalar> ShearedRay<T> {
     /// Shears `ray`. A direction that is zero or not finite meets nothing.
     pub fn new(ray: &Ray<T>) -> Self {
-        let d = &ray.direction;
+        // Zero makes the shear NaN; an infinite component would make it, and all t, zero.
+        let d = if ray.direction.iter().all(|x| x.is_finite()) { ray.direction } else { Vector3::zeros() };
         let z = d.iamax();
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
         // Keeps the winding of the projected triangles.
@@ -56,11 +57,14 @@ impl<T: Scalar> ShearedRay<T> {
         let a = self.project(&corners[0]);
         let b = self.project(&corners[1]);
         let c = self.project(&corners[2]);
-        let u = edge_function(&c, &b);
-        let v = edge_function(&a, &c);
-        let w = edge_function(&b, &a);
-
+        let edges = [(&c, &b), (&a, &c), (&b, &a)];
         let zero = T::zero();
+        // A rounded edge function that is not zero has the exact one's sign: most triangles are refused by these.
+        let [u, v, w] = edges.map(|(p, q)| p.x * q.y - p.y * q.x);
+        if (u > zero || v > zero || w > zero) && (u < zero || v < zero || w < zero) {
+            return None;
+        }
+        let [u, v, w] = edges.map(|(p, q)| edge_function(p, q));
         let all_right = u >= zero && v >= zero && w >= zero;
         let all_left = u <= zero && v <= zero && w <= zero;
         let determinant = u + v + w;
@@ -104,18 +108,14 @@ fn side_of_moved_ray<T: Scalar>(p: &Vector3<T>, q: &Vector3<T>) -> i8 {
     }
 }
 
-/// Twice the signed area of (0, p, q) in the projection: p.x·q.y − p.y·q.x, with the exact sign.
+/// Twice the signed area of (0, p, q) in the projection: p.x·q.y − p.y·q.x, to within 1.5 rounding units of itself
+/// (Kahan; Jeannerod, Louvet and Muller 2013).
 ///
-/// Two rounded products compare as the exact ones do unless they are equal; then their rounding errors decide. So
-/// neighbours never both see a ray outside their shared edge. Multiply, multiply, subtract: fusing would break the
-/// antisymmetry.
+/// So its sign is exact, zero included, and neighbours never both see a ray outside their shared edge. And the weights
+/// are as accurate as the projections, however thin the triangle looks: without the correction, `t` on a triangle seen
+/// nearly edge-on could be anywhere between its corners.
 fn edge_function<T: Scalar>(p: &Vector3<T>, q: &Vector3<T>) -> T {
-    let left = p.x * q.y;
     let right = p.y * q.x;
-    if left == right {
-        let left_error = p.x.mul_add(q.y, -left);
-        let right_error = p.y.mul_add(q.x, -right);
-        return left_error - right_error;
-    }
-    left - right
+    let right_error = (-p.y).mul_add(q.x, right);
+    p.x.mul_add(q.y, -right) + right_error
 }
