@@ -106,11 +106,11 @@ static void query_checks_its_arguments(void) {
   CHECK_OK(rayc_octree_create(mesh, &octree));
   CHECK_STATUS(rayc_contacts_create(NULL), RAYC_STATUS_NULL_POINTER, "contacts");
   CHECK_OK(rayc_contacts_create(&contacts));
-  CHECK_STATUS(rayc_query_pair(NULL, octree, mesh, octree, contacts), RAYC_STATUS_NULL_POINTER, "a is NULL");
-  CHECK_STATUS(rayc_query_pair(mesh, NULL, mesh, octree, contacts), RAYC_STATUS_NULL_POINTER, "octree");
-  CHECK_STATUS(rayc_query_pair(mesh, octree, NULL, octree, contacts), RAYC_STATUS_NULL_POINTER, "b is NULL");
-  CHECK_STATUS(rayc_query_pair(mesh, octree, mesh, NULL, contacts), RAYC_STATUS_NULL_POINTER, "octree");
-  CHECK_STATUS(rayc_query_pair(mesh, octree, mesh, octree, NULL), RAYC_STATUS_NULL_POINTER, "contacts");
+  CHECK_STATUS(rayc_query_pair(NULL, NULL, octree, mesh, octree, contacts), RAYC_STATUS_NULL_POINTER, "a is NULL");
+  CHECK_STATUS(rayc_query_pair(NULL, mesh, NULL, mesh, octree, contacts), RAYC_STATUS_NULL_POINTER, "octree");
+  CHECK_STATUS(rayc_query_pair(NULL, mesh, octree, NULL, octree, contacts), RAYC_STATUS_NULL_POINTER, "b is NULL");
+  CHECK_STATUS(rayc_query_pair(NULL, mesh, octree, mesh, NULL, contacts), RAYC_STATUS_NULL_POINTER, "octree");
+  CHECK_STATUS(rayc_query_pair(NULL, mesh, octree, mesh, octree, NULL), RAYC_STATUS_NULL_POINTER, "contacts");
   CHECK_OK(rayc_octree_destroy(octree));
   CHECK_OK(rayc_contacts_destroy(contacts));
   CHECK_OK(rayc_contacts_destroy(NULL));

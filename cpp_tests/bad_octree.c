@@ -2,17 +2,20 @@
 #include "check.h"
 #include "shapes.h"
 
+static rayc_detection_options detection;
+
 static const double no_shift[3] = {0, 0, 0};
 static const double far_away[3] = {100, 0, 0};
 
 int main(void) {
+  detection = from_vertices();
   rayc_mesh *a = octahedron_mesh(no_shift), *b = octahedron_mesh(octahedron_shift);
   rayc_octree *octree_a = NULL, *octree_b = NULL;
   rayc_contacts* contacts = NULL;
   CHECK_OK(rayc_octree_create(a, &octree_a));
   CHECK_OK(rayc_octree_create(b, &octree_b));
   CHECK_OK(rayc_contacts_create(&contacts));
-  CHECK_OK(rayc_query_pair(a, octree_a, b, octree_b, contacts));
+  CHECK_OK(rayc_query_pair(&detection, a, octree_a, b, octree_b, contacts));
   size_t count = 0;
   CHECK_OK(rayc_contacts_count(contacts, &count));
   CHECK(count == 2);
@@ -24,8 +27,8 @@ int main(void) {
   octahedron_shifted(far_away, positions);
   const rayc_vectors vectors = packed(positions, OCTAHEDRON_VERTICES);
   CHECK_OK(rayc_mesh_set_positions(a, &vectors));
-  CHECK_STATUS(rayc_query_pair(a, octree_a, b, octree_b, contacts), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
-  CHECK_STATUS(rayc_query_pair(b, octree_b, a, octree_a, contacts), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
+  CHECK_STATUS(rayc_query_pair(&detection, a, octree_a, b, octree_b, contacts), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
+  CHECK_STATUS(rayc_query_pair(&detection, b, octree_b, a, octree_a, contacts), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
   CHECK_STATUS(rayc_octree_trace_ray(octree_a, a, &ray, &hit), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
   CHECK_STATUS(rayc_octree_trace_rays(octree_a, a, &ray, 1, &hit), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
   CHECK(hit.triangle == 42 && hit.is_exit == 42 && hit.t == 42);
@@ -35,12 +38,12 @@ int main(void) {
 
   /* Updated, it is good again. */
   CHECK_OK(rayc_octree_update(octree_a, a));
-  CHECK_OK(rayc_query_pair(a, octree_a, b, octree_b, contacts));
+  CHECK_OK(rayc_query_pair(&detection, a, octree_a, b, octree_b, contacts));
   CHECK_OK(rayc_contacts_count(contacts, &count));
   CHECK(count == 0);
 
   /* Another mesh's octree. */
-  CHECK_STATUS(rayc_query_pair(a, octree_b, b, octree_a, contacts), RAYC_STATUS_OCTREE_OF_OTHER_MESH, "octree");
+  CHECK_STATUS(rayc_query_pair(&detection, a, octree_b, b, octree_a, contacts), RAYC_STATUS_OCTREE_OF_OTHER_MESH, "octree");
   CHECK_STATUS(rayc_octree_trace_ray(octree_b, a, &ray, &hit), RAYC_STATUS_OCTREE_OF_OTHER_MESH, "octree");
   CHECK_STATUS(rayc_octree_update(octree_b, a), RAYC_STATUS_OCTREE_OF_OTHER_MESH, "octree");
 
@@ -52,7 +55,7 @@ int main(void) {
   rayc_octree* octree_single = NULL;
   CHECK_OK(rayc_mesh_create(&options, &vectors, octahedron_triangles, OCTAHEDRON_TRIANGLES, &single));
   CHECK_OK(rayc_octree_create(single, &octree_single));
-  CHECK_STATUS(rayc_query_pair(a, octree_a, single, octree_single, contacts), RAYC_STATUS_PRECISION_MISMATCH,
+  CHECK_STATUS(rayc_query_pair(&detection, a, octree_a, single, octree_single, contacts), RAYC_STATUS_PRECISION_MISMATCH,
                "precision");
 
   CHECK_OK(rayc_octree_destroy(octree_single));

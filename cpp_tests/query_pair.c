@@ -23,7 +23,8 @@ static query make_query(uint32_t precision, const rayc_vectors* first, const ray
     CHECK_OK(rayc_octree_create(q.meshes[i], &q.octrees[i]));
   }
   CHECK_OK(rayc_contacts_create(&q.contacts));
-  CHECK_OK(rayc_query_pair(q.meshes[0], q.octrees[0], q.meshes[1], q.octrees[1], q.contacts));
+  const rayc_detection_options detection = from_vertices();
+  CHECK_OK(rayc_query_pair(&detection, q.meshes[0], q.octrees[0], q.meshes[1], q.octrees[1], q.contacts));
   return q;
 }
 
@@ -56,7 +57,7 @@ static void check_contact(const rayc_contact* contact, uint32_t colliding, uint3
   CHECK_NEAR(contact->p1.weights[0], 1, tolerance);
   CHECK_NEAR(contact->depth, SHIFTED_DEPTH, tolerance);
   CHECK_NEAR(contact->cos_alpha, RSQRT3, tolerance);
-  CHECK_NEAR(contact->area, RSQRT3, tolerance); /* four triangles of sqrt(3)/2: a third, and half for two ways */
+  CHECK_NEAR(contact->area, RSQRT3, tolerance); /* four triangles of sqrt(3)/2: a third, and half as the load is shared */
   for (int i = 0; i < 3; ++i) {
     const double along = i == 0 ? sign : 0;
     CHECK_NEAR(contact->direction[i], along, tolerance);

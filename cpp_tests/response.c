@@ -159,7 +159,8 @@ int main(void) {
     CHECK_OK(rayc_octree_create(meshes[i], &octrees[i]));
   }
   CHECK_OK(rayc_contacts_create(&contacts));
-  CHECK_OK(rayc_query_pair(meshes[0], octrees[0], meshes[1], octrees[1], contacts));
+  const rayc_detection_options detection = from_vertices();
+  CHECK_OK(rayc_query_pair(&detection, meshes[0], octrees[0], meshes[1], octrees[1], contacts));
   CHECK_OK(rayc_default_response_options(sizeof options, &options));
   CHECK(options.stiffness == 1 && options.damping_time == 0 && options.weighting == RAYC_WEIGHTING_AREA);
   options.stiffness = 3;

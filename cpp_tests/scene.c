@@ -11,6 +11,8 @@ static rayc_scene* row_of_bodies(uint32_t threads) {
   options.threads = threads;
   rayc_scene* scene = NULL;
   CHECK_OK(rayc_scene_create(&options, &scene));
+  const rayc_detection_options detection = from_vertices();
+  CHECK_OK(rayc_scene_set_detection_options(scene, &detection));
   for (uint32_t i = 0; i < BODIES; ++i) {
     const double shift[3] = {i * octahedron_shift[0], i * octahedron_shift[1], i * octahedron_shift[2]};
     rayc_mesh* mesh = octahedron_mesh(shift);

@@ -29,6 +29,16 @@ rayc_vectors_mut packed_mut(double* data, size_t count) {
   return vectors;
 }
 
+rayc_detection_options from_vertices(void) {
+  rayc_detection_options options;
+  if (rayc_default_detection_options(sizeof options, &options) != RAYC_STATUS_OK) {
+    fprintf(stderr, "no default options: %s\n", rayc_last_error_message());
+    exit(1);
+  }
+  options.sample_spacing = 0;
+  return options;
+}
+
 rayc_mesh* octahedron_mesh(const double shift[3]) {
   double positions[3 * OCTAHEDRON_VERTICES];
   octahedron_shifted(shift, positions);

@@ -22,6 +22,9 @@ void octahedron_shifted(const double shift[3], double positions[3 * OCTAHEDRON_V
 rayc_vectors packed(const double* data, size_t count);
 rayc_vectors_mut packed_mut(double* data, size_t count);
 
+/* The paper's rays, from the vertices: few enough to be known one by one. */
+rayc_detection_options from_vertices(void);
+
 /* A mesh with default options; ends the program if it cannot be made. */
 rayc_mesh* octahedron_mesh(const double shift[3]);
 

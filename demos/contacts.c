@@ -11,6 +11,7 @@ enum { EXIT_OK = 0, EXIT_INPUT = 1, EXIT_USAGE = 2 };
 typedef struct arguments {
   const char* paths[2];
   double shift[3];
+  double spacing;
   int csv;
 } arguments;
 
@@ -33,12 +34,14 @@ typedef struct summary {
 
 static void print_usage(FILE* out) {
   fputs(
-      "usage: contacts [--shift x y z] [--csv] first.obj second.obj\n"
+      "usage: contacts [--shift x y z] [--spacing s] [--csv] first.obj second.obj\n"
       "\n"
       "Finds the contacts between two closed, outward-oriented surfaces in Wavefront files, and the penalty\n"
       "force and torque on the first (stiffness 1 N/m^3, lengths in m, torque about the origin).\n"
       "\n"
       "  --shift x y z   move the second surface before looking\n"
+      "  --spacing s     rays start about s apart on the surfaces; 0: from each vertex; without the option: as the\n"
+      "                  size of the overlap asks\n"
       "  --csv           print one row per contact instead of the table\n"
       "  --help          print this\n"
       "\n"
@@ -72,6 +75,10 @@ static int parse_arguments(int argc, char** argv, arguments* out) {
         if (!parse_number(argv[i], &out->shift[axis])) {
           return usage_error("--shift needs three finite numbers, not ", argv[i]);
         }
+      }
+    } else if (strcmp(argv[i], "--spacing") == 0) {
+      if (++i >= argc || !parse_number(argv[i], &out->spacing) || out->spacing < 0) {
+        return usage_error("--spacing needs a finite number, 0 or more", "");
       }
     } else if (argv[i][0] == '-') {
       return usage_error("unknown option ", argv[i]);
@@ -146,8 +153,13 @@ static int detect(const arguments* arguments, run* run) {
       return 0;
     }
   }
+  rayc_detection_options detection;
+  if (!succeeded(rayc_default_detection_options(sizeof detection, &detection), "default options")) {
+    return 0;
+  }
+  detection.sample_spacing = arguments->spacing;
   return succeeded(rayc_contacts_create(&run->contacts), "making the list") &&
-         succeeded(rayc_query_pair(run->meshes[0], run->octrees[0], run->meshes[1], run->octrees[1], run->contacts),
+         succeeded(rayc_query_pair(&detection, run->meshes[0], run->octrees[0], run->meshes[1], run->octrees[1], run->contacts),
                    "finding contacts") &&
          succeeded(rayc_default_response_options(sizeof run->response, &run->response), "default options") &&
          succeeded(rayc_contacts_count(run->contacts, &run->count), "counting contacts");
@@ -268,7 +280,7 @@ int main(int argc, char** argv) {
       return EXIT_OK;
     }
   }
-  arguments arguments = {{NULL, NULL}, {0, 0, 0}, 0};
+  arguments arguments = {{NULL, NULL}, {0, 0, 0}, RAYC_SPACING_AUTOMATIC, 0};
   const int usage = parse_arguments(argc, argv, &arguments);
   if (usage != EXIT_OK) {
     return usage;

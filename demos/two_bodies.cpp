@@ -181,6 +181,7 @@ int simulate(const Options& options) {
   contact.stiffness = rb::suggested_stiffness(options.youngs_modulus, edge, options.stiffness);
   contact.damping_time = options.damping;
   contact.depth_cap = options.depth_cap * edge;
+  contact.sample_spacing = 0;  // the skins are much finer than the cages: their vertices are enough
   contact.threads = static_cast<uint32_t>(options.threads);
 
   demo::SoftWorld world(options.youngs_modulus, 0.3, contact);

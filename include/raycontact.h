@@ -32,6 +32,11 @@
 #define RAYC_VERSION_PATCH 0
 
 /**
+ * The sample_spacing that follows the size of each overlap.
+ */
+#define RAYC_SPACING_AUTOMATIC -1.0
+
+/**
  * The triangle number of a ray that meets nothing.
  */
 #define RAYC_NO_TRIANGLE UINT32_MAX
@@ -170,7 +175,7 @@ typedef enum rayc_weighting {
 } rayc_weighting;
 
 /**
- * The contacts of one query, in a fixed order: by pair, then the colliding body, then the vertex.
+ * The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
  *
  * Threads: calls with const contacts may run at once. The caller frees it with rayc_contacts_destroy(); it stays
  * valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory.
@@ -216,6 +221,22 @@ typedef struct rayc_mesh_options {
    */
   uint32_t precision;
 } rayc_mesh_options;
+
+/**
+ * How contacts are found. Fill with rayc_default_detection_options(), then change what you need.
+ */
+typedef struct rayc_detection_options {
+  /**
+   * sizeof(rayc_detection_options).
+   */
+  size_t struct_size;
+  /**
+   * Where rays start. 0: at the vertices, as in the paper. A length > 0: in the middle of each triangle, larger ones
+   * being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, with an eighth of
+   * the overlap's size; forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes.
+   */
+  double sample_spacing;
+} rayc_detection_options;
 
 /**
  * How contacts push. Fill with rayc_default_response_options(), then change what you need.
@@ -399,8 +420,8 @@ typedef struct rayc_contact {
    */
   double cos_alpha;
   /**
-   * The surface area the ray stands for: a third of the triangles around its vertex, halved because both bodies
-   * cast rays at one another.
+   * The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
+   * the rays of this direction carry; the two directions' shares sum to 1.
    */
   double area;
 } rayc_contact;
@@ -414,7 +435,7 @@ typedef struct rayc_statistics {
    */
   uint64_t pairs;
   /**
-   * Rays traced: one for each vertex inside an overlap box.
+   * Rays traced, from the surface points inside an overlap box.
    */
   uint64_t rays;
   /**
@@ -430,7 +451,7 @@ typedef struct rayc_statistics {
    */
   uint64_t own_surface_hits;
   /**
-   * Vertices inside an overlap box that cast no ray: their normals cancel out or have no length.
+   * Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
    */
   uint64_t without_normal;
   /**
@@ -466,6 +487,11 @@ const char *rayc_last_error_message(void);
 enum rayc_status rayc_default_mesh_options(size_t struct_size, struct rayc_mesh_options *options);
 
 /**
+ * Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
+ */
+enum rayc_status rayc_default_detection_options(size_t struct_size, struct rayc_detection_options *options);
+
+/**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
  */
 enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_response_options *options);
@@ -587,12 +613,13 @@ enum rayc_status rayc_contacts_destroy(struct rayc_contacts *contacts);
 
 /**
  * Finds the contacts between two meshes, rays both ways: Algorithm 1 of Hermann, Faure, Raffin 2008. Body 0 is `a`,
- * body 1 is `b`. Replaces what `contacts` held.
+ * body 1 is `b`. Replaces what `contacts` held. options: NULL for the defaults.
  *
- * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH; `contacts` is
- * then as before.
+ * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+ * RAYC_STATUS_INVALID_OPTION; `contacts` is then as before.
  */
-enum rayc_status rayc_query_pair(const struct rayc_mesh *a,
+enum rayc_status rayc_query_pair(const struct rayc_detection_options *options,
+                                 const struct rayc_mesh *a,
                                  const struct rayc_octree *octree_a,
                                  const struct rayc_mesh *b,
                                  const struct rayc_octree *octree_b,
@@ -714,9 +741,17 @@ enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
                                           const struct rayc_vectors *positions);
 
 /**
+ * Sets how contacts are found from the next query on. options: NULL for the defaults.
+ *
+ * Errors: RAYC_STATUS_INVALID_OPTION.
+ */
+enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
+                                                  const struct rayc_detection_options *options);
+
+/**
  * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
  * for each such pair. Octrees are renewed where they need to be. Replaces what `contacts` held; the order is by pair
- * (smaller body number first, then the other), then the colliding body, then the vertex, whatever the number of
+ * (smaller body number first, then the other), then the colliding body, then along its surface, whatever the number of
  * threads.
  */
 enum rayc_status rayc_scene_query(struct rayc_scene *scene, struct rayc_contacts *contacts);
@@ -733,12 +768,13 @@ enum rayc_status rayc_contacts_destroy(struct rayc_contacts *contacts);
 
 /**
  * Finds the contacts between two meshes, rays both ways: Algorithm 1 of Hermann, Faure, Raffin 2008. Body 0 is `a`,
- * body 1 is `b`. Replaces what `contacts` held.
+ * body 1 is `b`. Replaces what `contacts` held. options: NULL for the defaults.
  *
- * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH; `contacts` is
- * then as before.
+ * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+ * RAYC_STATUS_INVALID_OPTION; `contacts` is then as before.
  */
-enum rayc_status rayc_query_pair(const struct rayc_mesh *a,
+enum rayc_status rayc_query_pair(const struct rayc_detection_options *options,
+                                 const struct rayc_mesh *a,
                                  const struct rayc_octree *octree_a,
                                  const struct rayc_mesh *b,
                                  const struct rayc_octree *octree_b,
@@ -877,6 +913,11 @@ enum rayc_status rayc_octree_trace_rays(const struct rayc_octree *octree,
 enum rayc_status rayc_default_mesh_options(size_t struct_size, struct rayc_mesh_options *options);
 
 /**
+ * Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
+ */
+enum rayc_status rayc_default_detection_options(size_t struct_size, struct rayc_detection_options *options);
+
+/**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
  */
 enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_response_options *options);
@@ -982,9 +1023,17 @@ enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
                                           const struct rayc_vectors *positions);
 
 /**
+ * Sets how contacts are found from the next query on. options: NULL for the defaults.
+ *
+ * Errors: RAYC_STATUS_INVALID_OPTION.
+ */
+enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
+                                                  const struct rayc_detection_options *options);
+
+/**
  * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
  * for each such pair. Octrees are renewed where they need to be. Replaces what `contacts` held; the order is by pair
- * (smaller body number first, then the other), then the colliding body, then the vertex, whatever the number of
+ * (smaller body number first, then the other), then the colliding body, then along its surface, whatever the number of
  * threads.
  */
 enum rayc_status rayc_scene_query(struct rayc_scene *scene, struct rayc_contacts *contacts);

@@ -187,6 +187,14 @@ class Scene {
     check(rayc_scene_set_positions(get(), body, &positions));
   }
 
+  /** Where rays start, from the next query on: see `rayc_detection_options`. */
+  void set_sample_spacing(double sample_spacing) {
+    rayc_detection_options options{};
+    check(rayc_default_detection_options(sizeof options, &options));
+    options.sample_spacing = sample_spacing;
+    check(rayc_scene_set_detection_options(get(), &options));
+  }
+
   void query(Contacts& contacts) { check(rayc_scene_query(get(), contacts.get())); }
 
   rayc_scene* get() const noexcept { return handle_.get(); }

@@ -18,9 +18,10 @@
 //! | [`math`] | scalars, boxes |
 //!
 //! # Example
-//! Two unit cubes, one shifted by (0.8, 0.1, 0.2): the corner of each that lies inside the other is pulled out.
+//! Two unit cubes, one shifted by (0.8, 0.1, 0.2): with rays from the vertices alone, as in the paper, the corner of each
+//! that lies inside the other is pulled out.
 //! ```
-//! use raycontact::contact::{ContactList, query_pair};
+//! use raycontact::contact::{ContactList, DetectionOptions, query_pair};
 //! use raycontact::{mesh::Mesh, octree::Octree};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -35,7 +36,7 @@
 //! let b = Mesh::new(&moved, &faces)?;
 //! let (octree_a, octree_b) = (Octree::new(&a), Octree::new(&b));
 //! let mut contacts = ContactList::default();
-//! query_pair(&a, &octree_a, &b, &octree_b, &mut contacts)?;
+//! query_pair(&a, &octree_a, &b, &octree_b, &DetectionOptions::paper(), &mut contacts)?;
 //! assert_eq!(contacts.len(), 2);
 //! # Ok(())
 //! # }

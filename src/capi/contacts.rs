@@ -2,11 +2,12 @@ use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
+use super::options::{rayc_detection_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
 use crate::contact::{Contact, ContactList, Statistics, SurfacePoint, query_pair};
 use crate::math::Scalar;
 
-/// The contacts of one query, in a fixed order: by pair, then the colliding body, then the vertex.
+/// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
 /// Threads: calls with const contacts may run at once. The caller frees it with rayc_contacts_destroy(); it stays
 /// valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory.
@@ -96,8 +97,8 @@ pub struct rayc_contact {
     pub depth: f64,
     /// Cosine of the angle between the ray and the outward normal at p2, 0 to 1.
     pub cos_alpha: f64,
-    /// The surface area the ray stands for: a third of the triangles around its vertex, halved because both bodies
-    /// cast rays at one another.
+    /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
+    /// the rays of this direction carry; the two directions' shares sum to 1.
     pub area: f64,
 }
 
@@ -107,7 +108,7 @@ pub struct rayc_contact {
 pub struct rayc_statistics {
     /// Pairs of meshes whose boxes overlap.
     pub pairs: u64,
-    /// Rays traced: one for each vertex inside an overlap box.
+    /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
     /// Rays that left the overlap box without meeting the other mesh.
     pub misses: u64,
@@ -115,7 +116,7 @@ pub struct rayc_statistics {
     pub entry_hits: u64,
     /// Rays that leave their own mesh before the other.
     pub own_surface_hits: u64,
-    /// Vertices inside an overlap box that cast no ray: their normals cancel out or have no length.
+    /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
     /// Contacts found.
     pub contacts: u64,
@@ -168,12 +169,13 @@ pub unsafe extern "C" fn rayc_contacts_destroy(contacts: *mut rayc_contacts) -> 
 }
 
 /// Finds the contacts between two meshes, rays both ways: Algorithm 1 of Hermann, Faure, Raffin 2008. Body 0 is `a`,
-/// body 1 is `b`. Replaces what `contacts` held.
+/// body 1 is `b`. Replaces what `contacts` held. options: NULL for the defaults.
 ///
-/// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH; `contacts` is
-/// then as before.
+/// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+/// RAYC_STATUS_INVALID_OPTION; `contacts` is then as before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_query_pair(
+    options: *const rayc_detection_options,
     a: *const rayc_mesh,
     octree_a: *const rayc_octree,
     b: *const rayc_mesh,
@@ -182,17 +184,18 @@ pub unsafe extern "C" fn rayc_query_pair(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
+        let options = read_options(options)?;
         let (a, octree_a) = (&reference(a, "a")?.mesh, &reference(octree_a, "octree_a")?.octree);
         let (b, octree_b) = (&reference(b, "b")?.mesh, &reference(octree_b, "octree_b")?.octree);
         let list = &mut reference_mut(contacts, "contacts")?.list;
         match (a, octree_a, b, octree_b) {
             (AnyMesh::F32(a), AnyOctree::F32(octree_a), AnyMesh::F32(b), AnyOctree::F32(octree_b)) => {
                 octree_a.tracer(a).and(octree_b.tracer(b))?;
-                Ok(query_pair(a, octree_a, b, octree_b, list.as_f32())?)
+                Ok(query_pair(a, octree_a, b, octree_b, &options.detection()?, list.as_f32())?)
             }
             (AnyMesh::F64(a), AnyOctree::F64(octree_a), AnyMesh::F64(b), AnyOctree::F64(octree_b)) => {
                 octree_a.tracer(a).and(octree_b.tracer(b))?;
-                Ok(query_pair(a, octree_a, b, octree_b, list.as_f64())?)
+                Ok(query_pair(a, octree_a, b, octree_b, &options.detection()?, list.as_f64())?)
             }
             _ => Err(precision_mismatch()),
         }

@@ -2,6 +2,8 @@ use super::failure::{Failure, rayc_status};
 use super::pointers::{Output, reference};
 use super::vectors::rayc_scalar;
 use super::{guard::guard, response::rayc_weighting};
+use crate::contact::{DetectionOptions, Sampling};
+use crate::math::Scalar;
 use crate::response::{PenaltyLaw, Weighting};
 
 /// How a mesh is kept. Fill with rayc_default_mesh_options(), then change what you need.
@@ -13,6 +15,21 @@ pub struct rayc_mesh_options {
     /// Arithmetic of detection, a rayc_scalar. Default RAYC_SCALAR_F64.
     pub precision: u32,
 }
+
+/// How contacts are found. Fill with rayc_default_detection_options(), then change what you need.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_detection_options {
+    /// sizeof(rayc_detection_options).
+    pub struct_size: usize,
+    /// Where rays start. 0: at the vertices, as in the paper. A length > 0: in the middle of each triangle, larger ones
+    /// being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, with an eighth of
+    /// the overlap's size; forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes.
+    pub sample_spacing: f64,
+}
+
+/// The sample_spacing that follows the size of each overlap.
+pub const RAYC_SPACING_AUTOMATIC: f64 = -1.0;
 
 /// How contacts push. Fill with rayc_default_response_options(), then change what you need.
 #[repr(C)]
@@ -41,6 +58,24 @@ pub struct rayc_scene_options {
     pub threads: u32,
 }
 
+impl rayc_detection_options {
+    pub(super) fn detection<T: Scalar>(&self) -> Result<DetectionOptions<T>, Failure> {
+        let spacing = self.sample_spacing;
+        let sampling = match spacing {
+            RAYC_SPACING_AUTOMATIC => Sampling::Automatic,
+            0.0 => Sampling::Vertices,
+            _ if spacing > 0.0 && spacing.is_finite() => Sampling::Spacing(T::of(spacing)),
+            _ => {
+                return Err(Failure::new(
+                    rayc_status::RAYC_STATUS_INVALID_OPTION,
+                    format!("sample_spacing is {spacing}; give 0, a finite length > 0, or RAYC_SPACING_AUTOMATIC"),
+                ));
+            }
+        };
+        Ok(DetectionOptions { sampling })
+    }
+}
+
 /// An options struct that starts with its own size.
 pub(super) trait Options: Copy {
     const NAME: &'static str;
@@ -54,6 +89,14 @@ impl Options for rayc_mesh_options {
     const SMALLEST: usize = std::mem::offset_of!(Self, precision) + size_of::<u32>();
     fn defaults() -> Self {
         Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32 }
+    }
+}
+
+impl Options for rayc_detection_options {
+    const NAME: &'static str = "rayc_detection_options";
+    const SMALLEST: usize = std::mem::offset_of!(Self, sample_spacing) + size_of::<f64>();
+    fn defaults() -> Self {
+        Self { struct_size: size_of::<Self>(), sample_spacing: RAYC_SPACING_AUTOMATIC }
     }
 }
 
@@ -140,6 +183,16 @@ unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Resul
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_mesh_options(struct_size: usize, options: *mut rayc_mesh_options) -> rayc_status {
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe { write_defaults(struct_size, options) })
+}
+
+/// Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_default_detection_options(
+    struct_size: usize,
+    options: *mut rayc_detection_options,
+) -> rayc_status {
     // SAFETY: the caller's struct has the size it says.
     guard(|| unsafe { write_defaults(struct_size, options) })
 }

@@ -2,7 +2,7 @@ use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh, renew_positions};
-use super::options::{rayc_scene_options, read_options};
+use super::options::{rayc_detection_options, rayc_scene_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
 use crate::math::Scalar;
@@ -127,9 +127,28 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
     })
 }
 
+/// Sets how contacts are found from the next query on. options: NULL for the defaults.
+///
+/// Errors: RAYC_STATUS_INVALID_OPTION.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_set_detection_options(
+    scene: *mut rayc_scene,
+    options: *const rayc_detection_options,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let options = read_options(options)?;
+        match &mut reference_mut(scene, "scene")?.scene {
+            AnyScene::F32(scene) => scene.set_options(options.detection()?),
+            AnyScene::F64(scene) => scene.set_options(options.detection()?),
+        }
+        Ok(())
+    })
+}
+
 /// Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
 /// for each such pair. Octrees are renewed where they need to be. Replaces what `contacts` held; the order is by pair
-/// (smaller body number first, then the other), then the colliding body, then the vertex, whatever the number of
+/// (smaller body number first, then the other), then the colliding body, then along its surface, whatever the number of
 /// threads.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> rayc_status {

@@ -31,8 +31,8 @@ pub struct Contact<T: Scalar> {
     pub depth: T,
     /// Cosine of the angle between the ray and the outward normal at p2, in \[0, 1\].
     pub cos_alpha: T,
-    /// The surface area the ray stands for: a third of the triangles around its vertex, halved because both bodies
-    /// cast rays at one another.
+    /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
+    /// the rays of this direction carry; the two directions' shares sum to 1.
     pub area: T,
 }
 
@@ -41,7 +41,7 @@ pub struct Contact<T: Scalar> {
 pub struct Statistics {
     /// Pairs of meshes whose boxes overlap.
     pub pairs: u64,
-    /// Rays traced: one for each vertex inside an overlap box.
+    /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
     /// Rays that left the overlap box without meeting the other mesh.
     pub misses: u64,
@@ -49,11 +49,11 @@ pub struct Statistics {
     pub entry_hits: u64,
     /// Rays that leave their own mesh before the other.
     pub own_surface_hits: u64,
-    /// Vertices inside an overlap box that cast no ray: their normals cancel out or have no length.
+    /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
 }
 
-/// The contacts of one query, in a fixed order: by pair, then the colliding body, then the vertex.
+/// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
 /// Two lists are equal where their contacts and statistics are.
 #[derive(Clone, Debug, Default)]

@@ -1,10 +1,25 @@
-use super::samples::{Sample, at_vertices};
+use super::load::share_load;
+use super::samples::{Sample, Sampling, for_each_sample};
 use super::workspace::Workspace;
 use super::{Contact, ContactList, Statistics, SurfacePoint};
 use crate::math::{Aabb, Scalar, direction};
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
 use crate::ray::{Hit, Ray};
+
+/// How contacts are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DetectionOptions<T: Scalar> {
+    /// Where rays start.
+    pub sampling: Sampling<T>,
+}
+
+impl<T: Scalar> DetectionOptions<T> {
+    /// Just what the paper does: rays from the vertices.
+    pub fn paper() -> Self {
+        Self { sampling: Sampling::Vertices }
+    }
+}
 
 /// Finds the contacts between two meshes, both ways; body 0 is `a`, body 1 is `b`. Replaces what `contacts` held.
 ///
@@ -15,30 +30,41 @@ pub fn query_pair<T: Scalar>(
     octree_a: &Octree<T>,
     b: &Mesh<T>,
     octree_b: &Octree<T>,
+    options: &DetectionOptions<T>,
     contacts: &mut ContactList<T>,
 ) -> Result<(), OctreeError> {
     let (a, b) = (octree_a.tracer(a)?, octree_b.tracer(b)?);
     contacts.clear();
-    detect_pair([0, 1], [&a, &b], contacts);
+    detect_pair([0, 1], [&a, &b], options, contacts);
     Ok(())
 }
 
 /// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008.
-pub fn detect_pair<T: Scalar>(bodies: [u32; 2], tracers: [&Tracer<'_, T>; 2], contacts: &mut ContactList<T>) {
+pub fn detect_pair<T: Scalar>(
+    bodies: [u32; 2],
+    tracers: [&Tracer<'_, T>; 2],
+    options: &DetectionOptions<T>,
+    contacts: &mut ContactList<T>,
+) {
     let overlap = tracers[0].mesh().aabb().intersection(tracers[1].mesh().aabb());
     if overlap.is_empty() {
         return;
     }
     contacts.statistics.pairs += 1;
-    for (colliding, collided) in [(0, 1), (1, 0)] {
+    let start = contacts.len();
+    let ends = [(0, 1), (1, 0)].map(|(colliding, collided)| {
         Detection {
             bodies: [bodies[colliding], bodies[collided]],
             colliding: tracers[colliding],
             collided: tracers[collided],
             overlap: &overlap,
+            sampling: options.sampling,
         }
         .run(contacts);
-    }
+        contacts.len()
+    });
+    let (first, second) = contacts.contacts[start..].split_at_mut(ends[0] - start);
+    share_load(first, second);
 }
 
 /// One direction of a pair.
@@ -47,6 +73,7 @@ struct Detection<'a, T: Scalar> {
     colliding: &'a Tracer<'a, T>,
     collided: &'a Tracer<'a, T>,
     overlap: &'a Aabb<T>,
+    sampling: Sampling<T>,
 }
 
 impl<T: Scalar> Detection<'_, T> {
@@ -71,7 +98,7 @@ impl<T: Scalar> Detection<'_, T> {
         let Workspace { samples, rays, .. } = workspace;
         samples.clear();
         rays.clear();
-        statistics.without_normal += at_vertices(self.colliding.mesh(), self.overlap, |sample| {
+        statistics.without_normal += for_each_sample(self.colliding.mesh(), self.overlap, self.sampling, |sample| {
             rays.push(self.inward_ray(&sample));
             samples.push(sample);
         });
@@ -97,7 +124,6 @@ impl<T: Scalar> Detection<'_, T> {
     }
 
     fn contact(&self, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
-        let half = T::of(0.5);
         let normal = direction(&self.collided.mesh().scaled_normal(hit.triangle));
         let cos_alpha = normal.map_or(T::zero(), |n| n.dot(&ray.direction).clamp(T::zero(), T::one()));
         Contact {
@@ -113,7 +139,7 @@ impl<T: Scalar> Detection<'_, T> {
             direction: ray.direction,
             depth: hit.t,
             cos_alpha,
-            area: sample.area * half,
+            area: sample.area,
         }
     }
 }

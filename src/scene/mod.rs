@@ -2,7 +2,7 @@
 
 mod broad_phase;
 
-use crate::contact::{ContactList, detect_pair};
+use crate::contact::{ContactList, DetectionOptions, detect_pair};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
@@ -19,6 +19,7 @@ pub struct Scene<T: Scalar> {
     broad_phase: BroadPhase<T>,
     /// The contacts of each overlapping pair; kept so that a steady step allocates nothing.
     pair_contacts: Vec<ContactList<T>>,
+    options: DetectionOptions<T>,
     /// `None`: the caller's own thread.
     pool: Option<rayon::ThreadPool>,
 }
@@ -60,7 +61,7 @@ impl fmt::Display for SceneError {
 impl std::error::Error for SceneError {}
 
 impl<T: Scalar> Scene<T> {
-    /// An empty scene. `threads`: 1 works on the caller's own thread, n on a pool of n threads that the scene owns, 0
+    /// An empty scene with default options. `threads`: 1 works on the caller's own thread, n on a pool of n threads that the scene owns, 0
     /// on one thread per core.
     ///
     /// # Errors
@@ -74,7 +75,13 @@ impl<T: Scalar> Scene<T> {
                 Some(named.build().map_err(|source| SceneError::ThreadsNotStarted { threads, source })?)
             }
         };
-        Ok(Self { bodies: Vec::new(), broad_phase: BroadPhase::default(), pair_contacts: Vec::new(), pool })
+        let options = DetectionOptions::default();
+        Ok(Self { bodies: Vec::new(), broad_phase: BroadPhase::default(), pair_contacts: Vec::new(), options, pool })
+    }
+
+    /// Sets how contacts are found from the next query on.
+    pub fn set_options(&mut self, options: DetectionOptions<T>) {
+        self.options = options;
     }
 
     /// Adds a body; gives its number: the smallest that is free.
@@ -121,7 +128,7 @@ impl<T: Scalar> Scene<T> {
     }
 
     /// Finds all contacts between different bodies at their present positions. Replaces what `contacts` held; their
-    /// order is by pair (smaller body number first, then the other), then the colliding body, then the vertex.
+    /// order is by pair (smaller body number first, then the other), then the colliding body, then along its surface.
     pub fn query(&mut self, contacts: &mut ContactList<T>) {
         match self.pool.take() {
             None => self.detect(false),
@@ -157,14 +164,14 @@ impl<T: Scalar> Scene<T> {
             self.bodies.iter_mut().enumerate().for_each(update);
         }
 
-        let bodies = &self.bodies;
+        let (bodies, options) = (&self.bodies, &self.options);
         let tracer = |index: u32| {
             let body = bodies[index as usize].as_ref().expect("pairs name present bodies");
             body.octree.tracer(&body.mesh).expect("octrees are up to date")
         };
         let detect = |(&[a, b], contacts): (&[u32; 2], &mut ContactList<T>)| {
             contacts.clear();
-            detect_pair([a, b], [&tracer(a), &tracer(b)], contacts);
+            detect_pair([a, b], [&tracer(a), &tracer(b)], options, contacts);
         };
         if parallel {
             pairs.par_iter().zip(&mut self.pair_contacts).for_each(detect);

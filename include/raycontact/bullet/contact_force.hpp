@@ -37,6 +37,8 @@ struct ContactOptions {
   double damping_time = 0.05;    ///< s; damping along the ray = stiffness * damping_time
   uint32_t weighting = RAYC_WEIGHTING_AREA;
   double depth_cap = std::numeric_limits<double>::infinity();  ///< m; asked of one step: a tenth to half an element edge
+  /// m; where rays start: 0 = at each vertex of the skins, the least that a skin finer than its cage needs.
+  double sample_spacing = RAYC_SPACING_AUTOMATIC;
   uint32_t threads = 1;          ///< for detection; 1 = the caller's own, 0 = one for each core
 };
 
@@ -56,6 +58,7 @@ class ContactForce : public btDeformableLagrangianForce {
  public:
   explicit ContactForce(const ContactOptions& options = {}) : options_(options), scene_(options.threads) {
     detail::require_library_of_same_precision();
+    scene_.set_sample_spacing(options.sample_spacing);
     m_nodes = nullptr;
     response_ = default_response_options();
     response_.stiffness = options.stiffness;
