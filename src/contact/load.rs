@@ -1,33 +1,57 @@
 use super::Contact;
+use super::samples::Sample;
 use crate::math::{Scalar, Vector3, length};
 
-/// Shares the load of a pair between the rays of its two directions, by scaling their contacts' areas.
-///
-/// Either direction alone integrates the pressure over the overlapped surface, but not equally well: rays of a curved
-/// body into a flat one give exactly the force of Archimedes, since depth · cos α is then the depth across the face;
-/// the flat body's own rays are columns of that depth, lessened once more by cos α. So each direction counts by how
-/// much its overlapped surface turns, weighted by depth: u = Σ a δ − |Σ a δ d|. A flat body leaves the load to a curved
-/// one, equal bodies share it, and where one side's rays see nothing (a coarse floor cast from its corners) the other
-/// carries all. New contacts come with δ = 0, so the shares change without jumps.
-pub(super) fn share_load<T: Scalar>(first: &mut [Contact<T>], second: &mut [Contact<T>]) {
-    let (a, b) = (turning(first), turning(second));
-    let sum = a + b;
-    let half = T::of(0.5);
-    let (share_a, share_b) = if sum > T::zero() { (a / sum, b / sum) } else { (half, half) };
-    for (contacts, share) in [(first, share_a), (second, share_b)] {
-        contacts.iter_mut().for_each(|contact| contact.area *= share);
+/// How much surface one direction of a pair casts from, and how much of it cancels out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CastSurface<T: Scalar> {
+    area: T,
+    vector: Vector3<T>,
+}
+
+impl<T: Scalar> CastSurface<T> {
+    pub(super) fn nothing() -> Self {
+        Self { area: T::zero(), vector: Vector3::zeros() }
+    }
+
+    pub(super) fn add(&mut self, sample: &Sample<T>) {
+        self.area += sample.area;
+        self.vector += sample.normal * sample.area;
+    }
+
+    /// How much of the pair's load this direction should carry, beside the other's number.
+    ///
+    /// Either direction alone integrates the pressure over the overlapped surface, but not equally well. Rays of a
+    /// curved body into a flat one give exactly the force of Archimedes, since depth · cos α is then the depth across
+    /// the face; the flat body's own rays are columns of that depth, lessened once more by cos α. So what counts first
+    /// is how much the overlapped surface turns, weighted by depth: 1 − |Σ a δ d| / Σ a δ. Then, between two flat faces,
+    /// the body whose edges lie in the overlap: its faces are summed exactly, while the other's rays only count points
+    /// beneath it. The last term leaves equal bodies equal shares. The factor Σ a δ makes all continuous: contacts
+    /// appear with δ = 0.
+    pub(super) fn claim(&self, contacts: &[Contact<T>]) -> T {
+        let mut pressure = T::zero();
+        let mut vector = Vector3::zeros();
+        for contact in contacts {
+            let share = contact.area * contact.depth;
+            pressure += share;
+            vector += contact.direction * share;
+        }
+        if pressure > T::zero() {
+            let little = T::of(1.0 / 256.0);
+            let turning = |vector: &Vector3<T>, whole: T| T::one() - length(vector) / whole;
+            pressure * (turning(&vector, pressure) + little * turning(&self.vector, self.area) + little * little)
+        } else {
+            T::zero()
+        }
     }
 }
 
-/// How much the surface under these contacts turns; at least a thousandth of their pressure, so that of two flat
-/// bodies neither is left out by rounding.
-fn turning<T: Scalar>(contacts: &[Contact<T>]) -> T {
-    let mut pressure = T::zero();
-    let mut vector = Vector3::zeros();
-    for contact in contacts {
-        let share = contact.area * contact.depth;
-        pressure += share;
-        vector += contact.direction * share;
+/// Scales the contacts' areas so that the two directions of a pair together carry the load once, as they claim it. A
+/// direction whose rays see nothing, such as that of a coarse floor cast from its corners, leaves all to the other.
+pub(super) fn share_load<T: Scalar>(claims: [T; 2], directions: [&mut [Contact<T>]; 2]) {
+    let sum = claims[0] + claims[1];
+    for (claim, contacts) in claims.into_iter().zip(directions) {
+        let share = if sum > T::zero() { claim / sum } else { T::of(0.5) };
+        contacts.iter_mut().for_each(|contact| contact.area *= share);
     }
-    pressure * T::of(1.0 + 1.0 / 1024.0) - length(&vector)
 }

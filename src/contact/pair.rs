@@ -1,4 +1,4 @@
-use super::load::share_load;
+use super::load::{CastSurface, share_load};
 use super::samples::{Sample, Sampling, for_each_sample};
 use super::workspace::Workspace;
 use super::{Contact, ContactList, Statistics, SurfacePoint};
@@ -51,20 +51,25 @@ pub fn detect_pair<T: Scalar>(
         return;
     }
     contacts.statistics.pairs += 1;
+    // Points on a face of one mesh that lies on the overlap box's own face must not fall outside by rounding.
+    let largest = overlap.lower.amax().max(overlap.upper.amax());
+    let region = overlap.grown(largest * T::ROUNDING_UNIT * T::of(8.0));
     let start = contacts.len();
-    let ends = [(0, 1), (1, 0)].map(|(colliding, collided)| {
-        Detection {
+    let found = [(0, 1), (1, 0)].map(|(colliding, collided)| {
+        let start = contacts.len();
+        let surface = Detection {
             bodies: [bodies[colliding], bodies[collided]],
             colliding: tracers[colliding],
             collided: tracers[collided],
             overlap: &overlap,
+            region: &region,
             sampling: options.sampling,
         }
         .run(contacts);
-        contacts.len()
+        (surface.claim(&contacts.contacts[start..]), contacts.len() - start)
     });
-    let (first, second) = contacts.contacts[start..].split_at_mut(ends[0] - start);
-    share_load(first, second);
+    let (first, second) = contacts.contacts[start..].split_at_mut(found[0].1);
+    share_load(found.map(|(claim, _)| claim), [first, second]);
 }
 
 /// One direction of a pair.
@@ -73,13 +78,15 @@ struct Detection<'a, T: Scalar> {
     colliding: &'a Tracer<'a, T>,
     collided: &'a Tracer<'a, T>,
     overlap: &'a Aabb<T>,
+    /// The overlap box with its margin.
+    region: &'a Aabb<T>,
     sampling: Sampling<T>,
 }
 
 impl<T: Scalar> Detection<'_, T> {
-    fn run(&self, contacts: &mut ContactList<T>) {
+    fn run(&self, contacts: &mut ContactList<T>) -> CastSurface<T> {
         let ContactList { contacts, statistics, workspace } = contacts;
-        self.cast(workspace, statistics);
+        let surface = self.cast(workspace, statistics);
         self.collided.nearest_hits(&workspace.rays, &mut workspace.hits);
         workspace.keep_exits(statistics);
         self.colliding.are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
@@ -91,18 +98,23 @@ impl<T: Scalar> Detection<'_, T> {
                 _ => statistics.own_surface_hits += 1,
             }
         }
+        surface
     }
 
     /// Makes the ray of each sample inside the overlap box.
-    fn cast(&self, workspace: &mut Workspace<T>, statistics: &mut Statistics) {
+    fn cast(&self, workspace: &mut Workspace<T>, statistics: &mut Statistics) -> CastSurface<T> {
+        let mut surface = CastSurface::nothing();
         let Workspace { samples, rays, .. } = workspace;
         samples.clear();
         rays.clear();
-        statistics.without_normal += for_each_sample(self.colliding.mesh(), self.overlap, self.sampling, |sample| {
-            rays.push(self.inward_ray(&sample));
-            samples.push(sample);
-        });
+        statistics.without_normal +=
+            for_each_sample(self.colliding.mesh(), self.overlap, self.region, self.sampling, |sample| {
+                surface.add(&sample);
+                rays.push(self.inward_ray(&sample));
+                samples.push(sample);
+            });
         statistics.rays += rays.len() as u64;
+        surface
     }
 
     /// The ray, cut where it leaves the overlap box: p2 of an accepted contact lies on one body and inside the other,
@@ -115,9 +127,9 @@ impl<T: Scalar> Detection<'_, T> {
         let mut t_max = T::INFINITY;
         for axis in 0..3 {
             if direction[axis] > T::zero() {
-                t_max = t_max.min((self.overlap.upper[axis] - origin[axis] + margin) / direction[axis]);
+                t_max = t_max.min((self.region.upper[axis] - origin[axis] + margin) / direction[axis]);
             } else if direction[axis] < T::zero() {
-                t_max = t_max.min((self.overlap.lower[axis] - origin[axis] - margin) / direction[axis]);
+                t_max = t_max.min((self.region.lower[axis] - origin[axis] - margin) / direction[axis]);
             }
         }
         Ray { origin, direction, t_max }

@@ -35,27 +35,24 @@ impl<T: Scalar> Sample<T> {
     }
 }
 
-/// Offers the samples of `mesh` inside `region`, the overlap box, in a fixed order; returns how many points have no
-/// normal and cast no ray.
+/// Offers the samples of `mesh` inside `region`, which is the overlap box with a margin, in a fixed order; returns how
+/// many points have no normal and cast no ray.
 pub(super) fn for_each_sample<T: Scalar>(
     mesh: &Mesh<T>,
+    overlap: &Aabb<T>,
     region: &Aabb<T>,
     sampling: Sampling<T>,
     offer: impl FnMut(Sample<T>),
 ) -> u64 {
+    let sides = overlap.upper - overlap.lower;
+    let largest_face = (sides.x * sides.y).max(sides.y * sides.z).max(sides.z * sides.x);
     let squared_spacing = match sampling {
         Sampling::Vertices => return at_vertices(mesh, region, offer),
-        Sampling::Automatic => largest_face(region) / T::of(64.0),
+        Sampling::Automatic => largest_face / T::of(64.0),
         // However small the caller's number: no more than about a million pieces.
-        Sampling::Spacing(spacing) => (spacing * spacing).max(largest_face(region) / T::of(1_048_576.0)),
+        Sampling::Spacing(spacing) => (spacing * spacing).max(largest_face / T::of(1_048_576.0)),
     };
     on_faces(mesh, region, squared_spacing, offer)
-}
-
-/// The area of the box's largest face.
-fn largest_face<T: Scalar>(region: &Aabb<T>) -> T {
-    let sides = region.upper - region.lower;
-    (sides.x * sides.y).max(sides.y * sides.z).max(sides.z * sides.x)
 }
 
 fn at_vertices<T: Scalar>(mesh: &Mesh<T>, region: &Aabb<T>, mut offer: impl FnMut(Sample<T>)) -> u64 {

@@ -32,6 +32,11 @@ impl<T: Scalar> Aabb<T> {
         Self { lower: self.lower.sup(&other.lower), upper: self.upper.inf(&other.upper) }
     }
 
+    /// The box with all faces moved outward by `margin`.
+    pub fn grown(&self, margin: T) -> Self {
+        Self { lower: self.lower.add_scalar(-margin), upper: self.upper.add_scalar(margin) }
+    }
+
     /// Whether no point lies in the box.
     pub fn is_empty(&self) -> bool {
         (0..3).any(|axis| self.lower[axis] > self.upper[axis])

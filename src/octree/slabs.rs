@@ -51,7 +51,6 @@ impl<T: Scalar> Slabs<T> {
         around.include(&end);
         // The end is rounded as coarsely as its coordinates are.
         let rounding = ray.origin.amax().max(end.amax()) * T::ROUNDING_UNIT * T::of(4.0);
-        let margin = self.margin + rounding;
-        Aabb { lower: around.lower.add_scalar(-margin), upper: around.upper.add_scalar(margin) }
+        around.grown(self.margin + rounding)
     }
 }
