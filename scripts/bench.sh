@@ -25,6 +25,8 @@ esac
 
 packages=(
     libembree-dev # Embree 3.13
+    libfcl-dev    # FCL 0.7
+    libbullet-dev # Bullet 3.24
 )
 
 install_peers() {

@@ -3,7 +3,7 @@
 use crate::host::{Host, HostBody};
 use crate::method::{Key, Method, Stages};
 use crate::workload::Workload;
-use raycontact::contact::{Contact, ContactList, query_pair};
+use raycontact::contact::{Contact, ContactList, DetectionOptions, query_pair};
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
 use raycontact::octree::{Layout, Octree};
@@ -46,8 +46,9 @@ pub struct Whole<T: Scalar> {
 }
 
 impl<T: HostScalar> Whole<T> {
-    pub fn new(workload: &Workload, host: &Host, threads: u32) -> Result<Self, String> {
+    pub fn new(workload: &Workload, host: &Host, threads: u32, options: DetectionOptions<T>) -> Result<Self, String> {
         let mut scene = Scene::new(threads as usize).map_err(|e| e.to_string())?;
+        scene.set_options(options);
         for mesh in meshes(workload, host)? {
             scene.add(mesh);
         }
@@ -94,6 +95,7 @@ impl Method for Classic {
             mesh.set_positions(body.single()).expect("positions are finite");
         }
         self.contacts.clear();
+        let options = DetectionOptions::paper();
         for second in 1..self.bodies.len() {
             let (before, after) = self.bodies.split_at_mut(second);
             let (b, octree_b) = &mut after[0];
@@ -103,7 +105,7 @@ impl Method for Classic {
                 }
                 octree_a.update(a).expect("a body keeps its own octree");
                 octree_b.update(b).expect("a body keeps its own octree");
-                query_pair(a, octree_a, b, octree_b, &mut self.pair).expect("octrees are up to date");
+                query_pair(a, octree_a, b, octree_b, &options, &mut self.pair).expect("octrees are up to date");
                 let number = |local| if local == 0 { first as u32 } else { second as u32 };
                 self.contacts.extend(self.pair.contacts.iter().map(|contact| Contact {
                     colliding: number(contact.colliding),

@@ -1,5 +1,6 @@
 //! Measures raycontact and its peers on the same workloads, interleaved in one run.
 
+mod elsewhere;
 mod host;
 mod library;
 mod measure;
@@ -31,11 +32,14 @@ struct Arguments {
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
     /// The shared library with the peers.
-    #[arg(long)]
+    #[arg(long, default_value = "libraycontact_bench_peers.so")]
     peers: OsString,
     /// Where to write detect.csv.
     #[arg(long, default_value = "out/bench")]
     out: PathBuf,
+    /// Answers requests on standard input; for this program's own use.
+    #[arg(long, hide = true)]
+    serve: Option<String>,
 }
 
 fn main() -> ExitCode {
@@ -49,6 +53,9 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), String> {
+    if let Some(workload) = &arguments.serve {
+        return elsewhere::serve(workload);
+    }
     let workloads = chosen_workloads(arguments)?;
     let methods = chosen_methods(arguments)?;
     let peers = peer::Library::open(&arguments.peers)?;

@@ -1,8 +1,10 @@
 //! What is measured: one way to find the contacts of a step.
 
 use crate::host::Host;
+use crate::library::HostScalar;
 use crate::workload::Workload;
 use crate::{library, peer};
+use raycontact::contact::DetectionOptions;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Precision {
@@ -53,32 +55,53 @@ pub struct Description {
     pub threads: u32,
     /// Whether it finds the contacts of the method, so that they can be held against the oracle's.
     pub same_contacts: bool,
+    /// The path of instructions, where it must be asked for.
+    pub simd: Option<&'static str>,
 }
 
 /// Every method, in the order of the report.
 pub fn all() -> Vec<Description> {
     use Precision::{F32, F64};
-    let method = |name, precision, threads| Description { name, precision, threads, same_contacts: true };
+    let method = |name, precision, threads| Description { name, precision, threads, same_contacts: true, simd: None };
+    let other = |name, precision, threads| Description { same_contacts: false, ..method(name, precision, threads) };
+    let path = |name, simd| Description { simd: Some(simd), ..method(name, F32, 1) };
     vec![
         method("raycontact", F32, 1),
+        path("raycontact-avx2", "avx2"),
+        path("raycontact-baseline", "baseline"),
+        method("raycontact-default", F32, 1),
         method("raycontact", F64, 1),
         method("raycontact", F32, 2),
         method("raycontact-classic", F32, 1),
-        Description { same_contacts: false, ..method("floor", F32, 1) },
-        Description { same_contacts: false, ..method("floor", F64, 1) },
+        other("floor", F32, 1),
+        other("floor", F64, 1),
         method("embree-refit", F32, 1),
         method("embree-refit", F32, 2),
         method("embree-low", F32, 1),
+        method("parry3d-refit", F32, 1),
+        method("obvhs-refit", F32, 1),
+        other("fcl-aabb", F32, 1),
+        other("bullet-vf", F32, 1),
     ]
 }
 
 impl Description {
     pub fn start(&self, workload: &Workload, host: &Host, peers: &peer::Library) -> Result<Box<dyn Method>, String> {
         match (self.name, self.precision) {
-            ("raycontact", Precision::F32) => Ok(Box::new(library::Whole::<f32>::new(workload, host, self.threads)?)),
-            ("raycontact", Precision::F64) => Ok(Box::new(library::Whole::<f64>::new(workload, host, self.threads)?)),
+            ("raycontact", Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::paper()),
+            ("raycontact", Precision::F64) => self.whole::<f64>(workload, host, DetectionOptions::paper()),
+            ("raycontact-default", _) => self.whole::<f32>(workload, host, DetectionOptions::default()),
             ("raycontact-classic", _) => Ok(Box::new(library::Classic::new(workload, host)?)),
             _ => Ok(Box::new(peers.start(self, workload, host)?)),
         }
+    }
+
+    fn whole<T: HostScalar>(
+        &self,
+        workload: &Workload,
+        host: &Host,
+        options: DetectionOptions<T>,
+    ) -> Result<Box<dyn Method>, String> {
+        Ok(Box::new(library::Whole::new(workload, host, self.threads, options)?))
     }
 }

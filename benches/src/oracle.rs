@@ -119,7 +119,8 @@ impl Oracle {
                 (None, None) => return verdict,
                 (Some(a), Some(b)) if place(a) == place(b) => {
                     verdict.wrong_triangle += usize::from(a.triangle != b.triangle);
-                    (wanted.next(), found.next());
+                    wanted.next();
+                    found.next();
                 }
                 (Some(a), b) if b.is_none_or(|b| place(a) < place(b)) => {
                     verdict.missing += 1;

@@ -12,6 +12,9 @@ extern "C" Peer* bench_peer_new(const char* method, uint32_t threads, const Body
     const Bodies views(bodies, bodies + count);
     if (auto peer = make_floor(method, views)) return peer.release();
     if (auto peer = make_embree(method, threads, views)) return peer.release();
+    if (auto peer = make_fcl(method, views)) return peer.release();
+    if (auto peer = make_bullet(method, views)) return peer.release();
+    if (auto peer = make_rust(method, threads, views)) return peer.release();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", method, error.what());
   }

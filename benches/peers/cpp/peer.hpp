@@ -49,5 +49,8 @@ using Bodies = std::vector<BodyView>;
 /// Null where there is no such method.
 std::unique_ptr<Peer> make_floor(const std::string& method, const Bodies& bodies);
 std::unique_ptr<Peer> make_embree(const std::string& method, unsigned threads, const Bodies& bodies);
+std::unique_ptr<Peer> make_fcl(const std::string& method, const Bodies& bodies);
+std::unique_ptr<Peer> make_bullet(const std::string& method, const Bodies& bodies);
+std::unique_ptr<Peer> make_rust(const std::string& method, unsigned threads, const Bodies& bodies);
 
 }  // namespace bench

@@ -2,24 +2,11 @@
 #include "ray_step.hpp"
 
 #include <algorithm>
-#include <chrono>
+
+#include "clock.hpp"
 
 namespace bench {
 namespace {
-
-class Clock {
- public:
-  // Microseconds since the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double passed = std::chrono::duration<double, std::micro>(now - last_).count();
-    last_ = now;
-    return passed;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 constexpr uint32_t vertices_per_task = 2048;
 
@@ -40,27 +27,22 @@ inline float end_of_ray(const Box<float>& overlap, Vector4<float> origin, Vector
 RayStep::RayStep(const Bodies& bodies, std::vector<std::unique_ptr<Structure>> structures, unsigned threads)
     : bodies_(bodies),
       structures_(std::move(structures)),
-      boxes_(bodies.size()),
-      order_(bodies.size()),
+      pairs_(bodies),
       workers_(threads),
       threads_(threads) {
-  for (uint32_t body = 0; body < bodies.size(); ++body) {
-    rings_.emplace_back(bodies[body]);
-    order_[body] = body;
-  }
+  for (const auto& body : bodies) rings_.emplace_back(body);
   for (auto& worker : workers_) worker.rays.resize(vertices_per_task);
 }
 
 bool RayStep::step(Stages& stages) {
   Clock clock;
-  threads_.for_each(bodies_.size(), [&](size_t body, unsigned) {
-    boxes_[body] = box_of(bodies_[body].positions, bodies_[body].vertex_count);
-  });
-  find_pairs();
+  threads_.for_each(bodies_.size(), [&](size_t body, unsigned) { pairs_.find_box(body); });
+  pairs_.find_pairs();
   find_tasks();
   stages.normals = clock.lap();
 
-  threads_.for_each(touched_.size(), [&](size_t place, unsigned) { structures_[touched_[place]]->update(); });
+  const auto& touched = pairs_.touched();
+  threads_.for_each(touched.size(), [&](size_t place, unsigned) { structures_[touched[place]]->update(); });
   stages.structure = clock.lap();
 
   threads_.for_each(tasks_.size(), [&](size_t task, unsigned worker) { run(tasks_[task], workers_[worker]); });
@@ -76,30 +58,9 @@ bool RayStep::step(Stages& stages) {
   return workers_.size() == 1;
 }
 
-// Sweeps along z, the axis along which the workloads are longest.
-void RayStep::find_pairs() {
-  std::sort(order_.begin(), order_.end(),
-            [&](uint32_t a, uint32_t b) { return boxes_[a].lower_corner[2] < boxes_[b].lower_corner[2]; });
-  pairs_.clear();
-  touched_.clear();
-  for (size_t place = 0; place < order_.size(); ++place) {
-    const uint32_t a = order_[place];
-    for (size_t later = place + 1; later < order_.size(); ++later) {
-      const uint32_t b = order_[later];
-      if (boxes_[b].lower_corner[2] > boxes_[a].upper_corner[2]) break;
-      const Box<float> overlap = boxes_[a].intersection(boxes_[b]);
-      if (overlap.is_empty()) continue;
-      pairs_.push_back({{a, b}, overlap});
-      touched_.insert(touched_.end(), {a, b});
-    }
-  }
-  std::sort(touched_.begin(), touched_.end());
-  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-}
-
 void RayStep::find_tasks() {
   tasks_.clear();
-  for (const Pair& pair : pairs_) {
+  for (const auto& pair : pairs_.pairs()) {
     for (int direction = 0; direction < 2; ++direction) {
       const uint32_t colliding = pair.bodies[direction], collided = pair.bodies[1 - direction];
       const uint32_t count = bodies_[colliding].vertex_count;

@@ -2,7 +2,7 @@
 // One step of the method around any ray tracer: everything but the tracing is the same code for all peers.
 #pragma once
 
-#include "surface.hpp"
+#include "pairs.hpp"
 #include "workers.hpp"
 
 namespace bench {
@@ -41,10 +41,6 @@ class RayStep : public Peer {
   bool step(Stages& stages) override;
 
  private:
-  struct Pair {
-    uint32_t bodies[2];
-    Box<float> overlap;
-  };
   // Some vertices of one direction of a pair.
   struct Task {
     uint32_t colliding, collided, first, last;
@@ -56,7 +52,6 @@ class RayStep : public Peer {
     Stages stages;
   };
 
-  void find_pairs();
   void find_tasks();
   void run(const Task& task, Worker& worker) const;
   size_t cast(const Task& task, Worker& worker) const;
@@ -65,9 +60,7 @@ class RayStep : public Peer {
   Bodies bodies_;
   std::vector<std::unique_ptr<Structure>> structures_;
   std::vector<Rings> rings_;
-  std::vector<Box<float>> boxes_;
-  std::vector<uint32_t> order_, touched_;
-  std::vector<Pair> pairs_;
+  Pairs pairs_;
   std::vector<Task> tasks_;
   std::vector<Worker> workers_;
   Workers threads_;

@@ -28,7 +28,7 @@ struct Box {
   }
 };
 
-/// The vertices around each vertex, in order, the first repeated at the end.
+/// The vertices around each vertex, in order, the first repeated at the end until their number is even.
 class Rings {
  public:
   explicit Rings(const BodyView& body) : start_(body.vertex_count + 1) {
@@ -46,31 +46,31 @@ class Rings {
         for (const auto& [b, c] : next[v]) {
           if (b == at) {
             at = c;
-            vertices_.push_back(at);
+            if (at != next[v][0].first) vertices_.push_back(at);
             break;
           }
         }
       }
       if (at != next[v][0].first) throw std::runtime_error("the surface is not closed");
+      if ((vertices_.size() - start_[v]) % 2 != 0) vertices_.push_back(at);
     }
     start_[body.vertex_count] = uint32_t(vertices_.size());
   }
 
-  /// The sum of the surrounding triangles' normals, each as long as twice its area.
+  /// The sum of the surrounding triangles' normals, each as long as twice its area. The vertex itself cancels out, and
+  /// each two triangles make a quad, whose area vector is half the product of its diagonals.
   template <typename T>
   Vector4<T> scaled_normal(const T* positions, uint32_t vertex) const {
     const uint32_t* at = vertices_.data() + start_[vertex];
     const uint32_t* end = vertices_.data() + start_[vertex + 1];
-    const Vector4<T> centre = load(positions + 3 * size_t(vertex));
-    Vector4<T> a = load(positions + 3 * size_t(*at)) - centre;
-    Vector4<T> a_turned = yzx<T>(a);
+    const Vector4<T> first = load(positions + 3 * size_t(*at));
+    Vector4<T> last = load(positions + 3 * size_t(at[1]));
     Vector4<T> sum{};
-    while (++at < end) {
-      const Vector4<T> b = load(positions + 3 * size_t(*at)) - centre;
-      const Vector4<T> b_turned = yzx<T>(b);
-      sum += a * b_turned - a_turned * b;
-      a = b;
-      a_turned = b_turned;
+    for (at += 2; at + 1 < end; at += 2) {
+      const Vector4<T> middle = load(positions + 3 * size_t(at[0]));
+      const Vector4<T> next = load(positions + 3 * size_t(at[1]));
+      sum += turned_cross<T>(middle - first, next - last);
+      last = next;
     }
     return yzx<T>(sum);
   }

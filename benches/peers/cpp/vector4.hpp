@@ -35,6 +35,12 @@ inline Vector4<T> yzx(Vector4<T> v) {
   return __builtin_shuffle(v, typename Lanes<T>::Index{1, 2, 0, 3});
 }
 
+/// The cross product before its last yzx, which sums can share.
+template <typename T>
+inline Vector4<T> turned_cross(Vector4<T> a, Vector4<T> b) {
+  return a * yzx<T>(b) - yzx<T>(a) * b;
+}
+
 template <typename V>
 inline V lower(V a, V b) {
   return a < b ? a : b;

@@ -49,7 +49,7 @@ class Workers {
     }
     if (sleepers_ > 0) wake_.notify_all();
     job(0);
-    while (running_ > 0) pause();
+    for (unsigned spins = 1; running_ > 0; ++spins) wait(spins);
   }
 
   void serve(unsigned worker) {
@@ -66,7 +66,7 @@ class Workers {
   void await(uint64_t seen) {
     const auto start = std::chrono::steady_clock::now();
     for (unsigned spins = 1; ticket_ == seen; ++spins) {
-      pause();
+      wait(spins);
       if (spins % 1024 == 0 && std::chrono::steady_clock::now() - start > std::chrono::milliseconds(2)) {
         std::unique_lock<std::mutex> lock(mutex_);
         ++sleepers_;
@@ -76,10 +76,12 @@ class Workers {
     }
   }
 
-  static void pause() {
+  // Now and then lets others run, lest a thread waits for one that has no core.
+  static void wait(unsigned spins) {
 #if defined(__x86_64__)
     __builtin_ia32_pause();
 #endif
+    if (spins % 256 == 0) std::this_thread::yield();
   }
 
   std::vector<std::thread> threads_;

@@ -2,6 +2,10 @@
 //!
 //! A shared library shows only symbols that Rust defines, hence the functions here that pass on.
 
+mod obvhs;
+mod parry;
+mod structure;
+
 use std::ffi::{c_char, c_void};
 
 mod cpp {
