@@ -147,6 +147,24 @@ typedef enum rayc_status {
 } rayc_status;
 
 /**
+ * How a contact came about.
+ */
+typedef enum rayc_contact_kind {
+  /**
+   * A ray along the inward normal leaves the other body before its own: the paper's contact.
+   */
+  RAYC_CONTACT_KIND_RAY = 1,
+  /**
+   * The same from the middle of an edge that pierces the other body, where no point of either surface does.
+   */
+  RAYC_CONTACT_KIND_EDGE = 2,
+  /**
+   * The pair is escaping: direction is the pair's, depth is that of its deepest point, cos_alpha is 1.
+   */
+  RAYC_CONTACT_KIND_ESCAPE = 3,
+} rayc_contact_kind;
+
+/**
  * The type of a number. In structs it stands as a uint32_t and is checked.
  */
 typedef enum rayc_scalar {
@@ -236,6 +254,15 @@ typedef struct rayc_detection_options {
    * the overlap's size; forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes.
    */
   double sample_spacing;
+  /**
+   * 1: edges are traced too where no ray settles whether bodies overlap; 0: not. Default 1.
+   */
+  uint32_t edges;
+  /**
+   * 1: in a scene, a pair whose contacts cannot part it (one body swallowed, or held in the other's folds) is pushed
+   * along one direction until it is apart; 0: not. Default 1.
+   */
+  uint32_t escape;
 } rayc_detection_options;
 
 /**
@@ -391,6 +418,10 @@ typedef struct rayc_surface_point {
  */
 typedef struct rayc_contact {
   /**
+   * How it came about, a rayc_contact_kind.
+   */
+  uint32_t kind;
+  /**
    * The body the ray starts from: its number in the scene, or 0 and 1 for the first and second mesh of
    * rayc_query_pair().
    */
@@ -458,6 +489,22 @@ typedef struct rayc_statistics {
    * Contacts found.
    */
   uint64_t contacts;
+  /**
+   * Of these, contacts of edges, where no ray from a surface point found any.
+   */
+  uint64_t edge_contacts;
+  /**
+   * Pairs that began to escape in this query.
+   */
+  uint64_t escapes_started;
+  /**
+   * Pairs that are escaping, those included.
+   */
+  uint64_t escaping_pairs;
+  /**
+   * Contacts of escaping pairs.
+   */
+  uint64_t escape_contacts;
 } rayc_statistics;
 
 #ifdef __cplusplus

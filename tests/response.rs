@@ -37,7 +37,7 @@ fn overlap(sampling: Sampling<f64>) -> Overlap {
     let meshes = [torus(0.0, [0.0; 3]), torus(0.7, [0.3, 0.15, 0.5])];
     let octrees = [Octree::new(&meshes[0]), Octree::new(&meshes[1])];
     let mut list = ContactList::default();
-    let options = DetectionOptions { sampling };
+    let options = DetectionOptions { sampling, ..DetectionOptions::default() };
     query_pair(&meshes[0], &octrees[0], &meshes[1], &octrees[1], &options, &mut list).expect("octrees are new");
     assert!(list.len() > 40, "the tori overlap well");
     Overlap { positions: meshes.map(|mesh| mesh.positions().to_vec()), contacts: list.contacts }

@@ -4,7 +4,7 @@ use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
 use super::options::{rayc_detection_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
-use crate::contact::{Contact, ContactList, Statistics, SurfacePoint, query_pair};
+use crate::contact::{Contact, ContactKind, ContactList, Statistics, SurfacePoint, query_pair};
 use crate::math::Scalar;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
@@ -78,10 +78,24 @@ pub struct rayc_surface_point {
     pub position: [f64; 3],
 }
 
+/// How a contact came about.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum rayc_contact_kind {
+    /// A ray along the inward normal leaves the other body before its own: the paper's contact.
+    RAYC_CONTACT_KIND_RAY = 1,
+    /// The same from the middle of an edge that pierces the other body, where no point of either surface does.
+    RAYC_CONTACT_KIND_EDGE = 2,
+    /// The pair is escaping: direction is the pair's, depth is that of its deepest point, cos_alpha is 1.
+    RAYC_CONTACT_KIND_ESCAPE = 3,
+}
+
 /// A point p1 of one surface inside another body, and the point p2 of that body's surface to which it is pulled.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_contact {
+    /// How it came about, a rayc_contact_kind.
+    pub kind: u32,
     /// The body the ray starts from: its number in the scene, or 0 and 1 for the first and second mesh of
     /// rayc_query_pair().
     pub colliding: u32,
@@ -120,6 +134,14 @@ pub struct rayc_statistics {
     pub without_normal: u64,
     /// Contacts found.
     pub contacts: u64,
+    /// Of these, contacts of edges, where no ray from a surface point found any.
+    pub edge_contacts: u64,
+    /// Pairs that began to escape in this query.
+    pub escapes_started: u64,
+    /// Pairs that are escaping, those included.
+    pub escaping_pairs: u64,
+    /// Contacts of escaping pairs.
+    pub escape_contacts: u64,
 }
 
 impl<T: Scalar> From<&SurfacePoint<T>> for rayc_surface_point {
@@ -135,7 +157,13 @@ impl<T: Scalar> From<&SurfacePoint<T>> for rayc_surface_point {
 
 impl<T: Scalar> From<&Contact<T>> for rayc_contact {
     fn from(contact: &Contact<T>) -> Self {
+        let kind = match contact.kind {
+            ContactKind::Ray => rayc_contact_kind::RAYC_CONTACT_KIND_RAY,
+            ContactKind::Edge => rayc_contact_kind::RAYC_CONTACT_KIND_EDGE,
+            ContactKind::Escape => rayc_contact_kind::RAYC_CONTACT_KIND_ESCAPE,
+        };
         Self {
+            kind: kind as u32,
             colliding: contact.colliding,
             collided: contact.collided,
             p1: (&contact.p1).into(),
@@ -246,11 +274,13 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
     guard(|| unsafe {
         let list = &reference(contacts, "contacts")?.list;
         let statistics = Output::new(statistics, "statistics")?;
-        let Statistics { pairs, rays, misses, entry_hits, own_surface_hits, without_normal } = match list {
+        let found = match list {
             AnyContacts::F32(list) => list.statistics,
             AnyContacts::F64(list) => list.statistics,
         };
         let contacts = list.len() as u64;
+        let Statistics { pairs, rays, misses, entry_hits, own_surface_hits, without_normal, .. } = found;
+        let Statistics { edge_contacts, escapes_started, escaping_pairs, escape_contacts, .. } = found;
         statistics.write(rayc_statistics {
             pairs,
             rays,
@@ -259,6 +289,10 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             own_surface_hits,
             without_normal,
             contacts,
+            edge_contacts,
+            escapes_started,
+            escaping_pairs,
+            escape_contacts,
         });
         Ok(())
     })

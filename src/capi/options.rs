@@ -26,6 +26,11 @@ pub struct rayc_detection_options {
     /// being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, with an eighth of
     /// the overlap's size; forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes.
     pub sample_spacing: f64,
+    /// 1: edges are traced too where no ray settles whether bodies overlap; 0: not. Default 1.
+    pub edges: u32,
+    /// 1: in a scene, a pair whose contacts cannot part it (one body swallowed, or held in the other's folds) is pushed
+    /// along one direction until it is apart; 0: not. Default 1.
+    pub escape: u32,
 }
 
 /// The sample_spacing that follows the size of each overlap.
@@ -72,7 +77,7 @@ impl rayc_detection_options {
                 ));
             }
         };
-        Ok(DetectionOptions { sampling })
+        Ok(DetectionOptions { sampling, edges: flag("edges", self.edges)?, escape: flag("escape", self.escape)? })
     }
 }
 
@@ -94,9 +99,9 @@ impl Options for rayc_mesh_options {
 
 impl Options for rayc_detection_options {
     const NAME: &'static str = "rayc_detection_options";
-    const SMALLEST: usize = std::mem::offset_of!(Self, sample_spacing) + size_of::<f64>();
+    const SMALLEST: usize = std::mem::offset_of!(Self, escape) + size_of::<u32>();
     fn defaults() -> Self {
-        Self { struct_size: size_of::<Self>(), sample_spacing: RAYC_SPACING_AUTOMATIC }
+        Self { struct_size: size_of::<Self>(), sample_spacing: RAYC_SPACING_AUTOMATIC, edges: 1, escape: 1 }
     }
 }
 
@@ -133,6 +138,17 @@ pub(super) fn unknown_enum(field: &str, value: u32, name: &str) -> Failure {
         rayc_status::RAYC_STATUS_UNKNOWN_ENUM,
         format!("{field} is {value}, which is no member of {name}; use one of its names"),
     )
+}
+
+fn flag(field: &str, value: u32) -> Result<bool, Failure> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => {
+            let message = format!("{field} is {value}; give 0 for no or 1 for yes");
+            Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message))
+        }
+    }
 }
 
 fn check_size<O: Options>(struct_size: usize) -> Result<(), Failure> {

@@ -1,5 +1,7 @@
 use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
+use crate::mesh::Mesh;
+use crate::ray::{Hit, Ray};
 
 /// A point on a mesh's surface. It moves with its triangle: its position is the weighted sum of the three vertices'.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,9 +16,40 @@ pub struct SurfacePoint<T: Scalar> {
     pub position: Vector3<T>,
 }
 
+impl<T: Scalar> SurfacePoint<T> {
+    /// The vertices that all triangles touching the point have in common: those with a weight.
+    pub(super) fn touched(&self) -> [u32; 3] {
+        let [first, second, third] = self.vertices;
+        let [_, b, c] = self.weights.map(|weight| weight != T::zero());
+        [first, if b { second } else { first }, if c { third } else { first }]
+    }
+
+    pub(super) fn of_hit(mesh: &Mesh<T>, ray: &Ray<T>, hit: &Hit<T>) -> Self {
+        Self {
+            triangle: hit.triangle,
+            vertices: mesh.topology().triangles()[hit.triangle as usize],
+            weights: hit.weights,
+            position: ray.origin + ray.direction * hit.t,
+        }
+    }
+}
+
+/// How a contact came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactKind {
+    /// A ray along the inward normal leaves the other body before its own: the paper's contact.
+    Ray,
+    /// The same from the middle of an edge that pierces the other body, where no point of either surface does.
+    Edge,
+    /// The pair is escaping: `direction` is the pair's, `depth` is that of its deepest point, `cos_alpha` is 1.
+    Escape,
+}
+
 /// A point of one surface inside another body, and the point of that body's surface to which it is pulled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact<T: Scalar> {
+    /// How it came about.
+    pub kind: ContactKind,
     /// The body the ray starts from.
     pub colliding: u32,
     /// The body the ray ends on.
@@ -47,10 +80,18 @@ pub struct Statistics {
     pub misses: u64,
     /// Rays whose first hit enters the other mesh: they start outside it.
     pub entry_hits: u64,
-    /// Rays that leave their own mesh before the other.
+    /// Rays that leave their own mesh before the other, though they start inside it.
     pub own_surface_hits: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
+    /// Contacts of edges, where no ray from a surface point found any.
+    pub edge_contacts: u64,
+    /// Pairs that began to escape in this query.
+    pub escapes_started: u64,
+    /// Pairs that are escaping, those included.
+    pub escaping_pairs: u64,
+    /// Contacts of escaping pairs.
+    pub escape_contacts: u64,
 }
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
@@ -98,5 +139,9 @@ impl<T: Scalar> ContactList<T> {
         sum.entry_hits += more.entry_hits;
         sum.own_surface_hits += more.own_surface_hits;
         sum.without_normal += more.without_normal;
+        sum.edge_contacts += more.edge_contacts;
+        sum.escapes_started += more.escapes_started;
+        sum.escaping_pairs += more.escaping_pairs;
+        sum.escape_contacts += more.escape_contacts;
     }
 }

@@ -9,11 +9,13 @@ pub(super) struct CastSurface<T: Scalar> {
     vector: Vector3<T>,
 }
 
-impl<T: Scalar> CastSurface<T> {
-    pub(super) fn nothing() -> Self {
+impl<T: Scalar> Default for CastSurface<T> {
+    fn default() -> Self {
         Self { area: T::zero(), vector: Vector3::zeros() }
     }
+}
 
+impl<T: Scalar> CastSurface<T> {
     pub(super) fn add(&mut self, sample: &Sample<T>) {
         self.area += sample.area;
         self.vector += sample.normal * sample.area;

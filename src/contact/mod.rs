@@ -1,11 +1,16 @@
-//! Contacts between surfaces: Algorithm 1 of the paper.
+//! Contacts between surfaces: Algorithm 1 of the paper, and what goes beyond it.
 
+mod direction;
+mod edges;
+mod escape;
 mod list;
 mod load;
+mod memory;
 mod pair;
 mod samples;
 mod workspace;
 
-pub use list::{Contact, ContactList, Statistics, SurfacePoint};
+pub use list::{Contact, ContactKind, ContactList, Statistics, SurfacePoint};
+pub use memory::PairMemory;
 pub use pair::{DetectionOptions, detect_pair, query_pair};
 pub use samples::Sampling;

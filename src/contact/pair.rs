@@ -1,27 +1,41 @@
-use super::load::{CastSurface, share_load};
-use super::samples::{Sample, Sampling, for_each_sample};
-use super::workspace::Workspace;
-use super::{Contact, ContactList, Statistics, SurfacePoint};
-use crate::math::{Aabb, Scalar, direction};
+use super::direction::Direction;
+use super::escape::{choose_direction, push_apart};
+use super::load::share_load;
+use super::memory::{PairMemory, Progress};
+use super::samples::Sampling;
+use super::{Contact, ContactList};
+use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
-use crate::ray::{Hit, Ray};
+use crate::ray::Ray;
 
 /// How contacts are found.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetectionOptions<T: Scalar> {
     /// Where rays start.
     pub sampling: Sampling<T>,
+    /// Whether edges are traced too where no ray settles whether the bodies overlap. Default: yes.
+    pub edges: bool,
+    /// Whether a pair whose contacts cannot part it is pushed along one direction until it is apart; in scenes, since
+    /// it takes memory from step to step. Default: yes.
+    pub escape: bool,
+}
+
+impl<T: Scalar> Default for DetectionOptions<T> {
+    fn default() -> Self {
+        Self { sampling: Sampling::default(), edges: true, escape: true }
+    }
 }
 
 impl<T: Scalar> DetectionOptions<T> {
-    /// Just what the paper does: rays from the vertices.
+    /// Just what the paper does: rays from the vertices, both filters, nothing else.
     pub fn paper() -> Self {
-        Self { sampling: Sampling::Vertices }
+        Self { sampling: Sampling::Vertices, edges: false, escape: false }
     }
 }
 
 /// Finds the contacts between two meshes, both ways; body 0 is `a`, body 1 is `b`. Replaces what `contacts` held.
+/// Nothing is remembered from query to query, so no pair escapes.
 ///
 /// # Errors
 /// [`OctreeError`] where an octree is stale or another mesh's; `contacts` is then as before.
@@ -35,15 +49,17 @@ pub fn query_pair<T: Scalar>(
 ) -> Result<(), OctreeError> {
     let (a, b) = (octree_a.tracer(a)?, octree_b.tracer(b)?);
     contacts.clear();
-    detect_pair([0, 1], [&a, &b], options, contacts);
+    detect_pair([0, 1], [&a, &b], options, None, contacts);
     Ok(())
 }
 
-/// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008.
+/// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008, and
+/// what `options` add to it. `memory` is what the pair remembers from step to step; without it no pair escapes.
 pub fn detect_pair<T: Scalar>(
     bodies: [u32; 2],
     tracers: [&Tracer<'_, T>; 2],
     options: &DetectionOptions<T>,
+    memory: Option<&mut PairMemory<T>>,
     contacts: &mut ContactList<T>,
 ) {
     let overlap = tracers[0].mesh().aabb().intersection(tracers[1].mesh().aabb());
@@ -54,104 +70,138 @@ pub fn detect_pair<T: Scalar>(
     // Points on a face of one mesh that lies on the overlap box's own face must not fall outside by rounding.
     let largest = overlap.lower.amax().max(overlap.upper.amax());
     let region = overlap.grown(largest * T::ROUNDING_UNIT * T::of(8.0));
-    let start = contacts.len();
-    let found = [(0, 1), (1, 0)].map(|(colliding, collided)| {
+    let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options };
+    match memory.filter(|_| options.escape) {
+        Some(memory) => pair.detect_or_escape(memory, contacts),
+        None => {
+            pair.detect(contacts);
+        }
+    }
+}
+
+/// Two bodies whose boxes overlap.
+pub(super) struct Pair<'a, T: Scalar> {
+    pub(super) bodies: [u32; 2],
+    pub(super) tracers: [&'a Tracer<'a, T>; 2],
+    pub(super) overlap: &'a Aabb<T>,
+    /// The overlap box with a margin.
+    pub(super) region: &'a Aabb<T>,
+    pub(super) options: &'a DetectionOptions<T>,
+}
+
+/// What a step's contacts leave open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// Contacts tell all, or there is no overlap.
+    Settled,
+    /// Points lie inside the other body without a way out through their own.
+    Targetless,
+}
+
+impl<T: Scalar> Pair<'_, T> {
+    fn detect_or_escape(&self, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
+        if let Some(away) = memory.escape {
+            if push_apart(self, &away, contacts) {
+                contacts.statistics.escaping_pairs += 1;
+            } else {
+                *memory = PairMemory::default();
+            }
+            return;
+        }
         let start = contacts.len();
-        let surface = Detection {
-            bodies: [bodies[colliding], bodies[collided]],
-            colliding: tracers[colliding],
-            collided: tracers[collided],
-            overlap: &overlap,
-            region: &region,
-            sampling: options.sampling,
+        let outcome = self.detect(contacts);
+        if outcome == Outcome::Settled && contacts.len() == start {
+            *memory = PairMemory::default();
+            return;
         }
-        .run(contacts);
-        (surface.claim(&contacts.contacts[start..]), contacts.len() - start)
-    });
-    let (first, second) = contacts.contacts[start..].split_at_mut(found[0].1);
-    share_load(found.map(|(claim, _)| claim), [first, second]);
-}
-
-/// One direction of a pair.
-struct Detection<'a, T: Scalar> {
-    bodies: [u32; 2],
-    colliding: &'a Tracer<'a, T>,
-    collided: &'a Tracer<'a, T>,
-    overlap: &'a Aabb<T>,
-    /// The overlap box with its margin.
-    region: &'a Aabb<T>,
-    sampling: Sampling<T>,
-}
-
-impl<T: Scalar> Detection<'_, T> {
-    fn run(&self, contacts: &mut ContactList<T>) -> CastSurface<T> {
-        let ContactList { contacts, statistics, workspace } = contacts;
-        let surface = self.cast(workspace, statistics);
-        self.collided.nearest_hits(&workspace.rays, &mut workspace.hits);
-        workspace.keep_exits(statistics);
-        self.colliding.are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
-        for (place, hit) in workspace.hits.iter().enumerate() {
-            match hit {
-                Some(hit) if !workspace.hidden[place] => {
-                    contacts.push(self.contact(&workspace.samples[place], &workspace.rays[place], hit));
-                }
-                _ => statistics.own_surface_hits += 1,
-            }
+        let stuck = outcome == Outcome::Targetless
+            || match memory.observe(self.bodies[0], &contacts.contacts[start..]) {
+                Progress::Fine => false,
+                Progress::Slow => self.any_is_deep(start, contacts),
+                Progress::Jammed => true,
+            };
+        if stuck && let Some(away) = choose_direction(self, contacts) {
+            memory.escape = Some(away);
+            contacts.statistics.escapes_started += 1;
+            contacts.statistics.escaping_pairs += 1;
+            contacts.contacts.truncate(start);
+            push_apart(self, &away, contacts);
         }
-        surface
     }
 
-    /// Makes the ray of each sample inside the overlap box.
-    fn cast(&self, workspace: &mut Workspace<T>, statistics: &mut Statistics) -> CastSurface<T> {
-        let mut surface = CastSurface::nothing();
-        let Workspace { samples, rays, .. } = workspace;
-        samples.clear();
-        rays.clear();
-        statistics.without_normal +=
-            for_each_sample(self.colliding.mesh(), self.overlap, self.region, self.sampling, |sample| {
-                surface.add(&sample);
-                rays.push(self.inward_ray(&sample));
-                samples.push(sample);
+    /// Adds the contacts of the rays of both directions, or else those of the edges.
+    fn detect(&self, contacts: &mut ContactList<T>) -> Outcome {
+        let start = contacts.len();
+        let own_before = contacts.statistics.own_surface_hits;
+        self.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts));
+        let settled = contacts.len() > start || contacts.statistics.own_surface_hits > own_before;
+        if self.options.edges && !settled {
+            let edges_before = contacts.len();
+            self.both_ways(contacts, |direction, contacts| {
+                direction.cast_edges(contacts);
             });
-        statistics.rays += rays.len() as u64;
-        surface
+            contacts.statistics.edge_contacts += (contacts.len() - edges_before) as u64;
+        }
+        let targetless = contacts.statistics.own_surface_hits > own_before;
+        let nothing = contacts.len() == start && !targetless;
+        if targetless || (self.options.escape && nothing && self.one_contains_the_other()) {
+            Outcome::Targetless
+        } else {
+            Outcome::Settled
+        }
     }
 
-    /// The ray, cut where it leaves the overlap box: p2 of an accepted contact lies on one body and inside the other,
-    /// so in both boxes.
-    fn inward_ray(&self, sample: &Sample<T>) -> Ray<T> {
-        let origin = sample.point.position;
-        let direction = -sample.normal;
-        // A hit on the box's very face must not be lost to the rounding of either distance.
-        let margin = self.overlap.reach_from(&origin) * T::ROUNDING_UNIT * T::of(64.0);
-        let mut t_max = T::INFINITY;
-        for axis in 0..3 {
-            if direction[axis] > T::zero() {
-                t_max = t_max.min((self.region.upper[axis] - origin[axis] + margin) / direction[axis]);
-            } else if direction[axis] < T::zero() {
-                t_max = t_max.min((self.region.lower[axis] - origin[axis] - margin) / direction[axis]);
-            }
+    fn both_ways(&self, contacts: &mut ContactList<T>, mut cast: impl FnMut(&Direction<'_, T>, &mut ContactList<T>)) {
+        let start = contacts.len();
+        let mut middle = start;
+        let mut claims = [T::zero(); 2];
+        for side in [0, 1] {
+            let first = contacts.len();
+            let direction = Direction { pair: self, side };
+            cast(&direction, contacts);
+            claims[side] = contacts.workspace.surface.claim(&contacts.contacts[first..]);
+            middle = if side == 0 { contacts.len() } else { middle };
         }
-        Ray { origin, direction, t_max }
+        let (first, second) = contacts.contacts[start..].split_at_mut(middle - start);
+        share_load(claims, [first, second]);
     }
 
-    fn contact(&self, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
-        let normal = direction(&self.collided.mesh().scaled_normal(hit.triangle));
-        let cos_alpha = normal.map_or(T::zero(), |n| n.dot(&ray.direction).clamp(T::zero(), T::one()));
-        Contact {
-            colliding: self.bodies[0],
-            collided: self.bodies[1],
-            p1: sample.point,
-            p2: SurfacePoint {
-                triangle: hit.triangle,
-                vertices: self.collided.mesh().topology().triangles()[hit.triangle as usize],
-                weights: hit.weights,
-                position: ray.origin + ray.direction * hit.t,
-            },
-            direction: ray.direction,
-            depth: hit.t,
-            cos_alpha,
-            area: sample.area,
-        }
+    /// Where no surface crosses the other, either body lies inside or outside the other as a whole, and one point of it
+    /// tells which.
+    fn one_contains_the_other(&self) -> bool {
+        [0, 1].into_iter().any(|side| {
+            let (inner, outer) = (self.tracers[side].mesh(), self.tracers[1 - side].mesh());
+            let vertex = inner.topology().surface_vertices()[0];
+            let ray = Ray::new(inner.positions()[vertex as usize], Vector3::z());
+            outer.aabb().intersection(inner.aabb()) == *inner.aabb()
+                && self.tracers[1 - side].nearest_hit(&ray).is_some_and(|hit| hit.is_exit)
+        })
+    }
+
+    /// Whether any contact is deeper than half its body is thick there.
+    fn any_is_deep(&self, start: usize, contacts: &mut ContactList<T>) -> bool {
+        let ContactList { contacts, workspace, .. } = contacts;
+        let twice = |contact: &Contact<T>| Ray {
+            origin: contact.p1.position,
+            direction: contact.direction,
+            t_max: contact.depth * T::of(2.0),
+        };
+        [0, 1].into_iter().any(|side| {
+            let own = || contacts[start..].iter().filter(|contact| contact.colliding == self.bodies[side]);
+            workspace.rays.clear();
+            workspace.rays.extend(own().map(twice));
+            workspace.touched.clear();
+            workspace.touched.extend(own().map(|contact| contact.p1.touched()));
+            self.tracers[side].are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
+            workspace.hidden.contains(&true)
+        })
+    }
+
+    /// The ray from a point of one body along which it leaves the other, when its first body goes `away`.
+    pub(super) fn ray_out(&self, side: usize, origin: Vector3<T>, away: &Vector3<T>) -> Ray<T> {
+        let other = self.tracers[1 - side].mesh().aabb();
+        let largest = other.lower.amax().max(other.upper.amax());
+        let ray = Ray::new(origin, if side == 0 { *away } else { -away });
+        ray.until(ray.exit_from(&other.grown(largest * T::ROUNDING_UNIT * T::of(8.0))))
     }
 }

@@ -26,15 +26,6 @@ pub(super) struct Sample<T: Scalar> {
     pub(super) area: T,
 }
 
-impl<T: Scalar> Sample<T> {
-    /// The vertices that all triangles touching the point have in common: the point's own, those with a weight.
-    pub(super) fn touched(&self) -> [u32; 3] {
-        let [first, second, third] = self.point.vertices;
-        let [_, b, c] = self.point.weights.map(|weight| weight != T::zero());
-        [first, if b { second } else { first }, if c { third } else { first }]
-    }
-}
-
 /// Offers the samples of `mesh` inside `region`, which is the overlap box with a margin, in a fixed order; returns how
 /// many points have no normal and cast no ray.
 pub(super) fn for_each_sample<T: Scalar>(

@@ -1,4 +1,4 @@
-use super::Statistics;
+use super::load::CastSurface;
 use super::samples::Sample;
 use crate::math::Scalar;
 use crate::ray::{Hit, Ray};
@@ -14,28 +14,41 @@ pub(super) struct Workspace<T: Scalar> {
     pub(super) touched: Vec<[u32; 3]>,
     /// Whether the ray leaves its own mesh first.
     pub(super) hidden: Vec<bool>,
+    /// The crossings of one edge.
+    pub(super) crossings: Vec<Hit<T>>,
+    /// All surface that cast.
+    pub(super) surface: CastSurface<T>,
 }
 
 impl<T: Scalar> Workspace<T> {
-    /// Keeps the rays whose first hit leaves the other mesh, cut there, and counts the others.
-    pub(super) fn keep_exits(&mut self, statistics: &mut Statistics) {
+    pub(super) fn clear(&mut self) {
+        self.samples.clear();
+        self.rays.clear();
+        self.surface = CastSurface::default();
+    }
+
+    /// Keeps the rays whose hit is wanted.
+    pub(super) fn keep(&mut self, mut is_wanted: impl FnMut(&Option<Hit<T>>) -> bool) {
         let mut kept = 0;
-        self.touched.clear();
         for place in 0..self.rays.len() {
-            match self.hits[place] {
-                None => statistics.misses += 1,
-                Some(hit) if !hit.is_exit => statistics.entry_hits += 1,
-                Some(hit) => {
-                    self.touched.push(self.samples[place].touched());
-                    self.samples[kept] = self.samples[place];
-                    self.rays[kept] = self.rays[place].until(hit.t);
-                    self.hits[kept] = Some(hit);
-                    kept += 1;
-                }
+            if is_wanted(&self.hits[place]) {
+                self.samples[kept] = self.samples[place];
+                self.rays[kept] = self.rays[place];
+                self.hits[kept] = self.hits[place];
+                kept += 1;
             }
         }
         self.samples.truncate(kept);
         self.rays.truncate(kept);
         self.hits.truncate(kept);
+    }
+
+    /// Ends each ray at its hit, and notes where it starts, for the test against its own mesh.
+    pub(super) fn cut_at_hits(&mut self) {
+        self.touched.clear();
+        self.touched.extend(self.samples.iter().map(|sample| sample.point.touched()));
+        for (ray, hit) in self.rays.iter_mut().zip(&self.hits) {
+            *ray = ray.until(hit.map_or(ray.t_max, |hit| hit.t));
+        }
     }
 }

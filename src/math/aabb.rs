@@ -32,6 +32,11 @@ impl<T: Scalar> Aabb<T> {
         Self { lower: self.lower.sup(&other.lower), upper: self.upper.inf(&other.upper) }
     }
 
+    /// The middle.
+    pub fn centre(&self) -> Vector3<T> {
+        self.lower + (self.upper - self.lower) * T::of(0.5)
+    }
+
     /// The box with all faces moved outward by `margin`.
     pub fn grown(&self, margin: T) -> Self {
         Self { lower: self.lower.add_scalar(-margin), upper: self.upper.add_scalar(margin) }

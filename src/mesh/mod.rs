@@ -6,7 +6,7 @@ mod topology;
 
 pub use error::MeshError;
 pub use obj_file::{ObjFileError, read_obj_file};
-pub use topology::Topology;
+pub use topology::{Edge, Topology};
 
 use crate::math::{Aabb, Scalar, Vector3, direction, length};
 use std::sync::Arc;

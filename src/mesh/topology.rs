@@ -9,6 +9,16 @@ pub struct Topology {
     around: Vec<u32>,
     around_start: Vec<u32>,
     surface_vertices: Vec<u32>,
+    edges: Vec<Edge>,
+}
+
+/// Where two triangles meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// Its ends, the smaller number first.
+    pub vertices: [u32; 2],
+    /// Its two triangles.
+    pub triangles: [u32; 2],
 }
 
 impl Topology {
@@ -17,7 +27,7 @@ impl Topology {
     /// inside and an outside, and rays need no more.
     pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         check_indices(vertex_count, triangles)?;
-        check_edges(triangles)?;
+        let edges = find_edges(triangles)?;
         let (around, around_start) = triangles_around_vertices(vertex_count, triangles);
         Ok(Self {
             vertex_count,
@@ -27,6 +37,7 @@ impl Topology {
                 .collect(),
             around,
             around_start,
+            edges,
         })
     }
 
@@ -44,6 +55,11 @@ impl Topology {
     pub fn triangles_around(&self, vertex: u32) -> &[u32] {
         let vertex = vertex as usize;
         &self.around[self.around_start[vertex] as usize..self.around_start[vertex + 1] as usize]
+    }
+
+    /// Every edge once, in ascending order of its vertices.
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
     }
 
     /// The vertices that at least one triangle uses, in ascending order.
@@ -73,27 +89,28 @@ fn check_indices(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<(), Mesh
 }
 
 /// Every edge must belong to exactly two triangles that run through it in opposite directions.
-fn check_edges(triangles: &[[u32; 3]]) -> Result<(), MeshError> {
-    let mut edges: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(triangles.len() * 3);
+fn find_edges(triangles: &[[u32; 3]]) -> Result<Vec<Edge>, MeshError> {
+    let mut edges = Vec::with_capacity(triangles.len() * 3 / 2);
+    let mut halves: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(triangles.len() * 3);
     for (triangle, corners) in triangles.iter().enumerate() {
         for i in 0..3 {
             let (from, to) = (corners[i], corners[(i + 1) % 3]);
-            edges.push((from.min(to), from.max(to), from > to, triangle));
+            halves.push((from.min(to), from.max(to), from > to, triangle));
         }
     }
-    edges.sort_unstable();
-    for shared in edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
+    halves.sort_unstable();
+    for shared in halves.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
         let edge = [shared[0].0, shared[0].1];
         match *shared {
             [(.., backward, s), (.., forward, t)] if backward == forward => {
                 return Err(MeshError::InconsistentOrientation { triangles: [s, t], edge });
             }
-            [_, _] => {}
+            [(.., s), (.., t)] => edges.push(Edge { vertices: edge, triangles: [s as u32, t as u32] }),
             [(.., triangle)] => return Err(MeshError::Open { triangle, edge }),
             _ => return Err(MeshError::NonManifold { edge, triangle_count: shared.len() }),
         }
     }
-    Ok(())
+    Ok(edges)
 }
 
 fn triangles_around_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {

@@ -6,7 +6,7 @@ mod watertight;
 pub use moller_trumbore::moller_trumbore;
 pub use watertight::ShearedRay;
 
-use crate::math::{Scalar, Vector3};
+use crate::math::{Aabb, Scalar, Vector3};
 
 /// A half line, cut at `t_max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,22 @@ impl<T: Scalar> Ray<T> {
     /// A ray without an end.
     pub fn new(origin: Vector3<T>, direction: Vector3<T>) -> Self {
         Self { origin, direction, t_max: T::INFINITY }
+    }
+
+    /// A `t` up to which the ray has met everything it meets inside the box, for an origin inside: where it leaves, and
+    /// a little more, so that a hit on the box's very face is not lost to the rounding of either distance.
+    pub fn exit_from(&self, aabb: &Aabb<T>) -> T {
+        let margin = aabb.reach_from(&self.origin) * T::ROUNDING_UNIT * T::of(64.0);
+        let mut exit = T::INFINITY;
+        for axis in 0..3 {
+            let (origin, direction) = (self.origin[axis], self.direction[axis]);
+            if direction > T::zero() {
+                exit = exit.min((aabb.upper[axis] - origin + margin) / direction);
+            } else if direction < T::zero() {
+                exit = exit.min((aabb.lower[axis] - origin - margin) / direction);
+            }
+        }
+        exit
     }
 
     /// The same ray, ending at `t_max`.

@@ -37,8 +37,11 @@ impl<'a, T: Scalar> Spring<'a, T> {
         (at(p2, *collided) - at(p1, *colliding)).dot(direction)
     }
 
+    /// The contact's depth, and what has been added to it since detection.
     fn depth<V: Vectors<T>>(&self, positions: Option<&[V]>) -> T {
-        positions.map_or(self.contact.depth, |positions| self.closing(positions))
+        let Contact { p1, p2, direction, depth, .. } = self.contact;
+        positions
+            .map_or(*depth, |positions| self.closing(positions) - (p2.position - p1.position).dot(direction) + *depth)
     }
 
     /// Pulls p1 along the direction and p2 against it.

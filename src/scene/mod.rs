@@ -2,7 +2,7 @@
 
 mod broad_phase;
 
-use crate::contact::{ContactList, DetectionOptions, detect_pair};
+use crate::contact::{ContactList, DetectionOptions, PairMemory, detect_pair};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
@@ -19,6 +19,8 @@ pub struct Scene<T: Scalar> {
     broad_phase: BroadPhase<T>,
     /// The contacts of each overlapping pair; kept so that a steady step allocates nothing.
     pair_contacts: Vec<ContactList<T>>,
+    /// What each overlapping pair remembers, in the order of the pairs.
+    memories: Vec<([u32; 2], PairMemory<T>)>,
     options: DetectionOptions<T>,
     /// `None`: the caller's own thread.
     pool: Option<rayon::ThreadPool>,
@@ -76,7 +78,14 @@ impl<T: Scalar> Scene<T> {
             }
         };
         let options = DetectionOptions::default();
-        Ok(Self { bodies: Vec::new(), broad_phase: BroadPhase::default(), pair_contacts: Vec::new(), options, pool })
+        Ok(Self {
+            bodies: Vec::new(),
+            broad_phase: BroadPhase::default(),
+            pair_contacts: Vec::new(),
+            memories: Vec::new(),
+            options,
+            pool,
+        })
     }
 
     /// Sets how contacts are found from the next query on.
@@ -105,6 +114,7 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn remove(&mut self, body: u32) -> Result<Mesh<T>, SceneError> {
+        self.memories.retain(|(pair, _)| !pair.contains(&body));
         let removed = self.bodies.get_mut(body as usize).and_then(Option::take);
         removed.map(|body| body.mesh).ok_or(SceneError::UnknownBody { body })
     }
@@ -152,6 +162,8 @@ impl<T: Scalar> Scene<T> {
             self.pair_contacts.resize_with(pairs.len(), ContactList::default);
         }
 
+        remember(&mut self.memories, pairs);
+
         // Only bodies that meet another one need their octree.
         let update = |(index, body): (usize, &mut Option<Body<T>>)| {
             if let Some(body) = body.as_mut().filter(|_| broad_phase.is_in_a_pair(index)) {
@@ -169,14 +181,26 @@ impl<T: Scalar> Scene<T> {
             let body = bodies[index as usize].as_ref().expect("pairs name present bodies");
             body.octree.tracer(&body.mesh).expect("octrees are up to date")
         };
-        let detect = |(&[a, b], contacts): (&[u32; 2], &mut ContactList<T>)| {
+        let detect = |(([a, b], memory), contacts): (&mut ([u32; 2], PairMemory<T>), &mut ContactList<T>)| {
             contacts.clear();
-            detect_pair([a, b], [&tracer(a), &tracer(b)], options, contacts);
+            detect_pair([*a, *b], [&tracer(*a), &tracer(*b)], options, Some(memory), contacts);
         };
         if parallel {
-            pairs.par_iter().zip(&mut self.pair_contacts).for_each(detect);
+            self.memories.par_iter_mut().zip(&mut self.pair_contacts).for_each(detect);
         } else {
-            pairs.iter().zip(&mut self.pair_contacts).for_each(detect);
+            self.memories.iter_mut().zip(&mut self.pair_contacts).for_each(detect);
         }
     }
+}
+
+/// Makes `memories` those of `pairs`, both in ascending order: keeps what is known, and forgets pairs that have parted.
+fn remember<T: Scalar>(memories: &mut Vec<([u32; 2], PairMemory<T>)>, pairs: &[[u32; 2]]) {
+    memories.retain(|(pair, _)| pairs.binary_search(pair).is_ok());
+    let known = memories.len();
+    for pair in pairs {
+        if memories[..known].binary_search_by_key(pair, |(pair, _)| *pair).is_err() {
+            memories.push((*pair, PairMemory::default()));
+        }
+    }
+    memories.sort_unstable_by_key(|(pair, _)| *pair);
 }

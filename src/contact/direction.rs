@@ -1,0 +1,96 @@
+use super::edges::for_each_inside_stretch;
+use super::pair::Pair;
+use super::samples::{Sample, for_each_sample};
+use super::{Contact, ContactKind, ContactList, SurfacePoint};
+use crate::math::{Scalar, direction};
+use crate::ray::{Hit, Ray};
+
+/// One direction of a pair: the rays of one body through the other. Algorithm 1 of the paper.
+pub(super) struct Direction<'a, T: Scalar> {
+    pub(super) pair: &'a Pair<'a, T>,
+    /// Which body casts.
+    pub(super) side: usize,
+}
+
+impl<T: Scalar> Direction<'_, T> {
+    /// Adds the contacts of the samples inside the overlap box.
+    pub(super) fn cast_samples(&self, contacts: &mut ContactList<T>) {
+        let ContactList { workspace, statistics, .. } = contacts;
+        workspace.clear();
+        let (samples, rays, surface) = (&mut workspace.samples, &mut workspace.rays, &mut workspace.surface);
+        let mesh = self.pair.tracers[self.side].mesh();
+        let (overlap, region) = (self.pair.overlap, self.pair.region);
+        statistics.without_normal += for_each_sample(mesh, overlap, region, self.pair.options.sampling, |sample| {
+            surface.add(&sample);
+            rays.push(self.inward_ray(&sample));
+            samples.push(sample);
+        });
+        self.filter(ContactKind::Ray, contacts);
+    }
+
+    /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside.
+    pub(super) fn cast_edges(&self, contacts: &mut ContactList<T>) {
+        let workspace = &mut contacts.workspace;
+        workspace.clear();
+        let (samples, rays, surface) = (&mut workspace.samples, &mut workspace.rays, &mut workspace.surface);
+        let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
+        for_each_inside_stretch(tracers, self.pair.region, &mut workspace.crossings, |sample| {
+            surface.add(&sample);
+            rays.push(self.inward_ray(&sample));
+            samples.push(sample);
+        });
+        self.filter(ContactKind::Edge, contacts);
+    }
+
+    /// Traces the rays and keeps those that pass both filters of the paper.
+    fn filter(&self, kind: ContactKind, contacts: &mut ContactList<T>) {
+        let ContactList { contacts, statistics, workspace } = contacts;
+        let [own, other] = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
+        statistics.rays += workspace.rays.len() as u64;
+        other.nearest_hits(&workspace.rays, &mut workspace.hits);
+        workspace.keep(|hit| match hit {
+            None => {
+                statistics.misses += 1;
+                false
+            }
+            Some(hit) => {
+                statistics.entry_hits += u64::from(!hit.is_exit);
+                hit.is_exit
+            }
+        });
+        workspace.cut_at_hits();
+        own.are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
+        for (place, hit) in workspace.hits.iter().enumerate() {
+            match hit {
+                Some(hit) if !workspace.hidden[place] => {
+                    contacts.push(self.contact(kind, &workspace.samples[place], &workspace.rays[place], hit));
+                }
+                _ => statistics.own_surface_hits += 1,
+            }
+        }
+    }
+
+    /// The ray, cut where it leaves the overlap box: p2 of an accepted contact lies on one body and inside the other,
+    /// so in both boxes.
+    fn inward_ray(&self, sample: &Sample<T>) -> Ray<T> {
+        let ray = Ray::new(sample.point.position, -sample.normal);
+        ray.until(ray.exit_from(self.pair.region))
+    }
+
+    fn contact(&self, kind: ContactKind, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
+        let collided = self.pair.tracers[1 - self.side].mesh();
+        let normal = direction(&collided.scaled_normal(hit.triangle));
+        let cos_alpha = normal.map_or(T::zero(), |n| n.dot(&ray.direction).clamp(T::zero(), T::one()));
+        Contact {
+            kind,
+            colliding: self.pair.bodies[self.side],
+            collided: self.pair.bodies[1 - self.side],
+            p1: sample.point,
+            p2: SurfacePoint::of_hit(collided, ray, hit),
+            direction: ray.direction,
+            depth: hit.t,
+            cos_alpha,
+            area: sample.area,
+        }
+    }
+}

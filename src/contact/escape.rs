@@ -1,0 +1,136 @@
+//! Getting out of an overlap that contacts cannot resolve: all points inside are pushed along one direction, chosen
+//! once and kept until the bodies are apart. Contacts of swallowed or non-convex overlaps push against each other or
+//! back to the middle; what frees them is that one direction is kept.
+
+use super::edges::for_each_inside_stretch;
+use super::pair::Pair;
+use super::samples::{Sample, for_each_sample};
+use super::workspace::Workspace;
+use super::{Contact, ContactKind, ContactList, SurfacePoint};
+use crate::math::{Scalar, Vector3, direction};
+use crate::ray::Ray;
+
+/// Points that judge a direction; more hardly change the choice.
+const MOST_JUDGES: usize = 64;
+
+/// Adds the contacts that push the pair apart along `away`, the direction of its first body; gives false, and adds
+/// none, where the bodies are apart.
+pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, contacts: &mut ContactList<T>) -> bool {
+    let start = contacts.len();
+    let ContactList { contacts, statistics, workspace } = contacts;
+    for side in [0, 1] {
+        inside_samples(pair, side, away, workspace);
+        statistics.rays += workspace.rays.len() as u64;
+        add_contacts(pair, side, workspace, contacts);
+    }
+    if contacts.len() == start {
+        for side in [0, 1] {
+            inside_stretches(pair, side, away, workspace);
+            statistics.rays += workspace.rays.len() as u64;
+            add_contacts(pair, side, workspace, contacts);
+        }
+    }
+    let added = &mut contacts[start..];
+    statistics.escape_contacts += added.len() as u64;
+    // All as deep as the deepest: so all come out together, and none pulls the body back or turns it on its way.
+    let depth = added.iter().fold(T::zero(), |depth, contact| depth.max(contact.depth));
+    added.iter_mut().for_each(|contact| contact.depth = depth);
+    !added.is_empty()
+}
+
+/// The direction in which the first body leaves the second on the shortest way: of a fixed set and the line of the
+/// boxes' centres, the one along which the point with the longest way out has the shortest; the first of equals.
+pub(super) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
+    let workspace = &mut contacts.workspace;
+    let judges = judges(pair, workspace);
+    let mut best: Option<(T, Vector3<T>)> = None;
+    for candidate in candidates(pair) {
+        let mut longest = T::zero();
+        for &(side, position) in &judges {
+            let hit = pair.tracers[1 - side].nearest_hit(&pair.ray_out(side, position, &candidate));
+            longest = longest.max(hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t));
+        }
+        if longest > T::zero() && best.is_none_or(|(shortest, _)| longest < shortest) {
+            best = Some((longest, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+/// Up to 64 points of either body inside the other, spread evenly over all that there are.
+fn judges<T: Scalar>(pair: &Pair<'_, T>, workspace: &mut Workspace<T>) -> Vec<(usize, Vector3<T>)> {
+    let mut judges = Vec::new();
+    let probe = Vector3::z();
+    for side in [0, 1] {
+        inside_samples(pair, side, &probe, workspace);
+        judges.extend(workspace.samples.iter().map(|sample| (side, sample.point.position)));
+    }
+    if judges.is_empty() {
+        for side in [0, 1] {
+            inside_stretches(pair, side, &probe, workspace);
+            judges.extend(workspace.samples.iter().map(|sample| (side, sample.point.position)));
+        }
+    }
+    let step = judges.len().div_ceil(MOST_JUDGES).max(1);
+    judges.into_iter().step_by(step).collect()
+}
+
+/// The 26 directions to a cube's faces, edges and corners, after the line of centres.
+fn candidates<T: Scalar>(pair: &Pair<'_, T>) -> impl Iterator<Item = Vector3<T>> {
+    let [first, second] = pair.tracers.map(|tracer| tracer.mesh().aabb().centre());
+    let cube = (0..27).filter(|&i| i != 13).map(|i| {
+        let component = |divisor: i32| T::of(f64::from(i / divisor % 3 - 1));
+        Vector3::new(component(1), component(3), component(9))
+    });
+    std::iter::once(first - second).chain(cube).filter_map(|candidate| direction(&candidate))
+}
+
+/// Leaves in the workspace the samples of one body inside the other, their rays out and where these end.
+fn inside_samples<T: Scalar>(pair: &Pair<'_, T>, side: usize, away: &Vector3<T>, workspace: &mut Workspace<T>) {
+    let Workspace { samples, rays, .. } = workspace;
+    samples.clear();
+    rays.clear();
+    let mesh = pair.tracers[side].mesh();
+    for_each_sample(mesh, pair.overlap, pair.region, pair.options.sampling, |sample| {
+        rays.push(pair.ray_out(side, sample.point.position, away));
+        samples.push(sample);
+    });
+    keep_inside(pair, side, workspace);
+}
+
+/// The same for the middles of edges that pierce the other body's surface.
+fn inside_stretches<T: Scalar>(pair: &Pair<'_, T>, side: usize, away: &Vector3<T>, workspace: &mut Workspace<T>) {
+    let Workspace { samples, rays, crossings, .. } = workspace;
+    samples.clear();
+    rays.clear();
+    let tracers = [pair.tracers[side], pair.tracers[1 - side]];
+    for_each_inside_stretch(tracers, pair.region, crossings, |sample: Sample<T>| {
+        rays.push(pair.ray_out(side, sample.point.position, away));
+        samples.push(sample);
+    });
+    keep_inside(pair, side, workspace);
+}
+
+/// A point is inside where its way out first meets the surface from inside.
+fn keep_inside<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &mut Workspace<T>) {
+    pair.tracers[1 - side].nearest_hits(&workspace.rays, &mut workspace.hits);
+    workspace.keep(|hit| hit.is_some_and(|hit| hit.is_exit));
+}
+
+fn add_contacts<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &Workspace<T>, contacts: &mut Vec<Contact<T>>) {
+    let collided = pair.tracers[1 - side].mesh();
+    for (place, sample) in workspace.samples.iter().enumerate() {
+        let (Some(hit), ray): (_, &Ray<T>) = (&workspace.hits[place], &workspace.rays[place]) else { continue };
+        contacts.push(Contact {
+            kind: ContactKind::Escape,
+            colliding: pair.bodies[side],
+            collided: pair.bodies[1 - side],
+            p1: sample.point,
+            p2: SurfacePoint::of_hit(collided, ray, hit),
+            direction: ray.direction,
+            depth: hit.t,
+            cos_alpha: T::one(),
+            area: sample.area * T::of(0.5),
+        });
+    }
+}
