@@ -1,0 +1,88 @@
+//! The pose benchmark: do contacts free bodies from any overlap?
+//!
+//! `cargo run --release --example poses -- --count 10000 --seed 1 --mode default`, and `-- --help` for the rest.
+//!
+//! Each pose draws its bodies from a random sequence of its own ([`start`]), asks the library for contacts, or
+//! [`proximity`] for repulsions, moves the bodies ([`motion`]), and is done when the [`judge`] finds them apart.
+
+mod body;
+mod judge;
+mod motion;
+mod options;
+mod proximity;
+#[path = "../oracle/random.rs"]
+#[allow(dead_code)] // the oracle uses more of it
+mod random;
+mod report;
+mod run;
+mod shapes;
+mod start;
+mod tree;
+
+use body::Rest;
+use indicatif::{ProgressBar, ProgressStyle};
+use options::{Mode, Options, Precision};
+use rayon::prelude::*;
+use report::Pose;
+use run::{Outcome, Run};
+use std::process::ExitCode;
+use std::time::Instant;
+
+fn main() -> ExitCode {
+    let options = match Options::parse() {
+        Ok(Some(options)) => options,
+        Ok(None) => {
+            println!("{}", options::HELP);
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => {
+            eprintln!("poses: {error}; see --help");
+            return ExitCode::from(2);
+        }
+    };
+    let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads).build() {
+        Ok(pool) => pool,
+        Err(error) => {
+            eprintln!("poses: cannot start {} threads: {error}", options.threads);
+            return ExitCode::from(2);
+        }
+    };
+    let rests: Vec<Rest> = pool.install(|| {
+        (0..shapes::NAMES.len()).into_par_iter().map(|number| Rest::new(number, options.vertices)).collect()
+    });
+    let start = Instant::now();
+    let poses = match options.pose {
+        Some(number) => vec![run_pose(&rests, &options, number, |line| println!("{line}"))],
+        None => pool.install(|| run_all(&rests, &options)),
+    };
+    report::print(&poses);
+    eprintln!("{:.1} s", start.elapsed().as_secs_f64());
+    let failures = poses.len() - report::count(&poses, Outcome::Separated);
+    if options.mode == Mode::Default && failures * 1000 > poses.len() { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+fn run_all(rests: &[Rest], options: &Options) -> Vec<Pose> {
+    // On standard error, and only where that is a terminal.
+    let progress = ProgressBar::new(options.count);
+    let style = ProgressStyle::with_template("{wide_bar} {human_pos} of {human_len} poses, {eta} left");
+    progress.set_style(style.expect("the template is valid"));
+    let run_one = |number: u64| {
+        let pose = run_pose(rests, options, number, |_| ());
+        progress.inc(1);
+        pose
+    };
+    let poses = (0..options.count).into_par_iter().map(run_one).collect();
+    progress.finish_and_clear();
+    poses
+}
+
+fn run_pose(rests: &[Rest], options: &Options, number: u64, mut log: impl FnMut(&str)) -> Pose {
+    let start::Start { kind, mut bodies, overlap } = start::start(rests, options.seed, number, options.pile);
+    let shapes: Vec<_> = bodies.iter().map(|body| body.rest.name).collect();
+    log(&format!("pose {number}: {}, {}, overlap {overlap}", kind.name(), shapes.join(" and ")));
+    let run: Run = match options.precision {
+        Precision::F32 => run::run::<f32>(options.mode, &mut bodies, log),
+        Precision::F64 => run::run::<f64>(options.mode, &mut bodies, log),
+    };
+    Pose { number, kind, shapes, overlap, run }
+}

@@ -1,0 +1,106 @@
+//! The paper's opponent, for comparison only: closest features within a thickness, found through a hierarchy of boxes
+//! (after Bridson, Fedkiw and Anderson 2002). Every vertex nearer to a face, and every edge nearer to an edge, than the
+//! thickness is pushed away from it along the line between the two closest points, until the thickness is reached.
+
+use crate::body::Body;
+use crate::motion::Push;
+use crate::tree::Bounds;
+use nalgebra::Vector3;
+
+type Point = Vector3<f64>;
+
+/// In sizes of the smaller body.
+const THICKNESS: f64 = 0.05;
+
+/// The repulsions between all bodies.
+pub fn pushes(bodies: &[Body]) -> Vec<Push> {
+    let mut pushes = Vec::new();
+    for [a, b] in (0..bodies.len()).flat_map(|a| (a + 1..bodies.len()).map(move |b| [a, b])) {
+        let thickness = THICKNESS * bodies[a].size.min(bodies[b].size);
+        vertices_on_faces(bodies, [a, b], thickness, &mut pushes);
+        vertices_on_faces(bodies, [b, a], thickness, &mut pushes);
+        edges_on_edges(bodies, [a, b], thickness, &mut pushes);
+    }
+    pushes
+}
+
+fn vertices_on_faces(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes: &mut Vec<Push>) {
+    for &point in &bodies[a].positions {
+        let bounds = Bounds::of([point]).grown(thickness);
+        bodies[b].tree.any(&bounds, |triangle| {
+            let corners = bodies[b].corners(triangle);
+            let (closest, is_within) = closest_on_triangle(&point, &corners);
+            // Beside the face, its edges and the vertex's own do the work.
+            if is_within {
+                let [p, q, r] = corners;
+                push_apart([a, b], [point, closest], thickness, (q - p).cross(&(r - p)), pushes);
+            }
+            false
+        });
+    }
+}
+
+fn edges_on_edges(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes: &mut Vec<Push>) {
+    for edge in &bodies[a].rest.edges {
+        let [p, q] = bodies[a].ends(edge);
+        bodies[b].tree.any(&Bounds::of([p, q]).grown(thickness), |triangle| {
+            let corners = bodies[b].rest.triangles[triangle as usize];
+            for (from, to) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
+                // Its other triangle has the edge the other way round.
+                if from < to {
+                    let [r, s] = [from, to].map(|vertex| bodies[b].positions[vertex as usize]);
+                    if let Some(points) = closest_on_lines([p, q], [r, s]) {
+                        push_apart([a, b], points, thickness, (q - p).cross(&(s - r)), pushes);
+                    }
+                }
+            }
+            false
+        });
+    }
+}
+
+/// `across`: the direction where the two points coincide.
+fn push_apart(bodies: [usize; 2], points: [Point; 2], thickness: f64, across: Point, pushes: &mut Vec<Push>) {
+    let between = points[0] - points[1];
+    let distance = between.norm();
+    if distance < thickness {
+        let direction = between.try_normalize(1e-12).or_else(|| across.try_normalize(0.0));
+        if let Some(direction) = direction {
+            pushes.push(Push { bodies, points, direction, depth: thickness - distance, weight: 1.0 });
+        }
+    }
+}
+
+/// The closest point of a triangle, and whether it lies within, not on its border (Ericson 2004, section 5.1.5, by
+/// regions).
+pub fn closest_on_triangle(point: &Point, [a, b, c]: &[Point; 3]) -> (Point, bool) {
+    let (ab, ac) = (b - a, c - a);
+    let normal = ab.cross(&ac);
+    let foot = point - a;
+    let square = normal.norm_squared();
+    let v = foot.cross(&ac).dot(&normal) / square;
+    let w = ab.cross(&foot).dot(&normal) / square;
+    if v > 0.0 && w > 0.0 && v + w < 1.0 {
+        return (a + ab * v + ac * w, true);
+    }
+    let on_edge = |from: &Point, to: &Point| {
+        let along = to - from;
+        from + along * ((point - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
+    };
+    let candidates = [on_edge(a, b), on_edge(b, c), on_edge(c, a)];
+    let nearest = candidates.into_iter().min_by(|p, q| (p - point).norm().total_cmp(&(q - point).norm()));
+    (nearest.unwrap_or(*a), false)
+}
+
+/// The closest points of two segments, where both lie strictly between the ends.
+fn closest_on_lines([p, q]: [Point; 2], [r, s]: [Point; 2]) -> Option<[Point; 2]> {
+    let (u, v, w) = (q - p, s - r, p - r);
+    let (uu, uv, vv, uw, vw) = (u.norm_squared(), u.dot(&v), v.norm_squared(), u.dot(&w), v.dot(&w));
+    let determinant = uu * vv - uv * uv;
+    if determinant <= 1e-12 * uu * vv {
+        return None;
+    }
+    let (x, y) = ((uv * vw - vv * uw) / determinant, (uu * vw - uv * uw) / determinant);
+    let between = |share: f64| share > 0.0 && share < 1.0;
+    (between(x) && between(y)).then(|| [p + u * x, r + v * y])
+}
