@@ -250,8 +250,9 @@ typedef struct rayc_detection_options {
   size_t struct_size;
   /**
    * Where rays start. 0: at the vertices, as in the paper. A length > 0: in the middle of each triangle, larger ones
-   * being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, with an eighth of
-   * the overlap's size; forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes.
+   * being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, so that about 128 rays
+   * stand on the overlap's largest side; forces then hardly depend on the triangulation, for about two rays a vertex
+   * on fine meshes.
    */
   double sample_spacing;
   /**

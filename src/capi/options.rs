@@ -23,8 +23,9 @@ pub struct rayc_detection_options {
     /// sizeof(rayc_detection_options).
     pub struct_size: usize,
     /// Where rays start. 0: at the vertices, as in the paper. A length > 0: in the middle of each triangle, larger ones
-    /// being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, with an eighth of
-    /// the overlap's size; forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes.
+    /// being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, so that about 128 rays
+    /// stand on the overlap's largest side; forces then hardly depend on the triangulation, for about two rays a vertex
+    /// on fine meshes.
     pub sample_spacing: f64,
     /// 1: edges are traced too where no ray settles whether bodies overlap; 0: not. Default 1.
     pub edges: u32,

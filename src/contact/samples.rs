@@ -5,8 +5,8 @@ use crate::mesh::Mesh;
 /// Where on a surface rays start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Sampling<T: Scalar> {
-    /// In the middle of each triangle, along its normal; triangles that are large beside the overlap are cut into
-    /// pieces about an eighth of its size first. Forces then hardly depend on the triangulation.
+    /// In the middle of each triangle, along its normal; triangles that are large beside the overlap are cut first, so
+    /// that about 128 rays stand on its largest side. Forces then hardly depend on the triangulation.
     #[default]
     Automatic,
     /// In the middle of each triangle, or of the pieces of about this size, a length > 0, into which larger triangles
@@ -39,7 +39,7 @@ pub(super) fn for_each_sample<T: Scalar>(
     let largest_face = (sides.x * sides.y).max(sides.y * sides.z).max(sides.z * sides.x);
     let squared_spacing = match sampling {
         Sampling::Vertices => return at_vertices(mesh, region, offer),
-        Sampling::Automatic => largest_face / T::of(64.0),
+        Sampling::Automatic => largest_face / T::of(128.0),
         // However small the caller's number: no more than about a million pieces.
         Sampling::Spacing(spacing) => (spacing * spacing).max(largest_face / T::of(1_048_576.0)),
     };

@@ -1,0 +1,79 @@
+//! What the measuring examples share: shapes, exact answers, and one way to ask the library for a net force.
+
+#![allow(dead_code)] // each example uses a part
+
+pub mod arguments;
+pub mod limits;
+pub mod shapes;
+
+use nalgebra::Vector3;
+use raycontact::contact::{ContactList, DetectionOptions, query_pair};
+use raycontact::mesh::Mesh;
+use raycontact::octree::Octree;
+use raycontact::response::{PenaltyLaw, Weighting, add_forces};
+
+/// A vector of measured quantities.
+pub type Vector = Vector3<f64>;
+
+/// Where rays start and what they weigh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// From the vertices, not weighted by area: the paper's law.
+    Paper,
+    /// From the vertices, weighted by area.
+    Vertices,
+    /// The library's defaults.
+    Default,
+}
+
+impl Mode {
+    /// As it is written in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Vertices => "vertices",
+            Self::Default => "default",
+        }
+    }
+
+    fn options(self) -> DetectionOptions<f64> {
+        match self {
+            Self::Paper | Self::Vertices => DetectionOptions::paper(),
+            Self::Default => DetectionOptions::default(),
+        }
+    }
+
+    fn weighting(self) -> Weighting {
+        match self {
+            Self::Paper => Weighting::Vertex,
+            Self::Vertices | Self::Default => Weighting::Area,
+        }
+    }
+}
+
+/// The net force and moment on the first of two bodies, for stiffness 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Net {
+    /// Sum of all forces.
+    pub force: Vector,
+    /// Their moment about the point asked for.
+    pub torque: Vector,
+    /// Rays traced, both ways.
+    pub rays: u64,
+}
+
+/// Detects the contacts of two meshes and sums up what they do to the first.
+pub fn net_force(mode: Mode, a: &Mesh<f64>, b: &Mesh<f64>, about: &Vector) -> Net {
+    let mut contacts = ContactList::default();
+    query_pair(a, &Octree::new(a), b, &Octree::new(b), &mode.options(), &mut contacts)
+        .expect("the octrees belong to the meshes");
+    let law = PenaltyLaw::new(1.0, 0.0, mode.weighting()).expect("a valid law");
+    let mut forces = [a, b].map(|mesh| vec![Vector::zeros(); mesh.positions().len()]);
+    add_forces(&contacts.contacts, &law, None::<&[Vec<Vector>]>, None, &mut forces);
+    let mut net = Net { force: Vector::zeros(), torque: Vector::zeros(), rays: contacts.statistics.rays };
+    for (force, position) in forces[0].iter().zip(a.positions()) {
+        net.force += force;
+        net.torque += (position - about).cross(force);
+    }
+    net
+}
