@@ -1,0 +1,59 @@
+//! Fault 7 of the method's original code: its cells were allocated and freed every step.
+
+mod common;
+
+use allocation_counter::measure;
+use common::shapes;
+use raycontact::contact::{ContactList, DetectionOptions, query_pair};
+use raycontact::octree::{Layout, Octree};
+use raycontact::scene::Scene;
+
+/// The torus after some steps of a motion that comes back to where it was.
+fn moved(step: usize) -> Vec<[f64; 3]> {
+    let turn = [0.0, 0.1, 0.2, 0.1][step % 4];
+    shapes::torus(16, 8, 0.4).turned(turn, 0.5 * turn).positions
+}
+
+#[test]
+fn a_steady_step_allocates_nothing() {
+    for layout in [Layout::Wide, Layout::Classic] {
+        let mut a = shapes::torus(16, 8, 0.4).mesh::<f64>();
+        let b = shapes::torus(16, 8, 0.4).turned(0.4, 0.9).moved([0.25, 0.1, 0.3]).mesh::<f64>();
+        let (mut octree_a, octree_b) = (Octree::with_layout(&a, layout), Octree::with_layout(&b, layout));
+        for options in [DetectionOptions::paper(), DetectionOptions::default()] {
+            let mut contacts = ContactList::default();
+            for step in 0..12 {
+                let positions = moved(step);
+                let allocations = measure(|| {
+                    a.set_positions(&positions).expect("positions are finite");
+                    octree_a.update(&a).expect("the octree is the mesh's own");
+                    query_pair(&a, &octree_a, &b, &octree_b, &options, &mut contacts).expect("the octrees are fresh");
+                });
+                // The first round of the motion finds out how much memory it needs.
+                assert!(
+                    step < 4 || allocations.count_total == 0,
+                    "{layout:?}, {options:?}, step {step}: {allocations:?}"
+                );
+            }
+            assert!(!contacts.is_empty());
+        }
+    }
+}
+
+#[test]
+fn a_steady_step_of_a_scene_allocates_nothing() {
+    let mut scene = Scene::new(1).expect("no thread is started");
+    for k in 0..3 {
+        scene.add(shapes::torus(16, 8, 0.4).moved([0.0, 0.1, 0.6 * f64::from(k)]).mesh::<f64>());
+    }
+    let mut contacts = ContactList::default();
+    for step in 0..12 {
+        let positions = moved(step);
+        let allocations = measure(|| {
+            scene.mesh_mut(0).expect("body 0 is there").set_positions(&positions).expect("positions are finite");
+            scene.query(&mut contacts);
+        });
+        assert!(step < 4 || allocations.count_total == 0, "step {step}: {allocations:?}");
+    }
+    assert!(!contacts.is_empty());
+}
