@@ -47,9 +47,9 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let rests: Vec<Rest> = pool.install(|| {
-        (0..shapes::NAMES.len()).into_par_iter().map(|number| Rest::new(number, options.vertices)).collect()
-    });
+    let numbers = options.shape.map_or(0..shapes::NAMES.len(), |number| number..number + 1);
+    let make = |number| Rest::new(number, options.vertices);
+    let rests: Vec<Rest> = pool.install(|| numbers.into_par_iter().map(make).collect());
     let start = Instant::now();
     let poses = match options.pose {
         Some(number) => vec![run_pose(&rests, &options, number, |line| println!("{line}"))],
@@ -77,7 +77,7 @@ fn run_all(rests: &[Rest], options: &Options) -> Vec<Pose> {
 }
 
 fn run_pose(rests: &[Rest], options: &Options, number: u64, mut log: impl FnMut(&str)) -> Pose {
-    let start::Start { kind, mut bodies, overlap } = start::start(rests, options.seed, number, options.pile);
+    let start::Start { kind, mut bodies, overlap } = start::start(rests, options, number);
     let shapes: Vec<_> = bodies.iter().map(|body| body.rest.name).collect();
     log(&format!("pose {number}: {}, {}, overlap {overlap}", kind.name(), shapes.join(" and ")));
     let run: Run = match options.precision {

@@ -1,5 +1,7 @@
 //! The command line.
 
+use crate::shapes;
+use crate::start::Kind;
 use lexopt::prelude::*;
 
 pub const HELP: &str = "\
@@ -16,6 +18,9 @@ inside another, two are edge across edge with no vertex inside. Linked tori are 
   --precision P    f32 or f64 (default f64)
   --vertices N     shapes of about N vertices; 0 leaves them at 4 to 434 (default 0)
   --pile N         how many bodies start in one another (default 2)
+  --kind NAME      only one kind of start: deep, coincident, contained-centre, contained-aside or edges
+  --shape NAME     all bodies of one shape: torus, sphere, box, tetrahedron, star, plate, c-clamp, comb, bowl, helix,
+                   cross, l-beam or holed-shell
   --threads N      how many threads; 0 is one for each core (default 0)
   --pose K         only pose K of the seed, every step printed
   --help           this text
@@ -47,6 +52,9 @@ pub struct Options {
     pub precision: Precision,
     pub vertices: usize,
     pub pile: usize,
+    pub kind: Option<Kind>,
+    /// Its number.
+    pub shape: Option<usize>,
     pub threads: usize,
     pub pose: Option<u64>,
 }
@@ -54,8 +62,18 @@ pub struct Options {
 impl Options {
     /// `None`: the help was asked for.
     pub fn parse() -> Result<Option<Self>, lexopt::Error> {
-        let (mode, precision) = (Mode::Default, Precision::F64);
-        let mut options = Self { count: 1000, seed: 1, mode, precision, vertices: 0, pile: 2, threads: 0, pose: None };
+        let mut options = Self {
+            count: 1000,
+            seed: 1,
+            mode: Mode::Default,
+            precision: Precision::F64,
+            vertices: 0,
+            pile: 2,
+            kind: None,
+            shape: None,
+            threads: 0,
+            pose: None,
+        };
         let mut parser = lexopt::Parser::from_env();
         while let Some(argument) = parser.next()? {
             match argument {
@@ -65,6 +83,8 @@ impl Options {
                 Long("precision") => options.precision = parser.value()?.parse_with(read_precision)?,
                 Long("vertices") => options.vertices = parser.value()?.parse()?,
                 Long("pile") => options.pile = parser.value()?.parse_with(read_pile)?,
+                Long("kind") => options.kind = Some(parser.value()?.parse_with(read_kind)?),
+                Long("shape") => options.shape = Some(parser.value()?.parse_with(read_shape)?),
                 Long("threads") => options.threads = parser.value()?.parse()?,
                 Long("pose") => options.pose = Some(parser.value()?.parse()?),
                 Long("help") | Short('h') => return Ok(None),
@@ -90,6 +110,16 @@ fn read_precision(name: &str) -> Result<Precision, String> {
         "f64" => Ok(Precision::F64),
         _ => Err("the precisions are f32 and f64".to_owned()),
     }
+}
+
+fn read_kind(name: &str) -> Result<Kind, String> {
+    let found = Kind::ALL.into_iter().find(|kind| kind.name() == name);
+    found.ok_or_else(|| format!("the kinds are {}", Kind::ALL.map(Kind::name).join(", ")))
+}
+
+fn read_shape(name: &str) -> Result<usize, String> {
+    let found = shapes::NAMES.iter().position(|&known| known == name);
+    found.ok_or_else(|| format!("the shapes are {}", shapes::NAMES.join(", ")))
 }
 
 fn read_pile(text: &str) -> Result<usize, String> {

@@ -18,7 +18,7 @@ pub fn count(poses: &[Pose], outcome: Outcome) -> usize {
 }
 
 pub fn print(poses: &[Pose]) {
-    println!("{:20} {:>7} {:>9} {:>7} {:>8}  failures", "", "poses", "separated", "stuck", "exploded");
+    println!("{:16} {:>7} {:>9} {:>7} {:>8}  failures", "", "poses", "separated", "stuck", "exploded");
     for kind in Kind::ALL {
         print_row(kind.name(), poses.iter().filter(|pose| pose.kind == kind));
     }
@@ -37,6 +37,9 @@ pub fn print(poses: &[Pose]) {
 fn print_row<'a>(name: &str, poses: impl Iterator<Item = &'a Pose>) {
     const NAMED: usize = 8;
     let poses: Vec<Pose> = poses.cloned().collect();
+    if poses.is_empty() {
+        return;
+    }
     let failures: Vec<u64> =
         poses.iter().filter(|pose| pose.run.outcome != Outcome::Separated).map(|pose| pose.number).collect();
     let mut named: Vec<String> = failures.iter().take(NAMED).map(u64::to_string).collect();
@@ -45,7 +48,7 @@ fn print_row<'a>(name: &str, poses: impl Iterator<Item = &'a Pose>) {
     }
     let [separated, stuck, exploded] =
         [Outcome::Separated, Outcome::Stuck, Outcome::Exploded].map(|o| count(&poses, o));
-    println!("{name:20} {:>7} {separated:>9} {stuck:>7} {exploded:>8}  {}", poses.len(), named.join(" "));
+    println!("{name:16} {:>7} {separated:>9} {stuck:>7} {exploded:>8}  {}", poses.len(), named.join(" "));
 }
 
 fn print_last_line(poses: &[Pose]) {

@@ -2,6 +2,7 @@
 
 use crate::body::{Body, Edge, Rest};
 use crate::judge::{surfaces_meet, vertices_inside};
+use crate::options::Options;
 use crate::random::Random;
 use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 
@@ -27,9 +28,9 @@ impl Kind {
         match self {
             Self::Deep => "deep",
             Self::Coincident => "coincident",
-            Self::ContainedCentre => "contained, centre",
-            Self::ContainedAside => "contained, aside",
-            Self::Edges => "edge on edge",
+            Self::ContainedCentre => "contained-centre",
+            Self::ContainedAside => "contained-aside",
+            Self::Edges => "edges",
         }
     }
 
@@ -53,12 +54,12 @@ pub struct Start<'a> {
     pub overlap: f64,
 }
 
-/// Pose `number` of `seed`: `count` ≥ 2 bodies, each overlapping an earlier one, no two tori linked.
-pub fn start(rests: &[Rest], seed: u64, number: u64, count: usize) -> Start<'_> {
-    let mut random = Random::new(seed, number);
-    let kind = Kind::of_pose(number);
+/// Pose `number` of the options' seed: bodies of the given shapes, each overlapping an earlier one, no two tori linked.
+pub fn start<'a>(rests: &'a [Rest], options: &Options, number: u64) -> Start<'a> {
+    let mut random = Random::new(options.seed, number);
+    let kind = options.kind.unwrap_or_else(|| Kind::of_pose(number));
     loop {
-        let bodies = draw(rests, kind, count, &mut random);
+        let bodies = draw(rests, kind, options.pile, &mut random);
         if let Some(bodies) = bodies.filter(|bodies| !has_linked_tori(bodies)) {
             let overlap = overlap(&bodies[0], &bodies[1]);
             return Start { kind, bodies, overlap };
@@ -95,7 +96,7 @@ fn turn(random: &mut Random) -> UnitQuaternion<f64> {
 
 /// The deepest of a few: most overlaps of thin bodies are small.
 fn deep<'a>(rest: &'a Rest, earlier: &Body, random: &mut Random) -> Option<Body<'a>> {
-    const DRAWS: usize = 4;
+    const DRAWS: usize = 12;
     let mut best: Option<(f64, Body)> = None;
     for _ in 0..DRAWS {
         let (size, rotation) = (random.between(0.8, 1.2), turn(random));
@@ -120,10 +121,10 @@ fn overlap(a: &Body, b: &Body) -> f64 {
 }
 
 fn contained<'a>(rest: &'a Rest, outer: &Body, at_centre: bool, random: &mut Random) -> Option<Body<'a>> {
+    let interior = &outer.rest.interior;
+    let deepest = interior.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     // So that the inner body is not too small beside the outer one.
-    const LEAST_CLEARANCE: f64 = 0.03;
-    let wide: Vec<_> = outer.rest.interior.iter().filter(|(_, clearance)| *clearance > LEAST_CLEARANCE).collect();
-    let deepest = wide.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let wide: Vec<_> = interior.iter().filter(|(_, clearance)| *clearance > 0.3 * deepest.1).collect();
     let (point, clearance) = if at_centre { deepest } else { random.pick(&wide) };
     let size = clearance * outer.size * random.between(0.5, 0.95) / rest.radius;
     let body = Body::new(rest, size, turn(random), outer.to_world(point));
