@@ -28,8 +28,9 @@ impl<T: Scalar> Direction<'_, T> {
         self.filter(ContactKind::Ray, contacts);
     }
 
-    /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside.
-    pub(super) fn cast_edges(&self, contacts: &mut ContactList<T>) {
+    /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside; gives how many
+    /// such stretches there are.
+    pub(super) fn cast_edges(&self, contacts: &mut ContactList<T>) -> usize {
         let workspace = &mut contacts.workspace;
         workspace.clear();
         let (samples, rays, surface) = (&mut workspace.samples, &mut workspace.rays, &mut workspace.surface);
@@ -39,7 +40,9 @@ impl<T: Scalar> Direction<'_, T> {
             rays.push(self.inward_ray(&sample));
             samples.push(sample);
         });
+        let stretches = contacts.workspace.samples.len();
         self.filter(ContactKind::Edge, contacts);
+        stretches
     }
 
     /// Traces the rays and keeps those that pass both filters of the paper.

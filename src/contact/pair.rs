@@ -16,8 +16,8 @@ pub struct DetectionOptions<T: Scalar> {
     pub sampling: Sampling<T>,
     /// Whether edges are traced too where no ray settles whether the bodies overlap. Default: yes.
     pub edges: bool,
-    /// Whether a pair whose contacts cannot part it is pushed along one direction until it is apart; in scenes, since
-    /// it takes memory from step to step. Default: yes.
+    /// Whether a pair whose contacts cannot part it is pushed along one direction, in a scene until it is apart. Default:
+    /// yes.
     pub escape: bool,
 }
 
@@ -35,7 +35,8 @@ impl<T: Scalar> DetectionOptions<T> {
 }
 
 /// Finds the contacts between two meshes, both ways; body 0 is `a`, body 1 is `b`. Replaces what `contacts` held.
-/// Nothing is remembered from query to query, so no pair escapes.
+/// Nothing is remembered from query to query: a pair escapes only where it has no other contact, in a direction chosen
+/// anew by each query.
 ///
 /// # Errors
 /// [`OctreeError`] where an octree is stale or another mesh's; `contacts` is then as before.
@@ -54,7 +55,8 @@ pub fn query_pair<T: Scalar>(
 }
 
 /// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008, and
-/// what `options` add to it. `memory` is what the pair remembers from step to step; without it no pair escapes.
+/// what `options` add to it. `memory` is what the pair remembers from step to step; without it a pair escapes only where
+/// it has no other contact, in a direction chosen anew each time.
 pub fn detect_pair<T: Scalar>(
     bodies: [u32; 2],
     tracers: [&Tracer<'_, T>; 2],
@@ -73,9 +75,7 @@ pub fn detect_pair<T: Scalar>(
     let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options };
     match memory.filter(|_| options.escape) {
         Some(memory) => pair.detect_or_escape(memory, contacts),
-        None => {
-            pair.detect(contacts);
-        }
+        None => pair.detect_without_memory(contacts),
     }
 }
 
@@ -99,6 +99,16 @@ enum Outcome {
 }
 
 impl<T: Scalar> Pair<'_, T> {
+    /// Overlaps that give no contact otherwise are still reported, by the escape of this step.
+    fn detect_without_memory(&self, contacts: &mut ContactList<T>) {
+        let start = contacts.len();
+        let outcome = self.detect(contacts);
+        let unreported = outcome == Outcome::Targetless && contacts.len() == start;
+        if unreported && self.options.escape {
+            self.start_to_escape(start, contacts);
+        }
+    }
+
     fn detect_or_escape(&self, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
         if let Some(away) = memory.escape {
             if push_apart(self, &away, contacts) {
@@ -120,13 +130,19 @@ impl<T: Scalar> Pair<'_, T> {
                 Progress::Slow => self.any_is_deep(start, contacts),
                 Progress::Jammed => true,
             };
-        if stuck && let Some(away) = choose_direction(self, contacts) {
-            memory.escape = Some(away);
-            contacts.statistics.escapes_started += 1;
-            contacts.statistics.escaping_pairs += 1;
-            contacts.contacts.truncate(start);
-            push_apart(self, &away, contacts);
+        if stuck {
+            memory.escape = self.start_to_escape(start, contacts);
         }
+    }
+
+    /// Replaces the pair's contacts, those from `start` on, by the first of its escape.
+    fn start_to_escape(&self, start: usize, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
+        let away = choose_direction(self, contacts)?;
+        contacts.contacts.truncate(start);
+        contacts.statistics.escapes_started += 1;
+        contacts.statistics.escaping_pairs += 1;
+        push_apart(self, &away, contacts);
+        Some(away)
     }
 
     /// Adds the contacts of the rays of both directions, or else those of the edges.
@@ -135,14 +151,13 @@ impl<T: Scalar> Pair<'_, T> {
         let own_before = contacts.statistics.own_surface_hits;
         self.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts));
         let settled = contacts.len() > start || contacts.statistics.own_surface_hits > own_before;
+        let mut stretches = 0;
         if self.options.edges && !settled {
-            let edges_before = contacts.len();
-            self.both_ways(contacts, |direction, contacts| {
-                direction.cast_edges(contacts);
-            });
-            contacts.statistics.edge_contacts += (contacts.len() - edges_before) as u64;
+            self.both_ways(contacts, |direction, contacts| stretches += direction.cast_edges(contacts));
+            contacts.statistics.edge_contacts += (contacts.len() - start) as u64;
         }
-        let targetless = contacts.statistics.own_surface_hits > own_before;
+        let targetless =
+            contacts.statistics.own_surface_hits > own_before || (stretches > 0 && contacts.len() == start);
         let nothing = contacts.len() == start && !targetless;
         if targetless || (self.options.escape && nothing && self.one_contains_the_other()) {
             Outcome::Targetless

@@ -1,0 +1,171 @@
+//! Overlaps that the paper's two filters leave open: edge across edge, one body inside another, bodies in the same
+//! place; and that ordinary contacts do not set off what resolves them.
+
+mod common;
+
+use common::STRIDE;
+use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling, query_pair};
+use raycontact::math::Vector3;
+use raycontact::mesh::Mesh;
+use raycontact::octree::Octree;
+use raycontact::scene::Scene;
+
+const BOX_FACES: [[u32; 3]; 12] = [
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6],
+    [0, 1, 5],
+    [0, 5, 4],
+    [2, 6, 7],
+    [2, 7, 3],
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5],
+];
+
+/// The box of these half sides around `centre`.
+fn cuboid(half: [f64; 3], centre: [f64; 3]) -> Vec<[f64; 3]> {
+    let corner = |i: usize, axis: usize| if i >> axis & 1 == 1 { half[axis] } else { -half[axis] };
+    (0..8).map(|i| std::array::from_fn(|axis| centre[axis] + corner(i, axis))).collect()
+}
+
+fn moved(positions: &[[f64; 3]], by: &Vector3<f64>) -> Vec<[f64; 3]> {
+    positions.iter().map(|p| std::array::from_fn(|axis| p[axis] + by[axis])).collect()
+}
+
+fn contacts_of(a: &[[f64; 3]], b: &[[f64; 3]], options: &DetectionOptions<f64>) -> ContactList<f64> {
+    let meshes = [a, b].map(|positions| Mesh::new(positions, &BOX_FACES).expect("a box is closed"));
+    let octrees = [Octree::new(&meshes[0]), Octree::new(&meshes[1])];
+    let mut contacts = ContactList::default();
+    query_pair(&meshes[0], &octrees[0], &meshes[1], &octrees[1], options, &mut contacts).expect("octrees are new");
+    contacts
+}
+
+/// Two bars across one another: no vertex of either is inside the other, and with rays from vertices nothing is found.
+#[test]
+fn bars_crossing_with_no_vertex_inside_give_edge_contacts() {
+    let (a, b) = (cuboid([1.0, 0.1, 0.1], [0.0; 3]), cuboid([0.11, 1.0, 0.12], [0.02, 0.0, 0.15]));
+    assert!(contacts_of(&a, &b, &DetectionOptions::paper()).is_empty());
+    let options = DetectionOptions { edges: true, ..DetectionOptions::paper() };
+    let found = contacts_of(&a, &b, &options);
+    assert!(!found.is_empty());
+    assert_eq!(found.statistics.edge_contacts, found.len() as u64);
+    // Each leaves through the other's surface: p2 lies on it, beyond p1 along the ray.
+    for contact in &found.contacts {
+        assert_eq!(contact.kind, ContactKind::Edge);
+        assert!(contact.depth > 0.0 && contact.cos_alpha > 0.0);
+        let end = contact.p1.position + contact.direction * contact.depth;
+        assert!((end - contact.p2.position).norm() < 1e-12);
+    }
+}
+
+/// Bars moved past one another in small steps: whenever their surfaces cross (for boxes along the axes: whenever the
+/// boxes overlap, as none can contain the other), at least one contact is reported, with any sampling.
+#[test]
+fn crossing_surfaces_never_go_unreported() {
+    let a = cuboid([1.0, 0.11, 0.13], [0.0; 3]);
+    for sampling in [Sampling::Vertices, Sampling::Automatic, Sampling::Spacing(0.2)] {
+        let options = DetectionOptions { sampling, ..DetectionOptions::default() };
+        for step in (0..400).step_by(STRIDE) {
+            let along = f64::from(step) / 400.0;
+            let centre = [2.4 * along - 1.2, 0.9 * (7.0 * along).sin(), 0.4 * (11.0 * along).cos()];
+            let b = cuboid([0.17, 0.7, 0.19], centre);
+            let overlap = (0..3).all(|axis| centre[axis].abs() < [1.17, 0.81, 0.32][axis]);
+            let found = contacts_of(&a, &b, &options);
+            assert_eq!(!found.is_empty(), overlap, "{sampling:?}, centre {centre:?}");
+        }
+    }
+}
+
+/// Moves the first body along its net force until no contact is left; gives the steps.
+fn steps_until_apart(a: &[[f64; 3]], b: &[[f64; 3]], longest: usize) -> Option<usize> {
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &BOX_FACES).expect("a box is closed");
+    let (first, _) = (scene.add(mesh(a)), scene.add(mesh(b)));
+    let (mut contacts, mut offset) = (ContactList::default(), Vector3::zeros());
+    for step in 0..longest {
+        scene.mesh_mut(first).expect("it was added").set_positions(&moved(a, &offset)).expect("finite");
+        scene.query(&mut contacts);
+        if contacts.is_empty() {
+            return Some(step);
+        }
+        let (mut push, mut weight) = (Vector3::zeros(), 0.0);
+        for contact in &contacts.contacts {
+            let sign = if contact.colliding == first { 1.0 } else { -1.0 };
+            push += contact.direction * (sign * contact.depth * contact.area);
+            weight += contact.area;
+        }
+        offset += push / weight * 1.05;
+    }
+    None
+}
+
+#[test]
+fn a_swallowed_body_leaves_and_stays_out() {
+    let outer = cuboid([1.0; 3], [0.0; 3]);
+    for centre in [[0.0; 3], [0.3, -0.2, 0.5], [-0.7, 0.7, 0.0]] {
+        let inner = cuboid([0.2; 3], centre);
+        assert!(steps_until_apart(&inner, &outer, 100).is_some(), "inner body at {centre:?}");
+        assert!(steps_until_apart(&outer, &inner, 100).is_some(), "outer body moved, inner at {centre:?}");
+    }
+}
+
+#[test]
+fn bodies_in_the_same_place_part() {
+    let body = cuboid([0.5, 0.6, 0.7], [0.1, 0.2, 0.3]);
+    assert!(steps_until_apart(&body, &body, 100).is_some());
+}
+
+/// A body pressed into a floor by a constant depth, for many steps: its contacts do not get fewer, but they push one
+/// way, so it is a load and not a jam.
+#[test]
+fn a_loaded_contact_at_rest_does_not_escape() {
+    let (floor, body) = (cuboid([5.0, 5.0, 1.0], [0.0; 3]), cuboid([0.5; 3], [0.3, 0.2, 1.48]));
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &BOX_FACES).expect("a box is closed");
+    let (_, resting) = (scene.add(mesh(&floor)), scene.add(mesh(&body)));
+    let mut contacts = ContactList::default();
+    for step in 0..100 {
+        let sway = Vector3::new(0.0, 0.0, 0.002 * f64::from(step).sin());
+        scene.mesh_mut(resting).expect("it was added").set_positions(&moved(&body, &sway)).expect("finite");
+        scene.query(&mut contacts);
+        assert!(contacts.len() > 50);
+        assert_eq!(contacts.statistics.escaping_pairs, 0, "step {step}");
+    }
+}
+
+/// Switched off, nothing escapes; and what a pair remembers goes when the bodies are apart.
+#[test]
+fn escapes_are_counted_and_can_be_forbidden() {
+    let (inner, outer) = (cuboid([0.2; 3], [0.1, 0.0, 0.0]), cuboid([1.0; 3], [0.0; 3]));
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &BOX_FACES).expect("a box is closed");
+    let (first, _) = (scene.add(mesh(&inner)), scene.add(mesh(&outer)));
+    let mut contacts = ContactList::default();
+    let counts = |contacts: &ContactList<f64>| {
+        (contacts.statistics.escapes_started, contacts.statistics.escaping_pairs, contacts.statistics.escape_contacts)
+    };
+    scene.set_options(DetectionOptions { escape: false, ..DetectionOptions::default() });
+    scene.query(&mut contacts);
+    assert_eq!((contacts.len(), counts(&contacts)), (0, (0, 0, 0)));
+
+    scene.set_options(DetectionOptions::default());
+    scene.query(&mut contacts);
+    let all = contacts.len() as u64;
+    assert!(all > 0);
+    assert_eq!(counts(&contacts), (1, 1, all));
+    assert!(contacts.contacts.iter().all(|contact| contact.kind == ContactKind::Escape));
+    let away = contacts.contacts[0].direction;
+    scene.query(&mut contacts);
+    assert_eq!(counts(&contacts), (0, 1, all));
+    assert_eq!(contacts.contacts[0].direction, away);
+
+    let far = moved(&inner, &Vector3::new(0.0, 0.0, 3.0));
+    scene.mesh_mut(first).expect("it was added").set_positions(&far).expect("finite");
+    scene.query(&mut contacts);
+    scene.mesh_mut(first).expect("it was added").set_positions(&inner).expect("finite");
+    scene.query(&mut contacts);
+    assert_eq!(counts(&contacts), (1, 1, all), "the pair had forgotten its escape");
+}
