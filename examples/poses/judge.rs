@@ -170,3 +170,59 @@ fn sign(value: f64) -> f64 {
 fn coord(point: &Point) -> Coord3D<f64> {
     Coord3D { x: point.x, y: point.y, z: point.z }
 }
+
+/// `cargo test --release --example poses`
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Rest;
+    use crate::random::Random;
+    use nalgebra::UnitQuaternion;
+
+    const BOX: usize = 2;
+
+    fn all_apart(bodies: &[Body]) -> bool {
+        Judge::default().all_apart(bodies)
+    }
+
+    #[test]
+    fn touching_is_not_apart_and_the_next_number_is() {
+        let rest = Rest::new(BOX, 0);
+        let at = |x: f64, y: f64, size| Body::new(&rest, size, UnitQuaternion::identity(), Point::new(x, y, 0.0));
+        let beyond = 1.0 + 2.0 * f64::EPSILON;
+        for (x, y, apart) in
+            [(0.0, 0.0, false), (1.0, 0.3, false), (1.0, 1.0, false), (beyond, 0.3, true), (3.0, 0.0, true)]
+        {
+            assert_eq!(all_apart(&[at(0.0, 0.0, 1.0), at(x, y, 1.0)]), apart, "{x} {y}");
+            assert_eq!(all_apart(&[at(x, y, 1.0), at(0.0, 0.0, 1.0)]), apart, "{x} {y}");
+        }
+        let outer = at(0.0, 0.0, 1.0);
+        assert!(!all_apart(&[outer.clone(), at(0.1, 0.2, 0.3)]));
+        assert!(!all_apart(&[at(0.1, 0.2, 0.3), outer]));
+    }
+
+    #[test]
+    fn agrees_with_testing_everything() {
+        let rests: Vec<_> = (0..crate::shapes::NAMES.len()).map(|number| Rest::new(number, 0)).collect();
+        let mut random = Random::new(5, 0);
+        let mut apart_count = 0;
+        for _ in 0..200 {
+            let [a, b] = [0.0, 0.9].map(|far| {
+                let turn = UnitQuaternion::new(Point::from(random.direction()) * random.between(0.0, 3.0));
+                let centre = Point::from(random.direction()) * random.between(0.0, far);
+                Body::new(random.pick(&rests), random.between(0.2, 1.2), turn, centre)
+            });
+            let pierces = |a: &Body, b: &Body| {
+                let triangles = 0..b.rest.triangles.len() as u32;
+                a.rest.edges.iter().any(|edge| triangles.clone().any(|t| meets(&a.ends(edge), &b.corners(t))))
+            };
+            let holds = |a: &Body, b: &Body| b.positions.iter().any(|point| a.rest.is_inside(&a.to_rest(point)));
+            let apart = !pierces(&a, &b) && !pierces(&b, &a) && !holds(&a, &b) && !holds(&b, &a);
+            assert_eq!(all_apart(&[a.clone(), b.clone()]), apart);
+            let inside = |a: &Body, b: &Body| b.positions.iter().filter(|p| a.rest.is_inside(&a.to_rest(p))).count();
+            assert_eq!(vertices_inside(&b, &a), inside(&a, &b));
+            apart_count += usize::from(apart);
+        }
+        assert!((20..180).contains(&apart_count), "{apart_count}");
+    }
+}
