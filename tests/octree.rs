@@ -1,0 +1,154 @@
+//! Both layouts, built and updated through every kind of motion: whole after every step, and with the same hits as an
+//! octree built anew and as testing every triangle.
+
+mod common;
+
+use common::STRIDE;
+use common::shapes::{self, Point, Shape};
+use raycontact::math::{Scalar, Vector3};
+use raycontact::mesh::Mesh;
+use raycontact::octree::{Layout, Octree, OctreeError};
+use raycontact::ray::Ray;
+
+const LAYOUTS: [Layout; 2] = [Layout::Wide, Layout::Classic];
+
+/// A step of a motion: where a point at rest goes.
+type Step = fn(Point) -> Point;
+
+/// Motions from rest to the extreme and back, mixed: each step follows the one before.
+const MOTIONS: [(&str, &[Step]); 9] = [
+    ("rigid", &[|p| turned(p, 0.3), |p| turned(p, 2.0), |[x, y, z]| [x + 5.0, y - 1.0, z + 100.0], |p| p]),
+    ("large deformation", &[|p| p.map(|x| x * x * x), |[x, y, z]| [x + 2.0 * y * y, y - z, z * (1.5 + x)], |p| p]),
+    ("to a plane", &[|[x, y, z]| [x, y, z * 1e-9], |[x, y, _]| [x, y, 0.25], |[x, _, z]| [x, -0.5, z], |p| p]),
+    ("to an oblique plane", &[|[x, y, _]| [x, y, 0.3 * x + 0.7 * y], |p| p]),
+    ("to a line", &[|[x, _, _]| [x, 0.0, 0.0], |[x, _, _]| [x, x / 3.0, -x], |p| p]),
+    ("to a point", &[|_| [0.0; 3], |_| [0.1, 0.2, 0.3], |p| p]),
+    ("to 1e30", &[|p| p.map(|x| x * 1e30), |[x, y, z]| [x * 1e30, y, z], |p| p.map(|x| x * 1e-30), |p| p]),
+    ("inside out", &[|p| p.map(|x| -x), |[x, y, z]| [y, x, z], |p| p]),
+    ("tiny and far", &[|p| p.map(|x| x * 1e-9), |[x, y, z]| [1e6 + x, y - 1e6, z], |p| p]),
+];
+
+fn turned([x, y, z]: Point, angle: f64) -> Point {
+    let (sin, cos) = angle.sin_cos();
+    [cos * x - sin * y, sin * x + cos * y, z]
+}
+
+fn all_shapes() -> Vec<(&'static str, Shape)> {
+    vec![
+        ("tetrahedron", shapes::tetrahedron()),
+        ("cube of 12 triangles", shapes::cube(1)),
+        ("cube of 192 triangles", shapes::cube(4)),
+        ("octahedron", shapes::octahedron()),
+        ("sphere", shapes::sphere(1)),
+        ("torus", shapes::torus(14, 8, 0.4)),
+        ("star", shapes::star()),
+        ("rod", shapes::block([12, 1, 1]).map(|[x, y, z]| [x - 6.0, y - 0.5, z - 0.5])),
+    ]
+}
+
+/// Rays from inside, from outside and from vertices, to vertices and past them.
+fn rays<T: Scalar>(mesh: &Mesh<T>) -> Vec<Ray<T>> {
+    let positions = mesh.positions();
+    let stride = (positions.len() / 24).max(1) * STRIDE;
+    let mut rays = Vec::new();
+    for (place, &towards) in positions.iter().enumerate().step_by(stride) {
+        let other = positions[(7 * place + 3) % positions.len()];
+        let middle = (towards + other) * T::of(0.5);
+        let aside = Vector3::new(0.3, -0.2, 0.1).map(T::of);
+        for origin in [Vector3::zeros(), other, middle, Vector3::new(3.0, 2.0, 1.0).map(T::of)] {
+            rays.push(Ray::new(origin, towards - origin));
+            rays.push(Ray::new(origin, towards - origin + aside));
+        }
+        rays.push(Ray::new(middle, Vector3::z()));
+    }
+    rays
+}
+
+fn assert_same_hits<T: Scalar>(mesh: &Mesh<T>, updated: &Octree<T>, fresh: &Octree<T>, name: &str) {
+    let [updated, fresh] = [updated, fresh].map(|octree| octree.tracer(mesh).expect("the octree is fresh"));
+    let rays = rays(mesh);
+    let mut hits = Vec::new();
+    updated.nearest_hits(&rays, &mut hits);
+    for (ray, hit) in rays.iter().zip(&hits) {
+        let expected = fresh.nearest_hit_of_all(ray);
+        assert_eq!(*hit, expected, "{name}: {ray:?}");
+        assert_eq!(updated.nearest_hit(ray), expected, "{name}: {ray:?}");
+        assert_eq!(fresh.nearest_hit(ray), expected, "{name}, built anew: {ray:?}");
+    }
+}
+
+fn check_grid<T: Scalar>() {
+    for (shape_name, shape) in all_shapes() {
+        let mut mesh = shape.mesh::<T>();
+        let mut octrees = LAYOUTS.map(|layout| Octree::with_layout(&mesh, layout));
+        for (motion_name, steps) in MOTIONS {
+            for (number, step) in steps.iter().enumerate() {
+                mesh.set_positions(&shape.map(step).rounded()).expect("positions are finite");
+                for (octree, layout) in octrees.iter_mut().zip(LAYOUTS) {
+                    let name = format!("{shape_name}, {motion_name}, step {number}, {layout:?}");
+                    assert_eq!(octree.validate(&mesh), Err(OctreeError::Stale.to_string()), "{name}");
+                    octree.update(&mesh).expect("the octree is the mesh's own");
+                    octree.validate(&mesh).unwrap_or_else(|what| panic!("{name}: {what}"));
+                    let fresh = Octree::with_layout(&mesh, layout);
+                    fresh.validate(&mesh).unwrap_or_else(|what| panic!("{name}, built anew: {what}"));
+                    assert_same_hits(&mesh, octree, &fresh, &name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn updates_keep_octrees_whole_in_f64() {
+    check_grid::<f64>();
+}
+
+#[test]
+fn updates_keep_octrees_whole_in_f32() {
+    check_grid::<f32>();
+}
+
+#[test]
+fn updating_twice_changes_nothing() {
+    let mesh = shapes::torus(20, 10, 0.4).mesh::<f64>();
+    for layout in LAYOUTS {
+        let mut octree = Octree::with_layout(&mesh, layout);
+        octree.update(&mesh).expect("the octree is the mesh's own");
+        octree.update(&mesh).expect("the octree is the mesh's own");
+        octree.validate(&mesh).expect("the octree is whole");
+    }
+}
+
+#[test]
+fn an_octree_serves_its_own_mesh_alone() {
+    let mesh = shapes::cube(1).mesh::<f64>();
+    let other = shapes::cube(1).mesh::<f64>();
+    for layout in LAYOUTS {
+        let mut octree = Octree::with_layout(&mesh, layout);
+        assert_eq!(octree.update(&other), Err(OctreeError::OtherMesh));
+        assert!(octree.tracer(&other).is_err());
+        octree.validate(&mesh).expect("nothing was changed");
+    }
+}
+
+/// A case the oracle found: cells must not be measured from the world's origin, where their planes are rounded.
+#[test]
+fn cells_hold_far_from_the_origin() {
+    let sphere = shapes::sphere(1).map(|point| point.map(|x| (x * 1024.0).round() / 1024.0));
+    for exponent in [10.0, 20.0, 30.0, 40.0f64] {
+        let offset = exponent.exp2();
+        let mesh = sphere.moved([offset, 0.5 * offset, -offset]).mesh::<f64>();
+        for layout in LAYOUTS {
+            let octree = Octree::with_layout(&mesh, layout);
+            octree.validate(&mesh).expect("the octree is whole");
+            let tracer = octree.tracer(&mesh).expect("the octree is fresh");
+            for (place, &origin) in mesh.positions().iter().enumerate() {
+                let towards = mesh.positions()[(5 * place + 1) % mesh.positions().len()];
+                for direction in [towards - origin, Vector3::new(0.25, -0.5, 0.75)] {
+                    let ray = Ray::new(origin, direction);
+                    assert_eq!(tracer.nearest_hit(&ray), tracer.nearest_hit_of_all(&ray), "{layout:?}, {ray:?}");
+                }
+            }
+        }
+    }
+}
