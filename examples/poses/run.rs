@@ -49,6 +49,7 @@ pub fn run<T: Scalar>(mode: Mode, bodies: &mut [Body], mut log: impl FnMut(&str)
         let statistics = forces.contacts.statistics;
         log(&format!("step {steps}: {} pushes, deepest {deepest:.3e}, moved {way:.3e} sizes", pushes.len()));
         log(&format!("    {}", forces.describe(&statistics)));
+        describe_pairs(&pushes).iter().for_each(|line| log(line));
         let has_exploded = |(body, start): (&Body, &Vector3<f64>)| {
             let way = (body.centre - start).norm();
             way.is_nan() || way > FARTHEST * body.size.max(1.0)
@@ -62,6 +63,22 @@ pub fn run<T: Scalar>(mode: Mode, bodies: &mut [Body], mut log: impl FnMut(&str)
         }
     }
     Run { outcome: Outcome::Stuck, steps: MOST_STEPS }
+}
+
+/// How the first body of each pair is pushed, on the whole.
+fn describe_pairs(pushes: &[Push]) -> Vec<String> {
+    let mut pairs = std::collections::BTreeMap::new();
+    for push in pushes {
+        let [a, b] = push.bodies;
+        let (count, sum) = pairs.entry([a.min(b), a.max(b)]).or_insert((0, Vector3::zeros()));
+        *count += 1;
+        *sum += push.direction * push.weight * if a < b { 1.0 } else { -1.0 };
+    }
+    let line = |([a, b], (count, sum)): ([usize; 2], (u32, Vector3<f64>))| {
+        let [x, y, z] = sum.try_normalize(0.0).unwrap_or_default().into();
+        format!("    bodies {a} and {b}: {count} pushes, {a} along ({x:.3}, {y:.3}, {z:.3})")
+    };
+    pairs.into_iter().map(line).collect()
 }
 
 /// Where the pushes come from.
