@@ -4,20 +4,23 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 usage() {
     cat <<END
-usage: scripts/bench.sh [quick|full] [options of the measuring program]
+usage: scripts/bench.sh [quick|full|docs] [options of the measuring program]
 
 quick (default): every method on the ordinary workloads, within three minutes after the build.
 full: also up to 409 600 triangles a body and up to 1000 bodies.
-Writes out/bench/detect.csv and prints how many times as long as raycontact each peer takes.
+docs: measures nothing; takes the last measurement over into docs/performance.md and docs/performance/.
+Writes out/bench/detect.csv and charts beside it, and prints how many times as long as raycontact each peer takes.
 Further options go to the measuring program; with --help it lists them.
 Exit status: 0 when measured, 1 when something failed, 2 for a wrong command line.
 END
 }
 
 size=()
+measures=true
 case "${1:-quick}" in
     quick) ;;
     full) size=(--full) ;;
+    docs) measures=false ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
@@ -47,19 +50,28 @@ apt-get install ${missing[*]}"
         --no-install-recommends "${missing[@]}" >&2 || fail "apt-get could not install ${missing[*]}"
 }
 
-scripts/setup.sh
-install_peers
-
 # raycontact as its users build it, the peers for this very processor: two builds, so two folders.
 target="$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/bench"
 build() {
     cargo build --release --locked --manifest-path benches/Cargo.toml "$@" >&2 || fail 'the build failed, see above'
 }
-say 'Building (release)'
-RUSTFLAGS='-C target-cpu=native' build --package raycontact-bench-peers --target-dir "$target/native"
-RUSTFLAGS='' build --package raycontact-bench --target-dir "$target/portable"
 
+scripts/setup.sh
+install_peers
+say 'Building (release)'
+RUSTFLAGS='' build --package raycontact-bench --target-dir "$target/portable"
+bench="$target/portable/release/bench"
+
+if [[ $measures == false ]]; then
+    [[ -r out/bench/detect.csv ]] || fail "there is no out/bench/detect.csv yet: run 'scripts/bench.sh full' first"
+    mkdir -p docs/performance
+    cp out/bench/detect.csv docs/performance/
+    "$bench" --out docs/performance --document docs/performance.md
+    say "Renewed: $root/docs/performance.md"
+    exit 0
+fi
+
+RUSTFLAGS='-C target-cpu=native' build --package raycontact-bench-peers --target-dir "$target/native"
 say 'Measuring'
-"$target/portable/release/bench" "${size[@]}" --out out/bench \
-    --peers "$target/native/release/libraycontact_bench_peers.so" "$@"
-say "Times: $root/out/bench/detect.csv"
+"$bench" "${size[@]}" --out out/bench --peers "$target/native/release/libraycontact_bench_peers.so" "$@"
+say "Times and charts: $root/out/bench"

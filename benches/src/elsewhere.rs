@@ -78,7 +78,7 @@ pub fn serve(name: &str) -> Result<(), String> {
     for request in std::io::stdin().lines() {
         let request = request.map_err(|e| format!("cannot read the next request: {e}"))?;
         match request.strip_prefix("round ").and_then(|number| number.parse().ok()) {
-            Some(round) => answer(time_round(&mut method, &mut host, &frames(&workload, round)).totals),
+            Some(round) => answer(time_round(&mut method, 1, &mut host, &frames(&workload, round)).totals),
             None => answer(method.contacts().iter().flat_map(|k| [k.colliding, k.collided, k.vertex, k.triangle])),
         }
     }

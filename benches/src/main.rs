@@ -1,5 +1,7 @@
 //! Measures raycontact and its peers on the same workloads, interleaved in one run.
 
+mod charts;
+mod clock;
 mod elsewhere;
 mod host;
 mod library;
@@ -8,13 +10,14 @@ mod method;
 mod oracle;
 mod peer;
 mod report;
+mod row;
 mod workload;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
+use row::Row;
 use std::ffi::OsString;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use workload::Workload;
 
@@ -34,9 +37,12 @@ struct Arguments {
     /// The shared library with the peers.
     #[arg(long, default_value = "libraycontact_bench_peers.so")]
     peers: OsString,
-    /// Where to write detect.csv.
+    /// The folder for detect.csv and the charts.
     #[arg(long, default_value = "out/bench")]
     out: PathBuf,
+    /// Measures nothing: draws the charts from the folder's detect.csv and renews the tables of this document.
+    #[arg(long)]
+    document: Option<PathBuf>,
     /// Answers requests on standard input; for this program's own use.
     #[arg(long, hide = true)]
     serve: Option<String>,
@@ -56,33 +62,49 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     if let Some(workload) = &arguments.serve {
         return elsewhere::serve(workload);
     }
-    let workloads = chosen_workloads(arguments)?;
-    let methods = chosen_methods(arguments)?;
-    let peers = peer::Library::open(&arguments.peers)?;
-    let mut csv = create_csv(&arguments.out)?;
-    let progress = ProgressBar::new((workloads.len() * methods.len()) as u64 * u64::from(measure::ROUNDS));
-    let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {elapsed}, {eta} left  {msg}");
-    progress.set_style(style.expect("the template is right"));
-
-    let mut results = Vec::new();
-    for name in &workloads {
-        let workload = Workload::new(name).ok_or_else(|| format!("there is no workload '{name}'"))?;
-        let more = measure::run(&workload, &methods, &peers, &progress)?;
-        for result in &more {
-            writeln!(csv, "{}", report::line(result)).map_err(|e| format!("cannot write the CSV file: {e}"))?;
-        }
-        results.extend(more);
+    let csv = arguments.out.join("detect.csv");
+    if arguments.document.is_none() {
+        measure_all(arguments)?;
     }
-    progress.finish_and_clear();
-    println!("{}{}", report::ratios(&results), report::faults(&results));
+    let rows = row::read(&csv)?;
+    charts::draw(&rows, &arguments.out)?;
+    match &arguments.document {
+        Some(document) => report::renew_tables(document, &rows)?,
+        None => println!("{}{}", report::aligned(&report::ratios(&rows)), report::faults(&rows)),
+    }
     Ok(())
 }
 
-fn chosen_workloads(arguments: &Arguments) -> Result<Vec<String>, String> {
-    if arguments.workloads.is_empty() {
-        return Ok(workload::names(arguments.full).into_iter().map(str::to_owned).collect());
+/// Measures and writes the CSV file, workload by workload.
+fn measure_all(arguments: &Arguments) -> Result<(), String> {
+    let workloads = chosen_workloads(arguments);
+    let methods = chosen_methods(arguments)?;
+    let peers = peer::Library::open(&arguments.peers)?;
+    let path = arguments.out.join("detect.csv");
+    std::fs::create_dir_all(&arguments.out).map_err(|e| format!("cannot make {}: {e}", arguments.out.display()))?;
+    let failed = |error: csv::Error| format!("cannot write {}: {error}", path.display());
+    let mut csv = csv::Writer::from_path(&path).map_err(failed)?;
+
+    let progress = ProgressBar::new((workloads.len() * methods.len()) as u64 * u64::from(measure::ROUNDS));
+    let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {elapsed}, {eta} left  {msg}");
+    progress.set_style(style.expect("the template is right"));
+    for name in &workloads {
+        let workload = Workload::new(name).ok_or_else(|| format!("there is no workload '{name}'"))?;
+        let rows: Vec<Row> = measure::run(&workload, &methods, &peers, &progress)?;
+        for row in rows {
+            csv.serialize(row).map_err(failed)?;
+        }
+        csv.flush().map_err(|e| failed(e.into()))?;
     }
-    Ok(arguments.workloads.clone())
+    progress.finish_and_clear();
+    Ok(())
+}
+
+fn chosen_workloads(arguments: &Arguments) -> Vec<String> {
+    if arguments.workloads.is_empty() {
+        return workload::names(arguments.full).into_iter().map(str::to_owned).collect();
+    }
+    arguments.workloads.clone()
 }
 
 fn chosen_methods(arguments: &Arguments) -> Result<Vec<method::Description>, String> {
@@ -94,13 +116,4 @@ fn chosen_methods(arguments: &Arguments) -> Result<Vec<method::Description>, Str
     }
     methods.retain(|method| arguments.methods.is_empty() || arguments.methods.iter().any(|name| name == method.name));
     Ok(methods)
-}
-
-fn create_csv(out: &Path) -> Result<std::fs::File, String> {
-    let path = out.join("detect.csv");
-    let failed = |error: std::io::Error| format!("cannot write {}: {error}", path.display());
-    std::fs::create_dir_all(out).map_err(failed)?;
-    let mut csv = std::fs::File::create(&path).map_err(failed)?;
-    writeln!(csv, "{}", report::COLUMNS).map_err(failed)?;
-    Ok(csv)
 }

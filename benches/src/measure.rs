@@ -1,28 +1,18 @@
 //! Takes the times: round by round, in each round every method in turn, so that all see the same moods of the machine.
 
+use crate::clock;
 use crate::elsewhere::Elsewhere;
 use crate::host::{Frame, Host};
 use crate::method::{Description, Key, Method, Stages};
-use crate::oracle::{Oracle, Verdict};
+use crate::oracle::Oracle;
 use crate::peer;
+use crate::row::Row;
 use crate::workload::Workload;
 use indicatif::ProgressBar;
-use std::time::Instant;
 
 pub const ROUNDS: u32 = 5;
 const WARM_UP_STEPS: u32 = 5;
 const MEASURED_STEPS: u32 = 10;
-
-/// Medians over the measured steps.
-pub struct Result {
-    pub workload: String,
-    pub method: Description,
-    pub triangles: usize,
-    pub contacts: usize,
-    pub total: f64,
-    pub stages: Option<Stages>,
-    pub verdict: Option<Verdict>,
-}
 
 /// Microseconds of each measured step.
 #[derive(Default)]
@@ -48,7 +38,7 @@ pub fn run(
     methods: &[Description],
     peers: &peer::Library,
     progress: &ProgressBar,
-) -> std::result::Result<Vec<Result>, String> {
+) -> Result<Vec<Row>, String> {
     // Declared before the methods, so that it outlives them.
     let mut host = Host::new(workload);
     let mut running = Vec::new();
@@ -65,7 +55,7 @@ pub fn run(
         for running in &mut running {
             progress.set_message(format!("{}: {}", workload.name, running.description.name));
             let times = match &mut running.place {
-                Place::Here(method) => time_round(method.as_mut(), &mut host, &frames),
+                Place::Here(method) => time_round(method.as_mut(), running.description.threads, &mut host, &frames),
                 Place::Elsewhere(process) => process.time_round(round)?,
             };
             running.times.totals.extend(times.totals);
@@ -73,9 +63,11 @@ pub fn run(
             progress.inc(1);
         }
     }
+    // A method elsewhere leaves this process's arrays as they were.
+    host.write(frames(workload, ROUNDS - 1).last().expect("rounds have steps"));
     progress.set_message(format!("{}: testing every ray against every triangle", workload.name));
     let oracle = Oracle::new(workload, &host);
-    running.into_iter().map(|running| running.result(workload, &oracle)).collect()
+    running.into_iter().map(|running| running.row(workload, &oracle)).collect()
 }
 
 /// The positions of a round, step by step.
@@ -84,13 +76,11 @@ pub fn frames(workload: &Workload, round: u32) -> Vec<Frame> {
     (first..first + WARM_UP_STEPS + MEASURED_STEPS).map(|step| Frame::new(workload, step)).collect()
 }
 
-pub fn time_round(method: &mut dyn Method, host: &mut Host, frames: &[Frame]) -> Times {
+pub fn time_round(method: &mut dyn Method, threads: u32, host: &mut Host, frames: &[Frame]) -> Times {
     let mut times = Times::default();
     for (step, frame) in frames.iter().enumerate() {
         host.write(frame);
-        let start = Instant::now();
-        let stages = method.step(host);
-        let total = start.elapsed().as_secs_f64() * 1e6;
+        let (total, stages) = clock::time(threads, || method.step(host));
         if step >= WARM_UP_STEPS as usize {
             times.totals.push(total);
             times.stages.extend(stages);
@@ -100,32 +90,40 @@ pub fn time_round(method: &mut dyn Method, host: &mut Host, frames: &[Frame]) ->
 }
 
 impl Running {
-    fn result(self, workload: &Workload, oracle: &Oracle) -> std::result::Result<Result, String> {
+    fn row(self, workload: &Workload, oracle: &Oracle) -> Result<Row, String> {
         let contacts: Vec<Key> = match self.place {
             Place::Here(method) => method.contacts(),
             Place::Elsewhere(mut process) => process.contacts()?,
         };
         let Times { totals, stages } = self.times;
-        let stage = |pick: fn(&Stages) -> f64| median(stages.iter().map(pick).collect());
-        Ok(Result {
+        let stage = |pick: fn(&Stages) -> f64| (!stages.is_empty()).then(|| median(stages.iter().map(pick).collect()));
+        let method = self.description;
+        let count = contacts.len();
+        let verdict = method.same_contacts.then(|| oracle.judge(contacts));
+        Ok(Row {
             workload: workload.name.clone(),
-            method: self.description,
+            method: method.name.to_owned(),
+            precision: method.precision.name().to_owned(),
+            threads: method.threads,
             triangles: workload.triangle_count(),
-            contacts: contacts.len(),
-            stages: (!stages.is_empty()).then(|| Stages {
-                normals: stage(|s| s.normals),
-                structure: stage(|s| s.structure),
-                trace: stage(|s| s.trace),
-                filter: stage(|s| s.filter),
-            }),
-            total: median(totals),
-            verdict: self.description.same_contacts.then(|| oracle.judge(contacts)),
+            contacts: count,
+            total_us: median(totals),
+            normals_us: stage(|s| s.normals),
+            structure_us: stage(|s| s.structure),
+            trace_us: stage(|s| s.trace),
+            filter_us: stage(|s| s.filter),
+            missing: verdict.map(|v| v.missing),
+            spurious: verdict.map(|v| v.spurious),
+            wrong_triangle: verdict.map(|v| v.wrong_triangle),
         })
     }
 }
 
+/// The median, to a hundredth.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     let middle = values.len() / 2;
-    if values.len().is_multiple_of(2) { (values[middle - 1] + values[middle]) / 2.0 } else { values[middle] }
+    let median =
+        if values.len().is_multiple_of(2) { (values[middle - 1] + values[middle]) / 2.0 } else { values[middle] };
+    (median * 100.0).round() / 100.0
 }

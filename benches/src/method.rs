@@ -69,7 +69,8 @@ pub fn all() -> Vec<Description> {
         method("raycontact", F32, 1),
         path("raycontact-avx2", "avx2"),
         path("raycontact-baseline", "baseline"),
-        method("raycontact-default", F32, 1),
+        // Rays start from other points than the vertices.
+        other("raycontact-default", F32, 1),
         method("raycontact", F64, 1),
         method("raycontact", F32, 2),
         method("raycontact-classic", F32, 1),

@@ -1,107 +1,95 @@
-//! The CSV file, and the table of ratios for people.
+//! The tables: for the terminal, and for `docs/performance.md`.
 
-use crate::measure::Result;
-use crate::method::Precision;
-use std::fmt::Write;
+use crate::row::{Row, labels, total, workloads};
+use std::path::Path;
 
-pub const COLUMNS: &str = "workload,method,precision,threads,triangles,contacts,total_us,normals_us,structure_us,\
-                           trace_us,filter_us,missing,spurious,wrong_triangle";
+const OURS: &str = "raycontact";
+const FLOOR: &str = "floor";
 
-/// One line of the CSV file.
-pub fn line(result: &Result) -> String {
-    let method = &result.method;
-    let stages = result
-        .stages
-        .map_or(",,,".to_owned(), |s| format!("{:.2},{:.2},{:.2},{:.2}", s.normals, s.structure, s.trace, s.filter));
-    let verdict =
-        result.verdict.map_or(",,".to_owned(), |v| format!("{},{},{}", v.missing, v.spurious, v.wrong_triangle));
-    format!(
-        "{},{},{},{},{},{},{:.2},{stages},{verdict}",
-        result.workload,
-        method.name,
-        method.precision.name(),
-        method.threads,
-        result.triangles,
-        result.contacts,
-        result.total
-    )
-}
+type Table = Vec<Vec<String>>;
 
-/// How many times as long as raycontact each method takes, workload by workload.
-pub fn ratios(results: &[Result]) -> String {
-    let mut workloads: Vec<&str> = results.iter().map(|r| r.workload.as_str()).collect();
-    workloads.dedup();
-    let mut rows: Vec<Label> = Vec::new();
-    for result in results {
-        let label = Label::of(result);
-        if !rows.contains(&label) {
-            rows.push(label);
-        }
-    }
-    let total = |workload: &str, label: &Label| {
-        results.iter().find(|r| r.workload == workload && Label::of(r) == *label).map(|r| r.total)
+/// How many times as long as raycontact each peer takes, and how raycontact stands to the floor, by workload.
+pub fn ratios(rows: &[Row]) -> Table {
+    let workloads = workloads(rows);
+    let line = |name: String, cell: &dyn Fn(&str) -> Option<String>| {
+        let cells = workloads.iter().map(|workload| cell(workload).unwrap_or("–".to_owned()));
+        std::iter::once(name).chain(cells).collect::<Vec<_>>()
     };
-    let ours = Label { name: "raycontact", precision: Precision::F32, threads: 1 };
-    let floor = Label { name: "floor", ..ours };
-
-    let mut text = String::new();
-    let mut row = |name: &str, cell: &dyn Fn(&str) -> Option<String>| {
-        write!(text, "{name:<27}").expect("writing to a string");
-        for workload in &workloads {
-            let cell = cell(workload).unwrap_or("-".to_owned());
-            write!(text, " {cell:>11}").expect("writing to a string");
-        }
-        text.push('\n');
+    let ratio = |workload: &str, over: &str, under: &str| {
+        Some(format!("{:.2}", total(rows, workload, over)? / total(rows, workload, under)?))
     };
-    row("", &|workload| Some(workload.to_owned()));
-    row("raycontact f32, us", &|workload| total(workload, &ours).map(|t| format!("{t:.1}")));
-    row("raycontact / floor", &|workload| Some(format!("{:.2}", total(workload, &ours)? / total(workload, &floor)?)));
-    for label in rows.iter().filter(|&label| *label != ours && label.name != "floor") {
-        row(&format!("{} / raycontact", label.text()), &|workload| {
-            Some(format!("{:.2}", total(workload, label)? / total(workload, &ours)?))
-        });
-    }
-    text
-}
-
-/// A row of the table.
-#[derive(Clone, Copy, PartialEq)]
-struct Label {
-    name: &'static str,
-    precision: Precision,
-    threads: u32,
-}
-
-impl Label {
-    fn of(result: &Result) -> Self {
-        let method = result.method;
-        Self { name: method.name, precision: method.precision, threads: method.threads }
-    }
-
-    fn text(&self) -> String {
-        let precision = if self.precision == Precision::F64 { " f64" } else { "" };
-        let threads = if self.threads > 1 { format!(" {} threads", self.threads) } else { String::new() };
-        format!("{}{precision}{threads}", self.name)
-    }
-}
-
-/// Methods whose contacts are not the oracle's, for the reader's eye.
-pub fn faults(results: &[Result]) -> String {
-    let mut text = String::new();
-    for result in results {
-        if let Some(v) = result.verdict.filter(|v| *v != Default::default()) {
-            writeln!(
-                text,
-                "{} on {}: of {} contacts {} missing, {} spurious, {} on another triangle",
-                Label::of(result).text(),
-                result.workload,
-                result.contacts,
-                v.missing,
-                v.spurious,
-                v.wrong_triangle
-            )
-            .expect("writing to a string");
+    let mut table = vec![
+        line(String::new(), &|workload| Some(workload.to_owned())),
+        line("raycontact, µs".to_owned(), &|workload| Some(format!("{:.1}", total(rows, workload, OURS)?))),
+        line("raycontact / floor".to_owned(), &|workload| ratio(workload, OURS, FLOOR)),
+    ];
+    for label in labels(rows) {
+        if label.starts_with(FLOOR) || label == OURS {
+            continue;
         }
+        table.push(line(format!("{label} / raycontact"), &|workload| ratio(workload, &label, OURS)));
     }
-    text
+    table
+}
+
+/// Microseconds of every method, by workload.
+pub fn times(rows: &[Row]) -> Table {
+    let workloads = workloads(rows);
+    let mut table = vec![std::iter::once("µs".to_owned()).chain(workloads.iter().cloned()).collect::<Vec<_>>()];
+    for label in labels(rows) {
+        let cells = workloads
+            .iter()
+            .map(|workload| total(rows, workload, &label).map_or("–".to_owned(), |total| format!("{total:.1}")));
+        table.push(std::iter::once(label.clone()).chain(cells).collect());
+    }
+    table
+}
+
+/// For the terminal.
+pub fn aligned(table: &Table) -> String {
+    let columns = table.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| table.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |cells: &Vec<String>| {
+        let first = format!("{:<width$}", cells[0], width = widths[0]);
+        cells.iter().zip(&widths).skip(1).fold(first, |text, (cell, width)| format!("{text}  {cell:>width$}")) + "\n"
+    };
+    table.iter().map(line).collect()
+}
+
+fn markdown(table: &Table) -> String {
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let rule: Vec<String> = (0..table[0].len()).map(|column| if column == 0 { "---" } else { "--:" }.into()).collect();
+    line(&table[0]) + &line(&rule) + &table[1..].iter().map(|cells| line(cells)).collect::<String>()
+}
+
+/// Which contacts are not the oracle's.
+pub fn faults(rows: &[Row]) -> String {
+    let count = |number: Option<usize>| number.unwrap_or(0);
+    let line = |row: &Row| {
+        format!(
+            "{} on {}: of {} contacts {} missing, {} spurious, {} on another triangle\n",
+            row.label(),
+            row.workload,
+            row.contacts,
+            count(row.missing),
+            count(row.spurious),
+            count(row.wrong_triangle)
+        )
+    };
+    rows.iter().filter(|row| row.faults() > 0).map(line).collect()
+}
+
+/// Rewrites the tables of a document: each stands between `<!-- begin NAME -->` and `<!-- end NAME -->`.
+pub fn renew_tables(document: &Path, rows: &[Row]) -> Result<(), String> {
+    let failed = |error: std::io::Error| format!("cannot renew {}: {error}", document.display());
+    let mut text = std::fs::read_to_string(document).map_err(failed)?;
+    for (name, table) in [("ratios", ratios(rows)), ("times", times(rows))] {
+        let (begin, end) = (format!("<!-- begin {name} -->\n"), format!("<!-- end {name} -->"));
+        let (Some(from), Some(to)) = (text.find(&begin), text.find(&end)) else {
+            return Err(format!("{} has no place for the table '{name}'", document.display()));
+        };
+        text.replace_range(from + begin.len()..to, &markdown(&table));
+    }
+    std::fs::write(document, text).map_err(failed)
 }

@@ -106,7 +106,7 @@ fn spinning(mut bodies: Vec<Body>) -> Vec<Body> {
 
 /// Two tori side by side whose boxes share so little that 1 % of the vertices lie in both.
 fn grazing(rows: u32, columns: u32) -> Vec<Body> {
-    let distance = 2.0 * (1.0 + TUBE) - 0.035;
+    let distance = 2.0 * (1.0 + TUBE) - 0.047;
     [0.0, distance].map(|x| torus(rows, columns, TUBE, [x, 0.0, 0.0], |p| [p[0] + x, p[1], p[2]])).into()
 }
 

@@ -56,6 +56,11 @@ class BulletPeer : public Peer {
     for (uint32_t t = 0; t < body.triangle_count; ++t) {
       const uint32_t* corner = body.triangles + 3 * size_t(t);
       soft->appendFace(int(corner[0]), int(corner[1]), int(corner[2]));
+      // Bullet builds its trees along links; each edge belongs to two triangles.
+      for (int i = 0; i < 3; ++i) {
+        const uint32_t from = corner[i], to = corner[(i + 1) % 3];
+        if (from < to) soft->appendLink(int(from), int(to));
+      }
       const btVector3 &a = points[corner[0]], &b = points[corner[1]], &c = points[corner[2]];
       area += (b - a).cross(c - a).length() / 2;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // Embree 3.13: one scene per body, sharing the host's arrays; rays in streams, marked as incoherent. Single rays, packets
-// and coherent streams were all slower, whatever the workload.
+// and coherent streams were no faster on any workload tried.
 #include <embree3/rtcore.h>
 
 #if defined(__SSE3__)

@@ -57,8 +57,10 @@ class Workers {
       await(seen);
       seen = ticket_;
       (*job_)(worker);
+      // Read before the count falls: the next job may be the last.
+      const bool last = stop_;
       --running_;
-      if (stop_) return;
+      if (last) return;
     }
   }
 
