@@ -4,16 +4,26 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 usage() {
     cat <<END
-usage: scripts/test.sh [--help]
+usage: scripts/test.sh [--long]
 
-Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release),
-and the C and C++ tests (cmake --workflow --preset test). Missing Debian packages are installed first.
+Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the oracle
+with 1e5 queries, a few sizes of the examples that measure forces, and the C and C++ tests
+(cmake --workflow --preset test). Missing Debian packages are installed first.
+With --long the oracle asks 1e7 queries, and forces are measured at every size, as in docs/accuracy.md.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }
 
+queries=1e5
+figure8=(--sides '10,150' --rotations 20)
+convergence=(--largest 2000)
 case "${1:-}" in
     '') ;;
+    --long)
+        queries=1e7
+        figure8=()
+        convergence=()
+        ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
@@ -33,6 +43,10 @@ check 'packages' scripts/setup.sh
 check 'formatting' cargo fmt --check
 check 'lints' cargo clippy --all-targets --locked -- -D warnings
 check 'Rust tests' cargo test --release --locked
+example=(cargo run --release --locked --quiet --example)
+check 'oracle' "${example[@]}" oracle -- --queries "$queries" --seed 1
+check 'Figure 8' "${example[@]}" figure8 -- "${figure8[@]}"
+check 'convergence' "${example[@]}" convergence -- "${convergence[@]}"
 check 'C, C++ tests' cmake --workflow --preset test
 
 say 'Summary'

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Measures the forces in release and renews the tables and charts of docs/accuracy.md.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+usage() {
+    cat <<END
+usage: scripts/accuracy.sh [--help]
+
+Runs the examples figure8 and convergence, writes docs/accuracy/figure8.csv and docs/accuracy/convergence.csv and draws
+figure8.svg and convergence.svg beside them, and renews the tables of docs/accuracy.md: about half a minute after the
+build. The figures do not depend on the machine's speed or its number of cores. Debian's python3-matplotlib is installed
+first where it is missing.
+Exit status: 0 when drawn and all targets are met, 1 when not or when something failed, 2 for a wrong command line.
+END
+}
+
+case "${1:-}" in
+    '') ;;
+    -h | --help) usage && exit 0 ;;
+    *) usage >&2 && fail "unknown argument '$1'" 2 ;;
+esac
+
+install_matplotlib() {
+    # Debian's Python, because the package belongs to it.
+    ! /usr/bin/python3 -c 'import matplotlib' 2>/dev/null || return 0
+    local as_root=()
+    command -v apt-get >/dev/null || fail 'this is not a Debian-like system: install matplotlib for /usr/bin/python3'
+    if ((EUID != 0)); then
+        command -v sudo >/dev/null || fail 'python3-matplotlib is missing, and there is no sudo. Run as root: \
+apt-get install python3-matplotlib'
+        as_root=(sudo)
+    fi
+    say 'Installing python3-matplotlib'
+    "${as_root[@]}" apt-get --quiet update >&2 || fail "'apt-get update' failed: is there a network?"
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300 install \
+        --no-install-recommends python3-matplotlib >&2 || fail 'apt-get could not install python3-matplotlib'
+}
+
+command -v cargo >/dev/null || fail "'cargo' is missing: install a Rust toolchain (https://rustup.rs)"
+install_matplotlib
+
+say 'Building (release)'
+cargo build --release --locked --example figure8 --example convergence >&2 || fail 'the build failed, see above'
+
+# Copied at the end: an interrupted run leaves the old figures.
+scratch="$(mktemp -d)"
+trap 'rm -rf "$scratch"' EXIT
+target="$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/release/examples"
+are_met=yes
+for example in figure8 convergence; do
+    say "Measuring: $example"
+    "$target/$example" >"$scratch/$example.csv" || {
+        (($? == 1)) || fail "$example ended early, see above"
+        are_met=no
+    }
+done
+/usr/bin/python3 scripts/draw_accuracy.py "$scratch" || fail 'the charts could not be drawn, see above'
+mkdir -p docs/accuracy
+cp "$scratch"/{figure8,convergence}.{csv,svg} docs/accuracy/
+/usr/bin/python3 scripts/tabulate_accuracy.py || fail 'the tables could not be written, see above'
+say "Figures and charts: $root/docs/accuracy/"
+[[ "$are_met" == yes ]] || fail 'a target was missed, see above'

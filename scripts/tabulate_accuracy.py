@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Writes the tables of docs/accuracy.md anew from docs/accuracy/figure8.csv and docs/accuracy/convergence.csv.
+
+Usage: tabulate_accuracy.py [docs]
+
+A table stands between the lines <!-- NAME --> and <!-- end -->. scripts/accuracy.sh measures and calls this.
+"""
+
+import argparse
+import csv
+import math
+import os
+import re
+import sys
+
+SIDES = ["10", "14", "20", "30", "50", "100", "150"]
+SIZES = ["500", "1600", "5000", "16 000", "50 000"]
+# As in the file: case, mesh, mode.
+DEFAULTS = [(case, "exact", "default") for case in ("ball", "globe", "ellipsoid", "lens")] + [
+    ("spheres", "fitted", "default"), ("tori", "fitted", "default")]
+OTHERS = [(case, mesh, "vertices") for case, mesh, _ in DEFAULTS] + [
+    (case, "inscribed", mode) for case in ("spheres", "tori") for mode in ("vertices", "default")]
+
+
+def percent(text):
+    return f"{100 * float(text):.2g}"
+
+
+def row(cells):
+    return "| " + " | ".join(cells) + " |"
+
+
+def table(head, rows):
+    return "\n".join([row(head), row(["---"] * len(head)), *map(row, rows)])
+
+
+def figure8(rows):
+    found = {(line["mode"], line["sides"]): line for line in rows}
+    lines = [[f"{mode}, {column}", *(percent(found[mode, sides][column]) for sides in SIDES)]
+             for mode in ("paper", "vertices", "default") for column in ("worst", "mean")]
+    return table(["sides", *SIDES], lines)
+
+
+def order(rows, column):
+    """The slope of the error over the edge length, both as logarithms, by least squares."""
+    points = [(-0.5 * math.log(float(line["triangles"])), math.log(float(line[column]))) for line in rows]
+    x, y = (sum(values) / len(points) for values in zip(*points))
+    return sum((a - x) * (b - y) for a, b in points) / sum((a - x) ** 2 for a, _ in points)
+
+
+def convergence(rows, kinds):
+    lines = []
+    for kind in kinds:
+        own = [line for line in rows if (line["case"], line["mesh"], line["mode"]) == kind]
+        for column in ("force_error", "torque_error"):
+            if all(line[column] for line in own):
+                errors = [percent(line[column]) for line in own]
+                name = f"{', '.join(kind[:2])}: {column.removesuffix('_error')}"
+                name += "" if kinds is DEFAULTS else f", {kind[2]}"
+                lines.append([name, *errors, f"{order(own, column):.2f}", own[1]["rays"]])
+    return table(["triangles, about", *SIZES, "order", "rays at 1600"], lines)
+
+
+def read(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser.add_argument("folder", nargs="?", default="docs", help="default: docs")
+    folder = parser.parse_args().folder
+    path = os.path.join(folder, "accuracy.md")
+    try:
+        forces = read(os.path.join(folder, "accuracy", "convergence.csv"))
+        tables = {
+            "figure8": figure8(read(os.path.join(folder, "accuracy", "figure8.csv"))),
+            "convergence": convergence(forces, DEFAULTS),
+            "convergence, others": convergence(forces, OTHERS),
+        }
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        for name, lines in tables.items():
+            place = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)
+            if not place.search(text):
+                raise ValueError(f"{path} has no lines <!-- {name} --> and <!-- end -->: put them where the table goes")
+            text = place.sub(lambda match, lines=lines: match[1] + lines + "\n" + match[2], text)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+    except (OSError, ValueError) as error:
+        sys.exit(f"tabulate_accuracy.py: {error}")
+    except (KeyError, IndexError) as error:
+        sys.exit(f"tabulate_accuracy.py: a CSV file lacks {error}: run scripts/accuracy.sh")
+
+
+if __name__ == "__main__":
+    main()
