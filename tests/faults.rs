@@ -316,14 +316,14 @@ fn forces_start_from_nothing_and_grow_without_jumps() {
         let step = 2e-3;
         let forces: Vec<f64> =
             (0..100).step_by(STRIDE).map(|i| force_at(f64::from(i) * step, 2, sampling, weighting).z).collect();
-        // No faster than if every ray of the sphere pushed: a jump is not small with the step.
+        // No faster than if every ray of the sphere pushed: a jump is not small with the step. Samples on faces move as
+        // the overlap grows, so that the force may waver by less than that; from vertices it only grows.
         let steepest = if weighting == Weighting::Vertex { 162.0 } else { 4.0 * std::f64::consts::PI };
+        let most = steepest * step * STRIDE as f64;
+        let least = if sampling == Sampling::Vertices { 0.0 } else { -0.01 * most };
         for (i, pair) in forces.windows(2).enumerate() {
             let change = pair[1] - pair[0];
-            assert!(
-                (0.0..steepest * step * STRIDE as f64).contains(&change),
-                "step {i}: {change}, {sampling:?}, {weighting:?}"
-            );
+            assert!((least..most).contains(&change), "step {i}: {change}, {sampling:?}, {weighting:?}");
         }
     }
 }

@@ -246,7 +246,7 @@ proptest! {
         towards in [-1.0..1.0, -1.0..1.0, -1.0..1.0f64],
         cells in 2..6usize,
     ) {
-        let [origin, towards] = [origin, towards].map(|point| Vector3::from(point));
+        let [origin, towards] = [origin, towards].map(Vector3::from);
         prop_assume!(origin != towards);
         let ray = Ray::new(origin, towards - origin);
         let hits = [1, cells].map(|cells| {
