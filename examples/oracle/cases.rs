@@ -267,16 +267,18 @@ fn shape_of<T: Scalar>(case: Case, random: &mut Random) -> (Shape, f64) {
 }
 
 fn any_shape(random: &mut Random) -> Shape {
-    // Small ones more often: a larger mesh costs time and adds little that is new.
-    match random.below(12) {
-        0 | 1 => shapes::tetrahedron(),
-        2 | 3 => shapes::cube(1),
-        4 | 5 => shapes::octahedron(),
-        6 | 7 => shapes::icosahedron(),
-        8 => shapes::cube(2),
-        9 => shapes::torus(7, 4, 0.4),
-        10 => shapes::sphere(1),
-        _ => shapes::star(),
+    // Small ones more often: a larger mesh costs time and adds little that is new. The largest has several levels of
+    // boxes in either layout.
+    match random.below(40) {
+        0..8 => shapes::tetrahedron(),
+        8..15 => shapes::cube(1),
+        15..22 => shapes::octahedron(),
+        22..28 => shapes::icosahedron(),
+        28..32 => shapes::cube(2),
+        32..36 => shapes::torus(7, 4, 0.4),
+        36 => shapes::sphere(1),
+        37 | 38 => shapes::star(),
+        _ => shapes::torus(20, 10, 0.4),
     }
 }
 

@@ -116,7 +116,8 @@ fn ask<T: Scalar>(
     let hits = (0..triangles.len() as u32).map(|triangle| prepared.intersect(&mesh.corners(triangle), triangle));
     answers.all.extend(hits.flatten());
     let within = answers.all.iter().filter(|hit| hit.t <= ray.t_max);
-    answers.expected = within.copied().reduce(|nearest, hit| if hit.is_before(&nearest) { hit } else { nearest });
+    // In ascending order of triangles, so that of equal ones the first is kept.
+    answers.expected = within.copied().reduce(|nearest, hit| if hit.t < nearest.t { hit } else { nearest });
     // What costs most and differs least from other answers is asked for some rays only.
     let is_asked_all = place.is_multiple_of(4);
     answers.nearest = [
