@@ -487,6 +487,10 @@ typedef struct rayc_statistics {
    */
   uint64_t without_normal;
   /**
+   * Pieces of triangles left larger than the spacing asks, because their surface had been cut as often as it may.
+   */
+  uint64_t uncut_pieces;
+  /**
    * Contacts found.
    */
   uint64_t contacts;

@@ -200,14 +200,29 @@ fn contacts_by_rays_from_faces() {
     }
 }
 
-/// Known fault: large triangles are cut into pieces as small as the overlap's largest side asks, and of those a
-/// needle-like overlap has no end.
+/// Triangles that are long beside the overlap are cut into pieces, but only so often.
 #[test]
-#[ignore = "does not end: the number of pieces is not bounded"]
 fn contacts_of_needles_by_rays_from_faces() {
     for deformations in [with_slivers(), denormal(), huge()] {
         check_contacts(deformations, false);
     }
+}
+
+/// A long bar whose end reaches 2⁻³⁰ deep into a wall: pieces of the overlap's size would be without number.
+#[test]
+fn pieces_left_uncut_are_counted() {
+    must_end(|| {
+        let wall = shapes::cube(1).mesh::<f64>();
+        let octree = Octree::new(&wall);
+        let mut list = ContactList::default();
+        for (depth, is_counted) in [(0.25, false), (1.0 / 1_073_741_824.0, true)] {
+            let bar = deformed::<f64>(&shapes::cube(1), |[x, y, z]| [x + 2.0 - depth, 1e-9 * (y + 0.3), z]);
+            query_pair(&wall, &octree, &bar, &Octree::new(&bar), &DetectionOptions::default(), &mut list)
+                .expect("fresh octrees");
+            assert_eq!(list.statistics.uncut_pieces > 0, is_counted, "{:?}", list.statistics);
+            assert!(list.statistics.rays < 40_000, "{:?}", list.statistics);
+        }
+    });
 }
 
 /// In f64 there is room: 1e30 is nothing special.

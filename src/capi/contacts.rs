@@ -132,6 +132,8 @@ pub struct rayc_statistics {
     pub own_surface_hits: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
+    /// Pieces of triangles left larger than the spacing asks, because their surface had been cut as often as it may.
+    pub uncut_pieces: u64,
     /// Contacts found.
     pub contacts: u64,
     /// Of these, contacts of edges, where no ray from a surface point found any.
@@ -279,7 +281,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             AnyContacts::F64(list) => list.statistics,
         };
         let contacts = list.len() as u64;
-        let Statistics { pairs, rays, misses, entry_hits, own_surface_hits, without_normal, .. } = found;
+        let Statistics { pairs, rays, misses, entry_hits, own_surface_hits, without_normal, uncut_pieces, .. } = found;
         let Statistics { edge_contacts, escapes_started, escaping_pairs, escape_contacts, .. } = found;
         statistics.write(rayc_statistics {
             pairs,
@@ -288,6 +290,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             entry_hits,
             own_surface_hits,
             without_normal,
+            uncut_pieces,
             contacts,
             edge_contacts,
             escapes_started,

@@ -20,11 +20,13 @@ impl<T: Scalar> Direction<'_, T> {
         let (samples, rays, surface) = (&mut workspace.samples, &mut workspace.rays, &mut workspace.surface);
         let mesh = self.pair.tracers[self.side].mesh();
         let (overlap, region) = (self.pair.overlap, self.pair.region);
-        statistics.without_normal += for_each_sample(mesh, overlap, region, self.pair.options.sampling, |sample| {
+        let shortfall = for_each_sample(mesh, overlap, region, self.pair.options.sampling, |sample| {
             surface.add(&sample);
             rays.push(self.inward_ray(&sample));
             samples.push(sample);
         });
+        statistics.without_normal += shortfall.without_normal;
+        statistics.uncut_pieces += shortfall.uncut;
         self.filter(ContactKind::Ray, contacts);
     }
 

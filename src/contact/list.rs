@@ -84,6 +84,8 @@ pub struct Statistics {
     pub own_surface_hits: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
+    /// Pieces of triangles left larger than the spacing asks, because their surface had been cut as often as it may.
+    pub uncut_pieces: u64,
     /// Contacts of edges, where no ray from a surface point found any.
     pub edge_contacts: u64,
     /// Pairs that began to escape in this query.
@@ -139,6 +141,7 @@ impl<T: Scalar> ContactList<T> {
         sum.entry_hits += more.entry_hits;
         sum.own_surface_hits += more.own_surface_hits;
         sum.without_normal += more.without_normal;
+        sum.uncut_pieces += more.uncut_pieces;
         sum.edge_contacts += more.edge_contacts;
         sum.escapes_started += more.escapes_started;
         sum.escaping_pairs += more.escaping_pairs;
