@@ -18,6 +18,7 @@ fn contacts<T: Scalar>(a: &Mesh<T>, b: &Mesh<T>, layout: Layout, sampling: Sampl
     let mut list = ContactList::default();
     let options = DetectionOptions { sampling, ..DetectionOptions::default() };
     query_pair(a, &octrees[0], b, &octrees[1], &options, &mut list).expect("the octrees are fresh");
+    list.contacts = common::sorted_along_surface(list.contacts);
     list
 }
 

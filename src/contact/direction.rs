@@ -1,8 +1,10 @@
+use super::cast::Cast;
 use super::edges::for_each_inside_stretch;
 use super::pair::Pair;
-use super::samples::{Sample, for_each_sample};
+use super::samples::Sample;
+use super::workspace::Workspace;
 use super::{Contact, ContactKind, ContactList, SurfacePoint};
-use crate::math::{Scalar, direction};
+use crate::math::{Scalar, direction, dispatch};
 use crate::ray::{Hit, Ray};
 
 /// One direction of a pair: the rays of one body through the other. Algorithm 1 of the paper.
@@ -15,19 +17,11 @@ pub(super) struct Direction<'a, T: Scalar> {
 impl<T: Scalar> Direction<'_, T> {
     /// Adds the contacts of the samples inside the overlap box.
     pub(super) fn cast_samples(&self, contacts: &mut ContactList<T>) {
-        let ContactList { workspace, statistics, .. } = contacts;
+        let ContactList { contacts, workspace, statistics } = contacts;
         workspace.clear();
-        let (samples, rays, surface) = (&mut workspace.samples, &mut workspace.rays, &mut workspace.surface);
-        let mesh = self.pair.tracers[self.side].mesh();
-        let (overlap, region) = (self.pair.overlap, self.pair.region);
-        let shortfall = for_each_sample(mesh, overlap, region, self.pair.options.sampling, |sample| {
-            surface.add(&sample);
-            rays.push(self.inward_ray(&sample));
-            samples.push(sample);
-        });
-        statistics.without_normal += shortfall.without_normal;
-        statistics.uncut_pieces += shortfall.uncut;
-        self.filter(ContactKind::Ray, contacts);
+        let Workspace { groups, surface, samples, .. } = workspace;
+        self.pair.tracers[self.side].groups_in(self.pair.region, groups);
+        dispatch::<T, _>(Cast { direction: self, groups, surface, statistics, contacts, pieces: samples });
     }
 
     /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside; gives how many
@@ -38,7 +32,7 @@ impl<T: Scalar> Direction<'_, T> {
         let (samples, rays, surface) = (&mut workspace.samples, &mut workspace.rays, &mut workspace.surface);
         let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
         for_each_inside_stretch(tracers, self.pair.region, &mut workspace.crossings, |sample| {
-            surface.add(&sample);
+            surface.add(&sample.normal, sample.area);
             rays.push(self.inward_ray(&sample));
             samples.push(sample);
         });

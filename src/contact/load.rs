@@ -1,5 +1,4 @@
 use super::Contact;
-use super::samples::Sample;
 use crate::math::{Scalar, Vector3, length};
 
 /// How much surface one direction of a pair casts from, and how much of it cancels out.
@@ -16,9 +15,10 @@ impl<T: Scalar> Default for CastSurface<T> {
 }
 
 impl<T: Scalar> CastSurface<T> {
-    pub(super) fn add(&mut self, sample: &Sample<T>) {
-        self.area += sample.area;
-        self.vector += sample.normal * sample.area;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn add(&mut self, normal: &Vector3<T>, area: T) {
+        self.area += area;
+        self.vector += normal * area;
     }
 
     /// How much of the pair's load this direction should carry, beside the other's number.

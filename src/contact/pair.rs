@@ -124,6 +124,8 @@ impl<T: Scalar> Pair<'_, T> {
             *memory = PairMemory::default();
             return;
         }
+        // So that the step in which their depth is asked for allocates no more than others.
+        contacts.workspace.reserve(contacts.len() - start);
         let stuck = outcome == Outcome::Targetless
             || match memory.observe(self.bodies[0], &contacts.contacts[start..]) {
                 Progress::Fine => false,

@@ -7,6 +7,8 @@ use crate::ray::{Hit, Ray};
 /// the contacts, so that a steady step allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Workspace<T: Scalar> {
+    /// The groups of vertices or triangles that cast.
+    pub(super) groups: Vec<u32>,
     pub(super) samples: Vec<Sample<T>>,
     pub(super) rays: Vec<Ray<T>>,
     pub(super) hits: Vec<Option<Hit<T>>>,
@@ -25,6 +27,16 @@ impl<T: Scalar> Workspace<T> {
         self.samples.clear();
         self.rays.clear();
         self.surface = CastSurface::default();
+    }
+
+    /// Makes room for so many rays from contacts.
+    pub(super) fn reserve(&mut self, count: usize) {
+        self.rays.clear();
+        self.rays.reserve(count);
+        self.touched.clear();
+        self.touched.reserve(count);
+        self.hidden.clear();
+        self.hidden.reserve(count);
     }
 
     /// Keeps the rays whose hit is wanted.

@@ -1,9 +1,11 @@
 //! Scalars, vectors and boxes.
 
 mod aabb;
+mod lanes;
 mod scalar;
 
 pub use aabb::Aabb;
+pub(crate) use lanes::{Kernel, LANE_COUNT, Lanes, Mask, Vectors, dispatch};
 pub use scalar::Scalar;
 
 /// A position, direction or force: three scalars, contiguous.

@@ -1,5 +1,5 @@
 /// The floating-point types the library works in: `f32` and `f64`.
-pub trait Scalar: nalgebra::RealField + Copy + Default + Send + Sync + private::Sealed {
+pub trait Scalar: nalgebra::RealField + Copy + Default + Send + Sync + super::lanes::HasLanes {
     /// Half the distance from 1 to the next larger number: the largest relative error of one rounded operation.
     const ROUNDING_UNIT: Self;
     /// The largest finite number.
@@ -15,12 +15,6 @@ pub trait Scalar: nalgebra::RealField + Copy + Default + Send + Sync + private::
     fn of(value: f64) -> Self;
     /// The same number as an `f64` (exact).
     fn to_f64(self) -> f64;
-}
-
-mod private {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
 }
 
 macro_rules! scalar {

@@ -1,14 +1,19 @@
 //! One closed, outward-oriented triangle surface: fixed topology, positions renewed each step.
 
 mod error;
+mod normals;
 mod obj_file;
+mod survey;
 mod topology;
 
 pub use error::MeshError;
+pub(crate) use normals::NormalLanes;
 pub use obj_file::{ObjFileError, read_obj_file};
+use survey::Survey;
+use topology::RING_LENGTH;
 pub use topology::{Edge, Topology};
 
-use crate::math::{Aabb, Scalar, Vector3, direction, length};
+use crate::math::{Aabb, Scalar, Vector3, dispatch};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -57,7 +62,23 @@ impl<T: Scalar> Mesh<T> {
     /// # Errors
     /// [`MeshError::WrongCount`] and [`MeshError::NotFinite`]; the positions are then as before.
     pub fn set_positions(&mut self, positions: &[[T; 3]]) -> Result<(), MeshError> {
-        self.set_positions_with(positions.len(), |vertex| Vector3::from(positions[vertex]))
+        let count = positions.len();
+        if count != self.positions.len() {
+            return Err(MeshError::WrongCount { given: count, expected: self.positions.len() });
+        }
+        let (are_finite, aabb) = dispatch::<T, _>(Survey { positions });
+        if !are_finite {
+            let vertex = positions.iter().position(|position| !position.iter().all(|x| x.is_finite()));
+            return Err(MeshError::NotFinite { vertex: vertex.unwrap_or_default() });
+        }
+        for (place, &position) in self.positions.iter_mut().zip(positions) {
+            *place = position.into();
+        }
+        // Other vertices must not widen the surface's box.
+        let is_whole = self.topology.surface_vertices().len() == count;
+        self.aabb = if is_whole { aabb } else { self.surface_box() };
+        self.renew_stamp();
+        Ok(())
     }
 
     /// [`set_positions`](Self::set_positions) from any layout: `position` is asked twice for each of `count` vertices.
@@ -75,13 +96,22 @@ impl<T: Scalar> Mesh<T> {
         for (vertex, place) in self.positions.iter_mut().enumerate() {
             *place = position(vertex);
         }
-        self.aabb = Aabb::empty();
+        self.aabb = self.surface_box();
+        self.renew_stamp();
+        Ok(())
+    }
+
+    fn surface_box(&self) -> Aabb<T> {
+        let mut aabb = Aabb::empty();
         for &vertex in self.topology.surface_vertices() {
-            self.aabb.include(&self.positions[vertex as usize]);
+            aabb.include(&self.positions[vertex as usize]);
         }
+        aabb
+    }
+
+    fn renew_stamp(&mut self) {
         static NEXT_STAMP: AtomicU64 = AtomicU64::new(1);
         self.stamp = NEXT_STAMP.fetch_add(1, Ordering::Relaxed);
-        Ok(())
     }
 
     /// Triangles, neighbourhoods and vertices.
@@ -108,19 +138,6 @@ impl<T: Scalar> Mesh<T> {
     pub fn scaled_normal(&self, triangle: u32) -> Vector3<T> {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(&(c - a))
-    }
-
-    /// The normal at a vertex, from the positions of this step; `None` where the surrounding triangles have no area
-    /// or cancel out.
-    pub fn vertex_normal(&self, vertex: u32) -> Option<VertexNormal<T>> {
-        let mut sum = Vector3::zeros();
-        let mut doubled_area = T::zero();
-        for &triangle in self.topology.triangles_around(vertex) {
-            let normal = self.scaled_normal(triangle);
-            sum += normal;
-            doubled_area += length(&normal);
-        }
-        Some(VertexNormal { normal: direction(&sum)?, area: doubled_area / T::of(6.0) })
     }
 
     /// The enclosed volume.

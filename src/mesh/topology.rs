@@ -8,9 +8,15 @@ pub struct Topology {
     /// The triangles around vertex v are `around[around_start[v]..around_start[v + 1]]`, in ascending order.
     around: Vec<u32>,
     around_start: Vec<u32>,
+    /// The ring of vertex v is `rings[ring_start[v]..ring_start[v + 1]]`.
+    rings: Vec<u32>,
+    ring_start: Vec<u32>,
     surface_vertices: Vec<u32>,
     edges: Vec<Edge>,
 }
+
+/// Most vertices have six triangles around them, and so a ring of seven.
+pub(crate) const RING_LENGTH: usize = 7;
 
 /// Where two triangles meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,9 +35,12 @@ impl Topology {
         check_indices(vertex_count, triangles)?;
         let edges = find_edges(triangles)?;
         let (around, around_start) = triangles_around_vertices(vertex_count, triangles);
+        let (rings, ring_start) = rings(triangles, &around, &around_start);
         Ok(Self {
             vertex_count,
             triangles: triangles.to_vec(),
+            rings,
+            ring_start,
             surface_vertices: (0..vertex_count as u32)
                 .filter(|&v| around_start[v as usize] < around_start[v as usize + 1])
                 .collect(),
@@ -55,6 +64,20 @@ impl Topology {
     pub fn triangles_around(&self, vertex: u32) -> &[u32] {
         let vertex = vertex as usize;
         &self.around[self.around_start[vertex] as usize..self.around_start[vertex + 1] as usize]
+    }
+
+    /// The vertices around `vertex` in the order of the triangles there: each two that follow one another form a triangle
+    /// with it. A closed fan ends with the vertex it starts with; between two fans stands `vertex` itself, and behind
+    /// the last, so often that the ring has [`RING_LENGTH`] entries at least. The first triangle is the first of
+    /// [`triangles_around`](Self::triangles_around).
+    pub(crate) fn ring(&self, vertex: u32) -> &[u32] {
+        let vertex = vertex as usize;
+        &self.rings[self.ring_start[vertex] as usize..self.ring_start[vertex + 1] as usize]
+    }
+
+    /// All rings, and where each starts.
+    pub(crate) fn rings(&self) -> (&[u32], &[u32]) {
+        (&self.rings, &self.ring_start)
     }
 
     /// Every edge once, in ascending order of its vertices.
@@ -130,4 +153,38 @@ fn triangles_around_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> (Ve
         }
     }
     (around, start)
+}
+
+fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let mut rings = Vec::with_capacity(around.len() + around_start.len());
+    let mut start = Vec::with_capacity(around_start.len());
+    // The two other corners of each triangle around a vertex, in the triangle's order.
+    let mut sides: Vec<[u32; 2]> = Vec::new();
+    start.push(0);
+    for vertex in 0..around_start.len() - 1 {
+        let own = &around[around_start[vertex] as usize..around_start[vertex + 1] as usize];
+        let vertex = vertex as u32;
+        sides.clear();
+        sides.extend(own.iter().map(|&triangle| {
+            let mut corners = triangles[triangle as usize];
+            let place = corners.iter().position(|&corner| corner == vertex).expect("it lies around the vertex");
+            corners.rotate_left(place);
+            [corners[1], corners[2]]
+        }));
+        let ring = rings.len();
+        while !sides.is_empty() {
+            if rings.len() > ring {
+                rings.push(vertex);
+            }
+            let [first, mut last] = sides.remove(0);
+            rings.extend([first, last]);
+            while let Some(next) = sides.iter().position(|side| side[0] == last) {
+                last = sides.remove(next)[1];
+                rings.push(last);
+            }
+        }
+        rings.resize(rings.len().max(ring + RING_LENGTH), vertex);
+        start.push(rings.len() as u32);
+    }
+    (rings, start)
 }

@@ -3,11 +3,13 @@
 //! Everything is relative to the mesh's own box: there is no world size, no smallest triangle, no absolute tolerance.
 
 mod classic;
+mod groups;
 mod slabs;
 mod tracer;
 mod wide;
 
 pub use tracer::Tracer;
+pub(crate) use wide::{Candidates, PacketHits};
 
 use crate::math::Scalar;
 use crate::mesh::{Mesh, Topology};

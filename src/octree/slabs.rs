@@ -23,34 +23,21 @@ impl<T: Scalar> Slabs<T> {
     }
 
     /// Whether the ray runs backwards along an axis.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn is_mirrored(&self, axis: usize) -> bool {
         self.inverse[axis] < T::zero()
     }
 
     /// The `t` at which the ray crosses a face with outward direction −axis.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at_lower(&self, axis: usize, face: T) -> T {
         // The margin after the difference: far from the world's origin it would vanish in the face's own rounding.
         (face - self.origin[axis] - self.margin) * self.inverse[axis]
     }
 
     /// The `t` at which the ray crosses a face with outward direction +axis.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn at_upper(&self, axis: usize, face: T) -> T {
         (face - self.origin[axis] + self.margin) * self.inverse[axis]
-    }
-
-    /// A box that holds all of the ray that may count, and what triangles near it the tests may accept.
-    pub(super) fn box_around(&self, ray: &Ray<T>, mesh_box: &Aabb<T>) -> Aabb<T> {
-        let end = ray.origin + ray.direction * ray.t_max;
-        if !end.iter().all(|x| x.is_finite()) {
-            return *mesh_box;
-        }
-        let mut around = Aabb { lower: ray.origin, upper: ray.origin };
-        around.include(&end);
-        // The end is rounded as coarsely as its coordinates are.
-        let rounding = ray.origin.amax().max(end.amax()) * T::ROUNDING_UNIT * T::of(4.0);
-        around.grown(self.margin + rounding)
     }
 }

@@ -1,14 +1,14 @@
 use super::Cells;
-use super::wide::PACKET_SIZE;
-use crate::math::Scalar;
+use super::wide::{Candidates, PacketHits};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, dispatch};
 use crate::mesh::Mesh;
-use crate::ray::{Hit, PreparedRay, Ray, ShearedRay, TriangleTest};
+use crate::ray::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
 use std::cmp::Ordering;
 
 /// A mesh together with its up-to-date octree: what rays are traced in.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, T: Scalar> {
-    cells: &'a Cells<T>,
+    pub(super) cells: &'a Cells<T>,
     mesh: &'a Mesh<T>,
     test: TriangleTest,
 }
@@ -75,12 +75,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     pub fn nearest_hits(&self, rays: &[Ray<T>], hits: &mut Vec<Option<Hit<T>>>) {
         hits.clear();
         hits.resize(rays.len(), None);
-        for (rays, hits) in rays.chunks(PACKET_SIZE).zip(hits.chunks_mut(PACKET_SIZE)) {
-            self.visit_packet(rays, &mut |place, prepared, triangle| {
-                self.keep_nearer(&rays[place], prepared, triangle, &mut hits[place]);
-                hits[place].map_or(rays[place].t_max, |hit| hit.t)
-            });
-        }
+        dispatch::<T, _>(NearestHits { tracer: self, rays, hits });
     }
 
     fn keep_nearer(&self, ray: &Ray<T>, prepared: &PreparedRay<T>, triangle: u32, nearest: &mut Option<Hit<T>>) {
@@ -96,35 +91,72 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     pub fn are_hit_before_end(&self, rays: &[Ray<T>], touched: &[[u32; 3]], found: &mut Vec<bool>) {
         found.clear();
         found.resize(rays.len(), false);
-        let triangles = self.mesh.topology().triangles();
-        let packets = rays.chunks(PACKET_SIZE).zip(touched.chunks(PACKET_SIZE)).zip(found.chunks_mut(PACKET_SIZE));
-        for ((rays, touched), found) in packets {
-            self.visit_packet(rays, &mut |place, prepared, triangle| {
-                let corners = triangles[triangle as usize];
-                found[place] |= !touched[place].iter().all(|vertex| corners.contains(vertex))
-                    && prepared
-                        .intersect(&self.mesh.corners(triangle), triangle)
-                        .is_some_and(|hit| hit.t < rays[place].t_max);
-                if found[place] { -T::INFINITY } else { rays[place].t_max }
-            });
+        dispatch::<T, _>(HitBeforeEnd { tracer: self, rays, touched, found });
+    }
+
+    /// [`nearest_hit`](Self::nearest_hit) of each ray of a packet.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn nearest_of_packet<L: Lanes<T>>(
+        &self,
+        packet: &RayPacket<T>,
+        list: &mut Candidates,
+        hits: &mut PacketHits<T>,
+    ) {
+        match (self.cells, self.test) {
+            (Cells::Wide(cells), TriangleTest::Watertight) => cells.nearest::<L>(self.mesh, packet, list, hits),
+            _ => self.nearest_one_by_one(packet, hits),
         }
     }
 
-    fn visit_packet(&self, rays: &[Ray<T>], visitor: &mut impl FnMut(usize, &PreparedRay<T>, u32) -> T) {
-        let prepare = |place: usize| PreparedRay::new(&rays[place.min(rays.len() - 1)], self.test);
-        let prepared: [_; PACKET_SIZE] = std::array::from_fn(prepare);
-        match self.cells {
-            Cells::Wide(cells) => {
-                let mut visitor = |place: usize, triangle: u32| visitor(place, &prepared[place], triangle);
-                cells.visit_packet(rays, &prepared, self.mesh.aabb(), &mut visitor);
-            }
-            Cells::Classic(cells) => {
-                for (place, ray) in rays.iter().enumerate() {
-                    let mut visitor = |triangle| visitor(place, &prepared[place], triangle);
-                    cells.visit(ray, self.mesh.aabb(), &mut visitor);
-                }
+    fn nearest_one_by_one(&self, packet: &RayPacket<T>, hits: &mut PacketHits<T>) {
+        (hits.found, hits.exits) = (0, 0);
+        for lane in (0..LANE_COUNT).filter(|lane| packet.present >> lane & 1 == 1) {
+            if let Some(hit) = self.nearest_hit(&packet.ray(lane)) {
+                hits.set(lane, &hit);
             }
         }
+    }
+
+    /// [`are_hit_before_end`](Self::are_hit_before_end) of the rays in `asked`, given their ends.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn hidden_of_packet<L: Lanes<T>>(
+        &self,
+        packet: &RayPacket<T>,
+        asked: Mask,
+        end: &[T; LANE_COUNT],
+        touched: &[[u32; 3]; LANE_COUNT],
+        list: &mut Candidates,
+    ) -> Mask {
+        match (self.cells, self.test) {
+            (Cells::Wide(cells), TriangleTest::Watertight) => {
+                cells.hidden::<L>(self.mesh, packet, asked, end, touched, list)
+            }
+            _ => self.hidden_one_by_one(packet, asked, end, touched),
+        }
+    }
+
+    fn hidden_one_by_one(
+        &self,
+        packet: &RayPacket<T>,
+        asked: Mask,
+        end: &[T; LANE_COUNT],
+        touched: &[[u32; 3]; LANE_COUNT],
+    ) -> Mask {
+        let triangles = self.mesh.topology().triangles();
+        let mut hidden = 0;
+        for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+            let ray = packet.ray(lane).until(end[lane]);
+            let prepared = PreparedRay::new(&ray, self.test);
+            let mut is_hidden = false;
+            self.visit(&ray, &prepared, &mut |triangle| {
+                let corners = triangles[triangle as usize];
+                is_hidden |= !touched[lane].iter().all(|vertex| corners.contains(vertex))
+                    && prepared.intersect(&self.mesh.corners(triangle), triangle).is_some_and(|hit| hit.t < ray.t_max);
+                if is_hidden { -T::INFINITY } else { ray.t_max }
+            });
+            hidden |= Mask::from(is_hidden) << lane;
+        }
+        hidden
     }
 
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned, perhaps several times.
@@ -132,6 +164,59 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         match self.cells {
             Cells::Wide(cells) => cells.visit(ray, prepared, self.mesh.aabb(), visitor),
             Cells::Classic(cells) => cells.visit(ray, self.mesh.aabb(), visitor),
+        }
+    }
+}
+
+/// [`Tracer::nearest_hits`].
+struct NearestHits<'a, 'b, T: Scalar> {
+    tracer: &'a Tracer<'b, T>,
+    rays: &'a [Ray<T>],
+    hits: &'a mut [Option<Hit<T>>],
+}
+
+impl<T: Scalar> Kernel<T> for NearestHits<'_, '_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let (mut packet, mut list, mut found) = (RayPacket::empty(), Candidates::new(), PacketHits::empty());
+        for (rays, hits) in self.rays.chunks(LANE_COUNT).zip(self.hits.chunks_mut(LANE_COUNT)) {
+            packet.set(rays);
+            self.tracer.nearest_of_packet::<L>(&packet, &mut list, &mut found);
+            for (lane, hit) in hits.iter_mut().enumerate() {
+                *hit = found.get(lane);
+            }
+        }
+    }
+}
+
+/// [`Tracer::are_hit_before_end`].
+struct HitBeforeEnd<'a, 'b, T: Scalar> {
+    tracer: &'a Tracer<'b, T>,
+    rays: &'a [Ray<T>],
+    touched: &'a [[u32; 3]],
+    found: &'a mut [bool],
+}
+
+impl<T: Scalar> Kernel<T> for HitBeforeEnd<'_, '_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let (mut packet, mut list) = (RayPacket::empty(), Candidates::new());
+        let all_touched = self.touched.chunks(LANE_COUNT);
+        for ((rays, some_touched), found) in
+            self.rays.chunks(LANE_COUNT).zip(all_touched).zip(self.found.chunks_mut(LANE_COUNT))
+        {
+            packet.set(rays);
+            let mut touched = [[0; 3]; LANE_COUNT];
+            touched[..some_touched.len()].copy_from_slice(some_touched);
+            let end = packet.t_max;
+            let hidden = self.tracer.hidden_of_packet::<L>(&packet, packet.present, &end, &touched, &mut list);
+            for (lane, found) in found.iter_mut().enumerate() {
+                *found = hidden >> lane & 1 == 1;
+            }
         }
     }
 }

@@ -1,10 +1,14 @@
 //! Rays, hits, and the tests of one ray against one triangle.
 
 mod moller_trumbore;
+mod packet;
 mod watertight;
+mod watertight_lanes;
 
 pub use moller_trumbore::moller_trumbore;
+pub(crate) use packet::RayPacket;
 pub use watertight::ShearedRay;
+pub(crate) use watertight_lanes::{HitLanes, TriangleLanes};
 
 use crate::math::{Aabb, Scalar, Vector3};
 

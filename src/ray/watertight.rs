@@ -6,9 +6,11 @@ use crate::math::{Scalar, Vector3};
 /// whichever triangle asks, so the triangles of a closed mesh project without gaps.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearedRay<T: Scalar> {
-    origin: Vector3<T>,
-    axes: [usize; 3],
-    shear: Vector3<T>,
+    /// Along the ray's own axes.
+    pub(super) origin: Vector3<T>,
+    /// Which of the world's axes these are.
+    pub(super) axes: [u8; 3],
+    pub(super) shear: Vector3<T>,
 }
 
 impl<T: Scalar> ShearedRay<T> {
@@ -23,32 +25,29 @@ impl<T: Scalar> ShearedRay<T> {
             std::mem::swap(&mut x, &mut y);
         }
         let shear = Vector3::new(d[x] / d[z], d[y] / d[z], T::one() / d[z]);
-        Self { origin: ray.origin, axes: [x, y, z], shear }
+        let origin = Vector3::new(ray.origin[x], ray.origin[y], ray.origin[z]);
+        Self { origin, axes: [x as u8, y as u8, z as u8], shear }
+    }
+
+    /// For whoever has computed the parts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn from_parts(origin: Vector3<T>, axes: [u8; 3], shear: Vector3<T>) -> Self {
+        Self { origin, axes, shear }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn axes(&self) -> [usize; 3] {
+        self.axes.map(usize::from)
     }
 
     fn project(&self, corner: &Vector3<T>) -> Vector3<T> {
-        let [x, y, z] = self.axes;
-        let from_origin = corner - self.origin;
+        let [x, y, z] = self.axes();
+        let from_origin = Vector3::new(corner[x], corner[y], corner[z]) - self.origin;
         Vector3::new(
-            from_origin[x] - self.shear.x * from_origin[z],
-            from_origin[y] - self.shear.y * from_origin[z],
-            self.shear.z * from_origin[z],
+            from_origin.x - self.shear.x * from_origin.z,
+            from_origin.y - self.shear.y * from_origin.z,
+            self.shear.z * from_origin.z,
         )
-    }
-
-    /// The projections (x and y) of many corners, given axis by axis, each rounded as [`intersect`](Self::intersect)
-    /// rounds it.
-    #[inline(always)] // into code for the processor at hand
-    pub(crate) fn project_all<const N: usize>(&self, corners: &[[T; N]; 3]) -> [[T; N]; 2] {
-        let [x, y, z] = self.axes.map(|axis| &corners[axis]);
-        let origin = self.axes.map(|axis| self.origin[axis]);
-        let mut projected = [[T::zero(); N]; 2];
-        for i in 0..N {
-            let along = z[i] - origin[2];
-            projected[0][i] = (x[i] - origin[0]) - self.shear.x * along;
-            projected[1][i] = (y[i] - origin[1]) - self.shear.y * along;
-        }
-        projected
     }
 
     /// The hit on the triangle with these corners at `t` ≥ 0, from either side. A ray through an edge or a vertex

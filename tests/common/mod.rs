@@ -3,5 +3,24 @@
 
 pub mod shapes;
 
+use raycontact::contact::Contact;
+use raycontact::math::Scalar;
+
 /// Debug builds are some thirty times as slow, and try only every eighth of many similar cases.
 pub const STRIDE: usize = if cfg!(debug_assertions) { 8 } else { 1 };
+
+/// Contacts in an order that does not depend on the octree: by colliding body, then where on it the ray starts.
+pub fn sorted_along_surface<T: Scalar>(mut contacts: Vec<Contact<T>>) -> Vec<Contact<T>> {
+    let key = |contact: &Contact<T>| (contact.colliding, contact.p1.triangle, contact.p1.vertices[0]);
+    contacts.sort_by(|a, b| {
+        let by_weights = a.p1.weights.partial_cmp(&b.p1.weights).expect("weights are finite");
+        key(a).cmp(&key(b)).then(by_weights)
+    });
+    contacts
+}
+
+/// The same for rays from vertices: by colliding body, then vertex.
+pub fn sorted_by_vertex<T: Scalar>(mut contacts: Vec<Contact<T>>) -> Vec<Contact<T>> {
+    contacts.sort_by_key(|contact| (contact.colliding, contact.p1.vertices[0]));
+    contacts
+}

@@ -1,4 +1,4 @@
-use super::TILE_SIZE;
+use super::tile::TILE_SIZE;
 use crate::math::{Scalar, Vector3};
 use crate::mesh::{Mesh, Topology};
 

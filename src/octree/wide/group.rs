@@ -1,44 +1,54 @@
-use super::{CHILD_COUNT, Child, Node, Tile};
+use super::node::{CHILD_COUNT, Node};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 
 /// The centre of a tile's box, and the tile.
 type Place<T> = (Vector3<T>, u32);
 
-/// Groups tiles into nodes of up to eight children, from the root down: a set of tiles is halved along the longest
-/// side of its centres' box, the halves again, and those again.
-pub(super) fn group<T: Scalar>(mesh: &Mesh<T>, tiles: &[Tile<T>]) -> Vec<Node<T>> {
+/// Groups tiles, given by their triangles, into nodes of up to eight children, from the root down: a set of tiles is
+/// halved along the longest side of its centres' box, the halves again, and those again. Gives the tiles in the order in
+/// which the nodes lead to them, so that neighbours in space are neighbours in memory.
+pub(super) fn group<T: Scalar>(mesh: &Mesh<T>, mut tiles: Vec<Vec<u32>>) -> (Vec<Node<T>>, Vec<Vec<u32>>) {
     let mut places: Vec<Place<T>> = tiles
         .iter()
         .enumerate()
-        .map(|(index, tile)| {
+        .map(|(index, triangles)| {
             let mut aabb = Aabb::empty();
-            tile.vertices.iter().for_each(|&vertex| aabb.include(&mesh.positions()[vertex as usize]));
-            (aabb.lower + (aabb.upper - aabb.lower) * T::of(0.5), index as u32)
+            triangles.iter().flat_map(|&triangle| mesh.corners(triangle)).for_each(|corner| aabb.include(&corner));
+            (aabb.centre(), index as u32)
         })
         .collect();
-    let mut nodes = Vec::with_capacity(tiles.len() / 4 + 1);
-    add_node(&mut places, &mut nodes);
-    nodes
+    let nodes = nodes_above(&mut places);
+    let sorted = places.iter().map(|&(_, tile)| std::mem::take(&mut tiles[tile as usize])).collect();
+    (nodes, sorted)
 }
 
-/// Adds the node of these tiles and all below it; gives its index.
-fn add_node<T: Scalar>(places: &mut [Place<T>], nodes: &mut Vec<Node<T>>) -> u32 {
-    let index = nodes.len();
-    nodes.push(Node::new(&[]));
-    let mut children = Vec::with_capacity(CHILD_COUNT);
-    if places.len() <= CHILD_COUNT {
-        children.extend(places.iter().map(|&(_, tile)| Child::Tile(tile)));
-    } else {
-        for part in in_eight(places) {
-            children.push(match part {
-                [(_, tile)] => Child::Tile(*tile),
-                _ => Child::Node(add_node(part, nodes)),
-            });
+/// The nodes above these tiles, level by level, so that a node's children follow one another. Tiles are numbered in the
+/// order in which they are left.
+fn nodes_above<T: Scalar>(places: &mut [Place<T>]) -> Vec<Node<T>> {
+    let mut nodes = Vec::with_capacity(places.len() / 4 + 1);
+    // The tiles of each node, in the order of the nodes.
+    let mut parts = vec![(0, places)];
+    let mut first_child = 1;
+    while !parts.is_empty() {
+        let mut below = Vec::new();
+        for (first_tile, part) in parts {
+            if part.len() <= CHILD_COUNT {
+                nodes.push(Node::new(first_tile, part.len(), true));
+                continue;
+            }
+            nodes.push(Node::new(first_child, CHILD_COUNT, false));
+            first_child += CHILD_COUNT as u32;
+            let mut next = first_tile;
+            for part in in_eight(part) {
+                let first = next;
+                next += part.len() as u32;
+                below.push((first, part));
+            }
         }
+        parts = below;
     }
-    nodes[index] = Node::new(&children);
-    index as u32
+    nodes
 }
 
 fn in_eight<T: Scalar>(places: &mut [Place<T>]) -> impl Iterator<Item = &mut [Place<T>]> {

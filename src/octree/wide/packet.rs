@@ -1,137 +1,328 @@
-use super::dispatch::Kernel;
-use super::trace::{STACK_SIZE, offer};
-use super::{CHILD_COUNT, Child, Node, Wide};
-use crate::math::{Aabb, Scalar};
-use crate::octree::slabs::Slabs;
-use crate::ray::{PreparedRay, Ray};
+use super::node::BoxQuery;
+use super::trace::STACK_SIZE;
+use super::{CHILD_COUNT, Wide};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+use crate::mesh::Mesh;
+use crate::ray::{Hit, HitLanes, RayPacket, TriangleLanes};
 
-/// How many rays travel together.
-pub(in crate::octree) const PACKET_SIZE: usize = 16;
-
-/// The way of up to 16 neighbouring rays through the cells: the box around all of them chooses the tiles, then each
-/// tile's box chooses among the rays.
-pub(super) struct PacketWalk<'a, T: Scalar, V> {
-    cells: &'a Wide<T>,
-    prepared: &'a [PreparedRay<T>],
-    around: Aabb<T>,
-    origin: [[T; PACKET_SIZE]; 3],
-    inverse: [[T; PACKET_SIZE]; 3],
-    margin: [T; PACKET_SIZE],
-    /// Minus infinity where there is no ray, and where a ray needs no more.
-    t_max: [T; PACKET_SIZE],
-    visitor: &'a mut V,
+/// Where each ray of a packet meets a mesh first.
+#[derive(Clone, Debug)]
+pub(crate) struct PacketHits<T: Scalar> {
+    /// Which rays have a hit; places of the others hold nothing of use.
+    pub(crate) found: Mask,
+    /// Which rays meet the triangle from inside.
+    pub(crate) exits: Mask,
+    pub(crate) triangle: [u32; LANE_COUNT],
+    pub(crate) t: [T; LANE_COUNT],
+    pub(crate) weights: [[T; LANE_COUNT]; 3],
 }
 
-impl<'a, T: Scalar, V: FnMut(usize, u32) -> T> PacketWalk<'a, T, V> {
-    #[inline(always)]
-    pub(super) fn new(
-        cells: &'a Wide<T>,
-        rays: &[Ray<T>],
-        prepared: &'a [PreparedRay<T>],
-        mesh_box: &Aabb<T>,
-        visitor: &'a mut V,
-    ) -> Self {
-        let mut walk = Self {
-            cells,
-            prepared,
-            around: Aabb::empty(),
-            origin: [[T::zero(); PACKET_SIZE]; 3],
-            inverse: [[T::zero(); PACKET_SIZE]; 3],
-            margin: [T::zero(); PACKET_SIZE],
-            t_max: [-T::INFINITY; PACKET_SIZE],
-            visitor,
-        };
-        for (place, ray) in rays.iter().enumerate() {
-            let slabs = Slabs::new(ray, mesh_box);
-            for axis in 0..3 {
-                walk.origin[axis][place] = slabs.origin[axis];
-                walk.inverse[axis][place] = slabs.inverse[axis];
-            }
-            walk.margin[place] = slabs.margin;
-            walk.t_max[place] = ray.t_max;
-            let around = slabs.box_around(ray, mesh_box);
-            walk.around.lower = walk.around.lower.inf(&around.lower);
-            walk.around.upper = walk.around.upper.sup(&around.upper);
-        }
-        walk
+impl<T: Scalar> PacketHits<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { found: 0, exits: 0, triangle: [0; LANE_COUNT], t: zeros, weights: [zeros; 3] }
     }
 }
 
-impl<T: Scalar, V: FnMut(usize, u32) -> T> Kernel for PacketWalk<'_, T, V> {
-    #[inline(always)]
-    fn run(&mut self) {
-        let mut stack = [0u32; STACK_SIZE];
-        let mut waiting = 1;
-        while waiting > 0 {
+impl<T: Scalar> PacketHits<T> {
+    /// The hit of one ray.
+    pub(crate) fn get(&self, lane: usize) -> Option<Hit<T>> {
+        (self.found >> lane & 1 == 1).then(|| Hit {
+            triangle: self.triangle[lane],
+            t: self.t[lane],
+            weights: [0, 1, 2].map(|corner| self.weights[corner][lane]),
+            is_exit: self.exits >> lane & 1 == 1,
+        })
+    }
+
+    pub(crate) fn set(&mut self, lane: usize, hit: &Hit<T>) {
+        let bit = 1 << lane;
+        self.found |= bit;
+        self.exits = if hit.is_exit { self.exits | bit } else { self.exits & !bit };
+        (self.triangle[lane], self.t[lane]) = (hit.triangle, hit.t);
+        (0..3).for_each(|corner| self.weights[corner][lane] = hit.weights[corner]);
+    }
+}
+
+/// A triangle that a ray may meet.
+#[derive(Clone, Copy)]
+struct Candidate {
+    triangle: u32,
+    ray: u32,
+}
+
+/// So many tiles are held against the rays at a time, and so many candidates computed.
+const TILES_AT_ONCE: usize = 64;
+const CANDIDATES_AT_ONCE: usize = 256;
+
+/// Room for what is found on the way of a packet; with space behind each list that may be overwritten.
+pub(crate) struct Candidates {
+    /// Tiles that the box around the packet meets.
+    tiles: [u32; TILES_AT_ONCE + LANE_COUNT],
+    /// 16 · place in `tiles` + ray, where the ray meets the tile's box.
+    pairs: [u32; (TILES_AT_ONCE + 1) * LANE_COUNT],
+    triangles: [Candidate; CANDIDATES_AT_ONCE + LANE_COUNT],
+}
+
+impl Candidates {
+    pub(crate) fn new() -> Self {
+        Self {
+            tiles: [0; TILES_AT_ONCE + LANE_COUNT],
+            pairs: [0; (TILES_AT_ONCE + 1) * LANE_COUNT],
+            triangles: [Candidate { triangle: 0, ray: 0 }; CANDIDATES_AT_ONCE + LANE_COUNT],
+        }
+    }
+}
+
+/// What is wanted of the hits.
+trait Answer<T> {
+    /// Which of a tile's triangles do not count for a ray, given the tile's vertices and each triangle's set of them.
+    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask;
+
+    /// Takes note of the hit in one of the lanes.
+    fn add(&mut self, ray: usize, triangle: u32, hits: &HitLanes<T>, lane: usize)
+    where
+        T: Scalar;
+}
+
+/// The nearest hit of each ray.
+struct Nearest<'a, T: Scalar> {
+    t_max: &'a [T; LANE_COUNT],
+    hits: &'a mut PacketHits<T>,
+}
+
+impl<T: Scalar> Answer<T> for Nearest<'_, T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn excluded<L: Lanes<T>>(&self, _: usize, _: &[u32; LANE_COUNT], _: &[Mask; LANE_COUNT]) -> Mask {
+        0
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(&mut self, ray: usize, triangle: u32, found: &HitLanes<T>, lane: usize) {
+        let (hits, t, bit) = (&mut *self.hits, found.t[lane], 1 << ray);
+        let is_first = hits.found & bit == 0;
+        let is_nearer = t < hits.t[ray] || (t == hits.t[ray] && triangle < hits.triangle[ray]);
+        if t <= self.t_max[ray] && (is_first || is_nearer) {
+            hits.found |= bit;
+            hits.exits = hits.exits & !bit | (found.exits >> lane & 1) << ray;
+            hits.triangle[ray] = triangle;
+            hits.t[ray] = t;
+            for corner in 0..3 {
+                hits.weights[corner][ray] = found.weights[corner][lane];
+            }
+        }
+    }
+}
+
+/// Which rays meet anything before their end.
+struct Hidden<'a, T: Scalar> {
+    end: &'a [T; LANE_COUNT],
+    touched: &'a [[u32; 3]; LANE_COUNT],
+    hidden: Mask,
+}
+
+impl<T: Scalar> Answer<T> for Hidden<'_, T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask {
+        let [a, b, c] = self.touched[ray];
+        let first = L::equal(vertices, a);
+        if b == a && c == a {
+            return if first == 0 { 0 } else { L::holding(sets, lowest(first)) };
+        }
+        let (second, third) = (L::equal(vertices, b), L::equal(vertices, c));
+        if first == 0 || second == 0 || third == 0 {
+            return 0;
+        }
+        L::holding(sets, lowest(first) | lowest(second) | lowest(third))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(&mut self, ray: usize, _: u32, found: &HitLanes<T>, lane: usize) {
+        self.hidden |= Mask::from(found.t[lane] < self.end[ray]) << ray;
+    }
+}
+
+/// The first of the places of a vertex: the last vertex of a tile is repeated, but triangles name its first place.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn lowest(places: Mask) -> Mask {
+    places & places.wrapping_neg()
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn nearest<T: Scalar, L: Lanes<T>>(
+    cells: &Wide<T>,
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    list: &mut Candidates,
+    hits: &mut PacketHits<T>,
+) {
+    hits.found = 0;
+    let answer = &mut Nearest { t_max: &packet.t_max, hits };
+    search::<T, L, _>(cells, mesh, packet, packet.present, &packet.t_max, list, answer);
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn hidden<T: Scalar, L: Lanes<T>>(
+    cells: &Wide<T>,
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    asked: Mask,
+    end: &[T; LANE_COUNT],
+    touched: &[[u32; 3]; LANE_COUNT],
+    list: &mut Candidates,
+) -> Mask {
+    let mut answer = Hidden { end, touched, hidden: 0 };
+    search::<T, L, _>(cells, mesh, packet, asked, end, list, &mut answer);
+    answer.hidden & asked
+}
+
+/// The box around the packet chooses nodes and tiles, then each tile's box chooses among the rays, and those are held
+/// against all its triangles at once. What is left are mostly hits; these are computed sixteen at a time.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+    cells: &Wide<T>,
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    asked: Mask,
+    end: &[T; LANE_COUNT],
+    list: &mut Candidates,
+    answer: &mut A,
+) {
+    if asked == 0 {
+        return;
+    }
+    let slabs = PacketSlabs::<T, L>::new(packet, end, mesh.aabb());
+    let query = BoxQuery::new(&slabs.box_around(packet, asked, mesh.aabb()));
+    let mut stack = [0u32; STACK_SIZE];
+    let mut waiting = 1;
+    while waiting > 0 {
+        let mut tile_count = 0;
+        while waiting > 0 && tile_count <= TILES_AT_ONCE - CHILD_COUNT {
             waiting -= 1;
-            let node = &self.cells.nodes[stack[waiting] as usize];
-            let mut near = self.near(node);
-            while near != 0 {
-                let place = near.trailing_zeros() as usize;
-                near &= near - 1;
-                match node.children[place] {
-                    Child::Node(child) => {
-                        stack[waiting] = child;
-                        waiting += 1;
-                    }
-                    Child::Tile(tile) => self.visit_tile(node, place, tile),
-                    Child::None => {}
+            let node = &cells.nodes[stack[waiting] as usize];
+            let met = query.meets::<L>(node);
+            if node.is_leaf {
+                tile_count = L::append(&mut list.tiles, tile_count, node.first, met);
+            } else {
+                waiting = L::append(&mut stack, waiting, node.first, met);
+            }
+        }
+        let mut pair_count = 0;
+        for (place, &tile) in list.tiles[..tile_count].iter().enumerate() {
+            let rays = slabs.meeting(&cells.tiles[tile as usize].aabb) & asked;
+            pair_count = L::append(&mut list.pairs, pair_count, (place * LANE_COUNT) as u32, rays);
+        }
+        let (mut next, mut listed) = (0, 0);
+        while next < pair_count {
+            while next < pair_count && listed <= CANDIDATES_AT_ONCE - LANE_COUNT {
+                let pair = list.pairs[next] as usize;
+                next += 1;
+                let (tile, ray) = (&cells.tiles[list.tiles[pair / LANE_COUNT] as usize], pair % LANE_COUNT);
+                let mut met = packet.sheared[ray].may_meet::<L>(&tile.positions, &tile.corners)
+                    & tile.present
+                    & !answer.excluded::<L>(ray, &tile.vertices, &tile.vertex_sets);
+                // None or one, nearly always: no branch for that.
+                let ray = ray as u32;
+                let first = tile.triangles[met.trailing_zeros() as usize % LANE_COUNT];
+                list.triangles[listed] = Candidate { triangle: first, ray };
+                listed += usize::from(met != 0);
+                met &= met.wrapping_sub(1);
+                while met != 0 {
+                    list.triangles[listed] = Candidate { triangle: tile.triangles[met.trailing_zeros() as usize], ray };
+                    listed += 1;
+                    met &= met - 1;
                 }
             }
+            resolve::<T, L, A>(mesh, packet, &list.triangles[..listed], answer);
+            listed = 0;
         }
     }
 }
 
-impl<T: Scalar, V: FnMut(usize, u32) -> T> PacketWalk<'_, T, V> {
-    #[inline(always)]
-    fn visit_tile(&mut self, node: &Node<T>, place: usize, tile: u32) {
-        let tile = &self.cells.tiles[tile as usize];
-        let mut meeting = self.meeting(node, place);
-        while meeting != 0 {
-            let ray = meeting.trailing_zeros() as usize;
-            meeting &= meeting - 1;
-            let visitor = &mut *self.visitor;
-            offer(tile, &self.prepared[ray], &mut self.t_max[ray], &mut |triangle| visitor(ray, triangle));
+/// Computes the hits of the candidates.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    list: &[Candidate],
+    answer: &mut A,
+) {
+    let mut lanes = TriangleLanes::empty();
+    let mut hits = HitLanes::empty();
+    let (triangles, positions) = (mesh.topology().triangles(), mesh.positions());
+    for candidates in list.chunks(LANE_COUNT) {
+        for (lane, candidate) in candidates.iter().enumerate() {
+            let [a, b, c] = triangles[candidate.triangle as usize];
+            let corners = [&positions[a as usize], &positions[b as usize], &positions[c as usize]];
+            lanes.set(lane, &packet.sheared[candidate.ray as usize % LANE_COUNT], corners);
+        }
+        lanes.intersect::<L>(&mut hits);
+        let mut found = hits.found & ((1u32 << candidates.len()) - 1) as Mask;
+        while found != 0 {
+            let lane = found.trailing_zeros() as usize;
+            found &= found - 1;
+            let Candidate { triangle, ray } = candidates[lane];
+            answer.add(ray as usize % LANE_COUNT, triangle, &hits, lane);
         }
     }
+}
 
-    /// Bit i: child i's box meets the box around the packet.
-    #[inline(always)]
-    fn near(&self, node: &Node<T>) -> u32 {
-        let mut overlapping = [true; CHILD_COUNT];
-        for axis in 0..3 {
-            let (from, to) = (self.around.lower[axis], self.around.upper[axis]);
-            for child in 0..CHILD_COUNT {
-                overlapping[child] &= (node.lower[axis][child] <= to) & (node.upper[axis][child] >= from);
-            }
-        }
-        let mut mask = 0;
-        for child in 0..CHILD_COUNT {
-            mask |= u32::from(overlapping[child]) << child;
-        }
-        mask
+/// [`Slabs`](crate::octree::slabs::Slabs) of sixteen rays.
+struct PacketSlabs<T: Scalar, L: Lanes<T>> {
+    origin: Vectors<T, L>,
+    inverse: Vectors<T, L>,
+    margin: L,
+    end: L,
+}
+
+impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new(packet: &RayPacket<T>, end: &[T; LANE_COUNT], mesh_box: &Aabb<T>) -> Self {
+        let origin = Vectors::<T, L>::load(&packet.origin);
+        let below = Vectors::splat(&mesh_box.lower).sub(origin).magnitude();
+        let above = Vectors::splat(&mesh_box.upper).sub(origin).magnitude();
+        let margin = below.larger(above).largest().mul(L::splat(T::ROUNDING_UNIT * T::of(16.0)));
+        Self { origin, inverse: Vectors::load(&packet.inverse), margin, end: L::load(end) }
     }
 
-    /// Bit i: ray i meets this box, not beyond its `t_max`.
-    #[inline(always)]
-    fn meeting(&self, node: &Node<T>, place: usize) -> u32 {
-        let mut enters = [-T::INFINITY; PACKET_SIZE];
-        let mut leaves = self.t_max;
-        for axis in 0..3 {
-            let (lower, upper) = (node.lower[axis][place], node.upper[axis][place]);
-            let (origin, inverse) = (&self.origin[axis], &self.inverse[axis]);
-            for ray in 0..PACKET_SIZE {
-                let at_lower = (lower - origin[ray] - self.margin[ray]) * inverse[ray];
-                let at_upper = (upper - origin[ray] + self.margin[ray]) * inverse[ray];
-                let (from, to) = if at_lower < at_upper { (at_lower, at_upper) } else { (at_upper, at_lower) };
-                enters[ray] = if from > enters[ray] { from } else { enters[ray] };
-                leaves[ray] = if to < leaves[ray] { to } else { leaves[ray] };
-            }
+    /// Bit i: ray i meets this box, not beyond its end.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn meeting(&self, aabb: &Aabb<T>) -> Mask {
+        // The margin after the difference: far from the world's origin it would vanish in the face's own rounding.
+        let lower = Vectors::splat(&aabb.lower).sub(self.origin);
+        let upper = Vectors::splat(&aabb.upper).sub(self.origin);
+        let interval = (L::splat(-T::INFINITY), self.end);
+        let interval = self.clip(interval, lower.x, upper.x, self.inverse.x);
+        let interval = self.clip(interval, lower.y, upper.y, self.inverse.y);
+        let (enters, leaves) = self.clip(interval, lower.z, upper.z, self.inverse.z);
+        enters.is_at_most(leaves) & L::splat(T::zero()).is_at_most(leaves)
+    }
+
+    /// What is left of an interval of `t` between two faces.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn clip(&self, (enters, leaves): (L, L), lower: L, upper: L, inverse: L) -> (L, L) {
+        let at_lower = lower.sub(self.margin).mul(inverse);
+        let at_upper = upper.add(self.margin).mul(inverse);
+        (at_lower.smaller(at_upper).larger(enters), at_upper.larger(at_lower).smaller(leaves))
+    }
+
+    /// A box that holds all of the rays that may count, and what triangles near them the tests may accept.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn box_around(&self, packet: &RayPacket<T>, asked: Mask, mesh_box: &Aabb<T>) -> Aabb<T> {
+        let end = self.origin.add(Vectors::load(&packet.direction).scaled(self.end));
+        let is_finite = end.magnitude().are_at_most(Vectors::splat(&Vector3::repeat(T::LARGEST)));
+        if asked & !is_finite != 0 {
+            return *mesh_box;
         }
-        let mut mask = 0;
-        for ray in 0..PACKET_SIZE {
-            mask |= u32::from((enters[ray] <= leaves[ray]) & (leaves[ray] >= T::zero())) << ray;
+        // The end is rounded as coarsely as its coordinates are.
+        let largest = self.origin.magnitude().largest().larger(end.magnitude().largest());
+        let grown = self.margin.add(largest.mul(L::splat(T::ROUNDING_UNIT * T::of(4.0))));
+        let grown = Vectors::new(grown, grown, grown);
+        let (lower, upper) = (self.origin.smaller(end).sub(grown), self.origin.larger(end).add(grown));
+        let endless = Vectors::splat(&Vector3::repeat(T::INFINITY));
+        Aabb {
+            lower: Vectors::select(asked, lower, endless).smallest_lanes(),
+            upper: Vectors::select(asked, upper, endless.negate()).greatest_lanes(),
         }
-        mask
     }
 }

@@ -1,4 +1,6 @@
-use super::{Child, TILE_SIZE, Tile, Wide};
+use super::Wide;
+use super::node::CHILD_COUNT;
+use super::tile::{TILE_SIZE, Tile};
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 
@@ -9,7 +11,7 @@ impl<T: Scalar> Wide<T> {
         let mut tile_of = vec![None; mesh.topology().triangles().len()];
         for (index, tile) in self.tiles.iter().enumerate() {
             tile.validate(mesh).map_err(|what| format!("tile {index}: {what}"))?;
-            for &triangle in &tile.triangles[..tile.triangle_count as usize] {
+            for &triangle in tile.triangles() {
                 if let Some(other) = tile_of[triangle as usize].replace(index) {
                     return Err(format!("triangle {triangle} is in tiles {other} and {index}"));
                 }
@@ -18,55 +20,63 @@ impl<T: Scalar> Wide<T> {
         if let Some(triangle) = tile_of.iter().position(Option::is_none) {
             return Err(format!("triangle {triangle} is in no tile"));
         }
+        let mut owners = vec![0; mesh.topology().vertex_count()];
+        for tile in &self.tiles {
+            let own = (0..TILE_SIZE).filter(|place| tile.owned >> place & 1 == 1);
+            own.for_each(|place| owners[tile.vertices[place] as usize] += 1);
+        }
+        if let Some(vertex) = mesh.topology().surface_vertices().iter().find(|&&vertex| owners[vertex as usize] != 1) {
+            return Err(format!("vertex {vertex} is not one tile's own"));
+        }
         self.validate_nodes()
     }
 
     fn validate_nodes(&self) -> Result<(), String> {
-        let mut seen: Vec<Child> = vec![Child::Node(0)];
+        let (mut nodes, mut tiles) = (vec![0; self.nodes.len()], vec![0; self.tiles.len()]);
+        nodes[0] = 1;
         for (index, node) in self.nodes.iter().enumerate() {
-            for (place, &child) in node.children.iter().enumerate() {
-                seen.push(child);
-                let aabb = match child {
-                    Child::Node(child) if child as usize <= index => {
-                        return Err(format!("node {child} comes before its parent {index}"));
-                    }
-                    Child::Node(child) => self.nodes[child as usize].aabb(),
-                    Child::Tile(tile) => self.tiles[tile as usize].aabb(),
-                    Child::None => Aabb::empty(),
+            for place in 0..CHILD_COUNT {
+                let child = node.first as usize + place;
+                let aabb = if place >= node.count as usize {
+                    Aabb::empty()
+                } else if node.is_leaf {
+                    tiles[child] += 1;
+                    self.tiles[child].aabb
+                } else if child <= index {
+                    return Err(format!("node {child} comes before its parent {index}"));
+                } else {
+                    nodes[child] += 1;
+                    self.nodes[child].aabb()
                 };
-                let stored: (Vec<T>, Vec<T>) =
-                    (0..3).map(|axis| (node.lower[axis][place], node.upper[axis][place])).unzip();
-                if stored.0 != aabb.lower.as_slice() || stored.1 != aabb.upper.as_slice() {
+                if node.child_box(place) != aabb {
                     return Err(format!("box {place} of node {index} is not the one around its child"));
                 }
             }
         }
-        let nodes = (0..self.nodes.len() as u32).map(Child::Node);
-        for child in nodes.chain((0..self.tiles.len() as u32).map(Child::Tile)) {
-            let parents = seen.iter().filter(|&&other| other == child).count();
-            if parents != 1 {
-                return Err(format!("{child:?} lies under {parents} boxes"));
-            }
-        }
-        Ok(())
+        let not_one = |what: &str, parents: &[u32]| match parents.iter().position(|&count| count != 1) {
+            Some(index) => Err(format!("{what} {index} lies under {} boxes", parents[index])),
+            None => Ok(()),
+        };
+        not_one("node", &nodes)?;
+        not_one("tile", &tiles)
     }
 }
 
 impl<T: Scalar> Tile<T> {
     fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
-        let count = self.triangle_count as usize;
-        if !(1..=TILE_SIZE).contains(&count) {
+        let count = self.triangles().len();
+        if !(1..=TILE_SIZE).contains(&count) || u32::from(self.present) != (1u32 << count) - 1 {
             return Err(format!("it has {count} triangles"));
         }
         let mut around = Aabb::empty();
         for place in 0..count {
             let triangle = self.triangles[place];
-            let expected_mask = self.corners[place].iter().fold(0, |mask, corner| mask | 1 << corner);
-            if self.vertex_masks[place] != expected_mask {
-                return Err(format!("the mask of triangle {triangle} is not that of its corners"));
+            let expected_set = self.corners.iter().fold(0, |set, corner| set | 1 << corner[place]);
+            if self.vertex_sets[place] != expected_set {
+                return Err(format!("the vertices of triangle {triangle} are not those of its corners"));
             }
-            for (corner, &vertex_place) in self.corners[place].iter().enumerate() {
-                let vertex_place = vertex_place as usize;
+            for corner in 0..3 {
+                let vertex_place = usize::from(self.corners[corner][place]);
                 let vertex = mesh.topology().triangles()[triangle as usize][corner];
                 let position = mesh.positions()[vertex as usize];
                 around.include(&position);
@@ -78,6 +88,6 @@ impl<T: Scalar> Tile<T> {
                 }
             }
         }
-        if self.aabb() == around { Ok(()) } else { Err("its box is not that of its triangles".to_owned()) }
+        if self.aabb == around { Ok(()) } else { Err("its box is not that of its triangles".to_owned()) }
     }
 }

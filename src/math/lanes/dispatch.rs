@@ -1,23 +1,28 @@
 //! Chooses, while the program runs, the widest instructions this processor has. The arithmetic is the same on every
 //! path, operation by operation, and so are the results, to the bit.
 
-/// What is worth compiling once for each kind of processor. Everything that `run` calls is inlined into it.
-pub(super) trait Kernel {
-    fn run(&mut self);
+use super::{HasLanes, Lanes};
+
+/// What is worth compiling once for each kind of processor. Everything that `run` calls should be inlined into it.
+pub(crate) trait Kernel<T> {
+    /// What it gives.
+    type Output;
+
+    fn run<L: Lanes<T>>(self) -> Self::Output;
 }
 
-/// Runs the kernel.
+/// Runs the kernel on the widest lanes.
 #[cfg(not(target_arch = "x86_64"))]
-pub(super) fn dispatch(mut kernel: impl Kernel) {
-    kernel.run();
+pub(crate) fn dispatch<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
+    kernel.run::<T::Portable>()
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(super) use x86_64::dispatch;
+pub(crate) use x86_64::dispatch;
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64 {
-    use super::Kernel;
+    use super::{HasLanes, Kernel};
     use std::is_x86_feature_detected as has;
     use std::sync::OnceLock;
 
@@ -31,14 +36,14 @@ mod x86_64 {
     /// Runs the kernel on the best path, or on the one that the environment variable `RAYCONTACT_SIMD` names
     /// (`baseline`, `avx2`, `avx512`) if the processor has it. The variable is read once.
     #[allow(unsafe_code)] // calling code for processors that may not be this one
-    pub(in super::super) fn dispatch(mut kernel: impl Kernel) {
+    pub(crate) fn dispatch<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
         static PATH: OnceLock<Path> = OnceLock::new();
         match PATH.get_or_init(choose) {
             // SAFETY: `choose` found what the function was compiled for.
-            Path::Avx512 => unsafe { run_avx512(&mut kernel) },
+            Path::Avx512 => unsafe { run_avx512::<T, K>(kernel) },
             // SAFETY: `choose` found what the function was compiled for.
-            Path::Avx2 => unsafe { run_avx2(&mut kernel) },
-            Path::Baseline => kernel.run(),
+            Path::Avx2 => unsafe { run_avx2::<T, K>(kernel) },
+            Path::Baseline => kernel.run::<T::Portable>(),
         }
     }
 
@@ -59,12 +64,12 @@ mod x86_64 {
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    fn run_avx2(kernel: &mut impl Kernel) {
-        kernel.run();
+    fn run_avx2<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
+        kernel.run::<T::Avx2>()
     }
 
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-    fn run_avx512(kernel: &mut impl Kernel) {
-        kernel.run();
+    fn run_avx512<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
+        kernel.run::<T::Avx512>()
     }
 }

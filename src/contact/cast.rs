@@ -1,0 +1,302 @@
+use super::cutter::Cutter;
+use super::direction::Direction;
+use super::load::CastSurface;
+use super::samples::{Sample, vertex_point};
+use super::{Contact, ContactKind, Statistics, SurfacePoint};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction};
+use crate::mesh::{Mesh, NormalLanes};
+use crate::octree::{Candidates, PacketHits, Tracer};
+use crate::ray::RayPacket;
+
+/// The rays from some of a body's groups of vertices or triangles through the other body, sixteen at a time through
+/// both filters of the paper.
+pub(super) struct Cast<'a, T: Scalar> {
+    pub(super) direction: &'a Direction<'a, T>,
+    pub(super) groups: &'a [u32],
+    pub(super) surface: &'a mut CastSurface<T>,
+    pub(super) statistics: &'a mut Statistics,
+    pub(super) contacts: &'a mut Vec<Contact<T>>,
+    /// Room for the pieces of a triangle.
+    pub(super) pieces: &'a mut Vec<Sample<T>>, // must be empty
+}
+
+impl<T: Scalar> Kernel<T> for Cast<'_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(mut self) {
+        let pair = self.direction.pair;
+        let mut rays = Rays::new();
+        // Small functions that fill packets, and one loop that traces them: what is inlined here is large.
+        let mut source = Source::new(Cutter::new(pair.options.sampling, pair.overlap, pair.region));
+        while self.fill::<L>(&mut source, &mut rays) {
+            self.cast::<L>(&mut rays);
+        }
+        self.statistics.uncut_pieces += source.faces.map_or(0, |faces| faces.cutter.uncut);
+    }
+}
+
+/// Rays on their way.
+struct Rays<T: Scalar> {
+    samples: NormalLanes<T>,
+    origins: Origins<T>,
+    packet: RayPacket<T>,
+    candidates: Candidates,
+    hits: PacketHits<T>,
+}
+
+/// What the rays of a packet start from.
+enum Origins<T: Scalar> {
+    Vertices([u32; LANE_COUNT]),
+    Faces { triangles: [u32; LANE_COUNT], weights: [[T; 3]; LANE_COUNT] },
+}
+
+impl<T: Scalar> Rays<T> {
+    fn new() -> Self {
+        Self {
+            samples: NormalLanes::empty(),
+            origins: Origins::Vertices([0; LANE_COUNT]),
+            packet: RayPacket::empty(),
+            candidates: Candidates::new(),
+            hits: PacketHits::empty(),
+        }
+    }
+}
+
+impl<T: Scalar> Cast<'_, T> {
+    /// The next packet of samples; false where there are no more.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fill<L: Lanes<T>>(&mut self, source: &mut Source<'_, T>, rays: &mut Rays<T>) -> bool {
+        match &mut source.faces {
+            None => self.fill_from_vertices::<L>(&mut source.next_group, &mut source.vertices, rays),
+            Some(faces) => self.fill_from_faces::<L>(&mut source.next_group, faces, rays),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fill_from_vertices<L: Lanes<T>>(
+        &mut self,
+        next_group: &mut usize,
+        vertices: &mut WaitingVertices,
+        rays: &mut Rays<T>,
+    ) -> bool {
+        let Direction { pair, side } = *self.direction;
+        let own = pair.tracers[side];
+        while vertices.count < LANE_COUNT && *next_group < self.groups.len() {
+            let group = self.groups[*next_group];
+            *next_group += 1;
+            vertices.count = own.vertices_in::<L>(group, pair.region, &mut vertices.waiting, vertices.count);
+        }
+        if vertices.count == 0 {
+            return false;
+        }
+        let count = vertices.count.min(LANE_COUNT);
+        let mut first = [0; LANE_COUNT];
+        first.copy_from_slice(&vertices.waiting[..LANE_COUNT]);
+        vertices.waiting.copy_within(LANE_COUNT.., 0);
+        vertices.count -= count;
+        own.mesh().vertex_normals::<L>(&first[..count], &mut rays.samples);
+        self.statistics.without_normal += u64::from(count as u32 - rays.samples.found.count_ones());
+        rays.origins = Origins::Vertices(first);
+        true
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fill_from_faces<L: Lanes<T>>(
+        &mut self,
+        next_group: &mut usize,
+        source: &mut FaceSource<'_, T>,
+        rays: &mut Rays<T>,
+    ) -> bool {
+        let own = self.direction.pair.tracers[self.direction.side];
+        let mut count = 0;
+        let (mut triangles, mut weights) = ([0; LANE_COUNT], [[T::zero(); 3]; LANE_COUNT]);
+        while count < LANE_COUNT {
+            if let Some(piece) = self.pieces.pop() {
+                set_lane(&mut rays.samples.position, count, &piece.point.position);
+                set_lane(&mut rays.samples.normal, count, &piece.normal);
+                rays.samples.area[count] = piece.area;
+                (triangles[count], weights[count]) = (piece.point.triangle, piece.point.weights);
+                count += 1;
+            } else if source.left != 0 {
+                let lane = source.left.trailing_zeros() as usize;
+                source.left &= source.left - 1;
+                if source.short >> lane & 1 == 0 {
+                    source.cut(own.mesh(), lane, self.pieces);
+                    continue;
+                }
+                let (samples, faces) = (&mut rays.samples, &source.lanes);
+                set_lane(&mut samples.position, count, &vector(&faces.position, lane));
+                set_lane(&mut samples.normal, count, &vector(&faces.normal, lane));
+                samples.area[count] = faces.area[lane];
+                (triangles[count], weights[count]) = (source.triangles[lane], [T::one() / T::of(3.0); 3]);
+                count += 1;
+            } else if *next_group < self.groups.len() {
+                self.statistics.without_normal += source.next::<L>(own, self.groups[*next_group]);
+                *next_group += 1;
+            } else {
+                break;
+            }
+        }
+        rays.samples.found = ((1u32 << count) - 1) as Mask;
+        rays.origins = Origins::Faces { triangles, weights };
+        count > 0
+    }
+
+    /// Traces the rays of the samples and keeps those that pass both filters.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn cast<L: Lanes<T>>(&mut self, rays: &mut Rays<T>) {
+        let Direction { pair, side } = *self.direction;
+        let [own, other] = [pair.tracers[side], pair.tracers[1 - side]];
+        let Rays { samples, origins, packet, candidates, hits } = rays;
+        let mut present = samples.found;
+        self.statistics.rays += u64::from(present.count_ones());
+        while present != 0 {
+            let lane = present.trailing_zeros() as usize;
+            present &= present - 1;
+            self.surface.add(&vector(&samples.normal, lane), samples.area[lane]);
+        }
+        packet.set_inward::<L>(samples.found, &samples.position, &samples.normal, pair.region);
+        other.nearest_of_packet::<L>(packet, candidates, hits);
+        let exits = hits.found & hits.exits;
+        self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
+        self.statistics.entry_hits += u64::from((hits.found & !exits).count_ones());
+        if exits == 0 {
+            return;
+        }
+        let mut touched = [[0; 3]; LANE_COUNT];
+        for (lane, touched) in touched.iter_mut().enumerate() {
+            *touched = match origins {
+                Origins::Vertices(vertices) => [vertices[lane]; 3],
+                Origins::Faces { triangles, .. } => own.mesh().topology().triangles()[triangles[lane] as usize],
+            };
+        }
+        let hidden = own.hidden_of_packet::<L>(packet, exits, &hits.t, &touched, candidates);
+        self.statistics.own_surface_hits += u64::from(hidden.count_ones());
+        let mut left = exits & !hidden;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            self.add_contact(rays, lane);
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_contact(&mut self, rays: &Rays<T>, lane: usize) {
+        let Direction { pair, side } = *self.direction;
+        let [own, collided] = [pair.tracers[side].mesh(), pair.tracers[1 - side].mesh()];
+        let Rays { samples, origins, packet, hits, .. } = rays;
+        let p1 = match origins {
+            Origins::Vertices(vertices) => vertex_point(own, vertices[lane]),
+            Origins::Faces { triangles, weights } => SurfacePoint {
+                triangle: triangles[lane],
+                vertices: own.topology().triangles()[triangles[lane] as usize],
+                weights: weights[lane],
+                position: vector(&samples.position, lane),
+            },
+        };
+        let (origin, ray_direction, t) = (p1.position, vector(&packet.direction, lane), hits.t[lane]);
+        let triangle = hits.triangle[lane];
+        let normal = direction(&collided.scaled_normal(triangle));
+        let cos_alpha = normal.map_or(T::zero(), |n| n.dot(&ray_direction).clamp(T::zero(), T::one()));
+        self.contacts.push(Contact {
+            kind: ContactKind::Ray,
+            colliding: pair.bodies[side],
+            collided: pair.bodies[1 - side],
+            p1,
+            p2: SurfacePoint {
+                triangle,
+                vertices: collided.topology().triangles()[triangle as usize],
+                weights: [hits.weights[0][lane], hits.weights[1][lane], hits.weights[2][lane]],
+                position: origin + ray_direction * t,
+            },
+            direction: ray_direction,
+            depth: t,
+            cos_alpha,
+            area: samples.area[lane],
+        });
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn vector<T: Scalar>([x, y, z]: &[[T; LANE_COUNT]; 3], lane: usize) -> Vector3<T> {
+    Vector3::new(x[lane], y[lane], z[lane])
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn set_lane<T: Scalar>([x, y, z]: &mut [[T; LANE_COUNT]; 3], lane: usize, vector: &Vector3<T>) {
+    (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
+}
+
+/// Where the next rays come from.
+struct Source<'a, T: Scalar> {
+    next_group: usize,
+    vertices: WaitingVertices,
+    /// Instead of vertices.
+    faces: Option<FaceSource<'a, T>>,
+}
+
+impl<'a, T: Scalar> Source<'a, T> {
+    fn new(cutter: Option<Cutter<'a, T>>) -> Self {
+        let vertices = WaitingVertices { waiting: [0; 2 * LANE_COUNT], count: 0 };
+        Self { next_group: 0, vertices, faces: cutter.map(FaceSource::new) }
+    }
+}
+
+/// Vertices that wait until a packet is full.
+struct WaitingVertices {
+    waiting: [u32; 2 * LANE_COUNT],
+    count: usize,
+}
+
+/// A group of triangles on its way into packets.
+struct FaceSource<'a, T: Scalar> {
+    cutter: Cutter<'a, T>,
+    triangles: [u32; LANE_COUNT],
+    lanes: NormalLanes<T>,
+    /// Which of the triangles have rays that are not yet in a packet.
+    left: Mask,
+    /// Which need not be cut.
+    short: Mask,
+}
+
+impl<'a, T: Scalar> FaceSource<'a, T> {
+    fn new(cutter: Cutter<'a, T>) -> Self {
+        Self { cutter, triangles: [0; LANE_COUNT], lanes: NormalLanes::empty(), left: 0, short: 0 }
+    }
+
+    /// Turns to another group; gives how many of its triangles in the region have no normal.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next<L: Lanes<T>>(&mut self, own: &Tracer<'_, T>, group: u32) -> u64 {
+        let mut count = 0;
+        own.triangles_of(group, |triangle| {
+            self.triangles[count] = triangle;
+            count += 1;
+        });
+        if count == 0 {
+            return 0;
+        }
+        let mut corners = [[[T::zero(); LANE_COUNT]; 3]; 3];
+        own.mesh().face_normals::<L>(&self.triangles[..count], &mut corners, &mut self.lanes);
+        let Aabb { lower, upper } = self.cutter.region;
+        let (lower, upper) = (Vectors::<T, L>::splat(lower), Vectors::splat(upper));
+        let (a, b, c) = (Vectors::load(&corners[0]), Vectors::load(&corners[1]), Vectors::load(&corners[2]));
+        let touching = a.smaller(b).smaller(c).are_at_most(upper)
+            & lower.are_at_most(a.larger(b).larger(c))
+            & ((1u32 << count) - 1) as Mask;
+        let (ab, bc, ca) = (a.sub(b), b.sub(c), c.sub(a));
+        let longest = ab.dot(ab).larger(bc.dot(bc)).larger(ca.dot(ca));
+        let middle = Vectors::load(&self.lanes.position);
+        let middles_inside = lower.are_at_most(middle) & middle.are_at_most(upper);
+        self.short = !L::splat(self.cutter.longest_allowed).is_less(longest);
+        self.left = touching & self.lanes.found & (middles_inside | !self.short);
+        u64::from((touching & !self.lanes.found).count_ones())
+    }
+
+    /// The pieces of one triangle, the last first.
+    fn cut(&mut self, mesh: &Mesh<T>, lane: usize, pieces: &mut Vec<Sample<T>>) {
+        let (normal, area) = (vector(&self.lanes.normal, lane), self.lanes.area[lane]);
+        self.cutter.cut(mesh, self.triangles[lane], normal, area, &mut |piece| pieces.push(piece));
+        pieces.reverse();
+    }
+}

@@ -1,0 +1,117 @@
+use super::SurfacePoint;
+use super::samples::{Sample, Sampling};
+use crate::math::{Aabb, Scalar, Vector3};
+use crate::mesh::Mesh;
+
+/// Cuts triangles into pieces of the size asked for.
+pub(super) struct Cutter<'a, T: Scalar> {
+    pub(super) region: &'a Aabb<T>,
+    /// The square of the longest edge that a piece may have.
+    pub(super) longest_allowed: T,
+    /// Pieces left larger than asked.
+    pub(super) uncut: u64,
+    halvings_left: u32,
+}
+
+/// How often a surface is cut in all, so that needles and any number a caller may ask for end: ten times what an
+/// overlap with sides all alike takes, and about a million pieces.
+const MOST_HALVINGS_AUTOMATIC: u32 = 1 << 13;
+const MOST_HALVINGS: u32 = 1 << 20;
+
+/// The triangle that pieces are cut from.
+struct Face<T: Scalar> {
+    triangle: u32,
+    vertices: [u32; 3],
+    normal: Vector3<T>,
+}
+
+/// A part of a triangle.
+struct Piece<T: Scalar> {
+    corners: [Vector3<T>; 3],
+    /// Barycentric weights of each corner in the triangle.
+    weights: [Vector3<T>; 3],
+    area: T,
+    depth: u8,
+}
+
+/// Halvings of halves beyond this change nothing in either precision; it bounds the recursion.
+const DEEPEST: u8 = 96;
+
+impl<T: Scalar> Piece<T> {
+    fn whole(corners: [Vector3<T>; 3], area: T) -> Self {
+        Self { corners, weights: [Vector3::x(), Vector3::y(), Vector3::z()], area, depth: 0 }
+    }
+
+    /// The middle: where it is, and its barycentric weights.
+    fn middle(&self) -> (Vector3<T>, Vector3<T>) {
+        let third = T::one() / T::of(3.0);
+        let mean = |[a, b, c]: [Vector3<T>; 3]| (a + b + c) * third;
+        (mean(self.corners), mean(self.weights))
+    }
+}
+
+impl<'a, T: Scalar> Cutter<'a, T> {
+    /// The one for this sampling; `None` where rays start at vertices.
+    pub(super) fn new(sampling: Sampling<T>, overlap: &Aabb<T>, region: &'a Aabb<T>) -> Option<Self> {
+        let sides = overlap.upper - overlap.lower;
+        let largest_face = (sides.x * sides.y).max(sides.y * sides.z).max(sides.z * sides.x);
+        let (squared_spacing, halvings_left) = match sampling {
+            Sampling::Vertices => return None,
+            Sampling::Automatic => (largest_face / T::of(128.0), MOST_HALVINGS_AUTOMATIC),
+            Sampling::Spacing(spacing) => (spacing * spacing, MOST_HALVINGS),
+        };
+        // A region that is no more than a line or a point gives no measure: one ray for each triangle then.
+        let longest_allowed = if squared_spacing > T::zero() { squared_spacing * T::of(2.0) } else { T::INFINITY };
+        Some(Self { region, longest_allowed, uncut: 0, halvings_left })
+    }
+
+    /// Offers the middles of the triangle's pieces that lie in the region, given its normal and area.
+    pub(super) fn cut(
+        &mut self,
+        mesh: &Mesh<T>,
+        triangle: u32,
+        normal: Vector3<T>,
+        area: T,
+        offer: &mut impl FnMut(Sample<T>),
+    ) {
+        let face = Face { triangle, vertices: mesh.topology().triangles()[triangle as usize], normal };
+        self.halve(&face, &Piece::whole(mesh.corners(triangle), area), offer);
+    }
+
+    /// Halves the piece at the middle of its longest edge until that edge is short enough, and offers the middle of
+    /// each part that lies in the region. Parts beside the region are dropped whole, so that a floor costs what lies
+    /// under the body.
+    fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, offer: &mut impl FnMut(Sample<T>)) {
+        if !Aabb::of_triangle(&piece.corners).overlaps(self.region) {
+            return;
+        }
+        let squares: [T; 3] = std::array::from_fn(|i| (piece.corners[i] - piece.corners[(i + 1) % 3]).norm_squared());
+        let longest = (1..3).fold(0, |best, i| if squares[i] > squares[best] { i } else { best });
+        let [from, to] = [longest, (longest + 1) % 3];
+        let half = T::of(0.5);
+        let middle = (piece.corners[from] + piece.corners[to]) * half;
+        let can_halve = middle != piece.corners[from] && middle != piece.corners[to] && piece.depth < DEEPEST;
+        // In this form NaN stops too.
+        let is_too_long = squares[longest] > self.longest_allowed && can_halve;
+        if is_too_long && self.halvings_left > 0 {
+            self.halvings_left -= 1;
+            let weights = (piece.weights[from] + piece.weights[to]) * half;
+            for kept in [from, to] {
+                let (mut corners, mut all_weights) = (piece.corners, piece.weights);
+                let replaced = from + to - kept;
+                corners[replaced] = middle;
+                all_weights[replaced] = weights;
+                let part = Piece { corners, weights: all_weights, area: piece.area * half, depth: piece.depth + 1 };
+                self.halve(face, &part, offer);
+            }
+            return;
+        }
+        self.uncut += u64::from(is_too_long);
+        let (position, weights) = piece.middle();
+        if self.region.contains(&position) {
+            let point =
+                SurfacePoint { triangle: face.triangle, vertices: face.vertices, weights: weights.into(), position };
+            offer(Sample { point, normal: face.normal, area: piece.area });
+        }
+    }
+}

@@ -1,0 +1,409 @@
+//! Lanes in the registers of AVX-512: one for sixteen singles, two for sixteen doubles.
+//!
+//! Methods must only be reached inside a kernel that runs on this path: see `dispatch`. That is what every SAFETY line
+//! here leans on.
+#![allow(unsafe_code)]
+
+use super::{LANE_COUNT, Lanes, Mask};
+use crate::math::Vector3;
+use std::arch::x86_64::*;
+
+/// Sixteen `f32`.
+#[derive(Clone, Copy)]
+pub struct SinglesAvx512(__m512);
+
+/// Sixteen `f64`.
+#[derive(Clone, Copy)]
+pub struct DoublesAvx512(__m512d, __m512d);
+
+/// Applies an operation to the register.
+macro_rules! each {
+    ($self:ident, $other:ident, $operation:ident) => {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { Self($operation($self.0, $other.0)) }
+    };
+}
+
+impl Lanes<f32> for SinglesAvx512 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn splat(value: f32) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        Self(unsafe { _mm512_set1_ps(value) })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load(from: &[f32; LANE_COUNT]) -> Self {
+        // SAFETY: as above; sixteen numbers may be read.
+        Self(unsafe { _mm512_loadu_ps(from.as_ptr()) })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store(self, to: &mut [f32; LANE_COUNT]) {
+        // SAFETY: as above; sixteen numbers may be written.
+        unsafe { _mm512_storeu_ps(to.as_mut_ptr(), self.0) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(self, other: Self) -> Self {
+        each!(self, other, _mm512_add_ps)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sub(self, other: Self) -> Self {
+        each!(self, other, _mm512_sub_ps)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mul(self, other: Self) -> Self {
+        each!(self, other, _mm512_mul_ps)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn div(self, other: Self) -> Self {
+        each!(self, other, _mm512_div_ps)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sqrt(self) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        Self(unsafe { _mm512_sqrt_ps(self.0) })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        Self(unsafe { _mm512_fmadd_ps(self.0, factor.0, term.0) })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn negate(self) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        Self(unsafe { _mm512_xor_ps(self.0, _mm512_set1_ps(-0.0)) })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn smaller(self, other: Self) -> Self {
+        each!(self, other, _mm512_min_ps)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn larger(self, other: Self) -> Self {
+        each!(self, other, _mm512_max_ps)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_less(self, other: Self) -> Mask {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_at_most(self, other: Self) -> Mask {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        Self(unsafe { _mm512_mask_blend_ps(a.is_less(b), other.0, this.0) })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512; sixteen bytes may be read.
+        unsafe {
+            let places = _mm512_cvtepu8_epi32(_mm_loadu_si128(places.as_ptr().cast()));
+            Self(_mm512_permutexvar_ps(places, self.0))
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn select(bits: Mask, this: Self, other: Self) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        Self(unsafe { _mm512_mask_blend_ps(bits, other.0, this.0) })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
+        let from = points.as_ptr().cast::<f32>();
+        // SAFETY: the kernel that runs this checked for AVX-512; all indices were found to be below the number of
+        // points, of three contiguous numbers each, which is below 2³² / 3.
+        unsafe {
+            let places = thrice(checked(indices, points.len()));
+            [
+                Self(_mm512_i32gather_ps::<4>(places, from)),
+                Self(_mm512_i32gather_ps::<4>(places, from.wrapping_add(1))),
+                Self(_mm512_i32gather_ps::<4>(places, from.wrapping_add(2))),
+            ]
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+        gather_indices(list, indices)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn smallest(self) -> f32 {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { _mm512_reduce_min_ps(self.0) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn greatest(self) -> f32 {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { _mm512_reduce_max_ps(self.0) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
+        append(list, count, first, bits)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
+        equal(indices, index)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
+        holding(sets, bits)
+    }
+}
+
+/// Applies an operation to each register.
+macro_rules! both {
+    ($self:ident, $other:ident, $operation:ident) => {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { Self($operation($self.0, $other.0), $operation($self.1, $other.1)) }
+    };
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn joined(low: __mmask8, high: __mmask8) -> Mask {
+    Mask::from(low) | Mask::from(high) << 8
+}
+
+impl Lanes<f64> for DoublesAvx512 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn splat(value: f64) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        let all = unsafe { _mm512_set1_pd(value) };
+        Self(all, all)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load(from: &[f64; LANE_COUNT]) -> Self {
+        // SAFETY: as above; sixteen numbers may be read.
+        unsafe { Self(_mm512_loadu_pd(from.as_ptr()), _mm512_loadu_pd(from[8..].as_ptr())) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store(self, to: &mut [f64; LANE_COUNT]) {
+        // SAFETY: as above; sixteen numbers may be written.
+        unsafe {
+            _mm512_storeu_pd(to.as_mut_ptr(), self.0);
+            _mm512_storeu_pd(to[8..].as_mut_ptr(), self.1);
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(self, other: Self) -> Self {
+        both!(self, other, _mm512_add_pd)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sub(self, other: Self) -> Self {
+        both!(self, other, _mm512_sub_pd)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mul(self, other: Self) -> Self {
+        both!(self, other, _mm512_mul_pd)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn div(self, other: Self) -> Self {
+        both!(self, other, _mm512_div_pd)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sqrt(self) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { Self(_mm512_sqrt_pd(self.0), _mm512_sqrt_pd(self.1)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { Self(_mm512_fmadd_pd(self.0, factor.0, term.0), _mm512_fmadd_pd(self.1, factor.1, term.1)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn negate(self) -> Self {
+        let signs = Self::splat(-0.0);
+        both!(self, signs, _mm512_xor_pd)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn smaller(self, other: Self) -> Self {
+        both!(self, other, _mm512_min_pd)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn larger(self, other: Self) -> Self {
+        both!(self, other, _mm512_max_pd)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_less(self, other: Self) -> Mask {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe {
+            joined(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0), _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.1, other.1))
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_at_most(self, other: Self) -> Mask {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe {
+            joined(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0), _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.1, other.1))
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe {
+            let low = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.0, b.0);
+            let high = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.1, b.1);
+            Self(_mm512_mask_blend_pd(low, other.0, this.0), _mm512_mask_blend_pd(high, other.1, this.1))
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
+        // SAFETY: the kernel that runs this checked for AVX-512; sixteen bytes may be read.
+        unsafe {
+            let places = _mm_loadu_si128(places.as_ptr().cast());
+            let low = _mm512_cvtepu8_epi64(places);
+            let high = _mm512_cvtepu8_epi64(_mm_unpackhi_epi64(places, places));
+            Self(_mm512_permutex2var_pd(self.0, low, self.1), _mm512_permutex2var_pd(self.0, high, self.1))
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn select(bits: Mask, this: Self, other: Self) -> Self {
+        let (low, high) = (bits as __mmask8, (bits >> 8) as __mmask8);
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { Self(_mm512_mask_blend_pd(low, other.0, this.0), _mm512_mask_blend_pd(high, other.1, this.1)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
+        let from = points.as_ptr().cast::<f64>();
+        // SAFETY: as for single numbers.
+        unsafe {
+            let places = thrice(checked(indices, points.len()));
+            let (low, high) = (_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places));
+            let [x, y, z] = [from, from.wrapping_add(1), from.wrapping_add(2)];
+            [
+                Self(_mm512_i32gather_pd::<8>(low, x), _mm512_i32gather_pd::<8>(high, x)),
+                Self(_mm512_i32gather_pd::<8>(low, y), _mm512_i32gather_pd::<8>(high, y)),
+                Self(_mm512_i32gather_pd::<8>(low, z), _mm512_i32gather_pd::<8>(high, z)),
+            ]
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+        gather_indices(list, indices)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn smallest(self) -> f64 {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { _mm512_reduce_min_pd(_mm512_min_pd(self.0, self.1)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn greatest(self) -> f64 {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { _mm512_reduce_max_pd(_mm512_max_pd(self.0, self.1)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
+        append(list, count, first, bits)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
+        equal(indices, index)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
+        holding(sets, bits)
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
+    // SAFETY: the kernel that runs this checked for AVX-512; sixteen indices may be read.
+    unsafe { _mm512_cmpeq_epi32_mask(_mm512_loadu_si512(indices.as_ptr().cast()), _mm512_set1_epi32(index as i32)) }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
+    // SAFETY: the kernel that runs this checked for AVX-512; sixteen sets may be read.
+    unsafe {
+        let bits = _mm256_set1_epi16(bits as i16);
+        let shared = _mm256_and_si256(_mm256_loadu_si256(sets.as_ptr().cast()), bits);
+        _mm256_cmpeq_epi16_mask(shared, bits)
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
+    let places: &mut [u32; LANE_COUNT] = (&mut list[count..count + LANE_COUNT]).try_into().expect("sixteen places");
+    // SAFETY: the kernel that runs this checked for AVX-512; sixteen places may be written.
+    unsafe {
+        let all = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+        let all = _mm512_add_epi32(all, _mm512_set1_epi32(first as i32));
+        _mm512_storeu_si512(places.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(bits, all));
+    }
+    count + bits.count_ones() as usize
+}
+
+/// The indices, if all are below `count`; and `count` is small enough for what follows.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn checked(indices: &[u32; LANE_COUNT], count: usize) -> __m512i {
+    assert!(count < i32::MAX as usize / 3, "too many points");
+    // SAFETY: the kernel that runs this checked for AVX-512; sixteen indices may be read.
+    let (indices, are_below) = unsafe {
+        let indices = _mm512_loadu_si512(indices.as_ptr().cast());
+        (indices, _mm512_cmplt_epu32_mask(indices, _mm512_set1_epi32(count as i32)))
+    };
+    assert!(are_below == Mask::MAX, "index out of range");
+    indices
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn thrice(indices: __m512i) -> __m512i {
+    // SAFETY: the kernel that runs this checked for AVX-512.
+    unsafe { _mm512_add_epi32(indices, _mm512_add_epi32(indices, indices)) }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+    let mut result = [0; LANE_COUNT];
+    let indices = checked(indices, list.len());
+    // SAFETY: the kernel that runs this checked for AVX-512; all indices were found to be within the list.
+    unsafe {
+        let found = _mm512_i32gather_epi32::<4>(indices, list.as_ptr().cast());
+        _mm512_storeu_si512(result.as_mut_ptr().cast(), found);
+    }
+    result
+}

@@ -1,0 +1,114 @@
+//! Sixteen numbers at once, whatever the processor: what the hot loops are written in.
+//!
+//! Every operation is that of IEEE 754 on each lane by itself, so that all paths, and the same arithmetic on single
+//! numbers, give the same bits.
+
+// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
+#![allow(clippy::needless_range_loop)]
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod dispatch;
+mod portable;
+mod vectors;
+
+pub(crate) use dispatch::{Kernel, dispatch};
+pub(crate) use vectors::Vectors;
+
+use super::Vector3;
+
+/// How many numbers go side by side.
+pub(crate) const LANE_COUNT: usize = 16;
+
+/// One bit for each lane; bit i is lane i's.
+pub(crate) type Mask = u16;
+
+/// Sixteen numbers.
+pub(crate) trait Lanes<T>: Copy {
+    fn splat(value: T) -> Self;
+    fn load(from: &[T; LANE_COUNT]) -> Self;
+    fn store(self, to: &mut [T; LANE_COUNT]);
+    fn add(self, other: Self) -> Self;
+    fn sub(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    fn div(self, other: Self) -> Self;
+    fn sqrt(self) -> Self;
+    /// self · factor + term, rounded once.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    fn negate(self) -> Self;
+    /// `if self < other { self } else { other }`.
+    fn smaller(self, other: Self) -> Self;
+    /// `if self > other { self } else { other }`.
+    fn larger(self, other: Self) -> Self;
+    /// Which lanes are less than the other's; none where either is NaN.
+    fn is_less(self, other: Self) -> Mask;
+    /// Which lanes are not above the other's; none where either is NaN.
+    fn is_at_most(self, other: Self) -> Mask;
+    /// `if a < b { self } else { other }`.
+    fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self;
+    /// Lane i of the result is lane `places[i]`, each below 16.
+    fn permute(self, places: &[u8; LANE_COUNT]) -> Self;
+    /// Lane i is this one's where bit i is set, else the other's.
+    fn select(bits: Mask, this: Self, other: Self) -> Self;
+    /// The coordinates of sixteen of the points.
+    ///
+    /// # Panics
+    /// Where there is no point of an index.
+    fn gather(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> [Self; 3];
+    /// Sixteen of the list's entries.
+    ///
+    /// # Panics
+    /// Where there is no entry of an index.
+    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT];
+    /// The smallest lane; none may be NaN.
+    fn smallest(self) -> T;
+    /// The largest lane; none may be NaN.
+    fn greatest(self) -> T;
+    /// Puts first + i for every bit i that is set behind the first `count` of the list; gives how many there are
+    /// then. Up to sixteen places behind those may be overwritten.
+    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize;
+    /// Which of sixteen indices are this one.
+    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask;
+    /// Which of sixteen sets have all these bits.
+    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask;
+
+    /// The absolute value, but for the sign of zero.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn magnitude(self) -> Self {
+        self.larger(self.negate())
+    }
+}
+
+/// The types of lanes for a number type, path by path.
+pub trait HasLanes: Sized {
+    /// For any processor.
+    #[allow(private_bounds)]
+    type Portable: Lanes<Self>;
+    /// For processors with AVX2 and FMA.
+    #[allow(private_bounds)]
+    type Avx2: Lanes<Self>;
+    /// For processors with AVX-512.
+    #[allow(private_bounds)]
+    type Avx512: Lanes<Self>;
+}
+
+macro_rules! has_lanes {
+    ($scalar:ty, $avx2:ident, $avx512:ident) => {
+        impl HasLanes for $scalar {
+            type Portable = portable::Portable<$scalar>;
+            #[cfg(target_arch = "x86_64")]
+            type Avx2 = avx2::$avx2;
+            #[cfg(target_arch = "x86_64")]
+            type Avx512 = avx512::$avx512;
+            #[cfg(not(target_arch = "x86_64"))]
+            type Avx2 = portable::Portable<$scalar>;
+            #[cfg(not(target_arch = "x86_64"))]
+            type Avx512 = portable::Portable<$scalar>;
+        }
+    };
+}
+
+has_lanes!(f32, SinglesAvx2, SinglesAvx512);
+has_lanes!(f64, DoublesAvx2, DoublesAvx512);

@@ -1,0 +1,200 @@
+use super::{LANE_COUNT, Lanes, Mask};
+use crate::math::Vector3;
+use nalgebra::RealField;
+
+/// Plain loops, for any processor.
+#[derive(Clone, Copy)]
+pub struct Portable<T>([T; LANE_COUNT]);
+
+impl<T: RealField + Copy> Portable<T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn zip(self, other: Self, operation: impl Fn(T, T) -> T) -> Self {
+        let mut result = self;
+        for i in 0..LANE_COUNT {
+            result.0[i] = operation(self.0[i], other.0[i]);
+        }
+        result
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn compare(self, other: Self, holds: impl Fn(T, T) -> bool) -> Mask {
+        let mut mask = 0;
+        for i in 0..LANE_COUNT {
+            mask |= Mask::from(holds(self.0[i], other.0[i])) << i;
+        }
+        mask
+    }
+}
+
+impl<T: RealField + Copy> Lanes<T> for Portable<T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn splat(value: T) -> Self {
+        Self([value; LANE_COUNT])
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load(from: &[T; LANE_COUNT]) -> Self {
+        Self(*from)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store(self, to: &mut [T; LANE_COUNT]) {
+        *to = self.0;
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sqrt(self) -> Self {
+        self.zip(self, |a, _| a.sqrt())
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        let mut result = self;
+        for i in 0..LANE_COUNT {
+            result.0[i] = self.0[i].mul_add(factor.0[i], term.0[i]);
+        }
+        result
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn negate(self) -> Self {
+        self.zip(self, |a, _| -a)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn smaller(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn larger(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_less(self, other: Self) -> Mask {
+        self.compare(other, |a, b| a < b)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_at_most(self, other: Self) -> Mask {
+        self.compare(other, |a, b| a <= b)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self {
+        let mut result = other;
+        for i in 0..LANE_COUNT {
+            result.0[i] = if a.0[i] < b.0[i] { this.0[i] } else { other.0[i] };
+        }
+        result
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
+        let mut result = self;
+        for i in 0..LANE_COUNT {
+            result.0[i] = self.0[usize::from(places[i]) % LANE_COUNT];
+        }
+        result
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn select(bits: Mask, this: Self, other: Self) -> Self {
+        let mut result = other;
+        for i in 0..LANE_COUNT {
+            result.0[i] = if bits >> i & 1 == 1 { this.0[i] } else { other.0[i] };
+        }
+        result
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
+        let mut result = [[T::zero(); LANE_COUNT]; 3];
+        for i in 0..LANE_COUNT {
+            let point = &points[indices[i] as usize];
+            (result[0][i], result[1][i], result[2][i]) = (point.x, point.y, point.z);
+        }
+        let [x, y, z] = result;
+        [Self(x), Self(y), Self(z)]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+        gather_indices_one_by_one(list, indices)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn smallest(self) -> T {
+        self.0.iter().fold(self.0[0], |a, &b| if b < a { b } else { a })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn greatest(self) -> T {
+        self.0.iter().fold(self.0[0], |a, &b| if b > a { b } else { a })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
+        append_one_by_one(list, count, first, bits)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
+        let mut mask = 0;
+        for i in 0..LANE_COUNT {
+            mask |= Mask::from(indices[i] == index) << i;
+        }
+        mask
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
+        let mut mask = 0;
+        for i in 0..LANE_COUNT {
+            mask |= Mask::from(sets[i] & bits == bits) << i;
+        }
+        mask
+    }
+}
+
+/// [`Lanes::append`] for processors without an instruction for it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn append_one_by_one(list: &mut [u32], mut count: usize, first: u32, mut bits: Mask) -> usize {
+    while bits != 0 {
+        list[count] = first + bits.trailing_zeros();
+        count += 1;
+        bits &= bits - 1;
+    }
+    count
+}
+
+/// [`Lanes::gather_indices`] for processors without an instruction for it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn gather_indices_one_by_one(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+    let mut result = [0; LANE_COUNT];
+    for i in 0..LANE_COUNT {
+        result[i] = list[indices[i] as usize];
+    }
+    result
+}

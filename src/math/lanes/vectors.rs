@@ -1,0 +1,133 @@
+use super::{LANE_COUNT, Lanes, Mask};
+use crate::math::{Scalar, Vector3};
+use std::marker::PhantomData;
+
+/// Sixteen vectors. Each operation rounds as the same one of [`Vector3`].
+#[derive(Clone, Copy)]
+pub(crate) struct Vectors<T, L> {
+    pub(crate) x: L,
+    pub(crate) y: L,
+    pub(crate) z: L,
+    scalar: PhantomData<T>,
+}
+
+impl<T: Scalar, L: Lanes<T>> Vectors<T, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn new(x: L, y: L, z: L) -> Self {
+        Self { x, y, z, scalar: PhantomData }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn splat(vector: &Vector3<T>) -> Self {
+        Self::new(L::splat(vector.x), L::splat(vector.y), L::splat(vector.z))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn zeros() -> Self {
+        let zero = L::splat(T::zero());
+        Self::new(zero, zero, zero)
+    }
+
+    /// Sixteen vectors, coordinate by coordinate.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn load([x, y, z]: &[[T; LANE_COUNT]; 3]) -> Self {
+        Self::new(L::load(x), L::load(y), L::load(z))
+    }
+
+    /// Sixteen of the points.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn gather(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> Self {
+        let [x, y, z] = L::gather(points, indices);
+        Self::new(x, y, z)
+    }
+
+    /// Lane i is this one's where bit i is set, else the other's.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn select(bits: Mask, this: Self, other: Self) -> Self {
+        Self::new(L::select(bits, this.x, other.x), L::select(bits, this.y, other.y), L::select(bits, this.z, other.z))
+    }
+
+    /// The smallest lane of each coordinate; none may be NaN.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn smallest_lanes(self) -> Vector3<T> {
+        Vector3::new(self.x.smallest(), self.y.smallest(), self.z.smallest())
+    }
+
+    /// The greatest lane of each coordinate; none may be NaN.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn greatest_lanes(self) -> Vector3<T> {
+        Vector3::new(self.x.greatest(), self.y.greatest(), self.z.greatest())
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn store(self, [x, y, z]: &mut [[T; LANE_COUNT]; 3]) {
+        self.x.store(x);
+        self.y.store(y);
+        self.z.store(z);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn add(self, other: Self) -> Self {
+        Self::new(self.x.add(other.x), self.y.add(other.y), self.z.add(other.z))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn sub(self, other: Self) -> Self {
+        Self::new(self.x.sub(other.x), self.y.sub(other.y), self.z.sub(other.z))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn scaled(self, factor: L) -> Self {
+        Self::new(self.x.mul(factor), self.y.mul(factor), self.z.mul(factor))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn divided(self, divisor: L) -> Self {
+        Self::new(self.x.div(divisor), self.y.div(divisor), self.z.div(divisor))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn negate(self) -> Self {
+        Self::new(self.x.negate(), self.y.negate(), self.z.negate())
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn smaller(self, other: Self) -> Self {
+        Self::new(self.x.smaller(other.x), self.y.smaller(other.y), self.z.smaller(other.z))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn larger(self, other: Self) -> Self {
+        Self::new(self.x.larger(other.x), self.y.larger(other.y), self.z.larger(other.z))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn magnitude(self) -> Self {
+        Self::new(self.x.magnitude(), self.y.magnitude(), self.z.magnitude())
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn largest(self) -> L {
+        self.x.larger(self.y).larger(self.z)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn dot(self, other: Self) -> L {
+        self.x.mul(other.x).add(self.y.mul(other.y)).add(self.z.mul(other.z))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn cross(self, other: Self) -> Self {
+        Self::new(
+            self.y.mul(other.z).sub(self.z.mul(other.y)),
+            self.z.mul(other.x).sub(self.x.mul(other.z)),
+            self.x.mul(other.y).sub(self.y.mul(other.x)),
+        )
+    }
+
+    /// Which lanes are at most the other's in every coordinate.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn are_at_most(self, other: Self) -> Mask {
+        self.x.is_at_most(other.x) & self.y.is_at_most(other.y) & self.z.is_at_most(other.z)
+    }
+}

@@ -1,0 +1,147 @@
+use super::{Mesh, RING_LENGTH, VertexNormal};
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
+
+/// Sixteen points with their normals, coordinate by coordinate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NormalLanes<T: Scalar> {
+    /// Which lanes have a normal; the others hold nothing of use.
+    pub(crate) found: Mask,
+    pub(crate) position: [[T; LANE_COUNT]; 3],
+    /// Outward, of unit length.
+    pub(crate) normal: [[T; LANE_COUNT]; 3],
+    pub(crate) area: [T; LANE_COUNT],
+}
+
+impl<T: Scalar> NormalLanes<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { found: 0, position: [zeros; 3], normal: [zeros; 3], area: zeros }
+    }
+}
+
+impl<T: Scalar> Mesh<T> {
+    /// The normal at a vertex, from the positions of this step; `None` where the surrounding triangles have no area
+    /// or cancel out.
+    pub fn vertex_normal(&self, vertex: u32) -> Option<VertexNormal<T>> {
+        let base = self.positions()[vertex as usize];
+        let (mut sum, mut doubled_area) = (Vector3::zeros(), T::zero());
+        for pair in self.topology().ring(vertex).windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|other| self.positions()[other as usize] - base);
+            let normal = a.cross(&b);
+            sum += normal;
+            doubled_area += length(&normal);
+        }
+        Some(VertexNormal { normal: direction(&sum)?, area: doubled_area / T::of(6.0) })
+    }
+
+    /// [`vertex_normal`](Self::vertex_normal) of up to sixteen vertices, to the bit.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn vertex_normals<L: Lanes<T>>(&self, vertices: &[u32], found: &mut NormalLanes<T>) {
+        let count = vertices.len().min(LANE_COUNT);
+        let mut own = [vertices[0]; LANE_COUNT];
+        own[..count].copy_from_slice(&vertices[..count]);
+        let (rings, ring_start) = self.topology().rings();
+        let starts = L::gather_indices(ring_start, &own);
+        let longest = own.iter().map(|&vertex| self.topology().ring(vertex).len()).max().unwrap_or_default();
+        let base = Vectors::<T, L>::gather(self.positions(), &own);
+        base.store(&mut found.position);
+        let zero = L::splat(T::zero());
+        let (least, greatest) = (L::splat(T::SAFE_SQUARES.0), L::splat(T::SAFE_SQUARES.1));
+        let (mut sum, mut doubled_area) = (Vectors::zeros(), zero);
+        let mut unsafe_squares = 0;
+        let (mut before, mut has_length_before) = (Vectors::zeros(), 0);
+        for place in 0..longest {
+            let mut others = own;
+            if place < RING_LENGTH {
+                others = L::gather_indices(rings, &starts.map(|start| start + place as u32));
+            } else {
+                for (other, vertex) in others.iter_mut().zip(own) {
+                    // Beyond a ring's end the vertex itself: an edge of no length adds nothing.
+                    *other = *self.topology().ring(vertex).get(place).unwrap_or(&vertex);
+                }
+            }
+            let edge = Vectors::gather(self.positions(), &others).sub(base);
+            let has_length = zero.is_less(edge.magnitude().largest());
+            let normal = before.cross(edge);
+            let square = normal.dot(normal);
+            let is_safe = least.is_at_most(square) & square.is_at_most(greatest);
+            unsafe_squares |= !is_safe & has_length & has_length_before;
+            sum = sum.add(normal);
+            doubled_area = doubled_area.add(square.sqrt());
+            (before, has_length_before) = (edge, has_length);
+        }
+        let square = sum.dot(sum);
+        unsafe_squares |= !(least.is_at_most(square) & square.is_at_most(greatest));
+        sum.divided(square.sqrt()).store(&mut found.normal);
+        doubled_area.div(L::splat(T::of(6.0))).store(&mut found.area);
+        found.found = ((1u32 << count) - 1) as Mask;
+        let mut left = unsafe_squares & found.found;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            self.one_by_one(lane, own[lane], found);
+        }
+    }
+
+    /// The lane's normal with all care that too large and too small squares need.
+    #[cold]
+    fn one_by_one(&self, lane: usize, vertex: u32, found: &mut NormalLanes<T>) {
+        match self.vertex_normal(vertex) {
+            Some(VertexNormal { normal, area }) => {
+                (0..3).for_each(|axis| found.normal[axis][lane] = normal[axis]);
+                found.area[lane] = area;
+            }
+            None => found.found &= !(1 << lane),
+        }
+    }
+
+    /// The normals of up to sixteen triangles at their middles, with their areas; their corners into `corners`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn face_normals<L: Lanes<T>>(
+        &self,
+        triangles: &[u32],
+        corners: &mut [[[T; LANE_COUNT]; 3]; 3],
+        found: &mut NormalLanes<T>,
+    ) {
+        let count = triangles.len().min(LANE_COUNT);
+        let mut vertices = [[0; LANE_COUNT]; 3];
+        for lane in 0..LANE_COUNT {
+            let triangle = triangles[lane.min(count - 1)];
+            let [a, b, c] = self.topology().triangles()[triangle as usize];
+            (vertices[0][lane], vertices[1][lane], vertices[2][lane]) = (a, b, c);
+        }
+        let a = Vectors::<T, L>::gather(self.positions(), &vertices[0]);
+        let b = Vectors::gather(self.positions(), &vertices[1]);
+        let c = Vectors::gather(self.positions(), &vertices[2]);
+        a.store(&mut corners[0]);
+        b.store(&mut corners[1]);
+        c.store(&mut corners[2]);
+        let scaled = b.sub(a).cross(c.sub(a));
+        let square = scaled.dot(scaled);
+        let length = square.sqrt();
+        scaled.divided(length).store(&mut found.normal);
+        length.mul(L::splat(T::of(0.5))).store(&mut found.area);
+        a.add(b).add(c).scaled(L::splat(T::one() / T::of(3.0))).store(&mut found.position);
+        found.found = ((1u32 << count) - 1) as Mask;
+        let is_safe = L::splat(T::SAFE_SQUARES.0).is_at_most(square) & square.is_at_most(L::splat(T::SAFE_SQUARES.1));
+        let mut left = !is_safe & found.found;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            self.one_face(lane, triangles[lane], found);
+        }
+    }
+
+    /// The lane's normal with all care that too large and too small squares need.
+    #[cold]
+    fn one_face(&self, lane: usize, triangle: u32, found: &mut NormalLanes<T>) {
+        let scaled = self.scaled_normal(triangle);
+        match direction(&scaled) {
+            Some(normal) => {
+                (0..3).for_each(|axis| found.normal[axis][lane] = normal[axis]);
+                found.area[lane] = length(&scaled) * T::of(0.5);
+            }
+            None => found.found &= !(1 << lane),
+        }
+    }
+}

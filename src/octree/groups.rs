@@ -1,0 +1,54 @@
+use super::{Cells, Tracer};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Scalar};
+
+/// The surface in groups of neighbouring vertices and triangles, at most sixteen of each: where rays start, group by
+/// group. Each vertex and each triangle belongs to one of them.
+impl<T: Scalar> Tracer<'_, T> {
+    /// All groups that may have something in the region, in ascending order, into `groups`, which is cleared first.
+    pub(crate) fn groups_in(&self, region: &Aabb<T>, groups: &mut Vec<u32>) {
+        groups.clear();
+        match self.cells {
+            Cells::Wide(cells) => cells.tiles_in(region, groups),
+            Cells::Classic(_) => {
+                let topology = self.mesh().topology();
+                let largest = topology.surface_vertices().len().max(topology.triangles().len());
+                groups.extend(0..largest.div_ceil(LANE_COUNT) as u32);
+            }
+        }
+    }
+
+    /// Puts those of a group's vertices that lie in the region behind the `count` that are there; gives how many there
+    /// are then.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn vertices_in<L: Lanes<T>>(
+        &self,
+        group: u32,
+        region: &Aabb<T>,
+        vertices: &mut [u32; 2 * LANE_COUNT],
+        mut count: usize,
+    ) -> usize {
+        if let Cells::Wide(cells) = self.cells {
+            return cells.own_vertices_in::<L>(group, region, vertices, count);
+        }
+        let all = self.mesh().topology().surface_vertices();
+        for &vertex in all.chunks(LANE_COUNT).nth(group as usize).unwrap_or_default() {
+            if region.contains(&self.mesh().positions()[vertex as usize]) {
+                vertices[count] = vertex;
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// A group's triangles.
+    pub(crate) fn triangles_of(&self, group: u32, offer: impl FnMut(u32)) {
+        match self.cells {
+            Cells::Wide(cells) => cells.triangles_of(group).iter().copied().for_each(offer),
+            Cells::Classic(_) => {
+                let count = self.mesh().topology().triangles().len() as u32;
+                let first = group * LANE_COUNT as u32;
+                (first..(first + LANE_COUNT as u32).min(count)).for_each(offer);
+            }
+        }
+    }
+}

@@ -1,0 +1,68 @@
+use super::Wide;
+use super::node::BoxQuery;
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
+use crate::octree::wide::trace::STACK_SIZE;
+
+/// Finds the tiles whose boxes meet a region.
+pub(in crate::octree) struct TilesInRegion<'a, T: Scalar> {
+    pub(in crate::octree) cells: &'a Wide<T>,
+    pub(in crate::octree) region: &'a Aabb<T>,
+    pub(in crate::octree) tiles: &'a mut Vec<u32>,
+}
+
+impl<T: Scalar> Kernel<T> for TilesInRegion<'_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let query = BoxQuery::new(self.region);
+        let mut stack = [0u32; STACK_SIZE];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let node = &self.cells.nodes[stack[waiting] as usize];
+            let mut met = query.meets::<L>(node);
+            if !node.is_leaf {
+                waiting = L::append(&mut stack, waiting, node.first, met);
+                continue;
+            }
+            while met != 0 {
+                self.tiles.push(node.first + met.trailing_zeros());
+                met &= met - 1;
+            }
+        }
+    }
+}
+
+impl<T: Scalar> Wide<T> {
+    pub(in crate::octree) fn tiles_in(&self, region: &Aabb<T>, tiles: &mut Vec<u32>) {
+        crate::math::dispatch::<T, _>(TilesInRegion { cells: self, region, tiles });
+        tiles.sort_unstable();
+    }
+
+    /// A tile's own vertices that lie in the region, behind the `count` that are there; gives how many there are then.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::octree) fn own_vertices_in<L: Lanes<T>>(
+        &self,
+        tile: u32,
+        region: &Aabb<T>,
+        vertices: &mut [u32; 2 * LANE_COUNT],
+        mut count: usize,
+    ) -> usize {
+        let tile = &self.tiles[tile as usize];
+        let positions = Vectors::<T, L>::load(&tile.positions);
+        let inside =
+            Vectors::splat(&region.lower).are_at_most(positions) & positions.are_at_most(Vectors::splat(&region.upper));
+        let mut left = inside & tile.owned;
+        while left != 0 {
+            vertices[count] = tile.vertices[left.trailing_zeros() as usize];
+            count += 1;
+            left &= left - 1;
+        }
+        count
+    }
+
+    pub(in crate::octree) fn triangles_of(&self, tile: u32) -> &[u32] {
+        self.tiles[tile as usize].triangles()
+    }
+}

@@ -1,0 +1,69 @@
+use crate::math::{Aabb, LANE_COUNT, Mask, Scalar};
+
+/// At most so many triangles, and so many vertices, form a tile.
+pub(super) const TILE_SIZE: usize = LANE_COUNT;
+
+/// Up to 16 neighbouring triangles and their up to 16 vertices, at the present positions.
+#[derive(Clone, Debug)]
+pub(super) struct Tile<T: Scalar> {
+    /// Coordinates of the vertices, axis by axis; places beyond the last vertex repeat it.
+    pub(super) positions: [[T; TILE_SIZE]; 3],
+    /// The box around them.
+    pub(super) aabb: Aabb<T>,
+    /// The places of the triangles' first, second and third corners.
+    pub(super) corners: [[u8; TILE_SIZE]; 3],
+    /// Bit i: vertex i is a corner of the triangle.
+    pub(super) vertex_sets: [Mask; TILE_SIZE],
+    /// Which places hold a triangle.
+    pub(super) present: Mask,
+    /// Which vertices are this tile's own: each vertex is one tile's.
+    pub(super) owned: Mask,
+    pub(super) triangles: [u32; TILE_SIZE],
+    pub(super) vertices: [u32; TILE_SIZE],
+}
+
+impl<T: Scalar> Tile<T> {
+    /// The tile of some triangles; positions are yet to be loaded.
+    pub(super) fn new(all_triangles: &[[u32; 3]], triangles: &[u32]) -> Self {
+        let mut tile = Self {
+            positions: [[T::zero(); TILE_SIZE]; 3],
+            aabb: Aabb::empty(),
+            corners: [[0; TILE_SIZE]; 3],
+            vertex_sets: [0; TILE_SIZE],
+            present: ((1u32 << triangles.len()) - 1) as Mask,
+            owned: 0,
+            triangles: [u32::MAX; TILE_SIZE],
+            vertices: [u32::MAX; TILE_SIZE],
+        };
+        let mut vertex_count = 0;
+        for (place, &triangle) in triangles.iter().enumerate() {
+            tile.triangles[place] = triangle;
+            for (corner, &vertex) in all_triangles[triangle as usize].iter().enumerate() {
+                let known = tile.vertices[..vertex_count].iter().position(|&v| v == vertex);
+                let vertex_place = known.unwrap_or_else(|| {
+                    tile.vertices[vertex_count] = vertex;
+                    vertex_count += 1;
+                    vertex_count - 1
+                });
+                tile.corners[corner][place] = vertex_place as u8;
+                tile.vertex_sets[place] |= 1 << vertex_place;
+            }
+        }
+        let last = tile.vertices[vertex_count - 1];
+        tile.vertices[vertex_count..].fill(last);
+        tile
+    }
+
+    /// Makes those vertices its own that are no other tile's yet.
+    pub(super) fn own_vertices(&mut self, is_owned: &mut [bool]) {
+        for (place, &vertex) in self.vertices.iter().enumerate() {
+            if !std::mem::replace(&mut is_owned[vertex as usize], true) {
+                self.owned |= 1 << place;
+            }
+        }
+    }
+
+    pub(super) fn triangles(&self) -> &[u32] {
+        &self.triangles[..self.present.count_ones() as usize]
+    }
+}

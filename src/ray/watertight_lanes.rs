@@ -1,0 +1,125 @@
+// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
+#![allow(clippy::needless_range_loop)]
+
+use super::ShearedRay;
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+
+/// The corners of sixteen triangles, each with the ray to be tested against it: coordinate by coordinate, in the order
+/// of the ray's own axes.
+#[derive(Clone, Debug)]
+pub(crate) struct TriangleLanes<T: Scalar> {
+    corners: [[[T; LANE_COUNT]; 3]; 3],
+    origin: [[T; LANE_COUNT]; 3],
+    shear: [[T; LANE_COUNT]; 3],
+}
+
+/// Hits of sixteen rays with a triangle each.
+#[derive(Clone, Debug)]
+pub(crate) struct HitLanes<T: Scalar> {
+    /// Which lanes have a hit; the others hold nothing of use.
+    pub(crate) found: Mask,
+    /// Which rays leave.
+    pub(crate) exits: Mask,
+    pub(crate) t: [T; LANE_COUNT],
+    pub(crate) weights: [[T; LANE_COUNT]; 3],
+}
+
+impl<T: Scalar> HitLanes<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { found: 0, exits: 0, t: zeros, weights: [zeros; 3] }
+    }
+}
+
+impl<T: Scalar> TriangleLanes<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [[T::zero(); LANE_COUNT]; 3];
+        Self { corners: [zeros; 3], origin: zeros, shear: zeros }
+    }
+
+    /// Puts a triangle and its ray into a lane.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn set(&mut self, lane: usize, ray: &ShearedRay<T>, corners: [&Vector3<T>; 3]) {
+        let axes = ray.axes();
+        for place in 0..3 {
+            let axis = axes[place];
+            self.origin[place][lane] = ray.origin[place];
+            self.shear[place][lane] = ray.shear[place];
+            for corner in 0..3 {
+                self.corners[corner][place][lane] = corners[corner][axis];
+            }
+        }
+    }
+
+    /// [`ShearedRay::intersect`] in every lane, to the bit.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn intersect<L: Lanes<T>>(&self, hits: &mut HitLanes<T>) {
+        let (origin, shear) = (Vectors::<T, L>::load(&self.origin), Vectors::load(&self.shear));
+        let a = project(Vectors::load(&self.corners[0]), origin, shear);
+        let b = project(Vectors::load(&self.corners[1]), origin, shear);
+        let c = project(Vectors::load(&self.corners[2]), origin, shear);
+        let (u, v, w) = (edge_function(c, b), edge_function(a, c), edge_function(b, a));
+        let zero = L::splat(T::zero());
+        let all_right = zero.is_at_most(u) & zero.is_at_most(v) & zero.is_at_most(w);
+        let all_left = u.is_at_most(zero) & v.is_at_most(zero) & w.is_at_most(zero);
+        let determinant = u.add(v).add(w);
+        let exits = determinant.is_less(zero);
+        let has_area = exits | zero.is_less(determinant);
+        let t = u.mul(a.z).add(v.mul(b.z)).add(w.mul(c.z)).div(determinant);
+        let is_ahead = zero.is_at_most(t) & t.is_at_most(L::splat(T::LARGEST));
+        hits.found = (all_right | all_left) & has_area & is_ahead;
+        hits.exits = exits;
+        t.store(&mut hits.t);
+        Vectors::new(u, v, w).divided(determinant).store(&mut hits.weights);
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn project<T: Scalar, L: Lanes<T>>(
+    corner: Vectors<T, L>,
+    origin: Vectors<T, L>,
+    shear: Vectors<T, L>,
+) -> Vectors<T, L> {
+    let from_origin = corner.sub(origin);
+    Vectors::new(
+        from_origin.x.sub(shear.x.mul(from_origin.z)),
+        from_origin.y.sub(shear.y.mul(from_origin.z)),
+        shear.z.mul(from_origin.z),
+    )
+}
+
+/// That of the test of single triangles.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn edge_function<T: Scalar, L: Lanes<T>>(p: Vectors<T, L>, q: Vectors<T, L>) -> L {
+    let right = p.y.mul(q.x);
+    let right_error = p.y.negate().mul_add(q.x, right);
+    p.x.mul_add(q.y, right.negate()).add(right_error)
+}
+
+impl<T: Scalar> ShearedRay<T> {
+    /// Of a group of up to sixteen triangles with up to sixteen vertices, given axis by axis and by the places of
+    /// their corners, those that the ray may meet: that have no two edge functions of opposite signs. A rounded edge
+    /// function that is not zero has the exact one's sign, so none that [`intersect`](Self::intersect) accepts is left
+    /// out.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn may_meet<L: Lanes<T>>(
+        &self,
+        positions: &[[T; LANE_COUNT]; 3],
+        corners: &[[u8; LANE_COUNT]; 3],
+    ) -> Mask {
+        let [x, y, z] = self.axes();
+        let along = L::load(&positions[z]).sub(L::splat(self.origin.z));
+        let right = L::load(&positions[x]).sub(L::splat(self.origin.x)).sub(L::splat(self.shear.x).mul(along));
+        let up = L::load(&positions[y]).sub(L::splat(self.origin.y)).sub(L::splat(self.shear.y).mul(along));
+        let (ax, ay) = (right.permute(&corners[0]), up.permute(&corners[0]));
+        let (bx, by) = (right.permute(&corners[1]), up.permute(&corners[1]));
+        let (cx, cy) = (right.permute(&corners[2]), up.permute(&corners[2]));
+        let u = cx.mul(by).sub(cy.mul(bx));
+        let v = ax.mul(cy).sub(ay.mul(cx));
+        let w = bx.mul(ay).sub(by.mul(ax));
+        let zero = L::splat(T::zero());
+        let any_right = zero.is_less(u.larger(v).larger(w));
+        let any_left = u.smaller(v).smaller(w).is_less(zero);
+        !(any_right & any_left)
+    }
+}
