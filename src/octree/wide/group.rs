@@ -5,9 +5,9 @@ use crate::mesh::Mesh;
 /// The centre of a tile's box, and the tile.
 type Place<T> = (Vector3<T>, u32);
 
-/// Groups tiles, given by their triangles, into nodes of up to eight children, from the root down: a set of tiles is
-/// halved along the longest side of its centres' box, the halves again, and those again. Gives the tiles in the order in
-/// which the nodes lead to them, so that neighbours in space are neighbours in memory.
+/// Groups tiles, given by their triangles, into nodes of up to sixteen children, from the root down: a set of tiles is
+/// halved along the longest side of its centres' box again and again, at places that leave as few nodes as can be. Gives
+/// the tiles in the order in which the nodes lead to them, so that neighbours in space are neighbours in memory.
 pub(super) fn group<T: Scalar>(mesh: &Mesh<T>, mut tiles: Vec<Vec<u32>>) -> (Vec<Node<T>>, Vec<Vec<u32>>) {
     let mut places: Vec<Place<T>> = tiles
         .iter()
@@ -26,7 +26,7 @@ pub(super) fn group<T: Scalar>(mesh: &Mesh<T>, mut tiles: Vec<Vec<u32>>) -> (Vec
 /// The nodes above these tiles, level by level, so that a node's children follow one another. Tiles are numbered in the
 /// order in which they are left.
 fn nodes_above<T: Scalar>(places: &mut [Place<T>]) -> Vec<Node<T>> {
-    let mut nodes = Vec::with_capacity(places.len() / 4 + 1);
+    let mut nodes = Vec::with_capacity(places.len() / 8 + 1);
     // The tiles of each node, in the order of the nodes.
     let mut parts = vec![(0, places)];
     let mut first_child = 1;
@@ -37,32 +37,42 @@ fn nodes_above<T: Scalar>(places: &mut [Place<T>]) -> Vec<Node<T>> {
                 nodes.push(Node::new(first_tile, part.len(), true));
                 continue;
             }
-            nodes.push(Node::new(first_child, CHILD_COUNT, false));
-            first_child += CHILD_COUNT as u32;
-            let mut next = first_tile;
-            for part in in_eight(part) {
-                let first = next;
-                next += part.len() as u32;
-                below.push((first, part));
+            // How many tiles a child can hold, if all below it are full.
+            let mut capacity = CHILD_COUNT;
+            while capacity * CHILD_COUNT < part.len() {
+                capacity *= CHILD_COUNT;
             }
+            let before = below.len();
+            cut(part, capacity, first_tile, &mut below);
+            let child_count = below.len() - before;
+            nodes.push(Node::new(first_child, child_count, false));
+            first_child += child_count as u32;
         }
         parts = below;
     }
     nodes
 }
 
-fn in_eight<T: Scalar>(places: &mut [Place<T>]) -> impl Iterator<Item = &mut [Place<T>]> {
-    let (a, b) = halves(places);
-    [a, b].into_iter().flat_map(|half| <[_; 2]>::from(halves(half))).flat_map(|half| <[_; 2]>::from(halves(half)))
-}
-
-fn halves<T: Scalar>(places: &mut [Place<T>]) -> (&mut [Place<T>], &mut [Place<T>]) {
+/// Halves a set until no part is above the capacity.
+fn cut<'a, T: Scalar>(
+    places: &'a mut [Place<T>],
+    capacity: usize,
+    first: u32,
+    parts: &mut Vec<(u32, &'a mut [Place<T>])>,
+) {
+    if places.len() <= capacity {
+        parts.push((first, places));
+        return;
+    }
+    // About the middle, and so that one half is all full parts.
+    let middle = (places.len() / 2).next_multiple_of(capacity);
     let mut centres = Aabb::empty();
     places.iter().for_each(|(centre, _)| centres.include(centre));
     let axis = (centres.upper - centres.lower).imax();
-    let middle = places.len() / 2;
     places.select_nth_unstable_by(middle, |(a, i), (b, j)| {
         a[axis].partial_cmp(&b[axis]).unwrap_or(std::cmp::Ordering::Equal).then(i.cmp(j))
     });
-    places.split_at_mut(middle)
+    let (left, right) = places.split_at_mut(middle);
+    cut(left, capacity, first, parts);
+    cut(right, capacity, first + middle as u32, parts);
 }

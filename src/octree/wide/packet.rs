@@ -1,4 +1,4 @@
-use super::node::BoxQuery;
+use super::node::BoxLanes;
 use super::trace::STACK_SIZE;
 use super::{CHILD_COUNT, Wide};
 use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
@@ -192,7 +192,7 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         return;
     }
     let slabs = PacketSlabs::<T, L>::new(packet, end, mesh.aabb());
-    let query = BoxQuery::new(&slabs.box_around(packet, asked, mesh.aabb()));
+    let around = BoxLanes::new(&slabs.box_around(packet, asked, mesh.aabb()));
     let mut stack = [0u32; STACK_SIZE];
     let mut waiting = 1;
     while waiting > 0 {
@@ -200,7 +200,7 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         while waiting > 0 && tile_count <= TILES_AT_ONCE - CHILD_COUNT {
             waiting -= 1;
             let node = &cells.nodes[stack[waiting] as usize];
-            let met = query.meets::<L>(node);
+            let met = node.meets::<L>(&around);
             if node.is_leaf {
                 tile_count = L::append(&mut list.tiles, tile_count, node.first, met);
             } else {

@@ -21,7 +21,7 @@ impl<T: Scalar> Kernel<T> for Refit<'_, T> {
             let Node { first, count, is_leaf, .. } = nodes[index];
             for place in 0..count as usize {
                 let child = first as usize + place;
-                let aabb = if is_leaf { tiles[child].aabb } else { nodes[child].aabb() };
+                let aabb = if is_leaf { tiles[child].aabb } else { nodes[child].aabb::<L>() };
                 nodes[index].set_box(place, &aabb);
             }
         }

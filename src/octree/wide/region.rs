@@ -1,5 +1,5 @@
 use super::Wide;
-use super::node::BoxQuery;
+use super::node::BoxLanes;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
 use crate::octree::wide::trace::STACK_SIZE;
 
@@ -15,13 +15,13 @@ impl<T: Scalar> Kernel<T> for TilesInRegion<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let query = BoxQuery::new(self.region);
+        let region = BoxLanes::new(self.region);
         let mut stack = [0u32; STACK_SIZE];
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
             let node = &self.cells.nodes[stack[waiting] as usize];
-            let mut met = query.meets::<L>(node);
+            let mut met = node.meets::<L>(&region);
             if !node.is_leaf {
                 waiting = L::append(&mut stack, waiting, node.first, met);
                 continue;

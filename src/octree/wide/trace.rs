@@ -3,9 +3,9 @@ use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar};
 use crate::octree::slabs::Slabs;
 use crate::ray::{PreparedRay, Ray};
 
-/// Nodes that can wait at once: seven for each level but the last, and 2³² tiles have no more than eleven levels; and
+/// Nodes that can wait at once: fifteen for each level but the last, and 2³² tiles have no more than eight levels; and
 /// room behind them that may be overwritten.
-pub(super) const STACK_SIZE: usize = 80 + LANE_COUNT;
+pub(super) const STACK_SIZE: usize = 15 * 8 + LANE_COUNT;
 
 /// One ray's way through the cells.
 pub(super) struct Walk<'a, T: Scalar, V> {
@@ -75,28 +75,18 @@ impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
 /// origin.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn entries<T: Scalar, L: Lanes<T>>(slabs: &Slabs<T>, node: &Node<T>) -> [T; CHILD_COUNT] {
-    let mut enters = [-T::INFINITY; CHILD_COUNT];
-    let mut leaves = [T::INFINITY; CHILD_COUNT];
-    let mut signs = [T::one(); LANE_COUNT];
-    signs[CHILD_COUNT..].fill(-T::one());
-    let signs = L::load(&signs);
-    let margin = signs.mul(L::splat(slabs.margin));
+    let margin = L::splat(slabs.margin);
+    let (mut enters, mut leaves) = (L::splat(-T::INFINITY), L::splat(T::INFINITY));
     for axis in 0..3 {
-        let mut at = [T::zero(); LANE_COUNT];
-        let faces = L::load(&node.bounds[axis]).mul(signs);
+        let (origin, inverse) = (L::splat(slabs.origin[axis]), L::splat(slabs.inverse[axis]));
         // The margin after the difference: far from the world's origin it would vanish in the face's own rounding.
-        let from_origin = faces.sub(L::splat(slabs.origin[axis])).sub(margin);
-        from_origin.mul(L::splat(slabs.inverse[axis])).store(&mut at);
-        for child in 0..CHILD_COUNT {
-            let (a, b) = (at[child], at[child + CHILD_COUNT]);
-            let (from, to) = if a < b { (a, b) } else { (b, a) };
-            enters[child] = if from > enters[child] { from } else { enters[child] };
-            leaves[child] = if to < leaves[child] { to } else { leaves[child] };
-        }
+        let at_lower = L::load(&node.lower[axis]).sub(origin).sub(margin).mul(inverse);
+        let at_upper = L::load(&node.upper[axis]).sub(origin).add(margin).mul(inverse);
+        enters = at_lower.smaller(at_upper).larger(enters);
+        leaves = at_upper.larger(at_lower).smaller(leaves);
     }
-    for child in 0..CHILD_COUNT {
-        let met = (enters[child] <= leaves[child]) & (leaves[child] >= T::zero());
-        enters[child] = if met { enters[child] } else { T::of(f64::NAN) };
-    }
-    enters
+    let met = enters.is_at_most(leaves) & L::splat(T::zero()).is_at_most(leaves);
+    let mut entries = [T::zero(); CHILD_COUNT];
+    L::select(met, enters, L::splat(T::of(f64::NAN))).store(&mut entries);
+    entries
 }

@@ -1,5 +1,5 @@
 use super::Wide;
-use super::node::CHILD_COUNT;
+use super::node::{CHILD_COUNT, Node};
 use super::tile::{TILE_SIZE, Tile};
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
@@ -46,7 +46,7 @@ impl<T: Scalar> Wide<T> {
                     return Err(format!("node {child} comes before its parent {index}"));
                 } else {
                     nodes[child] += 1;
-                    self.nodes[child].aabb()
+                    around_children(&self.nodes[child])
                 };
                 if node.child_box(place) != aabb {
                     return Err(format!("box {place} of node {index} is not the one around its child"));
@@ -60,6 +60,14 @@ impl<T: Scalar> Wide<T> {
         not_one("node", &nodes)?;
         not_one("tile", &tiles)
     }
+}
+
+fn around_children<T: Scalar>(node: &Node<T>) -> Aabb<T> {
+    let boxes = (0..node.count as usize).map(|place| node.child_box(place));
+    boxes.fold(Aabb::empty(), |around, child| Aabb {
+        lower: around.lower.inf(&child.lower),
+        upper: around.upper.sup(&child.upper),
+    })
 }
 
 impl<T: Scalar> Tile<T> {
