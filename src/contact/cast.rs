@@ -41,7 +41,7 @@ struct Rays<T: Scalar> {
     samples: NormalLanes<T>,
     origins: Origins<T>,
     packet: RayPacket<T>,
-    candidates: Candidates,
+    candidates: Candidates<T>,
     hits: PacketHits<T>,
 }
 

@@ -3,13 +3,15 @@ use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, 
 
 /// Sixteen points with their normals, coordinate by coordinate.
 #[derive(Clone, Copy, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
 pub(crate) struct NormalLanes<T: Scalar> {
-    /// Which lanes have a normal; the others hold nothing of use.
-    pub(crate) found: Mask,
     pub(crate) position: [[T; LANE_COUNT]; 3],
     /// Outward, of unit length.
     pub(crate) normal: [[T; LANE_COUNT]; 3],
     pub(crate) area: [T; LANE_COUNT],
+    /// Which lanes have a normal; the others hold nothing of use.
+    pub(crate) found: Mask,
 }
 
 impl<T: Scalar> NormalLanes<T> {
@@ -42,7 +44,10 @@ impl<T: Scalar> Mesh<T> {
         own[..count].copy_from_slice(&vertices[..count]);
         let (rings, ring_start) = self.topology().rings();
         let starts = L::gather_indices(ring_start, &own);
-        let longest = own.iter().map(|&vertex| self.topology().ring(vertex).len()).max().unwrap_or_default();
+        let mut longest = 0;
+        for &vertex in &own {
+            longest = longest.max(self.topology().ring(vertex).len());
+        }
         let base = Vectors::<T, L>::gather(self.positions(), &own);
         base.store(&mut found.position);
         let zero = L::splat(T::zero());

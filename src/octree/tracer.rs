@@ -99,7 +99,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     pub(crate) fn nearest_of_packet<L: Lanes<T>>(
         &self,
         packet: &RayPacket<T>,
-        list: &mut Candidates,
+        list: &mut Candidates<T>,
         hits: &mut PacketHits<T>,
     ) {
         match (self.cells, self.test) {
@@ -125,7 +125,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         asked: Mask,
         end: &[T; LANE_COUNT],
         touched: &[[u32; 3]; LANE_COUNT],
-        list: &mut Candidates,
+        list: &mut Candidates<T>,
     ) -> Mask {
         match (self.cells, self.test) {
             (Cells::Wide(cells), TriangleTest::Watertight) => {

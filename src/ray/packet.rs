@@ -6,15 +6,17 @@ use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
 
 /// Up to sixteen rays side by side, each made ready for boxes and for the watertight triangle test.
 #[derive(Clone, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
 pub(crate) struct RayPacket<T: Scalar> {
-    /// Which lanes hold a ray.
-    pub(crate) present: Mask,
     pub(crate) origin: [[T; LANE_COUNT]; 3],
     pub(crate) direction: [[T; LANE_COUNT]; 3],
     pub(crate) t_max: [T; LANE_COUNT],
     /// 1 / direction, with a finite stand-in for 1/0 that keeps 0 · ∞ out of the planes of boxes.
     pub(crate) inverse: [[T; LANE_COUNT]; 3],
     pub(crate) sheared: [ShearedRay<T>; LANE_COUNT],
+    /// Which lanes hold a ray.
+    pub(crate) present: Mask,
 }
 
 impl<T: Scalar> RayPacket<T> {

@@ -7,6 +7,8 @@ use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
 /// The corners of sixteen triangles, each with the ray to be tested against it: coordinate by coordinate, in the order
 /// of the ray's own axes.
 #[derive(Clone, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
 pub(crate) struct TriangleLanes<T: Scalar> {
     corners: [[[T; LANE_COUNT]; 3]; 3],
     origin: [[T; LANE_COUNT]; 3],
@@ -15,13 +17,15 @@ pub(crate) struct TriangleLanes<T: Scalar> {
 
 /// Hits of sixteen rays with a triangle each.
 #[derive(Clone, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
 pub(crate) struct HitLanes<T: Scalar> {
+    pub(crate) t: [T; LANE_COUNT],
+    pub(crate) weights: [[T; LANE_COUNT]; 3],
     /// Which lanes have a hit; the others hold nothing of use.
     pub(crate) found: Mask,
     /// Which rays leave.
     pub(crate) exits: Mask,
-    pub(crate) t: [T; LANE_COUNT],
-    pub(crate) weights: [[T; LANE_COUNT]; 3],
 }
 
 impl<T: Scalar> HitLanes<T> {

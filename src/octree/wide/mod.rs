@@ -63,7 +63,7 @@ impl<T: Scalar> Wide<T> {
         &self,
         mesh: &Mesh<T>,
         packet: &RayPacket<T>,
-        list: &mut Candidates,
+        list: &mut Candidates<T>,
         hits: &mut PacketHits<T>,
     ) {
         packet::nearest::<T, L>(self, mesh, packet, list, hits);
@@ -79,7 +79,7 @@ impl<T: Scalar> Wide<T> {
         asked: Mask,
         end: &[T; LANE_COUNT],
         touched: &[[u32; 3]; LANE_COUNT],
-        list: &mut Candidates,
+        list: &mut Candidates<T>,
     ) -> Mask {
         packet::hidden::<T, L>(self, mesh, packet, asked, end, touched, list)
     }

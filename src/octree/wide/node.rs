@@ -5,6 +5,8 @@ pub(super) const CHILD_COUNT: usize = LANE_COUNT;
 
 /// Up to sixteen children's boxes, axis by axis; places beyond the last child hold boxes that nothing meets.
 #[derive(Clone, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
 pub(super) struct Node<T: Scalar> {
     pub(super) lower: [[T; CHILD_COUNT]; 3],
     pub(super) upper: [[T; CHILD_COUNT]; 3],

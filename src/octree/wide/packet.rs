@@ -7,14 +7,16 @@ use crate::ray::{Hit, HitLanes, RayPacket, TriangleLanes};
 
 /// Where each ray of a packet meets a mesh first.
 #[derive(Clone, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
 pub(crate) struct PacketHits<T: Scalar> {
+    pub(crate) triangle: [u32; LANE_COUNT],
+    pub(crate) t: [T; LANE_COUNT],
+    pub(crate) weights: [[T; LANE_COUNT]; 3],
     /// Which rays have a hit; places of the others hold nothing of use.
     pub(crate) found: Mask,
     /// Which rays meet the triangle from inside.
     pub(crate) exits: Mask,
-    pub(crate) triangle: [u32; LANE_COUNT],
-    pub(crate) t: [T; LANE_COUNT],
-    pub(crate) weights: [[T; LANE_COUNT]; 3],
 }
 
 impl<T: Scalar> PacketHits<T> {
@@ -56,7 +58,10 @@ const TILES_AT_ONCE: usize = 64;
 const CANDIDATES_AT_ONCE: usize = 256;
 
 /// Room for what is found on the way of a packet; with space behind each list that may be overwritten.
-pub(crate) struct Candidates {
+#[repr(C, align(64))]
+pub(crate) struct Candidates<T: Scalar> {
+    lanes: TriangleLanes<T>,
+    hits: HitLanes<T>,
     /// Tiles that the box around the packet meets.
     tiles: [u32; TILES_AT_ONCE + LANE_COUNT],
     /// 16 · place in `tiles` + ray, where the ray meets the tile's box.
@@ -64,9 +69,11 @@ pub(crate) struct Candidates {
     triangles: [Candidate; CANDIDATES_AT_ONCE + LANE_COUNT],
 }
 
-impl Candidates {
+impl<T: Scalar> Candidates<T> {
     pub(crate) fn new() -> Self {
         Self {
+            lanes: TriangleLanes::empty(),
+            hits: HitLanes::empty(),
             tiles: [0; TILES_AT_ONCE + LANE_COUNT],
             pairs: [0; (TILES_AT_ONCE + 1) * LANE_COUNT],
             triangles: [Candidate { triangle: 0, ray: 0 }; CANDIDATES_AT_ONCE + LANE_COUNT],
@@ -153,7 +160,7 @@ pub(super) fn nearest<T: Scalar, L: Lanes<T>>(
     cells: &Wide<T>,
     mesh: &Mesh<T>,
     packet: &RayPacket<T>,
-    list: &mut Candidates,
+    list: &mut Candidates<T>,
     hits: &mut PacketHits<T>,
 ) {
     hits.found = 0;
@@ -169,7 +176,7 @@ pub(super) fn hidden<T: Scalar, L: Lanes<T>>(
     asked: Mask,
     end: &[T; LANE_COUNT],
     touched: &[[u32; 3]; LANE_COUNT],
-    list: &mut Candidates,
+    list: &mut Candidates<T>,
 ) -> Mask {
     let mut answer = Hidden { end, touched, hidden: 0 };
     search::<T, L, _>(cells, mesh, packet, asked, end, list, &mut answer);
@@ -185,7 +192,7 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     packet: &RayPacket<T>,
     asked: Mask,
     end: &[T; LANE_COUNT],
-    list: &mut Candidates,
+    list: &mut Candidates<T>,
     answer: &mut A,
 ) {
     if asked == 0 {
@@ -233,7 +240,7 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
                     met &= met - 1;
                 }
             }
-            resolve::<T, L, A>(mesh, packet, &list.triangles[..listed], answer);
+            resolve::<T, L, A>(mesh, packet, list, listed, answer);
             listed = 0;
         }
     }
@@ -244,25 +251,25 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
 fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     mesh: &Mesh<T>,
     packet: &RayPacket<T>,
-    list: &[Candidate],
+    list: &mut Candidates<T>,
+    count: usize,
     answer: &mut A,
 ) {
-    let mut lanes = TriangleLanes::empty();
-    let mut hits = HitLanes::empty();
+    let Candidates { lanes, hits, triangles: list, .. } = list;
     let (triangles, positions) = (mesh.topology().triangles(), mesh.positions());
-    for candidates in list.chunks(LANE_COUNT) {
+    for candidates in list[..count].chunks(LANE_COUNT) {
         for (lane, candidate) in candidates.iter().enumerate() {
             let [a, b, c] = triangles[candidate.triangle as usize];
             let corners = [&positions[a as usize], &positions[b as usize], &positions[c as usize]];
             lanes.set(lane, &packet.sheared[candidate.ray as usize % LANE_COUNT], corners);
         }
-        lanes.intersect::<L>(&mut hits);
+        lanes.intersect::<L>(hits);
         let mut found = hits.found & ((1u32 << candidates.len()) - 1) as Mask;
         while found != 0 {
             let lane = found.trailing_zeros() as usize;
             found &= found - 1;
             let Candidate { triangle, ray } = candidates[lane];
-            answer.add(ray as usize % LANE_COUNT, triangle, &hits, lane);
+            answer.add(ray as usize % LANE_COUNT, triangle, hits, lane);
         }
     }
 }

@@ -5,11 +5,11 @@ pub(super) const TILE_SIZE: usize = LANE_COUNT;
 
 /// Up to 16 neighbouring triangles and their up to 16 vertices, at the present positions.
 #[derive(Clone, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
 pub(super) struct Tile<T: Scalar> {
     /// Coordinates of the vertices, axis by axis; places beyond the last vertex repeat it.
     pub(super) positions: [[T; TILE_SIZE]; 3],
-    /// The box around them.
-    pub(super) aabb: Aabb<T>,
     /// The places of the triangles' first, second and third corners.
     pub(super) corners: [[u8; TILE_SIZE]; 3],
     /// Bit i: vertex i is a corner of the triangle.
@@ -20,6 +20,8 @@ pub(super) struct Tile<T: Scalar> {
     pub(super) owned: Mask,
     pub(super) triangles: [u32; TILE_SIZE],
     pub(super) vertices: [u32; TILE_SIZE],
+    /// The box around the positions.
+    pub(super) aabb: Aabb<T>,
 }
 
 impl<T: Scalar> Tile<T> {
