@@ -1,10 +1,8 @@
-use super::cast::Cast;
 use super::edges::for_each_inside_stretch;
 use super::pair::Pair;
 use super::samples::Sample;
-use super::workspace::Workspace;
 use super::{Contact, ContactKind, ContactList, SurfacePoint};
-use crate::math::{Scalar, direction, dispatch};
+use crate::math::{Scalar, direction};
 use crate::ray::{Hit, Ray};
 
 /// One direction of a pair: the rays of one body through the other. Algorithm 1 of the paper.
@@ -15,15 +13,6 @@ pub(super) struct Direction<'a, T: Scalar> {
 }
 
 impl<T: Scalar> Direction<'_, T> {
-    /// Adds the contacts of the samples inside the overlap box.
-    pub(super) fn cast_samples(&self, contacts: &mut ContactList<T>) {
-        let ContactList { contacts, workspace, statistics } = contacts;
-        workspace.clear();
-        let Workspace { groups, surface, samples, .. } = workspace;
-        self.pair.tracers[self.side].groups_in(self.pair.region, groups);
-        dispatch::<T, _>(Cast { direction: self, groups, surface, statistics, contacts, pieces: samples });
-    }
-
     /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside; gives how many
     /// such stretches there are.
     pub(super) fn cast_edges(&self, contacts: &mut ContactList<T>) -> usize {

@@ -96,6 +96,22 @@ pub struct Statistics {
     pub escape_contacts: u64,
 }
 
+impl std::ops::AddAssign for Statistics {
+    fn add_assign(&mut self, more: Self) {
+        self.pairs += more.pairs;
+        self.rays += more.rays;
+        self.misses += more.misses;
+        self.entry_hits += more.entry_hits;
+        self.own_surface_hits += more.own_surface_hits;
+        self.without_normal += more.without_normal;
+        self.uncut_pieces += more.uncut_pieces;
+        self.edge_contacts += more.edge_contacts;
+        self.escapes_started += more.escapes_started;
+        self.escaping_pairs += more.escaping_pairs;
+        self.escape_contacts += more.escape_contacts;
+    }
+}
+
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
 /// Two lists are equal where their contacts and statistics are.
@@ -125,6 +141,12 @@ impl<T: Scalar> ContactList<T> {
         self.contacts.is_empty()
     }
 
+    /// An empty list for a query that may use all threads of the pool that runs it.
+    pub(crate) fn for_pool() -> Self {
+        let workspace = Workspace { is_parallel: true, ..Workspace::default() };
+        Self { workspace, ..Self::default() }
+    }
+
     /// Forgets everything but the memory.
     pub fn clear(&mut self) {
         self.contacts.clear();
@@ -134,17 +156,6 @@ impl<T: Scalar> ContactList<T> {
     /// Adds the contacts and counts of `other` after its own.
     pub fn append(&mut self, other: &Self) {
         self.contacts.extend_from_slice(&other.contacts);
-        let (sum, more) = (&mut self.statistics, &other.statistics);
-        sum.pairs += more.pairs;
-        sum.rays += more.rays;
-        sum.misses += more.misses;
-        sum.entry_hits += more.entry_hits;
-        sum.own_surface_hits += more.own_surface_hits;
-        sum.without_normal += more.without_normal;
-        sum.uncut_pieces += more.uncut_pieces;
-        sum.edge_contacts += more.edge_contacts;
-        sum.escapes_started += more.escapes_started;
-        sum.escaping_pairs += more.escaping_pairs;
-        sum.escape_contacts += more.escape_contacts;
+        self.statistics += other.statistics;
     }
 }

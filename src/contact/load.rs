@@ -21,6 +21,11 @@ impl<T: Scalar> CastSurface<T> {
         self.vector += normal * area;
     }
 
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.area += other.area;
+        self.vector += other.vector;
+    }
+
     /// How much of the pair's load this direction should carry, beside the other's number.
     ///
     /// Either direction alone integrates the pressure over the overlapped surface, but not equally well. Rays of a

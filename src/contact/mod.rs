@@ -1,6 +1,7 @@
 //! Contacts between surfaces: Algorithm 1 of the paper, and what goes beyond it.
 
 mod cast;
+mod chunks;
 mod cutter;
 mod direction;
 mod edges;

@@ -1,3 +1,4 @@
+use super::chunks::Chunk;
 use super::load::CastSurface;
 use super::samples::Sample;
 use crate::math::Scalar;
@@ -7,6 +8,9 @@ use crate::ray::{Hit, Ray};
 /// the contacts, so that a steady step allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Workspace<T: Scalar> {
+    /// Whether rays may be cast on several threads of the pool that runs the query.
+    pub(super) is_parallel: bool,
+    pub(super) chunks: Vec<Chunk<T>>,
     /// The groups of vertices or triangles that cast.
     pub(super) groups: Vec<u32>,
     pub(super) samples: Vec<Sample<T>>,

@@ -159,7 +159,8 @@ impl<T: Scalar> Scene<T> {
         let broad_phase = &self.broad_phase;
         let pairs = broad_phase.pairs();
         if self.pair_contacts.len() < pairs.len() {
-            self.pair_contacts.resize_with(pairs.len(), ContactList::default);
+            let new = || if parallel { ContactList::for_pool() } else { ContactList::default() };
+            self.pair_contacts.resize_with(pairs.len(), new);
         }
 
         remember(&mut self.memories, pairs);
