@@ -15,5 +15,6 @@ mod workspace;
 
 pub use list::{Contact, ContactKind, ContactList, Statistics, SurfacePoint};
 pub use memory::PairMemory;
+pub(crate) use pair::overlap_region;
 pub use pair::{DetectionOptions, detect_pair, query_pair};
 pub use samples::Sampling;

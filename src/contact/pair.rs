@@ -64,19 +64,24 @@ pub fn detect_pair<T: Scalar>(
     memory: Option<&mut PairMemory<T>>,
     contacts: &mut ContactList<T>,
 ) {
-    let overlap = tracers[0].mesh().aabb().intersection(tracers[1].mesh().aabb());
+    let (overlap, region) = overlap_region(tracers[0].mesh().aabb(), tracers[1].mesh().aabb());
     if overlap.is_empty() {
         return;
     }
     contacts.statistics.pairs += 1;
-    // Points on a face of one mesh that lies on the overlap box's own face must not fall outside by rounding.
-    let largest = overlap.lower.amax().max(overlap.upper.amax());
-    let region = overlap.grown(largest * T::ROUNDING_UNIT * T::of(8.0));
     let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options };
     match memory.filter(|_| options.escape) {
         Some(memory) => pair.detect_or_escape(memory, contacts),
         None => pair.detect_without_memory(contacts),
     }
+}
+
+/// The overlap box of two boxes, and the same with a margin: points on a face of one mesh that lies on the overlap box's
+/// own face must not fall outside by rounding.
+pub(crate) fn overlap_region<T: Scalar>(a: &Aabb<T>, b: &Aabb<T>) -> (Aabb<T>, Aabb<T>) {
+    let overlap = a.intersection(b);
+    let largest = overlap.lower.amax().max(overlap.upper.amax());
+    (overlap, overlap.grown(largest * T::ROUNDING_UNIT * T::of(8.0)))
 }
 
 /// Two bodies whose boxes overlap.

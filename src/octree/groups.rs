@@ -28,7 +28,7 @@ impl<T: Scalar> Tracer<'_, T> {
         mut count: usize,
     ) -> usize {
         if let Cells::Wide(cells) = self.cells {
-            return cells.own_vertices_in::<L>(group, region, vertices, count);
+            return cells.own_vertices_in::<L>(self.mesh(), group, region, vertices, count);
         }
         let all = self.mesh().topology().surface_vertices();
         for &vertex in all.chunks(LANE_COUNT).nth(group as usize).unwrap_or_default() {

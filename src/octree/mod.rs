@@ -11,7 +11,7 @@ mod wide;
 pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};
 
-use crate::math::Scalar;
+use crate::math::{Aabb, Scalar};
 use crate::mesh::{Mesh, Topology};
 use classic::Classic;
 use std::fmt;
@@ -86,6 +86,14 @@ impl<T: Scalar> Octree<T> {
     /// # Errors
     /// [`OctreeError::OtherMesh`]; the octree is then as before.
     pub fn update(&mut self, mesh: &Mesh<T>) -> Result<(), OctreeError> {
+        self.update_boxes(mesh)?;
+        if let Cells::Wide(cells) = &mut self.cells {
+            cells.load(mesh, None);
+        }
+        Ok(())
+    }
+
+    fn update_boxes(&mut self, mesh: &Mesh<T>) -> Result<(), OctreeError> {
         if !mesh.shares_topology_with(&self.topology) {
             return Err(OctreeError::OtherMesh);
         }
@@ -95,6 +103,25 @@ impl<T: Scalar> Octree<T> {
                 Cells::Classic(cells) => cells.build(mesh),
             }
             self.stamp = mesh.stamp();
+        }
+        Ok(())
+    }
+
+    /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and
+    /// rays there take longer. `tiles` is room for a list.
+    pub(crate) fn update_in(
+        &mut self,
+        mesh: &Mesh<T>,
+        regions: impl Iterator<Item = Aabb<T>>,
+        tiles: &mut Vec<u32>,
+    ) -> Result<(), OctreeError> {
+        self.update_boxes(mesh)?;
+        if let Cells::Wide(cells) = &mut self.cells {
+            for region in regions {
+                tiles.clear();
+                cells.tiles_in(&region, tiles);
+                cells.load(mesh, Some(tiles));
+            }
         }
         Ok(())
     }

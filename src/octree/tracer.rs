@@ -162,7 +162,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned, perhaps several times.
     fn visit(&self, ray: &Ray<T>, prepared: &PreparedRay<T>, visitor: &mut impl FnMut(u32) -> T) {
         match self.cells {
-            Cells::Wide(cells) => cells.visit(ray, prepared, self.mesh.aabb(), visitor),
+            Cells::Wide(cells) => cells.visit(ray, prepared, self.mesh, visitor),
             Cells::Classic(cells) => cells.visit(ray, self.mesh.aabb(), visitor),
         }
     }

@@ -6,12 +6,15 @@ use crate::math::{Aabb, Scalar};
 pub(super) struct BroadPhase<T: Scalar> {
     sorted: Vec<(Aabb<T>, u32)>,
     pairs: Vec<[u32; 2]>,
-    in_a_pair: Vec<bool>,
+    /// Every pair both ways, in ascending order.
+    meetings: Vec<[u32; 2]>,
+    /// The boxes by body; empty for a number without a body.
+    boxes: Vec<Aabb<T>>,
 }
 
 impl<T: Scalar> Default for BroadPhase<T> {
     fn default() -> Self {
-        Self { sorted: Vec::new(), pairs: Vec::new(), in_a_pair: Vec::new() }
+        Self { sorted: Vec::new(), pairs: Vec::new(), meetings: Vec::new(), boxes: Vec::new() }
     }
 }
 
@@ -19,9 +22,9 @@ impl<T: Scalar> BroadPhase<T> {
     /// Finds the pairs anew; `None` stands for a number without a body.
     pub(super) fn update(&mut self, boxes: impl Iterator<Item = Option<Aabb<T>>>) {
         self.sorted.clear();
-        self.in_a_pair.clear();
+        self.boxes.clear();
         for (body, aabb) in boxes.enumerate() {
-            self.in_a_pair.push(false);
+            self.boxes.push(aabb.unwrap_or_else(Aabb::empty));
             self.sorted.extend(aabb.map(|aabb| (aabb, body as u32)));
         }
         let axis = self.longest_axis();
@@ -39,9 +42,9 @@ impl<T: Scalar> BroadPhase<T> {
             }
         }
         self.pairs.sort_unstable();
-        for &body in self.pairs.as_flattened() {
-            self.in_a_pair[body as usize] = true;
-        }
+        self.meetings.clear();
+        self.meetings.extend(self.pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]));
+        self.meetings.sort_unstable();
     }
 
     /// Overlapping pairs, smaller number first, in ascending order.
@@ -49,9 +52,11 @@ impl<T: Scalar> BroadPhase<T> {
         &self.pairs
     }
 
-    /// Whether a body belongs to any pair.
-    pub(super) fn is_in_a_pair(&self, body: usize) -> bool {
-        self.in_a_pair[body]
+    /// The boxes of the bodies that meet this one.
+    pub(super) fn met_by(&self, body: usize) -> impl Iterator<Item = &Aabb<T>> {
+        let first = self.meetings.partition_point(|&[one, _]| (one as usize) < body);
+        let own = self.meetings[first..].iter().take_while(move |&&[one, _]| one as usize == body);
+        own.map(|&[_, other]| &self.boxes[other as usize])
     }
 
     /// The axis along which the scene is longest: there the fewest intervals meet.

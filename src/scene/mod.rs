@@ -2,7 +2,7 @@
 
 mod broad_phase;
 
-use crate::contact::{ContactList, DetectionOptions, PairMemory, detect_pair};
+use crate::contact::{ContactList, DetectionOptions, PairMemory, detect_pair, overlap_region};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
@@ -30,6 +30,8 @@ pub struct Scene<T: Scalar> {
 struct Body<T: Scalar> {
     mesh: Mesh<T>,
     octree: Octree<T>,
+    /// Room for a list of the octree's tiles.
+    tiles: Vec<u32>,
 }
 
 /// Why a scene refused something. Nothing was changed.
@@ -96,7 +98,7 @@ impl<T: Scalar> Scene<T> {
     /// Adds a body; gives its number: the smallest that is free.
     pub fn add(&mut self, mesh: Mesh<T>) -> u32 {
         let octree = Octree::new(&mesh);
-        let body = Some(Body { mesh, octree });
+        let body = Some(Body { mesh, octree, tiles: Vec::new() });
         match self.bodies.iter().position(Option::is_none) {
             Some(free) => {
                 self.bodies[free] = body;
@@ -167,8 +169,10 @@ impl<T: Scalar> Scene<T> {
 
         // Only bodies that meet another one need their octree.
         let update = |(index, body): (usize, &mut Option<Body<T>>)| {
-            if let Some(body) = body.as_mut().filter(|_| broad_phase.is_in_a_pair(index)) {
-                body.octree.update(&body.mesh).expect("a body keeps its own octree");
+            let mut others = broad_phase.met_by(index).peekable();
+            if let Some(Body { mesh, octree, tiles }) = body.as_mut().filter(|_| others.peek().is_some()) {
+                let regions = others.map(|other| overlap_region(mesh.aabb(), other).1);
+                octree.update_in(mesh, regions, tiles).expect("a body keeps its own octree");
             }
         };
         if parallel {

@@ -4,7 +4,7 @@
 //! here leans on.
 #![allow(unsafe_code)]
 
-use super::portable::{append_one_by_one, gather_indices_one_by_one};
+use super::portable::{append_one_by_one, bounds_one_by_one, gather_indices_one_by_one};
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -172,6 +172,11 @@ impl Lanes<f32> for SinglesAvx2 {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
+        singles_bounds(points, indices)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
         gather_indices_one_by_one(list, indices)
     }
@@ -281,6 +286,11 @@ impl Lanes<f64> for DoublesAvx2 {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
+        doubles_bounds(points, indices)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
         gather_indices_one_by_one(list, indices)
     }
@@ -347,4 +357,50 @@ fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
         let narrow = _mm_packs_epi16(_mm256_castsi256_si128(holding), _mm256_extracti128_si256::<1>(holding));
         _mm_movemask_epi8(narrow) as Mask
     }
+}
+
+/// [`Lanes::bounds`] with a point to a register, and what follows the point in memory beside it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn singles_bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
+    // Behind the last point there is nothing that may be read.
+    let count = points.len() as u32;
+    if indices.iter().any(|&index| index.saturating_add(1) >= count) {
+        return bounds_one_by_one(points, indices);
+    }
+    let [mut lower, mut upper] = [[0.0; 4]; 2];
+    // SAFETY: the kernel that runs this checked for AVX2; behind each of these points there is another.
+    unsafe {
+        let first = _mm_loadu_ps(points.as_ptr().add(indices[0] as usize).cast());
+        let (mut smallest, mut greatest) = (first, first);
+        for &index in &indices[1..] {
+            let point = _mm_loadu_ps(points.as_ptr().add(index as usize).cast());
+            (smallest, greatest) = (_mm_min_ps(point, smallest), _mm_max_ps(point, greatest));
+        }
+        _mm_storeu_ps(lower.as_mut_ptr(), smallest);
+        _mm_storeu_ps(upper.as_mut_ptr(), greatest);
+    }
+    (Vector3::new(lower[0], lower[1], lower[2]), Vector3::new(upper[0], upper[1], upper[2]))
+}
+
+/// [`Lanes::bounds`] with a point to a register, and what follows the point in memory beside it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn doubles_bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
+    // Behind the last point there is nothing that may be read.
+    let count = points.len() as u32;
+    if indices.iter().any(|&index| index.saturating_add(1) >= count) {
+        return bounds_one_by_one(points, indices);
+    }
+    let [mut lower, mut upper] = [[0.0; 4]; 2];
+    // SAFETY: the kernel that runs this checked for AVX2; behind each of these points there is another.
+    unsafe {
+        let first = _mm256_loadu_pd(points.as_ptr().add(indices[0] as usize).cast());
+        let (mut smallest, mut greatest) = (first, first);
+        for &index in &indices[1..] {
+            let point = _mm256_loadu_pd(points.as_ptr().add(index as usize).cast());
+            (smallest, greatest) = (_mm256_min_pd(point, smallest), _mm256_max_pd(point, greatest));
+        }
+        _mm256_storeu_pd(lower.as_mut_ptr(), smallest);
+        _mm256_storeu_pd(upper.as_mut_ptr(), greatest);
+    }
+    (Vector3::new(lower[0], lower[1], lower[2]), Vector3::new(upper[0], upper[1], upper[2]))
 }

@@ -4,6 +4,7 @@
 //! here leans on.
 #![allow(unsafe_code)]
 
+use super::avx2::{doubles_bounds, singles_bounds};
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -137,6 +138,11 @@ impl Lanes<f32> for SinglesAvx512 {
                 Self(_mm512_i32gather_ps::<4>(places, from.wrapping_add(2))),
             ]
         }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
+        singles_bounds(points, indices)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -314,6 +320,11 @@ impl Lanes<f64> for DoublesAvx512 {
                 Self(_mm512_i32gather_pd::<8>(low, z), _mm512_i32gather_pd::<8>(high, z)),
             ]
         }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
+        doubles_bounds(points, indices)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

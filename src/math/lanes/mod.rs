@@ -57,6 +57,11 @@ pub(crate) trait Lanes<T>: Copy {
     /// # Panics
     /// Where there is no point of an index.
     fn gather(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> [Self; 3];
+    /// The smallest and the greatest coordinates of sixteen of the points; none may be NaN.
+    ///
+    /// # Panics
+    /// Where there is no point of an index.
+    fn bounds(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> (Vector3<T>, Vector3<T>);
     /// Sixteen of the list's entries.
     ///
     /// # Panics

@@ -140,6 +140,11 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> (Vector3<T>, Vector3<T>) {
+        bounds_one_by_one(points, indices)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
         gather_indices_one_by_one(list, indices)
     }
@@ -187,6 +192,25 @@ pub(super) fn append_one_by_one(list: &mut [u32], mut count: usize, first: u32, 
         bits &= bits - 1;
     }
     count
+}
+
+/// [`Lanes::bounds`] point by point.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn bounds_one_by_one<T: RealField + Copy>(
+    points: &[Vector3<T>],
+    indices: &[u32; LANE_COUNT],
+) -> (Vector3<T>, Vector3<T>) {
+    let first = points[indices[0] as usize];
+    let (mut lower, mut upper) = (first, first);
+    for &index in &indices[1..] {
+        let point = &points[index as usize];
+        for axis in 0..3 {
+            let value = point[axis];
+            lower[axis] = if value < lower[axis] { value } else { lower[axis] };
+            upper[axis] = if value > upper[axis] { value } else { upper[axis] };
+        }
+    }
+    (lower, upper)
 }
 
 /// [`Lanes::gather_indices`] for processors without an instruction for it.

@@ -12,7 +12,7 @@ mod tile;
 mod trace;
 mod validate;
 
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
 use crate::mesh::Mesh;
 use crate::ray::{PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
@@ -38,12 +38,18 @@ impl<T: Scalar> Wide<T> {
         tiles.iter_mut().for_each(|tile| tile.own_vertices(&mut is_owned));
         let mut wide = Self { nodes, tiles };
         wide.refit(mesh);
+        wide.load(mesh, None);
         wide
     }
 
-    /// Follows the mesh to its present positions.
+    /// Follows the mesh to its present positions; no tile is loaded then.
     pub(super) fn refit(&mut self, mesh: &Mesh<T>) {
         crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh });
+    }
+
+    /// Loads these tiles, or all, so that rays need not do it each for itself.
+    pub(super) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>) {
+        crate::math::dispatch::<T, _>(refit::Load { cells: self, mesh, tiles });
     }
 
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned.
@@ -51,10 +57,10 @@ impl<T: Scalar> Wide<T> {
         &self,
         ray: &Ray<T>,
         prepared: &PreparedRay<T>,
-        mesh_box: &Aabb<T>,
+        mesh: &Mesh<T>,
         visitor: &mut impl FnMut(u32) -> T,
     ) {
-        crate::math::dispatch::<T, _>(trace::Walk::new(self, ray, prepared, mesh_box, visitor));
+        crate::math::dispatch::<T, _>(trace::Walk::new(self, ray, prepared, mesh, visitor));
     }
 
     /// The nearest hit of each ray.

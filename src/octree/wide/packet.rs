@@ -62,6 +62,8 @@ const CANDIDATES_AT_ONCE: usize = 256;
 pub(crate) struct Candidates<T: Scalar> {
     lanes: TriangleLanes<T>,
     hits: HitLanes<T>,
+    /// For the positions of a tile that is not loaded.
+    room: [[T; LANE_COUNT]; 3],
     /// Tiles that the box around the packet meets.
     tiles: [u32; TILES_AT_ONCE + LANE_COUNT],
     /// 16 · place in `tiles` + ray, where the ray meets the tile's box.
@@ -74,6 +76,7 @@ impl<T: Scalar> Candidates<T> {
         Self {
             lanes: TriangleLanes::empty(),
             hits: HitLanes::empty(),
+            room: [[T::zero(); LANE_COUNT]; 3],
             tiles: [0; TILES_AT_ONCE + LANE_COUNT],
             pairs: [0; (TILES_AT_ONCE + 1) * LANE_COUNT],
             triangles: [Candidate { triangle: 0, ray: 0 }; CANDIDATES_AT_ONCE + LANE_COUNT],
@@ -225,7 +228,8 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
                 let pair = list.pairs[next] as usize;
                 next += 1;
                 let (tile, ray) = (&cells.tiles[list.tiles[pair / LANE_COUNT] as usize], pair % LANE_COUNT);
-                let mut met = packet.sheared[ray].may_meet::<L>(&tile.positions, &tile.corners)
+                let positions = tile.positions::<L>(mesh, &mut list.room);
+                let mut met = packet.sheared[ray].may_meet::<L>(positions, &tile.corners)
                     & tile.present
                     & !answer.excluded::<L>(ray, &tile.vertices, &tile.vertex_sets);
                 // None or one, nearly always: no branch for that.

@@ -1,6 +1,7 @@
 use super::Wide;
 use super::node::BoxLanes;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
+use crate::mesh::Mesh;
 use crate::octree::wide::trace::STACK_SIZE;
 
 /// Finds the tiles whose boxes meet a region.
@@ -44,13 +45,15 @@ impl<T: Scalar> Wide<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::octree) fn own_vertices_in<L: Lanes<T>>(
         &self,
+        mesh: &Mesh<T>,
         tile: u32,
         region: &Aabb<T>,
         vertices: &mut [u32; 2 * LANE_COUNT],
         mut count: usize,
     ) -> usize {
         let tile = &self.tiles[tile as usize];
-        let positions = Vectors::<T, L>::load(&tile.positions);
+        let mut room = [[T::zero(); LANE_COUNT]; 3];
+        let positions = Vectors::<T, L>::load(tile.positions::<L>(mesh, &mut room));
         let inside =
             Vectors::splat(&region.lower).are_at_most(positions) & positions.are_at_most(Vectors::splat(&region.upper));
         let mut left = inside & tile.owned;

@@ -3,12 +3,12 @@ use crate::math::{Aabb, LANE_COUNT, Mask, Scalar};
 /// At most so many triangles, and so many vertices, form a tile.
 pub(super) const TILE_SIZE: usize = LANE_COUNT;
 
-/// Up to 16 neighbouring triangles and their up to 16 vertices, at the present positions.
+/// Up to 16 neighbouring triangles and their up to 16 vertices.
 #[derive(Clone, Debug)]
 // Whole rows of sixteen lie on lines of the cache.
 #[repr(C, align(64))]
 pub(super) struct Tile<T: Scalar> {
-    /// Coordinates of the vertices, axis by axis; places beyond the last vertex repeat it.
+    /// Coordinates of the vertices, axis by axis, where the tile is loaded; places beyond the last vertex repeat it.
     pub(super) positions: [[T; TILE_SIZE]; 3],
     /// The places of the triangles' first, second and third corners.
     pub(super) corners: [[u8; TILE_SIZE]; 3],
@@ -20,8 +20,10 @@ pub(super) struct Tile<T: Scalar> {
     pub(super) owned: Mask,
     pub(super) triangles: [u32; TILE_SIZE],
     pub(super) vertices: [u32; TILE_SIZE],
-    /// The box around the positions.
+    /// The box around the vertices.
     pub(super) aabb: Aabb<T>,
+    /// Whether `positions` are the present ones.
+    pub(super) is_loaded: bool,
 }
 
 impl<T: Scalar> Tile<T> {
@@ -30,6 +32,7 @@ impl<T: Scalar> Tile<T> {
         let mut tile = Self {
             positions: [[T::zero(); TILE_SIZE]; 3],
             aabb: Aabb::empty(),
+            is_loaded: false,
             corners: [[0; TILE_SIZE]; 3],
             vertex_sets: [0; TILE_SIZE],
             present: ((1u32 << triangles.len()) - 1) as Mask,

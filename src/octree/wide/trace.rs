@@ -1,5 +1,6 @@
 use super::{CHILD_COUNT, Node, Tile, Wide};
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Scalar};
+use crate::mesh::Mesh;
 use crate::octree::slabs::Slabs;
 use crate::ray::{PreparedRay, Ray};
 
@@ -10,6 +11,7 @@ pub(super) const STACK_SIZE: usize = 15 * 8 + LANE_COUNT;
 /// One ray's way through the cells.
 pub(super) struct Walk<'a, T: Scalar, V> {
     cells: &'a Wide<T>,
+    mesh: &'a Mesh<T>,
     slabs: Slabs<T>,
     prepared: &'a PreparedRay<T>,
     t_max: T,
@@ -21,10 +23,10 @@ impl<'a, T: Scalar, V: FnMut(u32) -> T> Walk<'a, T, V> {
         cells: &'a Wide<T>,
         ray: &Ray<T>,
         prepared: &'a PreparedRay<T>,
-        mesh_box: &Aabb<T>,
+        mesh: &'a Mesh<T>,
         visitor: &'a mut V,
     ) -> Self {
-        Self { cells, slabs: Slabs::new(ray, mesh_box), prepared, t_max: ray.t_max, visitor }
+        Self { cells, mesh, slabs: Slabs::new(ray, mesh.aabb()), prepared, t_max: ray.t_max, visitor }
     }
 }
 
@@ -59,8 +61,11 @@ impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
     /// Offers the triangles of a tile that the ray may meet.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn offer<L: Lanes<T>>(&mut self, tile: &Tile<T>) {
+        let mut room = [[T::zero(); LANE_COUNT]; 3];
         let mut met = match self.prepared {
-            PreparedRay::Watertight(ray) => ray.may_meet::<L>(&tile.positions, &tile.corners) & tile.present,
+            PreparedRay::Watertight(ray) => {
+                ray.may_meet::<L>(tile.positions::<L>(self.mesh, &mut room), &tile.corners) & tile.present
+            }
             PreparedRay::MollerTrumbore(_) => tile.present,
         };
         while met != 0 {
