@@ -36,6 +36,9 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
     }
 }
 
+/// So many faces of one group make a packet worth its while.
+const ENOUGH: u32 = 8;
+
 /// Rays on their way.
 struct Rays<T: Scalar> {
     samples: NormalLanes<T>,
@@ -110,7 +113,8 @@ impl<T: Scalar> Cast<'_, T> {
     ) -> bool {
         let own = self.direction.pair.tracers[self.direction.side];
         let mut count = 0;
-        let (mut triangles, mut weights) = ([0; LANE_COUNT], [[T::zero(); 3]; LANE_COUNT]);
+        let thirds = [[T::one() / T::of(3.0); 3]; LANE_COUNT];
+        let (mut triangles, mut weights) = ([0; LANE_COUNT], thirds);
         while count < LANE_COUNT {
             if let Some(piece) = self.pieces.pop() {
                 set_lane(&mut rays.samples.position, count, &piece.point.position);
@@ -129,11 +133,18 @@ impl<T: Scalar> Cast<'_, T> {
                 set_lane(&mut samples.position, count, &vector(&faces.position, lane));
                 set_lane(&mut samples.normal, count, &vector(&faces.normal, lane));
                 samples.area[count] = faces.area[lane];
-                (triangles[count], weights[count]) = (source.triangles[lane], [T::one() / T::of(3.0); 3]);
+                (triangles[count], weights[count]) = (source.triangles[lane], thirds[lane]);
                 count += 1;
             } else if *next_group < self.groups.len() {
                 self.statistics.without_normal += source.next::<L>(own, self.groups[*next_group]);
                 *next_group += 1;
+                // A group that nearly fills a packet goes as it is.
+                if count == 0 && source.left & !source.short == 0 && source.left.count_ones() >= ENOUGH {
+                    rays.samples = source.lanes;
+                    rays.samples.found = std::mem::take(&mut source.left);
+                    rays.origins = Origins::Faces { triangles: source.triangles, weights: thirds };
+                    return true;
+                }
             } else {
                 break;
             }

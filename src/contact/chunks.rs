@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// So many groups of vertices or triangles are cast from together. Chunks do not depend on the number of threads, and so
 /// neither do the sums over them.
-const GROUPS_IN_CHUNK: usize = 32;
+const GROUPS_IN_CHUNK: usize = 64;
 
 /// What the rays of some groups found, where chunks are cast side by side.
 #[derive(Clone, Debug, Default)]
