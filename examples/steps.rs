@@ -1,0 +1,119 @@
+//! A number of steps of one workload, in the default precision of simulators: what counts instructions runs this.
+
+mod support;
+
+use raycontact::contact::{ContactList, DetectionOptions};
+use raycontact::mesh::Mesh;
+use raycontact::scene::Scene;
+use std::error::Error;
+use std::process::ExitCode;
+use support::arguments::Arguments;
+
+const HELP: &str = "\
+Runs steps of detection on a workload of moving tori, for tools that count what a step costs.
+
+Usage: cargo run --release --example steps -- [OPTIONS]
+
+  --workload NAME   stackN: N tori 40x20 in a pile; pairMxN: two tori MxN (default stack2)
+  --steps N         how many steps (default 10)
+  --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults (default paper)
+  --help            this text
+
+Prints steps=N contacts=N, the contacts of the last step.";
+
+/// Radius of the tori's tubes; their rings have radius 1.
+const TUBE: f64 = 0.4;
+
+/// Number `k` of a pile whose neighbours overlap.
+fn stacked(k: u32, rows: u32, columns: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let turn = |index: u32, count: u32| (std::f64::consts::TAU * f64::from(index) / f64::from(count)).sin_cos();
+    let number = f64::from(k);
+    let (sin_z, cos_z) = (0.37 * number).sin_cos();
+    let (sin_x, cos_x) = (0.15 * (2.1 * number).sin()).sin_cos();
+    let centre = [0.13 * number.sin(), 0.13 * (1.7 * number).cos(), 0.6 * number];
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for i in 0..rows {
+        for j in 0..columns {
+            let ((sin_u, cos_u), (sin_v, cos_v)) = (turn(i, rows), turn(j, columns));
+            let radius = 1.0 + TUBE * cos_v;
+            let [x, y, z] = [radius * cos_u, radius * sin_u, TUBE * sin_v];
+            let [x, y] = [cos_z * x - sin_z * y, sin_z * x + cos_z * y];
+            let [y, z] = [cos_x * y - sin_x * z, sin_x * y + cos_x * z];
+            positions.push([x + centre[0], y + centre[1], z + centre[2]]);
+            let at = |i: u32, j: u32| i % rows * columns + j % columns;
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (positions, triangles)
+}
+
+/// Where a point at rest is at a step.
+fn moved([x, y, z]: [f64; 3], step: u32) -> [f32; 3] {
+    let height = 0.02 * (3.0 * x + 2.0 * y + 0.3 * f64::from(step)).sin() / (x * x + y * y + 0.25).sqrt();
+    [x + height * y, y - height * x, z + height * 0.5].map(|coordinate| coordinate as f32)
+}
+
+/// How many bodies of how many rows and columns.
+fn parse(workload: &str) -> Option<(u32, u32, u32)> {
+    if let Some(count) = workload.strip_prefix("stack") {
+        return Some((count.parse().ok()?, 40, 20));
+    }
+    let (rows, columns) = workload.strip_prefix("pair")?.split_once('x')?;
+    Some((2, rows.parse().ok()?, columns.parse().ok()?))
+}
+
+/// Positions of all bodies at some steps, which repeat: only the library is to be counted.
+const FRAMES: u32 = 4;
+
+fn main() -> ExitCode {
+    let mut arguments = Arguments::new(HELP);
+    let workload = arguments.value("--workload", "stack2".to_owned());
+    let steps = arguments.value("--steps", 10);
+    let options = match arguments.value("--mode", "paper".to_owned()).as_str() {
+        "paper" => DetectionOptions::paper(),
+        "default" => DetectionOptions::default(),
+        other => arguments.fail(&format!("unknown mode '{other}': paper or default")),
+    };
+    let Some((count, rows, columns)) = parse(&workload) else {
+        arguments.fail(&format!("unknown workload '{workload}': stackN or pairMxN"))
+    };
+    arguments.finish();
+    match run(count, [rows, columns], steps, options) {
+        Ok(contacts) => {
+            println!("steps={steps} contacts={contacts}");
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Gives the number of contacts in the last step.
+fn run(
+    count: u32,
+    [rows, columns]: [u32; 2],
+    steps: u32,
+    options: DetectionOptions<f32>,
+) -> Result<usize, Box<dyn Error>> {
+    let mut scene = Scene::<f32>::new(1)?;
+    scene.set_options(options);
+    let mut frames = vec![Vec::new(); FRAMES as usize];
+    for body in 0..count {
+        let (rest, triangles) = stacked(body, rows, columns);
+        for (step, frame) in (0..).zip(&mut frames) {
+            frame.push(rest.iter().map(|&point| moved(point, step)).collect::<Vec<_>>());
+        }
+        scene.add(Mesh::new(&frames[0][body as usize], &triangles)?);
+    }
+    let mut contacts = ContactList::default();
+    for step in 0..steps {
+        for (body, positions) in (0..).zip(&frames[(step % FRAMES) as usize]) {
+            scene.mesh_mut(body)?.set_positions(positions)?;
+        }
+        scene.query(&mut contacts);
+    }
+    Ok(contacts.len())
+}
