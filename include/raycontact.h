@@ -137,6 +137,14 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_FILE_BROKEN = 401,
   /**
+   * Bytes are not what was saved, or have been changed since.
+   */
+  RAYC_STATUS_SAVED_STATE_BROKEN = 402,
+  /**
+   * Bytes were saved by a version of the library that wrote them in another form.
+   */
+  RAYC_STATUS_SAVED_STATE_OTHER_VERSION = 403,
+  /**
    * The system gave no threads.
    */
   RAYC_STATUS_THREADS_NOT_STARTED = 500,
@@ -510,7 +518,54 @@ typedef struct rayc_statistics {
    * Contacts of escaping pairs.
    */
   uint64_t escape_contacts;
+  /**
+   * Pairs whose escape was held fast by others and has turned to the line of centres, from the next query on.
+   */
+  uint64_t escapes_turned;
+  /**
+   * Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
+   */
+  uint64_t escapes_forbidden;
 } rayc_statistics;
+
+/**
+ * What a pair of bodies of a scene remembers from query to query while their boxes overlap.
+ */
+typedef struct rayc_pair_memory {
+  /**
+   * The pair's bodies, the smaller number first.
+   */
+  uint32_t first;
+  /**
+   * The other.
+   */
+  uint32_t second;
+  /**
+   * 1: the pair is escaping; 0: its contacts part it.
+   */
+  uint32_t escaping;
+  /**
+   * For how many queries `lowest` has stood.
+   */
+  uint32_t lowest_steps;
+  /**
+   * For how many queries `halved` has stood.
+   */
+  uint32_t halved_steps;
+  /**
+   * The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
+   */
+  double direction[3];
+  /**
+   * The smallest overlap so far, renewed where one is smaller by a tenth: Σ area · depth · cos α in m³, or while the
+   * pair escapes its depth in m. Infinite before the first.
+   */
+  double lowest;
+  /**
+   * The same, renewed where one is smaller by half; while the pair escapes it rests.
+   */
+  double halved;
+} rayc_pair_memory;
 
 #ifdef __cplusplus
 extern "C" {
@@ -980,6 +1035,61 @@ enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_r
 enum rayc_status rayc_default_scene_options(size_t struct_size, struct rayc_scene_options *options);
 
 /**
+ * Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body
+ * meant to stay inside another. An escape that is under way ends. It holds until it is set otherwise or one of the
+ * bodies is removed; rayc_statistics counts in escapes_forbidden where the pair would have begun to escape.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
+ */
+enum rayc_status rayc_scene_allow_escape(struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t allowed);
+
+/**
+ * Whether two bodies may escape from one another: *allowed is 1 or 0.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same.
+ */
+enum rayc_status rayc_scene_may_escape(const struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t *allowed);
+
+/**
+ * How many pairs remember something: those whose boxes overlapped in the last query.
+ */
+enum rayc_status rayc_scene_pair_memory_count(const struct rayc_scene *scene, size_t *count);
+
+/**
+ * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
+ * order of their first, then their second body.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ */
+enum rayc_status rayc_scene_copy_pair_memories(const struct rayc_scene *scene,
+                                               size_t first,
+                                               size_t count,
+                                               struct rayc_pair_memory *out);
+
+/**
+ * How many bytes rayc_scene_save_pair_memories() writes now.
+ */
+enum rayc_status rayc_scene_saved_length(const struct rayc_scene *scene, size_t *length);
+
+/**
+ * Writes what all pairs remember to `bytes`; length must be that of rayc_scene_saved_length(). A scene with the same
+ * bodies, positions, options and forbidden escapes that restores it goes on as this one does, to the bit. The bytes
+ * carry their version and a checksum, and are the same on every machine.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_scene_save_pair_memories(const struct rayc_scene *scene, size_t length, uint8_t *bytes);
+
+/**
+ * Replaces what the pairs remember by the `length` bytes that were saved.
+ *
+ * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was saved,
+ * RAYC_STATUS_SAVED_STATE_OTHER_VERSION, RAYC_STATUS_PRECISION_MISMATCH, and RAYC_STATUS_UNKNOWN_BODY where a body of a
+ * saved pair is not in the scene; the memories are then as before.
+ */
+enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size_t length, const uint8_t *bytes);
+
+/**
  * Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
  * in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
  * coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite.
@@ -1099,6 +1209,61 @@ uint32_t rayc_version(void);
  * The name of a status, e.g. "RAYC_STATUS_OK"; "unknown status" for other numbers. Never NULL, never freed.
  */
 const char *rayc_status_name(uint32_t status);
+
+/**
+ * Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body
+ * meant to stay inside another. An escape that is under way ends. It holds until it is set otherwise or one of the
+ * bodies is removed; rayc_statistics counts in escapes_forbidden where the pair would have begun to escape.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
+ */
+enum rayc_status rayc_scene_allow_escape(struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t allowed);
+
+/**
+ * Whether two bodies may escape from one another: *allowed is 1 or 0.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same.
+ */
+enum rayc_status rayc_scene_may_escape(const struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t *allowed);
+
+/**
+ * How many pairs remember something: those whose boxes overlapped in the last query.
+ */
+enum rayc_status rayc_scene_pair_memory_count(const struct rayc_scene *scene, size_t *count);
+
+/**
+ * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
+ * order of their first, then their second body.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ */
+enum rayc_status rayc_scene_copy_pair_memories(const struct rayc_scene *scene,
+                                               size_t first,
+                                               size_t count,
+                                               struct rayc_pair_memory *out);
+
+/**
+ * How many bytes rayc_scene_save_pair_memories() writes now.
+ */
+enum rayc_status rayc_scene_saved_length(const struct rayc_scene *scene, size_t *length);
+
+/**
+ * Writes what all pairs remember to `bytes`; length must be that of rayc_scene_saved_length(). A scene with the same
+ * bodies, positions, options and forbidden escapes that restores it goes on as this one does, to the bit. The bytes
+ * carry their version and a checksum, and are the same on every machine.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_scene_save_pair_memories(const struct rayc_scene *scene, size_t length, uint8_t *bytes);
+
+/**
+ * Replaces what the pairs remember by the `length` bytes that were saved.
+ *
+ * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was saved,
+ * RAYC_STATUS_SAVED_STATE_OTHER_VERSION, RAYC_STATUS_PRECISION_MISMATCH, and RAYC_STATUS_UNKNOWN_BODY where a body of a
+ * saved pair is not in the scene; the memories are then as before.
+ */
+enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size_t length, const uint8_t *bytes);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -144,6 +144,10 @@ pub struct rayc_statistics {
     pub escaping_pairs: u64,
     /// Contacts of escaping pairs.
     pub escape_contacts: u64,
+    /// Pairs whose escape was held fast by others and has turned to the line of centres, from the next query on.
+    pub escapes_turned: u64,
+    /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
+    pub escapes_forbidden: u64,
 }
 
 impl<T: Scalar> From<&SurfacePoint<T>> for rayc_surface_point {
@@ -283,6 +287,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
         let contacts = list.len() as u64;
         let Statistics { pairs, rays, misses, entry_hits, own_surface_hits, without_normal, uncut_pieces, .. } = found;
         let Statistics { edge_contacts, escapes_started, escaping_pairs, escape_contacts, .. } = found;
+        let Statistics { escapes_turned, escapes_forbidden, .. } = found;
         statistics.write(rayc_statistics {
             pairs,
             rays,
@@ -296,6 +301,8 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             escapes_started,
             escaping_pairs,
             escape_contacts,
+            escapes_turned,
+            escapes_forbidden,
         });
         Ok(())
     })

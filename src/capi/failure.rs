@@ -1,7 +1,7 @@
 use crate::mesh::{MeshError, ObjFileError};
 use crate::octree::OctreeError;
 use crate::response::LawError;
-use crate::scene::SceneError;
+use crate::scene::{SavedStateError, SceneError};
 
 /// How a call ended. The numbers never change; new ones may be added.
 ///
@@ -58,6 +58,10 @@ pub enum rayc_status {
     RAYC_STATUS_FILE_NOT_READABLE = 400,
     /// A file's text is not what it should be.
     RAYC_STATUS_FILE_BROKEN = 401,
+    /// Bytes are not what was saved, or have been changed since.
+    RAYC_STATUS_SAVED_STATE_BROKEN = 402,
+    /// Bytes were saved by a version of the library that wrote them in another form.
+    RAYC_STATUS_SAVED_STATE_OTHER_VERSION = 403,
 
     /// The system gave no threads.
     RAYC_STATUS_THREADS_NOT_STARTED = 500,
@@ -130,7 +134,17 @@ impl From<SceneError> for Failure {
         let message = error.to_string();
         match error {
             SceneError::UnknownBody { .. } => Self::new(RAYC_STATUS_UNKNOWN_BODY, message),
+            SceneError::SameBody { .. } => Self::new(RAYC_STATUS_INVALID_OPTION, message),
+            SceneError::SavedState(error) => Self::new(saved_state_status(error), message),
             SceneError::ThreadsNotStarted { .. } => Self::new(RAYC_STATUS_THREADS_NOT_STARTED, message),
         }
+    }
+}
+
+fn saved_state_status(error: SavedStateError) -> rayc_status {
+    match error {
+        SavedStateError::NotSavedState { .. } | SavedStateError::Damaged => RAYC_STATUS_SAVED_STATE_BROKEN,
+        SavedStateError::OtherVersion { .. } => RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
+        SavedStateError::OtherPrecision { .. } => RAYC_STATUS_PRECISION_MISMATCH,
     }
 }

@@ -141,7 +141,7 @@ pub(super) fn unknown_enum(field: &str, value: u32, name: &str) -> Failure {
     )
 }
 
-fn flag(field: &str, value: u32) -> Result<bool, Failure> {
+pub(super) fn flag(field: &str, value: u32) -> Result<bool, Failure> {
     match value {
         0 => Ok(false),
         1 => Ok(true),

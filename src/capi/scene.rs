@@ -14,11 +14,11 @@ use crate::scene::Scene;
 /// Threads: one call at a time for one scene; different scenes may be used at once. The caller frees it with
 /// rayc_scene_destroy(), which also ends its threads.
 pub struct rayc_scene {
-    scene: AnyScene,
+    pub(super) scene: AnyScene,
 }
 
 /// A scene of either precision.
-enum AnyScene {
+pub(super) enum AnyScene {
     F32(Scene<f32>),
     F64(Scene<f64>),
 }

@@ -12,10 +12,12 @@ use crate::ray::Ray;
 
 /// Points that judge a direction; more hardly change the choice.
 const MOST_JUDGES: usize = 64;
+/// A way out below this part of another is shorter by more than the roundings of the points it is judged by.
+const CLEARLY_SHORTER: f64 = 0.99;
 
-/// Adds the contacts that push the pair apart along `away`, the direction of its first body; gives false, and adds
-/// none, where the bodies are apart.
-pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, contacts: &mut ContactList<T>) -> bool {
+/// Adds the contacts that push the pair apart along `away`, the direction of its first body, and gives how deep it is;
+/// adds none where the bodies are apart.
+pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, contacts: &mut ContactList<T>) -> Option<T> {
     let start = contacts.len();
     let ContactList { contacts, statistics, workspace } = contacts;
     for side in [0, 1] {
@@ -35,22 +37,26 @@ pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     // All as deep as the deepest: so all come out together, and none pulls the body back or turns it on its way.
     let depth = added.iter().fold(T::zero(), |depth, contact| depth.max(contact.depth));
     added.iter_mut().for_each(|contact| contact.depth = depth);
-    !added.is_empty()
+    (!added.is_empty()).then_some(depth)
 }
 
 /// The direction in which the first body leaves the second on the shortest way: of a fixed set and the line of the
-/// boxes' centres, the one along which the point with the longest way out has the shortest; the first of equals.
+/// boxes' centres, the one along which the point with the longest way out has the shortest. Of those that are hardly
+/// longer it is the first in a fixed order, the same for all pairs. Else rounding would decide between the two sides of
+/// a body in the same place as another, and the pairs of a pile would push one another round in a circle.
 pub(super) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
     let workspace = &mut contacts.workspace;
     let judges = judges(pair, workspace);
+    let way_out = |candidate: &Vector3<T>| {
+        judges.iter().fold(T::zero(), |longest: T, &(side, position)| {
+            let hit = pair.tracers[1 - side].nearest_hit(&pair.ray_out(side, position, candidate));
+            longest.max(hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t))
+        })
+    };
     let mut best: Option<(T, Vector3<T>)> = None;
     for candidate in candidates(pair) {
-        let mut longest = T::zero();
-        for &(side, position) in &judges {
-            let hit = pair.tracers[1 - side].nearest_hit(&pair.ray_out(side, position, &candidate));
-            longest = longest.max(hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t));
-        }
-        if longest > T::zero() && best.is_none_or(|(shortest, _)| longest < shortest) {
+        let longest = way_out(&candidate);
+        if longest > T::zero() && best.is_none_or(|(shortest, _)| longest < shortest * T::of(CLEARLY_SHORTER)) {
             best = Some((longest, candidate));
         }
     }
@@ -75,14 +81,13 @@ fn judges<T: Scalar>(pair: &Pair<'_, T>, workspace: &mut Workspace<T>) -> Vec<(u
     judges.into_iter().step_by(step).collect()
 }
 
-/// The 26 directions to a cube's faces, edges and corners, after the line of centres.
+/// The 26 directions to a cube's faces, edges and corners, before the line of centres, which differs from pair to pair.
 fn candidates<T: Scalar>(pair: &Pair<'_, T>) -> impl Iterator<Item = Vector3<T>> {
-    let [first, second] = pair.tracers.map(|tracer| tracer.mesh().aabb().centre());
     let cube = (0..27).filter(|&i| i != 13).map(|i| {
         let component = |divisor: i32| T::of(f64::from(i / divisor % 3 - 1));
         Vector3::new(component(1), component(3), component(9))
     });
-    std::iter::once(first - second).chain(cube).filter_map(|candidate| direction(&candidate))
+    cube.filter_map(|candidate| direction(&candidate)).chain([pair.line_of_centres()])
 }
 
 /// Leaves in the workspace the samples of one body inside the other, their rays out and where these end.

@@ -94,6 +94,10 @@ pub struct Statistics {
     pub escaping_pairs: u64,
     /// Contacts of escaping pairs.
     pub escape_contacts: u64,
+    /// Pairs whose escape was held fast by others and has turned to the line of centres, from the next query on.
+    pub escapes_turned: u64,
+    /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
+    pub escapes_forbidden: u64,
 }
 
 impl std::ops::AddAssign for Statistics {
@@ -109,6 +113,8 @@ impl std::ops::AddAssign for Statistics {
         self.escapes_started += more.escapes_started;
         self.escaping_pairs += more.escaping_pairs;
         self.escape_contacts += more.escape_contacts;
+        self.escapes_turned += more.escapes_turned;
+        self.escapes_forbidden += more.escapes_forbidden;
     }
 }
 

@@ -1,22 +1,44 @@
 use super::Contact;
 use crate::math::{Scalar, Vector3};
 
-/// What a pair of bodies remembers from step to step while their boxes overlap: whether it is escaping, and if not,
-/// whether its overlap gets smaller. Forgotten when the bodies are apart. A host that saves and restores its own state
-/// saves and restores this with it.
+/// What a pair of bodies remembers from step to step while their boxes overlap: whether it is escaping, and whether its
+/// overlap gets smaller. Forgotten when the bodies are apart. A host that saves and restores its own state saves and
+/// restores this with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairMemory<T: Scalar> {
     /// The direction in which the first body leaves the second, of unit length; `None` while contacts do.
     pub escape: Option<Vector3<T>>,
-    /// The smallest Σ area · depth · cos α so far, and for how many steps none was smaller by a tenth.
-    lowest: (T, u32),
-    /// The last Σ area · depth · cos α that was half of the one before it, and for how many steps none has been.
-    halved: (T, u32),
+    /// The smallest overlap so far, renewed where one is smaller by a tenth: Σ area · depth · cos α, or while the pair
+    /// escapes its depth.
+    pub lowest: Record<T>,
+    /// The same, renewed where one is smaller by half; while the pair escapes it rests.
+    pub halved: Record<T>,
+}
+
+/// A number to be undercut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record<T: Scalar> {
+    /// The number; infinite before the first.
+    pub value: T,
+    /// For how many steps it has stood.
+    pub steps: u32,
+}
+
+impl<T: Scalar> Record<T> {
+    const NONE: Self = Self { value: T::INFINITY, steps: 0 };
+
+    fn follow(&mut self, value: T, factor: T) {
+        *self = if value <= self.value * factor {
+            Self { value, steps: 0 }
+        } else {
+            Self { value: self.value, steps: self.steps.saturating_add(1) }
+        };
+    }
 }
 
 impl<T: Scalar> Default for PairMemory<T> {
     fn default() -> Self {
-        Self { escape: None, lowest: (T::INFINITY, 0), halved: (T::INFINITY, 0) }
+        Self { escape: None, lowest: Record::NONE, halved: Record::NONE }
     }
 }
 
@@ -24,6 +46,8 @@ impl<T: Scalar> Default for PairMemory<T> {
 const STEPS_TO_A_NEW_LOW: u32 = 8;
 /// Steps without a halved overlap after which contacts that push against each other are jammed.
 const STEPS_TO_HALVE: u32 = 24;
+/// Steps without a smaller depth after which an escape is held fast by others.
+const STEPS_TO_TURN: u32 = 24;
 
 /// How the overlap of a pair has come along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,19 +71,26 @@ impl<T: Scalar> PairMemory<T> {
             let on_first = if contact.colliding == first { pressure } else { -pressure };
             net += contact.direction * on_first;
         }
-        Self::follow(&mut self.lowest, overlap, T::of(0.9));
-        Self::follow(&mut self.halved, overlap, T::of(0.5));
+        self.lowest.follow(overlap, T::of(0.9));
+        self.halved.follow(overlap, T::of(0.5));
         // A loaded contact at rest has a net force; a jam has none.
-        if self.halved.1 >= STEPS_TO_HALVE && net.norm() <= overlap * T::of(0.3) {
+        if self.halved.steps >= STEPS_TO_HALVE && net.norm() <= overlap * T::of(0.3) {
             Progress::Jammed
-        } else if self.lowest.1 >= STEPS_TO_A_NEW_LOW {
+        } else if self.lowest.steps >= STEPS_TO_A_NEW_LOW {
             Progress::Slow
         } else {
             Progress::Fine
         }
     }
 
-    fn follow(record: &mut (T, u32), overlap: T, factor: T) {
-        *record = if overlap <= record.0 * factor { (overlap, 0) } else { (record.0, record.1.saturating_add(1)) };
+    /// Begins, or begins anew, to escape along `away`.
+    pub(super) fn start_to_escape(&mut self, away: Vector3<T>) {
+        *self = Self { escape: Some(away), ..Self::default() };
+    }
+
+    /// Takes note of how deep the escaping pair still is; gives whether it has long been held fast.
+    pub(super) fn observe_escape(&mut self, depth: T) -> bool {
+        self.lowest.follow(depth, T::of(0.9));
+        self.lowest.steps >= STEPS_TO_TURN
     }
 }

@@ -14,7 +14,7 @@ mod samples;
 mod workspace;
 
 pub use list::{Contact, ContactKind, ContactList, Statistics, SurfacePoint};
-pub use memory::PairMemory;
+pub use memory::{PairMemory, Record};
 pub(crate) use pair::overlap_region;
 pub use pair::{DetectionOptions, detect_pair, query_pair};
 pub use samples::Sampling;

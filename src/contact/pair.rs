@@ -4,7 +4,7 @@ use super::load::share_load;
 use super::memory::{PairMemory, Progress};
 use super::samples::Sampling;
 use super::{Contact, ContactList};
-use crate::math::{Aabb, Scalar, Vector3};
+use crate::math::{Aabb, Scalar, Vector3, direction};
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
 use crate::ray::Ray;
@@ -50,18 +50,19 @@ pub fn query_pair<T: Scalar>(
 ) -> Result<(), OctreeError> {
     let (a, b) = (octree_a.tracer(a)?, octree_b.tracer(b)?);
     contacts.clear();
-    detect_pair([0, 1], [&a, &b], options, None, contacts);
+    detect_pair([0, 1], [&a, &b], options, None, true, contacts);
     Ok(())
 }
 
 /// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008, and
 /// what `options` add to it. `memory` is what the pair remembers from step to step; without it a pair escapes only where
-/// it has no other contact, in a direction chosen anew each time.
+/// it has no other contact, in a direction chosen anew each time. A pair that may not escape is counted where it would.
 pub fn detect_pair<T: Scalar>(
     bodies: [u32; 2],
     tracers: [&Tracer<'_, T>; 2],
     options: &DetectionOptions<T>,
     memory: Option<&mut PairMemory<T>>,
+    may_escape: bool,
     contacts: &mut ContactList<T>,
 ) {
     let (overlap, region) = overlap_region(tracers[0].mesh().aabb(), tracers[1].mesh().aabb());
@@ -69,10 +70,14 @@ pub fn detect_pair<T: Scalar>(
         return;
     }
     contacts.statistics.pairs += 1;
-    let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options };
-    match memory.filter(|_| options.escape) {
-        Some(memory) => pair.detect_or_escape(memory, contacts),
-        None => pair.detect_without_memory(contacts),
+    let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options, may_escape };
+    match memory {
+        Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
+        memory => {
+            // What was remembered may long be over when escapes are switched on again.
+            memory.into_iter().for_each(|memory| *memory = PairMemory::default());
+            pair.detect_without_memory(contacts);
+        }
     }
 }
 
@@ -92,6 +97,7 @@ pub(super) struct Pair<'a, T: Scalar> {
     /// The overlap box with a margin.
     pub(super) region: &'a Aabb<T>,
     pub(super) options: &'a DetectionOptions<T>,
+    may_escape: bool,
 }
 
 /// What a step's contacts leave open.
@@ -115,14 +121,11 @@ impl<T: Scalar> Pair<'_, T> {
     }
 
     fn detect_or_escape(&self, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
-        if let Some(away) = memory.escape {
-            if push_apart(self, &away, contacts) {
-                contacts.statistics.escaping_pairs += 1;
-            } else {
-                *memory = PairMemory::default();
-            }
+        if let Some(away) = memory.escape.filter(|_| self.may_escape) {
+            self.go_on_escaping(away, memory, contacts);
             return;
         }
+        memory.escape = None;
         let start = contacts.len();
         let outcome = self.detect(contacts);
         if outcome == Outcome::Settled && contacts.len() == start {
@@ -137,13 +140,31 @@ impl<T: Scalar> Pair<'_, T> {
                 Progress::Slow => self.any_is_deep(start, contacts),
                 Progress::Jammed => true,
             };
-        if stuck {
-            memory.escape = self.start_to_escape(start, contacts);
+        if stuck && let Some(away) = self.start_to_escape(start, contacts) {
+            memory.start_to_escape(away);
+        }
+    }
+
+    /// A direction is kept until the pair is apart. Where others hold it fast, it turns to the line of centres: all that
+    /// do can go their ways at once, since spreading all bodies from one point satisfies them all.
+    fn go_on_escaping(&self, away: Vector3<T>, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
+        let Some(depth) = push_apart(self, &away, contacts) else {
+            *memory = PairMemory::default();
+            return;
+        };
+        contacts.statistics.escaping_pairs += 1;
+        if memory.observe_escape(depth) {
+            memory.start_to_escape(self.line_of_centres());
+            contacts.statistics.escapes_turned += 1;
         }
     }
 
     /// Replaces the pair's contacts, those from `start` on, by the first of its escape.
     fn start_to_escape(&self, start: usize, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
+        if !self.may_escape {
+            contacts.statistics.escapes_forbidden += 1;
+            return None;
+        }
         let away = choose_direction(self, contacts)?;
         contacts.contacts.truncate(start);
         contacts.statistics.escapes_started += 1;
@@ -217,6 +238,13 @@ impl<T: Scalar> Pair<'_, T> {
             self.tracers[side].are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
             workspace.hidden.contains(&true)
         })
+    }
+
+    /// From the middle of the second body's box to that of the first; where they are the same, an axis, so that in a pile
+    /// the smaller number goes first.
+    pub(super) fn line_of_centres(&self) -> Vector3<T> {
+        let [first, second] = self.tracers.map(|tracer| tracer.mesh().aabb().centre());
+        direction(&(first - second)).unwrap_or_else(Vector3::x)
     }
 
     /// The ray from a point of one body along which it leaves the other, when its first body goes `away`.

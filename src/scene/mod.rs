@@ -1,14 +1,20 @@
 //! Many meshes at once: which boxes overlap (broad phase), then their contacts, pairs in parallel (narrow phase).
 
 mod broad_phase;
+mod error;
+mod pairs;
+mod saved;
+
+pub use error::SceneError;
+pub use saved::SavedStateError;
 
 use crate::contact::{ContactList, DetectionOptions, PairMemory, detect_pair, overlap_region};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
 use broad_phase::BroadPhase;
+use pairs::{Pairs, Remembered};
 use rayon::prelude::*;
-use std::fmt;
 
 /// Bodies, and what is needed to find all contacts among them.
 ///
@@ -19,8 +25,8 @@ pub struct Scene<T: Scalar> {
     broad_phase: BroadPhase<T>,
     /// The contacts of each overlapping pair; kept so that a steady step allocates nothing.
     pair_contacts: Vec<ContactList<T>>,
-    /// What each overlapping pair remembers, in the order of the pairs.
-    memories: Vec<([u32; 2], PairMemory<T>)>,
+    /// What is known of pairs from step to step.
+    pairs: Pairs<T>,
     options: DetectionOptions<T>,
     /// `None`: the caller's own thread.
     pool: Option<rayon::ThreadPool>,
@@ -33,36 +39,6 @@ struct Body<T: Scalar> {
     /// Room for a list of the octree's tiles.
     tiles: Vec<u32>,
 }
-
-/// Why a scene refused something. Nothing was changed.
-#[derive(Debug)]
-pub enum SceneError {
-    /// There is no body of this number.
-    UnknownBody {
-        /// The number.
-        body: u32,
-    },
-    /// The system gave no threads.
-    ThreadsNotStarted {
-        /// How many were wanted.
-        threads: usize,
-        /// Why.
-        source: rayon::ThreadPoolBuildError,
-    },
-}
-
-impl fmt::Display for SceneError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::UnknownBody { body } => write!(f, "the scene has no body {body}; it was never added, or was removed"),
-            Self::ThreadsNotStarted { threads, source } => {
-                write!(f, "could not start {threads} threads: {source}; ask for fewer, or for 1 to use your own")
-            }
-        }
-    }
-}
-
-impl std::error::Error for SceneError {}
 
 impl<T: Scalar> Scene<T> {
     /// An empty scene with default options. `threads`: 1 works on the caller's own thread, n on a pool of n threads that the scene owns, 0
@@ -84,7 +60,7 @@ impl<T: Scalar> Scene<T> {
             bodies: Vec::new(),
             broad_phase: BroadPhase::default(),
             pair_contacts: Vec::new(),
-            memories: Vec::new(),
+            pairs: Pairs::default(),
             options,
             pool,
         })
@@ -116,7 +92,7 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn remove(&mut self, body: u32) -> Result<Mesh<T>, SceneError> {
-        self.memories.retain(|(pair, _)| !pair.contains(&body));
+        self.pairs.forget(body);
         let removed = self.bodies.get_mut(body as usize).and_then(Option::take);
         removed.map(|body| body.mesh).ok_or(SceneError::UnknownBody { body })
     }
@@ -137,6 +113,61 @@ impl<T: Scalar> Scene<T> {
     pub fn mesh_mut(&mut self, body: u32) -> Result<&mut Mesh<T>, SceneError> {
         let found = self.bodies.get_mut(body as usize).and_then(Option::as_mut);
         found.map(|body| &mut body.mesh).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// Lets two bodies escape from one another, as they may by default, or forbids it: a press fit, a body meant to stay
+    /// inside another. An escape that is under way ends. It holds until it is set otherwise or one of the bodies is removed;
+    /// it is no part of what [`save_pair_memories`](Self::save_pair_memories) saves.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`], [`SceneError::SameBody`].
+    pub fn allow_escape(&mut self, a: u32, b: u32, allowed: bool) -> Result<(), SceneError> {
+        let pair = self.known_pair(a, b)?;
+        self.pairs.allow_escape(pair, allowed);
+        Ok(())
+    }
+
+    /// Whether two bodies may escape from one another.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`], [`SceneError::SameBody`].
+    pub fn may_escape(&self, a: u32, b: u32) -> Result<bool, SceneError> {
+        let pair = self.known_pair(a, b)?;
+        Ok(self.pairs.without_escape.binary_search(&pair).is_err())
+    }
+
+    /// What each pair whose boxes overlapped in the last query remembers, in ascending order of the pairs (smaller number
+    /// first).
+    pub fn pair_memories(&self) -> &[([u32; 2], PairMemory<T>)] {
+        &self.pairs.memories
+    }
+
+    /// How many bytes [`save_pair_memories`](Self::save_pair_memories) appends now.
+    pub fn saved_length(&self) -> usize {
+        saved::saved_length(self.pairs.memories.len())
+    }
+
+    /// Appends to `bytes` what the pairs remember. A scene with the same bodies, positions and settings that restores it
+    /// goes on as this one does, to the bit.
+    pub fn save_pair_memories(&self, bytes: &mut Vec<u8>) {
+        saved::save(&self.pairs.memories, bytes);
+    }
+
+    /// Replaces what the pairs remember by what was saved. No bytes at all are not the same as saved bytes of no pair.
+    ///
+    /// # Errors
+    /// [`SceneError::SavedState`], and [`SceneError::UnknownBody`] where a body of a saved pair is not in the scene; the
+    /// memories are then as before.
+    pub fn restore_pair_memories(&mut self, bytes: &[u8]) -> Result<(), SceneError> {
+        let memories = saved::restore(bytes)?;
+        memories.iter().try_for_each(|([a, b], _)| self.known_pair(*a, *b).map(drop))?;
+        self.pairs.memories = memories;
+        Ok(())
+    }
+
+    fn known_pair(&self, a: u32, b: u32) -> Result<[u32; 2], SceneError> {
+        self.mesh(a).and(self.mesh(b))?;
+        if a == b { Err(SceneError::SameBody { body: a }) } else { Ok([a.min(b), a.max(b)]) }
     }
 
     /// Finds all contacts between different bodies at their present positions. Replaces what `contacts` held; their
@@ -165,7 +196,7 @@ impl<T: Scalar> Scene<T> {
             self.pair_contacts.resize_with(pairs.len(), new);
         }
 
-        remember(&mut self.memories, pairs);
+        self.pairs.remember(pairs);
 
         // Only bodies that meet another one need their octree.
         let update = |(index, body): (usize, &mut Option<Body<T>>)| {
@@ -186,26 +217,18 @@ impl<T: Scalar> Scene<T> {
             let body = bodies[index as usize].as_ref().expect("pairs name present bodies");
             body.octree.tracer(&body.mesh).expect("octrees are up to date")
         };
-        let detect = |(([a, b], memory), contacts): (&mut ([u32; 2], PairMemory<T>), &mut ContactList<T>)| {
+        let forbidden = &self.pairs.without_escape;
+        let detect = |((pair, memory), contacts): (&mut Remembered<T>, &mut ContactList<T>)| {
             contacts.clear();
-            detect_pair([*a, *b], [&tracer(*a), &tracer(*b)], options, Some(memory), contacts);
+            let may_escape = forbidden.binary_search(pair).is_err();
+            let tracers = pair.map(tracer);
+            detect_pair(*pair, tracers.each_ref(), options, Some(memory), may_escape, contacts);
         };
+        let memories = &mut self.pairs.memories;
         if parallel {
-            self.memories.par_iter_mut().zip(&mut self.pair_contacts).for_each(detect);
+            memories.par_iter_mut().zip(&mut self.pair_contacts).for_each(detect);
         } else {
-            self.memories.iter_mut().zip(&mut self.pair_contacts).for_each(detect);
+            memories.iter_mut().zip(&mut self.pair_contacts).for_each(detect);
         }
     }
-}
-
-/// Makes `memories` those of `pairs`, both in ascending order: keeps what is known, and forgets pairs that have parted.
-fn remember<T: Scalar>(memories: &mut Vec<([u32; 2], PairMemory<T>)>, pairs: &[[u32; 2]]) {
-    memories.retain(|(pair, _)| pairs.binary_search(pair).is_ok());
-    let known = memories.len();
-    for pair in pairs {
-        if memories[..known].binary_search_by_key(pair, |(pair, _)| *pair).is_err() {
-            memories.push((*pair, PairMemory::default()));
-        }
-    }
-    memories.sort_unstable_by_key(|(pair, _)| *pair);
 }

@@ -1,0 +1,199 @@
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::options::flag;
+use super::pointers::{Output, reference, reference_mut, slice};
+use super::scene::{AnyScene, rayc_scene};
+use crate::contact::PairMemory;
+use crate::math::Scalar;
+
+/// What a pair of bodies of a scene remembers from query to query while their boxes overlap.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_pair_memory {
+    /// The pair's bodies, the smaller number first.
+    pub first: u32,
+    /// The other.
+    pub second: u32,
+    /// 1: the pair is escaping; 0: its contacts part it.
+    pub escaping: u32,
+    /// For how many queries `lowest` has stood.
+    pub lowest_steps: u32,
+    /// For how many queries `halved` has stood.
+    pub halved_steps: u32,
+    /// The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
+    pub direction: [f64; 3],
+    /// The smallest overlap so far, renewed where one is smaller by a tenth: Σ area · depth · cos α in m³, or while the
+    /// pair escapes its depth in m. Infinite before the first.
+    pub lowest: f64,
+    /// The same, renewed where one is smaller by half; while the pair escapes it rests.
+    pub halved: f64,
+}
+
+impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
+    fn from(([first, second], memory): &([u32; 2], PairMemory<T>)) -> Self {
+        Self {
+            first: *first,
+            second: *second,
+            escaping: u32::from(memory.escape.is_some()),
+            lowest_steps: memory.lowest.steps,
+            halved_steps: memory.halved.steps,
+            direction: memory.escape.unwrap_or_default().map(T::to_f64).into(),
+            lowest: memory.lowest.value.to_f64(),
+            halved: memory.halved.value.to_f64(),
+        }
+    }
+}
+
+/// Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body
+/// meant to stay inside another. An escape that is under way ends. It holds until it is set otherwise or one of the
+/// bodies is removed; rayc_statistics counts in escapes_forbidden where the pair would have begun to escape.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_allow_escape(scene: *mut rayc_scene, a: u32, b: u32, allowed: u32) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let allowed = flag("allowed", allowed)?;
+        match scene {
+            AnyScene::F32(scene) => scene.allow_escape(a, b, allowed)?,
+            AnyScene::F64(scene) => scene.allow_escape(a, b, allowed)?,
+        }
+        Ok(())
+    })
+}
+
+/// Whether two bodies may escape from one another: *allowed is 1 or 0.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_may_escape(
+    scene: *const rayc_scene,
+    a: u32,
+    b: u32,
+    allowed: *mut u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let place = Output::new(allowed, "allowed")?;
+        place.write(u32::from(match &reference(scene, "scene")?.scene {
+            AnyScene::F32(scene) => scene.may_escape(a, b)?,
+            AnyScene::F64(scene) => scene.may_escape(a, b)?,
+        }));
+        Ok(())
+    })
+}
+
+/// How many pairs remember something: those whose boxes overlapped in the last query.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_pair_memory_count(scene: *const rayc_scene, count: *mut usize) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &reference(scene, "scene")?.scene;
+        Output::new(count, "count")?.write(memory_count(scene));
+        Ok(())
+    })
+}
+
+/// Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
+/// order of their first, then their second body.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
+    scene: *const rayc_scene,
+    first: usize,
+    count: usize,
+    out: *mut rayc_pair_memory,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &reference(scene, "scene")?.scene;
+        let present = memory_count(scene);
+        if first.checked_add(count).is_none_or(|end| end > present) {
+            let message = format!(
+                "pair memories {first} to {first} + {count} were asked for, but there are {present}; ask for fewer"
+            );
+            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+        }
+        let out = Output::array(out, count, "out")?;
+        let range = first..first + count;
+        match scene {
+            AnyScene::F32(scene) => out.write_all(scene.pair_memories()[range].iter().map(Into::into)),
+            AnyScene::F64(scene) => out.write_all(scene.pair_memories()[range].iter().map(Into::into)),
+        }
+        Ok(())
+    })
+}
+
+/// How many bytes rayc_scene_save_pair_memories() writes now.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_saved_length(scene: *const rayc_scene, length: *mut usize) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &reference(scene, "scene")?.scene;
+        Output::new(length, "length")?.write(match scene {
+            AnyScene::F32(scene) => scene.saved_length(),
+            AnyScene::F64(scene) => scene.saved_length(),
+        });
+        Ok(())
+    })
+}
+
+/// Writes what all pairs remember to `bytes`; length must be that of rayc_scene_saved_length(). A scene with the same
+/// bodies, positions, options and forbidden escapes that restores it goes on as this one does, to the bit. The bytes
+/// carry their version and a checksum, and are the same on every machine.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_save_pair_memories(
+    scene: *const rayc_scene,
+    length: usize,
+    bytes: *mut u8,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &reference(scene, "scene")?.scene;
+        let mut saved = Vec::new();
+        match scene {
+            AnyScene::F32(scene) => scene.save_pair_memories(&mut saved),
+            AnyScene::F64(scene) => scene.save_pair_memories(&mut saved),
+        }
+        if saved.len() != length {
+            let message = format!("bytes has room for {length}, but {} are to be saved; give that many", saved.len());
+            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+        }
+        Output::array(bytes, length, "bytes")?.write_all(saved.into_iter());
+        Ok(())
+    })
+}
+
+/// Replaces what the pairs remember by the `length` bytes that were saved.
+///
+/// Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was saved,
+/// RAYC_STATUS_SAVED_STATE_OTHER_VERSION, RAYC_STATUS_PRECISION_MISMATCH, and RAYC_STATUS_UNKNOWN_BODY where a body of a
+/// saved pair is not in the scene; the memories are then as before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_restore_pair_memories(
+    scene: *mut rayc_scene,
+    length: usize,
+    bytes: *const u8,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let bytes = slice(bytes, length, "bytes")?;
+        match scene {
+            AnyScene::F32(scene) => scene.restore_pair_memories(bytes)?,
+            AnyScene::F64(scene) => scene.restore_pair_memories(bytes)?,
+        }
+        Ok(())
+    })
+}
+
+fn memory_count(scene: &AnyScene) -> usize {
+    match scene {
+        AnyScene::F32(scene) => scene.pair_memories().len(),
+        AnyScene::F64(scene) => scene.pair_memories().len(),
+    }
+}

@@ -1,0 +1,47 @@
+use super::SavedStateError;
+use std::fmt;
+
+/// Why a scene refused something. Nothing was changed.
+#[derive(Debug)]
+pub enum SceneError {
+    /// There is no body of this number.
+    UnknownBody {
+        /// The number.
+        body: u32,
+    },
+    /// A pair of bodies was asked for, and one was named twice.
+    SameBody {
+        /// Its number.
+        body: u32,
+    },
+    /// Saved bytes are not what was saved.
+    SavedState(SavedStateError),
+    /// The system gave no threads.
+    ThreadsNotStarted {
+        /// How many were wanted.
+        threads: usize,
+        /// Why.
+        source: rayon::ThreadPoolBuildError,
+    },
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnknownBody { body } => write!(f, "the scene has no body {body}; it was never added, or was removed"),
+            Self::SameBody { body } => write!(f, "body {body} was named twice; name two different bodies"),
+            Self::SavedState(error) => error.fmt(f),
+            Self::ThreadsNotStarted { threads, source } => {
+                write!(f, "could not start {threads} threads: {source}; ask for fewer, or for 1 to use your own")
+            }
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl From<SavedStateError> for SceneError {
+    fn from(error: SavedStateError) -> Self {
+        Self::SavedState(error)
+    }
+}
