@@ -294,6 +294,12 @@ typedef struct rayc_response_options {
    * A rayc_weighting. Default RAYC_WEIGHTING_AREA.
    */
   uint32_t weighting;
+  /**
+   * 1: an escaping pair is pushed by one force spread evenly over all vertices of each body, and the coefficients of
+   * its contacts are 0. For bodies so soft that contacts would draw them out instead of moving them. 0: its contacts
+   * push. Default 0.
+   */
+  uint32_t whole_body_escape;
 } rayc_response_options;
 
 /**
@@ -527,6 +533,42 @@ typedef struct rayc_statistics {
    */
   uint64_t escapes_forbidden;
 } rayc_statistics;
+
+/**
+ * How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
+ * whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
+ * the first by a part of depth · direction, and the second against it.
+ */
+typedef struct rayc_escape_push {
+  /**
+   * The body that leaves along the direction.
+   */
+  uint32_t first;
+  /**
+   * The body that leaves against it.
+   */
+  uint32_t second;
+  /**
+   * How many contacts the pair has.
+   */
+  uint32_t contact_count;
+  /**
+   * Of unit length.
+   */
+  double direction[3];
+  /**
+   * How far the two have to move apart along it, as far as the rays tell, > 0.
+   */
+  double depth;
+  /**
+   * The area of the pair's contacts, together: the push is stiffness · area · depth, in N, with RAYC_WEIGHTING_AREA.
+   */
+  double area;
+  /**
+   * The means of all vertices of the first and of the second body at detection.
+   */
+  double centres[2][3];
+} rayc_escape_push;
 
 /**
  * What a pair of bodies of a scene remembers from query to query while their boxes overlap.
@@ -864,6 +906,22 @@ enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
 enum rayc_status rayc_scene_query(struct rayc_scene *scene, struct rayc_contacts *contacts);
 
 /**
+ * How many pairs are escaping.
+ */
+enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *contacts, size_t *count);
+
+/**
+ * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
+ * `count`. They stand in the order of the contacts.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ */
+enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
+                                                  size_t first,
+                                                  size_t count,
+                                                  struct rayc_escape_push *out);
+
+/**
  * Makes an empty list. *contacts: the new handle.
  */
 enum rayc_status rayc_contacts_create(struct rayc_contacts **contacts);
@@ -906,6 +964,22 @@ enum rayc_status rayc_contacts_copy(const struct rayc_contacts *contacts,
  * What the query that filled `contacts` did.
  */
 enum rayc_status rayc_contacts_statistics(const struct rayc_contacts *contacts, struct rayc_statistics *statistics);
+
+/**
+ * How many pairs are escaping.
+ */
+enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *contacts, size_t *count);
+
+/**
+ * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
+ * `count`. They stand in the order of the contacts.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ */
+enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
+                                                  size_t first,
+                                                  size_t count,
+                                                  struct rayc_escape_push *out);
 
 /**
  * What was wrong with this thread's last call, where, and what to do; "" after a success. UTF-8.

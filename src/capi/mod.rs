@@ -4,6 +4,7 @@
 #![allow(unsafe_code, non_camel_case_types, clippy::missing_safety_doc)] // C names; safety stands in each function's text
 
 mod contacts;
+mod escape_push;
 mod failure;
 mod guard;
 mod mesh;
@@ -17,6 +18,7 @@ mod vectors;
 mod version;
 
 pub use contacts::*;
+pub use escape_push::*;
 pub use failure::rayc_status;
 pub use guard::rayc_last_error_message;
 pub use mesh::*;

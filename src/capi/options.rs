@@ -49,6 +49,10 @@ pub struct rayc_response_options {
     pub damping_time: f64,
     /// A rayc_weighting. Default RAYC_WEIGHTING_AREA.
     pub weighting: u32,
+    /// 1: an escaping pair is pushed by one force spread evenly over all vertices of each body, and the coefficients of
+    /// its contacts are 0. For bodies so soft that contacts would draw them out instead of moving them. 0: its contacts
+    /// push. Default 0.
+    pub whole_body_escape: u32,
 }
 
 /// How a scene works. Fill with rayc_default_scene_options(), then change what you need.
@@ -111,7 +115,8 @@ impl Options for rayc_response_options {
     const SMALLEST: usize = std::mem::offset_of!(Self, weighting) + size_of::<u32>();
     fn defaults() -> Self {
         let weighting = rayc_weighting::RAYC_WEIGHTING_AREA as u32;
-        Self { struct_size: size_of::<Self>(), stiffness: 1.0, damping_time: 0.0, weighting }
+        let struct_size = size_of::<Self>();
+        Self { struct_size, stiffness: 1.0, damping_time: 0.0, weighting, whole_body_escape: 0 }
     }
 }
 
@@ -130,7 +135,9 @@ impl rayc_response_options {
             w if w == rayc_weighting::RAYC_WEIGHTING_VERTEX as u32 => Weighting::Vertex,
             other => return Err(unknown_enum("weighting", other, "rayc_weighting")),
         };
-        Ok(PenaltyLaw::new(self.stiffness, self.damping_time, weighting)?)
+        let law = PenaltyLaw::new(self.stiffness, self.damping_time, weighting)?;
+        let whole_bodies = flag("whole_body_escape", self.whole_body_escape)?;
+        Ok(if whole_bodies { law.pushing_whole_bodies() } else { law })
     }
 }
 

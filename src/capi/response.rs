@@ -4,9 +4,11 @@ use super::guard::guard;
 use super::options::{rayc_response_options, read_options};
 use super::pointers::{Output, reference, slice};
 use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
-use crate::contact::Contact;
+use crate::contact::ContactList;
 use crate::math::Scalar;
-use crate::response::{add_differential, add_forces, energy};
+use crate::response::{
+    PenaltyLaw, add_differential, add_forces, add_push_differential, add_push_forces, energy, push_energy,
+};
 
 /// What a contact's stiffness is multiplied with.
 #[repr(C)]
@@ -73,11 +75,11 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
         let velocities = optional_arrays(velocities, body_count, "velocities")?;
         let mut forces = arrays_mut(forces, body_count, "forces")?;
         let given = [positions.as_deref(), velocities.as_deref(), Some(&forces)];
-        check_arrays(list, given)?;
+        check_arrays(list, &law, given)?;
         let (positions, velocities) = (positions.as_deref(), velocities.as_deref());
         match list {
-            AnyContacts::F32(list) => add_forces(&list.contacts, &law, positions, velocities, &mut forces),
-            AnyContacts::F64(list) => add_forces(&list.contacts, &law, positions, velocities, &mut forces),
+            AnyContacts::F32(list) => add_all_forces(list, &law, positions, velocities, &mut forces),
+            AnyContacts::F64(list) => add_all_forces(list, &law, positions, velocities, &mut forces),
         }
         Ok(())
     })
@@ -113,11 +115,11 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
         }
         let displacements = arrays(displacements, body_count, "displacements")?;
         let mut forces = arrays_mut(forces, body_count, "forces")?;
-        check_arrays(list, [Some(&displacements), Some(&forces)])?;
-        let (s, d) = (stiffness_factor, damping_factor);
+        check_arrays(list, &law, [Some(&displacements), Some(&forces)])?;
+        let factors = [stiffness_factor, damping_factor];
         match list {
-            AnyContacts::F32(list) => add_differential(&list.contacts, &law, s, d, &displacements, &mut forces),
-            AnyContacts::F64(list) => add_differential(&list.contacts, &law, s, d, &displacements, &mut forces),
+            AnyContacts::F32(list) => add_all_differentials(list, &law, factors, &displacements, &mut forces),
+            AnyContacts::F64(list) => add_all_differentials(list, &law, factors, &displacements, &mut forces),
         }
         Ok(())
     })
@@ -141,13 +143,39 @@ pub unsafe extern "C" fn rayc_contacts_energy(
         let law = read_options(options)?.law()?;
         let positions = optional_arrays(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
-        check_arrays(list, [positions.as_deref()])?;
+        check_arrays(list, &law, [positions.as_deref()])?;
         place.write(match list {
-            AnyContacts::F32(list) => energy(&list.contacts, &law, positions.as_deref()).to_f64(),
-            AnyContacts::F64(list) => energy(&list.contacts, &law, positions.as_deref()),
+            AnyContacts::F32(list) => all_energy(list, &law, positions.as_deref()),
+            AnyContacts::F64(list) => all_energy(list, &law, positions.as_deref()),
         });
         Ok(())
     })
+}
+
+fn add_all_forces<T: Scalar>(
+    list: &ContactList<T>,
+    law: &PenaltyLaw,
+    positions: Option<&[Strided]>,
+    velocities: Option<&[Strided]>,
+    forces: &mut [Strided],
+) {
+    add_forces(&list.contacts, law, positions, velocities, forces);
+    add_push_forces(list.pushes(), law, positions, velocities, forces);
+}
+
+fn add_all_differentials<T: Scalar>(
+    list: &ContactList<T>,
+    law: &PenaltyLaw,
+    [stiffness, damping]: [f64; 2],
+    displacements: &[Strided],
+    forces: &mut [Strided],
+) {
+    add_differential(&list.contacts, law, stiffness, damping, displacements, forces);
+    add_push_differential(list.pushes(), law, stiffness, damping, displacements, forces);
+}
+
+fn all_energy<T: Scalar>(list: &ContactList<T>, law: &PenaltyLaw, positions: Option<&[Strided]>) -> f64 {
+    (energy(&list.contacts, law, positions) + push_energy(list.pushes(), law, positions)).to_f64()
 }
 
 /// # Safety
@@ -181,27 +209,39 @@ unsafe fn arrays_mut(bodies: *const rayc_vectors_mut, count: usize, name: &str) 
     }
 }
 
-/// Refuses arrays that do not reach to every body and vertex of the contacts, before anything is changed.
-fn check_arrays<const N: usize>(list: &AnyContacts, given: [Option<&[Strided]>; N]) -> Result<(), Failure> {
-    fn check<T: Scalar>(contacts: &[Contact<T>], bodies: &[Strided]) -> Result<(), Failure> {
-        let points = contacts.iter().flat_map(|c| [(c.colliding, &c.p1.vertices), (c.collided, &c.p2.vertices)]);
-        for (body, vertices) in points {
-            let count = bodies.get(body as usize).map(Strided::count);
-            if let Some(vertex) = vertices.iter().find(|&&v| count.is_none_or(|count| v as usize >= count)) {
-                let reach = count.map_or("no array".to_owned(), |count| format!("an array of {count} vectors"));
-                return Err(Failure::new(
-                    rayc_status::RAYC_STATUS_WRONG_COUNT,
-                    format!(
-                        "a contact needs vertex {vertex} of body {body}, which has {reach}; give one vector for \
-                             each vertex of each body"
-                    ),
-                ));
+/// Refuses arrays that do not reach to every body and vertex of the contacts, and of the pushes where they are used,
+/// before anything is changed.
+fn check_arrays<const N: usize>(
+    list: &AnyContacts,
+    law: &PenaltyLaw,
+    given: [Option<&[Strided]>; N],
+) -> Result<(), Failure> {
+    fn check<T: Scalar>(list: &ContactList<T>, law: &PenaltyLaw, bodies: &[Strided]) -> Result<(), Failure> {
+        for contact in &list.contacts {
+            let ends = [(contact.colliding, &contact.p1), (contact.collided, &contact.p2)];
+            for (body, vertex) in ends.iter().flat_map(|(body, point)| point.vertices.map(|vertex| (*body, vertex))) {
+                check_reach(body, vertex, bodies)?;
             }
+        }
+        for push in list.pushes().iter().filter(|_| law.pushes_whole_bodies()) {
+            (0..2).try_for_each(|end| check_reach(push.bodies[end], push.vertex_counts[end] - 1, bodies))?;
         }
         Ok(())
     }
     given.into_iter().flatten().try_for_each(|bodies| match list {
-        AnyContacts::F32(list) => check(&list.contacts, bodies),
-        AnyContacts::F64(list) => check(&list.contacts, bodies),
+        AnyContacts::F32(list) => check(list, law, bodies),
+        AnyContacts::F64(list) => check(list, law, bodies),
     })
+}
+
+fn check_reach(body: u32, vertex: u32, bodies: &[Strided]) -> Result<(), Failure> {
+    let count = bodies.get(body as usize).map(Strided::count);
+    if count.is_some_and(|count| (vertex as usize) < count) {
+        return Ok(());
+    }
+    let reach = count.map_or("no array".to_owned(), |count| format!("an array of {count} vectors"));
+    let message = format!(
+        "a contact needs vertex {vertex} of body {body}, which has {reach}; give one vector for each vertex of each body"
+    );
+    Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
 }

@@ -32,7 +32,7 @@ impl<T: Scalar> Direction<'_, T> {
     }
 
     fn cast_one_by_one(&self, list: &mut ContactList<T>) {
-        let ContactList { contacts, workspace, statistics } = list;
+        let ContactList { contacts, workspace, statistics, .. } = list;
         for groups in workspace.groups.chunks(GROUPS_IN_CHUNK) {
             let mut surface = CastSurface::default();
             let pieces = &mut workspace.samples;
@@ -42,7 +42,7 @@ impl<T: Scalar> Direction<'_, T> {
     }
 
     fn cast_side_by_side(&self, list: &mut ContactList<T>) {
-        let ContactList { contacts, workspace, statistics } = list;
+        let ContactList { contacts, workspace, statistics, .. } = list;
         let count = workspace.groups.len().div_ceil(GROUPS_IN_CHUNK);
         if workspace.chunks.len() < count {
             workspace.chunks.resize_with(count, Chunk::default);

@@ -32,7 +32,7 @@ impl<T: Scalar> Direction<'_, T> {
 
     /// Traces the rays and keeps those that pass both filters of the paper.
     fn filter(&self, kind: ContactKind, contacts: &mut ContactList<T>) {
-        let ContactList { contacts, statistics, workspace } = contacts;
+        let ContactList { contacts, statistics, workspace, .. } = contacts;
         let [own, other] = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
         statistics.rays += workspace.rays.len() as u64;
         other.nearest_hits(&workspace.rays, &mut workspace.hits);

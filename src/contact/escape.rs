@@ -6,7 +6,7 @@ use super::edges::for_each_inside_stretch;
 use super::pair::Pair;
 use super::samples::{Sample, for_each_sample};
 use super::workspace::Workspace;
-use super::{Contact, ContactKind, ContactList, SurfacePoint};
+use super::{Contact, ContactKind, ContactList, EscapePush, SurfacePoint};
 use crate::math::{Scalar, Vector3, direction};
 use crate::ray::Ray;
 
@@ -19,7 +19,7 @@ const CLEARLY_SHORTER: f64 = 0.99;
 /// adds none where the bodies are apart.
 pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, contacts: &mut ContactList<T>) -> Option<T> {
     let start = contacts.len();
-    let ContactList { contacts, statistics, workspace } = contacts;
+    let ContactList { contacts, statistics, pushes, workspace } = contacts;
     for side in [0, 1] {
         inside_samples(pair, side, away, workspace);
         statistics.rays += workspace.rays.len() as u64;
@@ -37,7 +37,11 @@ pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     // All as deep as the deepest: so all come out together, and none pulls the body back or turns it on its way.
     let depth = added.iter().fold(T::zero(), |depth, contact| depth.max(contact.depth));
     added.iter_mut().for_each(|contact| contact.depth = depth);
-    (!added.is_empty()).then_some(depth)
+    if added.is_empty() {
+        return None;
+    }
+    pushes.push(EscapePush::new(pair, *away, depth, added));
+    Some(depth)
 }
 
 /// The direction in which the first body leaves the second on the shortest way: of a fixed set and the line of the

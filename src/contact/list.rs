@@ -1,3 +1,4 @@
+use super::EscapePush;
 use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
 use crate::mesh::Mesh;
@@ -120,19 +121,20 @@ impl std::ops::AddAssign for Statistics {
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
-/// Two lists are equal where their contacts and statistics are.
+/// Two lists are equal where their contacts, pushes and statistics are.
 #[derive(Clone, Debug, Default)]
 pub struct ContactList<T: Scalar> {
     /// The contacts.
     pub contacts: Vec<Contact<T>>,
     /// How they were found.
     pub statistics: Statistics,
+    pub(super) pushes: Vec<EscapePush<T>>,
     pub(super) workspace: Workspace<T>,
 }
 
 impl<T: Scalar> PartialEq for ContactList<T> {
     fn eq(&self, other: &Self) -> bool {
-        self.contacts == other.contacts && self.statistics == other.statistics
+        self.contacts == other.contacts && self.statistics == other.statistics && self.pushes == other.pushes
     }
 }
 
@@ -156,12 +158,14 @@ impl<T: Scalar> ContactList<T> {
     /// Forgets everything but the memory.
     pub fn clear(&mut self) {
         self.contacts.clear();
+        self.pushes.clear();
         self.statistics = Statistics::default();
     }
 
     /// Adds the contacts and counts of `other` after its own.
     pub fn append(&mut self, other: &Self) {
         self.contacts.extend_from_slice(&other.contacts);
+        self.pushes.extend_from_slice(&other.pushes);
         self.statistics += other.statistics;
     }
 }

@@ -10,6 +10,7 @@ mod list;
 mod load;
 mod memory;
 mod pair;
+mod push;
 mod samples;
 mod workspace;
 
@@ -17,4 +18,5 @@ pub use list::{Contact, ContactKind, ContactList, Statistics, SurfacePoint};
 pub use memory::{PairMemory, Record};
 pub(crate) use pair::overlap_region;
 pub use pair::{DetectionOptions, detect_pair, query_pair};
+pub use push::EscapePush;
 pub use samples::Sampling;

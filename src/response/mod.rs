@@ -9,9 +9,11 @@
 
 mod law;
 mod vectors;
+mod whole_body;
 
 pub use law::{LawError, PenaltyLaw, Weighting};
 pub use vectors::{Vectors, VectorsMut};
+pub use whole_body::{add_push_differential, add_push_forces, push_energy};
 
 use crate::contact::{Contact, SurfacePoint};
 use crate::math::{Scalar, Vector3};

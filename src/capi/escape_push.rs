@@ -1,0 +1,93 @@
+use super::contacts::{AnyContacts, rayc_contacts};
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::pointers::{Output, reference};
+use crate::contact::EscapePush;
+use crate::math::Scalar;
+
+/// How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
+/// whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
+/// the first by a part of depth · direction, and the second against it.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_escape_push {
+    /// The body that leaves along the direction.
+    pub first: u32,
+    /// The body that leaves against it.
+    pub second: u32,
+    /// How many contacts the pair has.
+    pub contact_count: u32,
+    /// Of unit length.
+    pub direction: [f64; 3],
+    /// How far the two have to move apart along it, as far as the rays tell, > 0.
+    pub depth: f64,
+    /// The area of the pair's contacts, together: the push is stiffness · area · depth, in N, with RAYC_WEIGHTING_AREA.
+    pub area: f64,
+    /// The means of all vertices of the first and of the second body at detection.
+    pub centres: [[f64; 3]; 2],
+}
+
+impl<T: Scalar> From<&EscapePush<T>> for rayc_escape_push {
+    fn from(push: &EscapePush<T>) -> Self {
+        Self {
+            first: push.bodies[0],
+            second: push.bodies[1],
+            contact_count: push.contact_count,
+            direction: push.direction.map(T::to_f64).into(),
+            depth: push.depth.to_f64(),
+            area: push.area.to_f64(),
+            centres: push.centres.map(|centre| centre.map(T::to_f64).into()),
+        }
+    }
+}
+
+/// How many pairs are escaping.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_escape_push_count(
+    contacts: *const rayc_contacts,
+    count: *mut usize,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reference(contacts, "contacts")?.list;
+        Output::new(count, "count")?.write(push_count(list));
+        Ok(())
+    })
+}
+
+/// Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
+/// `count`. They stand in the order of the contacts.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
+    contacts: *const rayc_contacts,
+    first: usize,
+    count: usize,
+    out: *mut rayc_escape_push,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reference(contacts, "contacts")?.list;
+        let present = push_count(list);
+        if first.checked_add(count).is_none_or(|end| end > present) {
+            let message =
+                format!("pushes {first} to {first} + {count} were asked for, but there are {present}; ask for fewer");
+            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+        }
+        let out = Output::array(out, count, "out")?;
+        let range = first..first + count;
+        match list {
+            AnyContacts::F32(list) => out.write_all(list.pushes()[range].iter().map(Into::into)),
+            AnyContacts::F64(list) => out.write_all(list.pushes()[range].iter().map(Into::into)),
+        }
+        Ok(())
+    })
+}
+
+fn push_count(list: &AnyContacts) -> usize {
+    match list {
+        AnyContacts::F32(list) => list.pushes().len(),
+        AnyContacts::F64(list) => list.pushes().len(),
+    }
+}

@@ -1,0 +1,53 @@
+use super::pair::Pair;
+use super::{Contact, ContactList};
+use crate::math::{Scalar, Vector3};
+use crate::mesh::Mesh;
+
+/// How an escaping pair is pushed as a whole, for hosts whose bodies are so soft that contacts would only draw them out:
+/// the sum of the pair's contacts of kind `Escape`, spread evenly over all vertices of the two bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EscapePush<T: Scalar> {
+    /// The pair; in a scene the smaller number comes first.
+    pub bodies: [u32; 2],
+    /// The direction in which the first body leaves the second, of unit length.
+    pub direction: Vector3<T>,
+    /// How far the two have to move apart along it, as far as the rays tell, > 0.
+    pub depth: T,
+    /// The area of the pair's contacts, together.
+    pub area: T,
+    /// How many they are.
+    pub contact_count: u32,
+    /// How many vertices either body has, used by triangles or not.
+    pub vertex_counts: [u32; 2],
+    /// The means of their positions at detection.
+    pub centres: [Vector3<T>; 2],
+}
+
+impl<T: Scalar> EscapePush<T> {
+    pub(super) fn new(pair: &Pair<'_, T>, direction: Vector3<T>, depth: T, contacts: &[Contact<T>]) -> Self {
+        let meshes = pair.tracers.map(|tracer| tracer.mesh());
+        Self {
+            bodies: pair.bodies,
+            direction,
+            depth,
+            area: contacts.iter().fold(T::zero(), |sum, contact| sum + contact.area),
+            contact_count: contacts.len() as u32,
+            vertex_counts: meshes.map(|mesh| mesh.positions().len() as u32),
+            centres: meshes.map(centre),
+        }
+    }
+}
+
+/// Summed from the box's lower corner, so that a body far from the origin loses nothing.
+fn centre<T: Scalar>(mesh: &Mesh<T>) -> Vector3<T> {
+    let base = mesh.aabb().lower;
+    let sum = mesh.positions().iter().fold(Vector3::zeros(), |sum, position| sum + (position - base));
+    base + sum / T::of(mesh.positions().len() as f64)
+}
+
+impl<T: Scalar> ContactList<T> {
+    /// How each escaping pair is pushed as a whole, in the order of the pairs.
+    pub fn pushes(&self) -> &[EscapePush<T>] {
+        &self.pushes
+    }
+}
