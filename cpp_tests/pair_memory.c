@@ -59,7 +59,8 @@ static void check_push(const rayc_contacts* contacts, const rayc_pair_memory* me
   options.stiffness = 2;
   double forces[2][3 * OCTAHEDRON_VERTICES];
   memset(forces, 0, sizeof forces);
-  const rayc_vectors_mut out[2] = {packed_mut(forces[0], OCTAHEDRON_VERTICES), packed_mut(forces[1], OCTAHEDRON_VERTICES)};
+  const rayc_vectors_mut out[2] = {packed_mut(forces[0], OCTAHEDRON_VERTICES),
+                                   packed_mut(forces[1], OCTAHEDRON_VERTICES)};
   CHECK_OK(rayc_contacts_add_forces(contacts, &options, 2, NULL, NULL, out));
   const double share = 2 * push.area * push.depth / OCTAHEDRON_VERTICES;
   for (int i = 0; i < 3 * OCTAHEDRON_VERTICES; ++i) {

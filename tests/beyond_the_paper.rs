@@ -136,6 +136,23 @@ fn a_loaded_contact_at_rest_does_not_escape() {
     }
 }
 
+/// Beside a sharp edge, here of 41°, rays leave their own body before the floor: that belongs to ordinary contact.
+#[test]
+fn a_sharp_edge_pressed_into_a_floor_does_not_escape() {
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    scene.add(Mesh::new(&cuboid([5.0, 5.0, 1.0], [0.0; 3]), &BOX_FACES).expect("a box is closed"));
+    let wedge = common::shapes::tetrahedron().map(|[x, y, z]| [x, y, 1.9 * z]).moved([0.3, 0.2, 2.85]);
+    let body = scene.add(wedge.mesh());
+    let mut contacts = ContactList::default();
+    for step in 0..100 {
+        let sway = Vector3::new(0.0, 0.0, 0.002 * f64::from(step).sin());
+        scene.mesh_mut(body).expect("it was added").set_positions(&moved(&wedge.positions, &sway)).expect("finite");
+        scene.query(&mut contacts);
+        assert!(contacts.statistics.own_surface_hits > 0 && contacts.len() > 10, "{:?}", contacts.statistics);
+        assert_eq!(contacts.statistics.escaping_pairs, 0, "step {step}");
+    }
+}
+
 /// Switched off, nothing escapes; and what a pair remembers goes when the bodies are apart.
 #[test]
 fn escapes_are_counted_and_can_be_forbidden() {

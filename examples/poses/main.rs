@@ -9,6 +9,7 @@ mod body;
 mod judge;
 mod motion;
 mod options;
+mod press;
 mod proximity;
 #[path = "../oracle/random.rs"]
 #[allow(dead_code)] // the oracle uses more of it
@@ -51,6 +52,11 @@ fn main() -> ExitCode {
     let make = |number| Rest::new(number, options.vertices);
     let rests: Vec<Rest> = pool.install(|| numbers.into_par_iter().map(make).collect());
     let start = Instant::now();
+    if let Some(load) = options.press {
+        pool.install(|| press::print(&rests, &options, load));
+        eprintln!("{:.1} s", start.elapsed().as_secs_f64());
+        return ExitCode::SUCCESS;
+    }
     let poses = match options.pose {
         Some(number) => vec![run_pose(&rests, &options, number, |line| println!("{line}"))],
         None => pool.install(|| run_all(&rests, &options)),

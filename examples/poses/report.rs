@@ -31,6 +31,11 @@ pub fn print(poses: &[Pose]) {
     if let Some(median) = overlaps.get(overlaps.len() / 2) {
         println!("\ndeep poses: half of them overlap by {:.0} % of the smaller body or more", median * 100.0);
     }
+    let separated = poses.iter().filter(|pose| pose.run.outcome == Outcome::Separated);
+    let mut slowest: Vec<&Pose> = separated.collect();
+    slowest.sort_by_key(|pose| std::cmp::Reverse(pose.run.steps));
+    let named: Vec<_> = slowest.iter().take(5).map(|pose| format!("{} ({})", pose.number, pose.run.steps)).collect();
+    println!("slowest to separate, with their steps: {}", named.join(", "));
     print_last_line(poses);
 }
 

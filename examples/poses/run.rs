@@ -82,15 +82,15 @@ fn describe_pairs(pushes: &[Push]) -> Vec<String> {
 }
 
 /// Where the pushes come from.
-struct Forces<T: Scalar> {
+pub struct Forces<T: Scalar> {
     mode: Mode,
     scene: Scene<T>,
-    contacts: ContactList<T>,
+    pub contacts: ContactList<T>,
     law: PenaltyLaw,
 }
 
 impl<T: Scalar> Forces<T> {
-    fn new(mode: Mode, bodies: &[Body]) -> Self {
+    pub fn new(mode: Mode, bodies: &[Body]) -> Self {
         let mut scene = Scene::new(1).expect("the caller's own thread needs no starting");
         let (options, weighting) = match mode {
             Mode::Paper => (DetectionOptions::paper(), Weighting::Vertex),
@@ -105,7 +105,7 @@ impl<T: Scalar> Forces<T> {
         Self { mode, scene, contacts: ContactList::default(), law }
     }
 
-    fn find(&mut self, bodies: &[Body]) -> Vec<Push> {
+    pub fn find(&mut self, bodies: &[Body]) -> Vec<Push> {
         if self.mode == Mode::Proximity {
             return proximity::pushes(bodies);
         }

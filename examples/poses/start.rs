@@ -86,7 +86,7 @@ fn draw<'a>(rests: &'a [Rest], kind: Kind, count: usize, random: &mut Random) ->
 }
 
 /// All orientations alike (Shoemake 1992).
-fn turn(random: &mut Random) -> UnitQuaternion<f64> {
+pub fn turn(random: &mut Random) -> UnitQuaternion<f64> {
     let axis = Unit::new_normalize(Vector3::from(random.direction()));
     let (share, angle) = (random.unit(), random.between(0.0, std::f64::consts::TAU));
     let other = Unit::new_normalize(Vector3::from(random.direction()));

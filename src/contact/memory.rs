@@ -45,20 +45,25 @@ impl<T: Scalar> Default for PairMemory<T> {
 /// Steps without a smaller overlap after which deep contacts are stuck.
 const STEPS_TO_A_NEW_LOW: u32 = 8;
 /// Steps without a halved overlap after which contacts that push against each other are jammed.
-const STEPS_TO_HALVE: u32 = 24;
+const STEPS_TO_HALVE: u32 = 16;
 /// Steps without a smaller depth after which an escape is held fast by others.
 const STEPS_TO_TURN: u32 = 24;
 
 /// How the overlap of a pair has come along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Progress {
-    /// It gets smaller, or is pressed together by a load.
-    Fine,
-    /// It has not got smaller for some steps: stuck, if there are contacts deeper than half the body is thick.
+    /// The contacts push one way, on the whole: they part the bodies, or bear a load.
+    OneWay,
+    /// They push against each other.
+    Balanced,
+    /// The same, and the overlap has not got smaller for some steps.
     Slow,
-    /// It does not get smaller, and the contacts push against each other.
+    /// The same, for so long that they hold one another.
     Jammed,
 }
+
+/// Of the sum of all pushes the part that remains as net push where they push one way.
+const NET_PUSH: f64 = 0.3;
 
 impl<T: Scalar> PairMemory<T> {
     /// Takes note of a step's contacts; `first` is the number of the pair's first body.
@@ -74,12 +79,14 @@ impl<T: Scalar> PairMemory<T> {
         self.lowest.follow(overlap, T::of(0.9));
         self.halved.follow(overlap, T::of(0.5));
         // A loaded contact at rest has a net force; a jam has none.
-        if self.halved.steps >= STEPS_TO_HALVE && net.norm() <= overlap * T::of(0.3) {
+        if net.norm() > overlap * T::of(NET_PUSH) {
+            Progress::OneWay
+        } else if self.halved.steps >= STEPS_TO_HALVE {
             Progress::Jammed
         } else if self.lowest.steps >= STEPS_TO_A_NEW_LOW {
             Progress::Slow
         } else {
-            Progress::Fine
+            Progress::Balanced
         }
     }
 

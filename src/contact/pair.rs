@@ -134,12 +134,15 @@ impl<T: Scalar> Pair<'_, T> {
         }
         // So that the step in which their depth is asked for allocates no more than others.
         contacts.workspace.reserve(contacts.len() - start);
-        let stuck = outcome == Outcome::Targetless
-            || match memory.observe(self.bodies[0], &contacts.contacts[start..]) {
-                Progress::Fine => false,
-                Progress::Slow => self.any_is_deep(start, contacts),
-                Progress::Jammed => true,
-            };
+        // Near edges, points without a target belong to ordinary contact: alone they tell nothing.
+        let targetless = outcome == Outcome::Targetless;
+        let stuck = match memory.observe(self.bodies[0], &contacts.contacts[start..]) {
+            _ if contacts.len() == start => targetless,
+            Progress::OneWay => false,
+            Progress::Balanced => targetless,
+            Progress::Slow => targetless || self.any_is_deep(start, contacts),
+            Progress::Jammed => true,
+        };
         if stuck && let Some(away) = self.start_to_escape(start, contacts) {
             memory.start_to_escape(away);
         }
