@@ -81,6 +81,18 @@ static void refuses_an_open_mesh(void) {
   check_refused("a hole", &mesh, RAYC_STATUS_MESH_OPEN, "edge", NULL);
   mesh.triangle_count = 1;
   check_refused("one triangle", &mesh, RAYC_STATUS_MESH_OPEN, "triangle 0", NULL);
+
+  /* Unless the options say that it may be. */
+  rayc_mesh_options options;
+  CHECK_OK(rayc_default_mesh_options(sizeof options, &options));
+  CHECK(options.open == 0);
+  options.open = 1;
+  const rayc_vectors positions = packed(mesh.positions, OCTAHEDRON_VERTICES);
+  rayc_mesh* made = NULL;
+  CHECK_OK(rayc_mesh_create(&options, &positions, mesh.triangles, 7, &made));
+  CHECK_OK(rayc_mesh_destroy(made));
+  options.open = 2;
+  CHECK_STATUS(rayc_mesh_create(&options, &positions, mesh.triangles, 7, &made), RAYC_STATUS_INVALID_OPTION, "open");
 }
 
 static void refuses_an_inconsistent_orientation(void) {

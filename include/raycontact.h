@@ -97,7 +97,7 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_MESH_DEGENERATE_TRIANGLE = 202,
   /**
-   * An edge belongs to one triangle only: the surface has a hole.
+   * An edge belongs to one triangle only: the surface has a hole, and the options do not say that it may.
    */
   RAYC_STATUS_MESH_OPEN = 203,
   /**
@@ -209,7 +209,7 @@ typedef enum rayc_weighting {
 typedef struct rayc_contacts rayc_contacts;
 
 /**
- * One closed triangle surface, counter-clockwise seen from outside: its topology is fixed, its positions are renewed
+ * One triangle surface, closed unless the options say otherwise, counter-clockwise seen from outside: its topology is fixed, its positions are renewed
  * each step. Vertices that no triangle uses are allowed (the inner nodes of a volume mesh).
  *
  * Threads: calls with a const mesh may run at once; no other call may run beside one that changes it. The caller
@@ -246,6 +246,15 @@ typedef struct rayc_mesh_options {
    * Arithmetic of detection, a rayc_scalar. Default RAYC_SCALAR_F64.
    */
   uint32_t precision;
+  /**
+   * 1: the surface may be open, with edges that belong to one triangle only: a floor, a wall, a piece of cloth. It is
+   * solid behind its triangles. A point of a closed body behind it whose inward ray leaves through it gives a contact,
+   * and so does a point of it inside a closed body. Not promised: a body more than half behind it is pushed less and
+   * less, and not at all when it is through or beyond the border; no edges are traced and the pair never escapes; two
+   * open meshes do not collide. Such pairs are counted as open_pairs in rayc_statistics. 0: an open surface is refused.
+   * Default 0.
+   */
+  uint32_t open;
 } rayc_mesh_options;
 
 /**
@@ -480,6 +489,11 @@ typedef struct rayc_statistics {
    * Pairs of meshes whose boxes overlap.
    */
   uint64_t pairs;
+  /**
+   * Of these, pairs with an open mesh: no edges are traced for them and they do not escape; two open meshes do not even
+   * cast rays.
+   */
+  uint64_t open_pairs;
   /**
    * Rays traced, from the surface points inside an overlap box.
    */

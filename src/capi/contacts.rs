@@ -122,6 +122,9 @@ pub struct rayc_contact {
 pub struct rayc_statistics {
     /// Pairs of meshes whose boxes overlap.
     pub pairs: u64,
+    /// Of these, pairs with an open mesh: no edges are traced for them and they do not escape; two open meshes do not even
+    /// cast rays.
+    pub open_pairs: u64,
     /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
     /// Rays that left the overlap box without meeting the other mesh.
@@ -285,11 +288,13 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             AnyContacts::F64(list) => list.statistics,
         };
         let contacts = list.len() as u64;
-        let Statistics { pairs, rays, misses, entry_hits, own_surface_hits, without_normal, uncut_pieces, .. } = found;
+        let Statistics { pairs, open_pairs, rays, misses, entry_hits, own_surface_hits, .. } = found;
+        let Statistics { without_normal, uncut_pieces, .. } = found;
         let Statistics { edge_contacts, escapes_started, escaping_pairs, escape_contacts, .. } = found;
         let Statistics { escapes_turned, escapes_forbidden, .. } = found;
         statistics.write(rayc_statistics {
             pairs,
+            open_pairs,
             rays,
             misses,
             entry_hits,

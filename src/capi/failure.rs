@@ -36,7 +36,7 @@ pub enum rayc_status {
     RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE = 201,
     /// A triangle names a vertex twice or has its corners on one line.
     RAYC_STATUS_MESH_DEGENERATE_TRIANGLE = 202,
-    /// An edge belongs to one triangle only: the surface has a hole.
+    /// An edge belongs to one triangle only: the surface has a hole, and the options do not say that it may.
     RAYC_STATUS_MESH_OPEN = 203,
     /// Two neighbouring triangles face opposite ways.
     RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION = 204,

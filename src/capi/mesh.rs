@@ -1,15 +1,15 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::options::{rayc_mesh_options, read_options};
+use super::options::{flag, rayc_mesh_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
 use crate::math::Scalar;
-use crate::mesh::{Mesh, read_obj_file};
+use crate::mesh::{Mesh, MeshError, read_obj_file};
 use libc::c_char;
 use std::ffi::CStr;
 use std::path::Path;
 
-/// One closed triangle surface, counter-clockwise seen from outside: its topology is fixed, its positions are renewed
+/// One triangle surface, closed unless the options say otherwise, counter-clockwise seen from outside: its topology is fixed, its positions are renewed
 /// each step. Vertices that no triangle uses are allowed (the inner nodes of a volume mesh).
 ///
 /// Threads: calls with a const mesh may run at once; no other call may run beside one that changes it. The caller
@@ -26,10 +26,15 @@ pub(super) enum AnyMesh {
 }
 
 impl AnyMesh {
-    fn new(precision: u32, positions: &Strided, triangles: &[[u32; 3]]) -> Result<Self, Failure> {
-        Ok(match scalar_from(precision, "precision")? {
-            rayc_scalar::RAYC_SCALAR_F32 => Self::F32(Mesh::new(&read_all(positions), triangles)?),
-            rayc_scalar::RAYC_SCALAR_F64 => Self::F64(Mesh::new(&read_all(positions), triangles)?),
+    fn new(options: &rayc_mesh_options, positions: &Strided, triangles: &[[u32; 3]]) -> Result<Self, Failure> {
+        fn make<T: Scalar>(open: bool, positions: &Strided, triangles: &[[u32; 3]]) -> Result<Mesh<T>, MeshError> {
+            let positions = read_all(positions);
+            if open { Mesh::open(&positions, triangles) } else { Mesh::new(&positions, triangles) }
+        }
+        let open = flag("open", options.open)?;
+        Ok(match scalar_from(options.precision, "precision")? {
+            rayc_scalar::RAYC_SCALAR_F32 => Self::F32(make(open, positions, triangles)?),
+            rayc_scalar::RAYC_SCALAR_F64 => Self::F64(make(open, positions, triangles)?),
         })
     }
 
@@ -76,7 +81,7 @@ pub unsafe extern "C" fn rayc_mesh_create(
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
         let triangles = slice(triangles.cast::<[u32; 3]>(), triangle_count, "triangles")?;
         let place = Output::new(mesh, "mesh")?;
-        give(place, rayc_mesh { mesh: AnyMesh::new(options.precision, &positions, triangles)? });
+        give(place, rayc_mesh { mesh: AnyMesh::new(&options, &positions, triangles)? });
         Ok(())
     })
 }
@@ -107,7 +112,7 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
             stride: 0,
             scalar: rayc_scalar::RAYC_SCALAR_F64 as u32,
         };
-        let mesh = AnyMesh::new(options.precision, &Strided::new(&positions, "positions")?, &triangles);
+        let mesh = AnyMesh::new(&options, &Strided::new(&positions, "positions")?, &triangles);
         give(
             place,
             rayc_mesh {

@@ -14,6 +14,13 @@ pub struct rayc_mesh_options {
     pub struct_size: usize,
     /// Arithmetic of detection, a rayc_scalar. Default RAYC_SCALAR_F64.
     pub precision: u32,
+    /// 1: the surface may be open, with edges that belong to one triangle only: a floor, a wall, a piece of cloth. It is
+    /// solid behind its triangles. A point of a closed body behind it whose inward ray leaves through it gives a contact,
+    /// and so does a point of it inside a closed body. Not promised: a body more than half behind it is pushed less and
+    /// less, and not at all when it is through or beyond the border; no edges are traced and the pair never escapes; two
+    /// open meshes do not collide. Such pairs are counted as open_pairs in rayc_statistics. 0: an open surface is refused.
+    /// Default 0.
+    pub open: u32,
 }
 
 /// How contacts are found. Fill with rayc_default_detection_options(), then change what you need.
@@ -98,7 +105,7 @@ impl Options for rayc_mesh_options {
     const NAME: &'static str = "rayc_mesh_options";
     const SMALLEST: usize = std::mem::offset_of!(Self, precision) + size_of::<u32>();
     fn defaults() -> Self {
-        Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32 }
+        Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32, open: 0 }
     }
 }
 

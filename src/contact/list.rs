@@ -75,6 +75,9 @@ pub struct Contact<T: Scalar> {
 pub struct Statistics {
     /// Pairs of meshes whose boxes overlap.
     pub pairs: u64,
+    /// Of these, pairs with an open mesh: no edges are traced for them and they do not escape; two open meshes do not even
+    /// cast rays.
+    pub open_pairs: u64,
     /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
     /// Rays that left the overlap box without meeting the other mesh.
@@ -104,6 +107,7 @@ pub struct Statistics {
 impl std::ops::AddAssign for Statistics {
     fn add_assign(&mut self, more: Self) {
         self.pairs += more.pairs;
+        self.open_pairs += more.open_pairs;
         self.rays += more.rays;
         self.misses += more.misses;
         self.entry_hits += more.entry_hits;

@@ -65,13 +65,24 @@ pub fn detect_pair<T: Scalar>(
     may_escape: bool,
     contacts: &mut ContactList<T>,
 ) {
-    let (overlap, region) = overlap_region(tracers[0].mesh().aabb(), tracers[1].mesh().aabb());
-    if overlap.is_empty() {
+    let meshes = tracers.map(|tracer| tracer.mesh());
+    let boxes = meshes.map(|mesh| mesh.aabb());
+    if boxes[0].intersection(boxes[1]).is_empty() {
         return;
     }
     contacts.statistics.pairs += 1;
+    let is_open = meshes.map(Mesh::is_open);
+    contacts.statistics.open_pairs += u64::from(is_open != [false; 2]);
+    // What is behind a sheet lies outside its box: there a closed body's own box bounds all its contacts.
+    let (overlap, region) = match is_open {
+        [false, false] => overlap_region(boxes[0], boxes[1]),
+        [true, false] => overlap_region(boxes[1], boxes[1]),
+        [false, true] => overlap_region(boxes[0], boxes[0]),
+        [true, true] => return,
+    };
     let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options, may_escape };
     match memory {
+        _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
         Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
         memory => {
             // What was remembered may long be over when escapes are switched on again.
@@ -180,7 +191,7 @@ impl<T: Scalar> Pair<'_, T> {
     fn detect(&self, contacts: &mut ContactList<T>) -> Outcome {
         let start = contacts.len();
         let own_before = contacts.statistics.own_surface_hits;
-        self.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts));
+        self.cast_both_ways(contacts);
         let settled = contacts.len() > start || contacts.statistics.own_surface_hits > own_before;
         let mut stretches = 0;
         if self.options.edges && !settled {
@@ -195,6 +206,10 @@ impl<T: Scalar> Pair<'_, T> {
         } else {
             Outcome::Settled
         }
+    }
+
+    fn cast_both_ways(&self, contacts: &mut ContactList<T>) {
+        self.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts));
     }
 
     fn both_ways(&self, contacts: &mut ContactList<T>, mut cast: impl FnMut(&Direction<'_, T>, &mut ContactList<T>)) {

@@ -84,8 +84,8 @@ impl fmt::Display for MeshError {
             ),
             Self::Open { triangle, edge: [a, b] } => write!(
                 f,
-                "the mesh is open: edge ({a}, {b}) belongs to triangle {triangle} only; close the hole, or merge \
-                 duplicate vertices along the seam"
+                "the mesh is open: edge ({a}, {b}) belongs to triangle {triangle} only; close the hole, merge \
+                 duplicate vertices along the seam, or say that it may be open"
             ),
             Self::InconsistentOrientation { triangles: [s, t], edge: [a, b] } => write!(
                 f,

@@ -1,4 +1,4 @@
-//! One closed, outward-oriented triangle surface: fixed topology, positions renewed each step.
+//! One outward-oriented triangle surface, closed unless asked otherwise: fixed topology, positions renewed each step.
 
 mod error;
 mod normals;
@@ -11,13 +11,14 @@ pub(crate) use normals::NormalLanes;
 pub use obj_file::{ObjFileError, read_obj_file};
 use survey::Survey;
 use topology::RING_LENGTH;
-pub use topology::{Edge, Topology};
+pub use topology::{Border, Edge, Topology};
 
 use crate::math::{Aabb, Scalar, Vector3, dispatch};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A closed, manifold triangle surface with outward normals, at its positions of this step.
+/// A closed, manifold triangle surface with outward normals, at its positions of this step; or, made by
+/// [`open`](Self::open), one with a border.
 ///
 /// A clone shares the topology and has positions of its own.
 #[derive(Clone, Debug)]
@@ -45,8 +46,28 @@ impl<T: Scalar> Mesh<T> {
     /// Every way in which the surface is not closed, manifold, consistently and outward oriented, without degenerate
     /// triangles and finite has its own [`MeshError`].
     pub fn new(positions: &[[T; 3]], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+        Self::checked(positions, triangles, Border::Refused)
+    }
+
+    /// The same for a surface that may have a border: a floor, a wall, a piece of cloth. It is solid behind its triangles,
+    /// where their normals do not point, as far as rays reach it; closed bodies collide with it there.
+    ///
+    /// What holds: a point of a closed body behind the sheet, whose inward ray leaves through the sheet before its own body,
+    /// gives a contact; so does a point of the sheet inside the body. Against a flat sheet wider than the body the force
+    /// is the law's, as long as the middle of the body is in front. What does not: an open mesh has no inside, so nothing
+    /// is known of a point without such a ray. A body more than half behind is pushed less and less, and not at all when it
+    /// is through or beyond the border; no edges are traced and the pair never escapes; two open meshes do not collide.
+    /// All such pairs are counted ([`Statistics::open_pairs`](crate::contact::Statistics::open_pairs)).
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), but for [`MeshError::Open`]; [`MeshError::Inward`] only where it is closed after all.
+    pub fn open(positions: &[[T; 3]], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+        Self::checked(positions, triangles, Border::Allowed)
+    }
+
+    fn checked(positions: &[[T; 3]], triangles: &[[u32; 3]], border: Border) -> Result<Self, MeshError> {
         let mut mesh = Self {
-            topology: Arc::new(Topology::new(positions.len(), triangles)?),
+            topology: Arc::new(Topology::new(positions.len(), triangles, border)?),
             positions: vec![Vector3::zeros(); positions.len()],
             aabb: Aabb::empty(),
             stamp: 0,
@@ -140,7 +161,12 @@ impl<T: Scalar> Mesh<T> {
         (b - a).cross(&(c - a))
     }
 
-    /// The enclosed volume.
+    /// Whether the surface has a border.
+    pub fn is_open(&self) -> bool {
+        self.topology.is_open()
+    }
+
+    /// The enclosed volume; without meaning where the surface is open.
     pub fn volume(&self) -> T {
         let base = self.aabb.lower;
         let six_fold = (0..self.topology.triangles().len() as u32).fold(T::zero(), |sum, triangle| {
@@ -173,6 +199,9 @@ impl<T: Scalar> Mesh<T> {
     }
 
     fn check_outward(&self) -> Result<(), MeshError> {
+        if self.is_open() {
+            return Ok(());
+        }
         let volume = self.volume();
         if volume > T::zero() { Ok(()) } else { Err(MeshError::Inward { volume: volume.to_f64() }) }
     }

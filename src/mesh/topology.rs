@@ -1,6 +1,7 @@
 use super::MeshError;
 
-/// Which vertices form which triangles, checked once: closed, manifold and consistently oriented.
+/// Which vertices form which triangles, checked once: closed unless that is not asked for, manifold and consistently
+/// oriented.
 #[derive(Debug)]
 pub struct Topology {
     vertex_count: usize,
@@ -13,6 +14,16 @@ pub struct Topology {
     ring_start: Vec<u32>,
     surface_vertices: Vec<u32>,
     edges: Vec<Edge>,
+    is_open: bool,
+}
+
+/// What to do with edges that belong to one triangle only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Border {
+    /// The surface is open, and refused.
+    Refused,
+    /// The surface may end there.
+    Allowed,
 }
 
 /// Most vertices have six triangles around them, and so a ring of seven.
@@ -31,9 +42,9 @@ impl Topology {
     /// Checks the triangles and finds the neighbourhoods. Vertices that no triangle uses are allowed: the inner
     /// nodes of a volume mesh need not be sorted out. So are sheets that touch in one vertex: each edge still has an
     /// inside and an outside, and rays need no more.
-    pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+    pub fn new(vertex_count: usize, triangles: &[[u32; 3]], border: Border) -> Result<Self, MeshError> {
         check_indices(vertex_count, triangles)?;
-        let edges = find_edges(triangles)?;
+        let (edges, is_open) = find_edges(triangles, border)?;
         let (around, around_start) = triangles_around_vertices(vertex_count, triangles);
         let (rings, ring_start) = rings(triangles, &around, &around_start);
         Ok(Self {
@@ -47,6 +58,7 @@ impl Topology {
             around,
             around_start,
             edges,
+            is_open,
         })
     }
 
@@ -80,7 +92,12 @@ impl Topology {
         (&self.rings, &self.ring_start)
     }
 
-    /// Every edge once, in ascending order of its vertices.
+    /// Whether the surface has a border.
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    /// Every edge between two triangles once, in ascending order of its vertices.
     pub fn edges(&self) -> &[Edge] {
         &self.edges
     }
@@ -111,8 +128,10 @@ fn check_indices(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<(), Mesh
     Ok(())
 }
 
-/// Every edge must belong to exactly two triangles that run through it in opposite directions.
-fn find_edges(triangles: &[[u32; 3]]) -> Result<Vec<Edge>, MeshError> {
+/// Every edge must belong to two triangles that run through it in opposite directions, or to one at a border. Gives also
+/// whether there is a border.
+fn find_edges(triangles: &[[u32; 3]], border: Border) -> Result<(Vec<Edge>, bool), MeshError> {
+    let mut is_open = false;
     let mut edges = Vec::with_capacity(triangles.len() * 3 / 2);
     let mut halves: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(triangles.len() * 3);
     for (triangle, corners) in triangles.iter().enumerate() {
@@ -129,11 +148,12 @@ fn find_edges(triangles: &[[u32; 3]]) -> Result<Vec<Edge>, MeshError> {
                 return Err(MeshError::InconsistentOrientation { triangles: [s, t], edge });
             }
             [(.., s), (.., t)] => edges.push(Edge { vertices: edge, triangles: [s as u32, t as u32] }),
+            [_] if border == Border::Allowed => is_open = true,
             [(.., triangle)] => return Err(MeshError::Open { triangle, edge }),
             _ => return Err(MeshError::NonManifold { edge, triangle_count: shared.len() }),
         }
     }
-    Ok(edges)
+    Ok((edges, is_open))
 }
 
 fn triangles_around_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
