@@ -88,7 +88,7 @@ impl Rest {
             let point = Vector3::from_fn(|axis, _| random.between(bounds.lower[axis], bounds.upper[axis]));
             if self.is_inside(&point) {
                 let distances = (0..self.triangles.len() as u32).map(|triangle| {
-                    (crate::proximity::closest_on_triangle(&point, &self.corners(triangle)).0 - point).norm()
+                    (crate::proximity::closest_on_triangle(&point, &self.corners(triangle)) - point).norm()
                 });
                 points.push((point, distances.fold(f64::INFINITY, f64::min)));
             }

@@ -29,9 +29,10 @@ fn vertices_on_faces(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes
         let bounds = Bounds::of([point]).grown(thickness);
         bodies[b].tree.any(&bounds, |triangle| {
             let corners = bodies[b].corners(triangle);
-            let (closest, is_within) = closest_on_triangle(&point, &corners);
             // Beside the face, its edges and the vertex's own do the work.
-            if is_within {
+            if Bounds::of(corners).meets(&bounds)
+                && let Some(closest) = closest_within_triangle(&point, &corners)
+            {
                 let [p, q, r] = corners;
                 push_apart([a, b], [point, closest], thickness, (q - p).cross(&(r - p)), pushes);
             }
@@ -43,13 +44,16 @@ fn vertices_on_faces(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes
 fn edges_on_edges(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes: &mut Vec<Push>) {
     for edge in &bodies[a].rest.edges {
         let [p, q] = bodies[a].ends(edge);
-        bodies[b].tree.any(&Bounds::of([p, q]).grown(thickness), |triangle| {
+        let bounds = Bounds::of([p, q]).grown(thickness);
+        bodies[b].tree.any(&bounds, |triangle| {
             let corners = bodies[b].rest.triangles[triangle as usize];
             for (from, to) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
                 // Its other triangle has the edge the other way round.
                 if from < to {
                     let [r, s] = [from, to].map(|vertex| bodies[b].positions[vertex as usize]);
-                    if let Some(points) = closest_on_lines([p, q], [r, s]) {
+                    if Bounds::of([r, s]).meets(&bounds)
+                        && let Some(points) = closest_on_lines([p, q], [r, s])
+                    {
                         push_apart([a, b], points, thickness, (q - p).cross(&(s - r)), pushes);
                     }
                 }
@@ -71,25 +75,30 @@ fn push_apart(bodies: [usize; 2], points: [Point; 2], thickness: f64, across: Po
     }
 }
 
-/// The closest point of a triangle, and whether it lies within, not on its border (Ericson 2004, section 5.1.5, by
-/// regions).
-pub fn closest_on_triangle(point: &Point, [a, b, c]: &[Point; 3]) -> (Point, bool) {
+/// The closest point of a triangle's plane, where it lies within the triangle, not on its border.
+fn closest_within_triangle(point: &Point, [a, b, c]: &[Point; 3]) -> Option<Point> {
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(&ac);
     let foot = point - a;
     let square = normal.norm_squared();
     let v = foot.cross(&ac).dot(&normal) / square;
     let w = ab.cross(&foot).dot(&normal) / square;
-    if v > 0.0 && w > 0.0 && v + w < 1.0 {
-        return (a + ab * v + ac * w, true);
+    (v > 0.0 && w > 0.0 && v + w < 1.0).then(|| a + ab * v + ac * w)
+}
+
+/// The closest point of a triangle (Ericson 2004, section 5.1.5, by regions).
+pub fn closest_on_triangle(point: &Point, corners: &[Point; 3]) -> Point {
+    if let Some(closest) = closest_within_triangle(point, corners) {
+        return closest;
     }
+    let [a, b, c] = corners;
     let on_edge = |from: &Point, to: &Point| {
         let along = to - from;
         from + along * ((point - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
     };
     let candidates = [on_edge(a, b), on_edge(b, c), on_edge(c, a)];
     let nearest = candidates.into_iter().min_by(|p, q| (p - point).norm().total_cmp(&(q - point).norm()));
-    (nearest.unwrap_or(*a), false)
+    nearest.unwrap_or(*a)
 }
 
 /// The closest points of two segments, where both lie strictly between the ends.

@@ -44,6 +44,8 @@ pub fn run<T: Scalar>(mode: Mode, bodies: &mut [Body], mut log: impl FnMut(&str)
             return Run { outcome: Outcome::Separated, steps };
         }
         let pushes = forces.find(bodies);
+        let places = |bodies: &[Body]| bodies.iter().map(|body| (body.centre, body.rotation)).collect::<Vec<_>>();
+        let before = places(bodies);
         let way = motion::step(bodies, &pushes, round);
         let deepest = pushes.iter().map(|push| push.depth).fold(0.0, f64::max);
         let statistics = forces.contacts.statistics;
@@ -57,8 +59,8 @@ pub fn run<T: Scalar>(mode: Mode, bodies: &mut [Body], mut log: impl FnMut(&str)
         if bodies.iter().zip(&starts).any(has_exploded) {
             return Run { outcome: Outcome::Exploded, steps };
         }
-        // Without memory, what did not move now never will.
-        if way == 0.0 && mode != Mode::Default {
+        // Without memory, what did not move now, or by less than a rounding, never will.
+        if places(bodies) == before && mode != Mode::Default {
             break;
         }
     }
