@@ -7,8 +7,8 @@ usage() {
 usage: scripts/test.sh [--long]
 
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the oracle
-with 1e5 queries, a few sizes of the examples that measure forces, the instructions of a step, and the C and C++ tests
-(cmake --workflow --preset test). Missing Debian packages are installed first.
+with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the instructions of
+a step, and the C and C++ tests (cmake --workflow --preset test). Missing Debian packages are installed first.
 With --long the oracle asks 1e7 queries, and forces are measured at every size, as in docs/accuracy.md.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
@@ -47,6 +47,7 @@ example=(cargo run --release --locked --quiet --example)
 check 'oracle' "${example[@]}" oracle -- --queries "$queries" --seed 1
 check 'Figure 8' "${example[@]}" figure8 -- "${figure8[@]}"
 check 'convergence' "${example[@]}" convergence -- "${convergence[@]}"
+check 'failure table' "${example[@]}" poses -- --failures --count 20
 check 'instructions' scripts/instructions.sh
 check 'C, C++ tests' cmake --workflow --preset test
 

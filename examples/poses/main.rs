@@ -6,9 +6,11 @@
 //! [`proximity`] for repulsions, moves the bodies ([`motion`]), and is done when the [`judge`] finds them apart.
 
 mod body;
+mod failures;
 mod judge;
 mod motion;
 mod options;
+mod picture;
 mod press;
 mod proximity;
 #[path = "../oracle/random.rs"]
@@ -26,6 +28,7 @@ use options::{Mode, Options, Precision};
 use rayon::prelude::*;
 use report::Pose;
 use run::{Outcome, Run};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -52,6 +55,18 @@ fn main() -> ExitCode {
     let make = |number| Rest::new(number, options.vertices);
     let rests: Vec<Rest> = pool.install(|| numbers.into_par_iter().map(make).collect());
     let start = Instant::now();
+    if options.failures {
+        let printed = pool.install(|| failures::print(&rests, &options, options.pictures.as_deref().map(Path::new)));
+        eprintln!("{:.1} s", start.elapsed().as_secs_f64());
+        return match printed {
+            Ok(true) => ExitCode::SUCCESS,
+            Ok(false) => ExitCode::FAILURE,
+            Err(error) => {
+                eprintln!("poses: {error}");
+                ExitCode::from(2)
+            }
+        };
+    }
     if let Some(load) = options.press {
         pool.install(|| press::print(&rests, &options, load));
         eprintln!("{:.1} s", start.elapsed().as_secs_f64());

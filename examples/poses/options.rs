@@ -24,6 +24,8 @@ inside another, two are edge across edge with no vertex inside. Linked tori are 
   --press LOAD     pressing runs instead: two bodies that just touch are pressed together by a steady load for 200 steps
                    on a straight guide, which must not be taken for an overlap to escape from; LOAD is the share of the
                    smaller body's volume that would have to overlap a flat face to bear it; 0.001 is light
+  --failures       the table of docs/stability.md instead: what each mode makes of each kind of failure, --count poses of each
+  --pictures DIR   the same, and a picture of each failure into this folder
   --threads N      how many threads; 0 is one for each core (default 0)
   --pose K         only pose K of the seed, every step printed
   --help           this text
@@ -33,7 +35,7 @@ The last line is the result: poses=N separated=N stuck=N exploded=N median_steps
   stuck      not apart after 200 steps
   exploded   a body moved more than ten sizes, or to no number
 With --press it is: pressed=N escaped=N share=P, the runs in which the pair began to escape
-Exit status: 0; 1 if in default mode less than 99.9 % are separated; 2 for a wrong command line.";
+Exit status: 0; 1 if in default mode less than 99.9 % are separated, or with --failures any is stuck; 2 for a wrong command line.";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
@@ -48,7 +50,7 @@ pub enum Precision {
     F64,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Options {
     pub count: u64,
     pub seed: u64,
@@ -63,6 +65,9 @@ pub struct Options {
     pub pose: Option<u64>,
     /// A share of the smaller body's volume.
     pub press: Option<f64>,
+    pub failures: bool,
+    /// Where to draw them.
+    pub pictures: Option<String>,
 }
 
 impl Options {
@@ -80,6 +85,8 @@ impl Options {
             threads: 0,
             pose: None,
             press: None,
+            failures: false,
+            pictures: None,
         };
         let mut parser = lexopt::Parser::from_env();
         while let Some(argument) = parser.next()? {
@@ -95,6 +102,11 @@ impl Options {
                 Long("threads") => options.threads = parser.value()?.parse()?,
                 Long("pose") => options.pose = Some(parser.value()?.parse()?),
                 Long("press") => options.press = Some(parser.value()?.parse()?),
+                Long("failures") => options.failures = true,
+                Long("pictures") => {
+                    options.failures = true;
+                    options.pictures = Some(parser.value()?.string()?);
+                }
                 Long("help") | Short('h') => return Ok(None),
                 _ => return Err(argument.unexpected()),
             }
