@@ -8,8 +8,9 @@ usage: scripts/test.sh [--long]
 
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the oracle
 with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the instructions of
-a step, and the C and C++ tests (cmake --workflow --preset test). Missing Debian packages are installed first.
-With --long the oracle asks 1e7 queries, and forces are measured at every size, as in docs/accuracy.md.
+a step, 2000 steps of self-collision, and the C and C++ tests (cmake --workflow --preset test). Missing Debian packages
+are installed first. With --long the oracle asks 1e7 queries, self-collision takes 1e5 steps, and forces are measured at
+every size, as in docs/accuracy.md.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }
@@ -17,12 +18,14 @@ END
 queries=1e5
 figure8=(--sides '10,150' --rotations 20)
 convergence=(--largest 2000)
+self_collision=(--steps 2000 --sizes 40 --idle-steps 5)
 case "${1:-}" in
     '') ;;
     --long)
         queries=1e7
         figure8=()
         convergence=()
+        self_collision=()
         ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
@@ -49,6 +52,7 @@ check 'Figure 8' "${example[@]}" figure8 -- "${figure8[@]}"
 check 'convergence' "${example[@]}" convergence -- "${convergence[@]}"
 check 'failure table' "${example[@]}" poses -- --failures --count 20
 check 'instructions' scripts/instructions.sh
+check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
 check 'C, C++ tests' cmake --workflow --preset test
 
 say 'Summary'

@@ -57,3 +57,25 @@ fn a_steady_step_of_a_scene_allocates_nothing() {
     }
     assert!(!contacts.is_empty());
 }
+
+/// A body that touches nothing of itself, and remembers it, and one that does.
+#[test]
+fn a_steady_step_with_self_collision_allocates_nothing() {
+    let torus = shapes::torus(16, 8, 0.4);
+    for (shape, touches) in [(torus.clone(), false), (torus.joined(&shapes::sphere(1).moved([1.0, 0.9, 0.0])), true)] {
+        let mut scene = Scene::new(1).expect("no thread is started");
+        let body = scene.add(shape.mesh::<f64>());
+        scene.set_self_collision(body, true).expect("it was added");
+        let mut contacts = ContactList::default();
+        for step in 0..80 {
+            let positions = shape.turned(0.01 * (step % 4) as f64, 0.0).positions;
+            let allocations = measure(|| {
+                scene.mesh_mut(body).expect("it was added").set_positions(&positions).expect("positions are finite");
+                scene.query(&mut contacts);
+            });
+            // What is remembered is looked for at first, and again after a pause.
+            assert!(step < 40 || allocations.count_total == 0, "touches: {touches}, step {step}: {allocations:?}");
+        }
+        assert_eq!(contacts.is_empty(), !touches);
+    }
+}

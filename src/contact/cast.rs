@@ -2,11 +2,11 @@ use super::cutter::Cutter;
 use super::direction::Direction;
 use super::load::CastSurface;
 use super::samples::{Sample, vertex_point};
-use super::{Contact, ContactKind, Statistics, SurfacePoint};
+use super::{Contact, ContactKind, Statistics, SurfacePoint, past_folds};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction};
 use crate::mesh::{Mesh, NormalLanes};
 use crate::octree::{Candidates, PacketHits, Tracer};
-use crate::ray::RayPacket;
+use crate::ray::{Hit, RayPacket};
 
 /// The rays from some of a body's groups of vertices or triangles through the other body, sixteen at a time through
 /// both filters of the paper.
@@ -18,6 +18,8 @@ pub(super) struct Cast<'a, T: Scalar> {
     pub(super) contacts: &'a mut Vec<Contact<T>>,
     /// Room for the pieces of a triangle.
     pub(super) pieces: &'a mut Vec<Sample<T>>, // must be empty
+    /// Room for the crossings of a ray.
+    pub(super) crossings: &'a mut Vec<Hit<T>>,
 }
 
 impl<T: Scalar> Kernel<T> for Cast<'_, T> {
@@ -169,6 +171,10 @@ impl<T: Scalar> Cast<'_, T> {
         }
         packet.set_inward::<L>(samples.found, &samples.position, &samples.normal, pair.region);
         other.nearest_of_packet::<L>(packet, candidates, hits);
+        let goes_past_folds = pair.options.past_folds;
+        if goes_past_folds {
+            self.statistics.past_folds += past_folds::follow(other, packet, hits, self.crossings);
+        }
         let exits = hits.found & hits.exits;
         self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
         self.statistics.entry_hits += u64::from((hits.found & !exits).count_ones());
@@ -182,7 +188,12 @@ impl<T: Scalar> Cast<'_, T> {
                 Origins::Faces { triangles, .. } => own.mesh().topology().triangles()[triangles[lane] as usize],
             };
         }
-        let hidden = own.hidden_of_packet::<L>(packet, exits, &hits.t, &touched, candidates);
+        let mut hidden = own.hidden_of_packet::<L>(packet, exits, &hits.t, &touched, candidates);
+        if goes_past_folds && hidden != 0 {
+            let uncovered = past_folds::uncovered(own, packet, hidden, &hits.t, &touched, self.crossings);
+            self.statistics.past_folds += u64::from(uncovered.count_ones());
+            hidden &= !uncovered;
+        }
         self.statistics.own_surface_hits += u64::from(hidden.count_ones());
         let mut left = exits & !hidden;
         while left != 0 {

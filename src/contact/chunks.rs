@@ -4,6 +4,7 @@ use super::load::CastSurface;
 use super::samples::Sample;
 use super::{Contact, ContactList, Statistics};
 use crate::math::{Scalar, dispatch};
+use crate::ray::Hit;
 use rayon::prelude::*;
 
 /// So many groups of vertices or triangles are cast from together. Chunks do not depend on the number of threads, and so
@@ -17,6 +18,7 @@ pub(super) struct Chunk<T: Scalar> {
     statistics: Statistics,
     contacts: Vec<Contact<T>>,
     pieces: Vec<Sample<T>>,
+    crossings: Vec<Hit<T>>,
 }
 
 impl<T: Scalar> Direction<'_, T> {
@@ -35,8 +37,16 @@ impl<T: Scalar> Direction<'_, T> {
         let ContactList { contacts, workspace, statistics, .. } = list;
         for groups in workspace.groups.chunks(GROUPS_IN_CHUNK) {
             let mut surface = CastSurface::default();
-            let pieces = &mut workspace.samples;
-            dispatch::<T, _>(Cast { direction: self, groups, surface: &mut surface, statistics, contacts, pieces });
+            let (pieces, crossings) = (&mut workspace.samples, &mut workspace.crossings);
+            dispatch::<T, _>(Cast {
+                direction: self,
+                groups,
+                surface: &mut surface,
+                statistics,
+                contacts,
+                pieces,
+                crossings,
+            });
             workspace.surface.merge(&surface);
         }
     }
@@ -51,8 +61,8 @@ impl<T: Scalar> Direction<'_, T> {
         chunks.par_iter_mut().zip(workspace.groups.par_chunks(GROUPS_IN_CHUNK)).for_each(|(chunk, groups)| {
             (chunk.surface, chunk.statistics) = (CastSurface::default(), Statistics::default());
             chunk.contacts.clear();
-            let Chunk { surface, statistics, contacts, pieces } = chunk;
-            dispatch::<T, _>(Cast { direction: self, groups, surface, statistics, contacts, pieces });
+            let Chunk { surface, statistics, contacts, pieces, crossings } = chunk;
+            dispatch::<T, _>(Cast { direction: self, groups, surface, statistics, contacts, pieces, crossings });
         });
         for chunk in chunks {
             contacts.extend_from_slice(&chunk.contacts);

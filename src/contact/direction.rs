@@ -36,6 +36,9 @@ impl<T: Scalar> Direction<'_, T> {
         let [own, other] = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
         statistics.rays += workspace.rays.len() as u64;
         other.nearest_hits(&workspace.rays, &mut workspace.hits);
+        if self.pair.options.past_folds {
+            statistics.past_folds += workspace.follow_past_folds(other);
+        }
         workspace.keep(|hit| match hit {
             None => {
                 statistics.misses += 1;
@@ -48,6 +51,9 @@ impl<T: Scalar> Direction<'_, T> {
         });
         workspace.cut_at_hits();
         own.are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
+        if self.pair.options.past_folds {
+            statistics.past_folds += workspace.uncover_past_folds(own);
+        }
         for (place, hit) in workspace.hits.iter().enumerate() {
             match hit {
                 Some(hit) if !workspace.hidden[place] => {

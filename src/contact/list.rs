@@ -53,7 +53,7 @@ pub struct Contact<T: Scalar> {
     pub kind: ContactKind,
     /// The body the ray starts from.
     pub colliding: u32,
-    /// The body the ray ends on.
+    /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
     /// The ray's origin, on the colliding body.
     pub p1: SurfacePoint<T>,
@@ -80,11 +80,13 @@ pub struct Statistics {
     pub open_pairs: u64,
     /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
-    /// Rays that left the overlap box without meeting the other mesh.
+    /// Rays that left the overlap box without meeting the other mesh; for a body with itself, rays from points that lie
+    /// inside no other part of it.
     pub misses: u64,
     /// Rays whose first hit enters the other mesh: they start outside it.
     pub entry_hits: u64,
-    /// Rays that leave their own mesh before the other, though they start inside it.
+    /// Rays that leave their own mesh before the other, though they start inside it; for a body with itself, rays that
+    /// leave through the far side of their own fold.
     pub own_surface_hits: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
@@ -92,6 +94,14 @@ pub struct Statistics {
     pub uncut_pieces: u64,
     /// Contacts of edges, where no ray from a surface point found any.
     pub edge_contacts: u64,
+    /// Contacts of bodies with themselves.
+    pub self_contacts: u64,
+    /// Bodies whose contacts with themselves were asked for, but that are open and have none.
+    pub open_bodies: u64,
+    /// How often a ray went past another fold of its own body or of the other ([`DetectionOptions::past_folds`]).
+    ///
+    /// [`DetectionOptions::past_folds`]: super::DetectionOptions::past_folds
+    pub past_folds: u64,
     /// Pairs that began to escape in this query.
     pub escapes_started: u64,
     /// Pairs that are escaping, those included.
@@ -115,6 +125,9 @@ impl std::ops::AddAssign for Statistics {
         self.without_normal += more.without_normal;
         self.uncut_pieces += more.uncut_pieces;
         self.edge_contacts += more.edge_contacts;
+        self.self_contacts += more.self_contacts;
+        self.open_bodies += more.open_bodies;
+        self.past_folds += more.past_folds;
         self.escapes_started += more.escapes_started;
         self.escaping_pairs += more.escaping_pairs;
         self.escape_contacts += more.escape_contacts;

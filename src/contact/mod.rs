@@ -10,8 +10,10 @@ mod list;
 mod load;
 mod memory;
 mod pair;
+mod past_folds;
 mod push;
 mod samples;
+mod self_contact;
 mod workspace;
 
 pub use list::{Contact, ContactKind, ContactList, Statistics, SurfacePoint};
@@ -20,3 +22,5 @@ pub(crate) use pair::overlap_region;
 pub use pair::{DetectionOptions, detect_pair, query_pair};
 pub use push::EscapePush;
 pub use samples::Sampling;
+pub(crate) use self_contact::{SelfMemory, detect_self};
+pub use self_contact::{query_self, query_self_with_all_rays};

@@ -1,7 +1,9 @@
 use super::chunks::Chunk;
 use super::load::CastSurface;
 use super::samples::Sample;
+use super::self_contact::{SelfWorkspace, leaves_body_before_end, way_out_past_folds};
 use crate::math::Scalar;
+use crate::octree::Tracer;
 use crate::ray::{Hit, Ray};
 
 /// The rays of one direction of a pair on their way through the filters, each at one place of all arrays. Kept with
@@ -24,6 +26,8 @@ pub(super) struct Workspace<T: Scalar> {
     pub(super) crossings: Vec<Hit<T>>,
     /// All surface that cast.
     pub(super) surface: CastSurface<T>,
+    /// For contacts of a body with itself.
+    pub(super) own: SelfWorkspace<T>,
 }
 
 impl<T: Scalar> Workspace<T> {
@@ -66,5 +70,33 @@ impl<T: Scalar> Workspace<T> {
         for (ray, hit) in self.rays.iter_mut().zip(&self.hits) {
             *ray = ray.until(hit.map_or(ray.t_max, |hit| hit.t));
         }
+    }
+
+    /// A ray that starts inside the other body may enter another fold of it before it leaves: its hit is the way out then.
+    /// Gives how many there are.
+    pub(super) fn follow_past_folds(&mut self, other: &Tracer<'_, T>) -> u64 {
+        let mut followed = 0;
+        for (ray, hit) in self.rays.iter().zip(&mut self.hits) {
+            if hit.is_some_and(|hit| !hit.is_exit) {
+                let way_out = way_out_past_folds(other, ray, &mut self.crossings);
+                followed += u64::from(way_out.is_some());
+                *hit = way_out.or(*hit);
+            }
+        }
+        followed
+    }
+
+    /// A ray that meets another fold of its own body has not left the body: such rays are no longer hidden. Gives how
+    /// many there are.
+    pub(super) fn uncover_past_folds(&mut self, own: &Tracer<'_, T>) -> u64 {
+        let mut uncovered = 0;
+        for place in 0..self.rays.len() {
+            let (ray, touched) = (&self.rays[place], self.touched[place]);
+            if self.hidden[place] && !leaves_body_before_end(own, ray, touched, &mut self.crossings) {
+                self.hidden[place] = false;
+                uncovered += 1;
+            }
+        }
+        uncovered
     }
 }

@@ -14,6 +14,7 @@ pub struct Topology {
     ring_start: Vec<u32>,
     surface_vertices: Vec<u32>,
     edges: Vec<Edge>,
+    components: Vec<u32>,
     is_open: bool,
 }
 
@@ -57,6 +58,7 @@ impl Topology {
                 .collect(),
             around,
             around_start,
+            components: first_of_components(triangles.len(), &edges),
             edges,
             is_open,
         })
@@ -100,6 +102,11 @@ impl Topology {
     /// Every edge between two triangles once, in ascending order of its vertices.
     pub fn edges(&self) -> &[Edge] {
         &self.edges
+    }
+
+    /// The first triangle of each part of the surface that is connected across edges, in ascending order.
+    pub fn components(&self) -> &[u32] {
+        &self.components
     }
 
     /// The vertices that at least one triangle uses, in ascending order.
@@ -207,4 +214,35 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
         start.push(rings.len() as u32);
     }
     (rings, start)
+}
+
+fn first_of_components(triangle_count: usize, edges: &[Edge]) -> Vec<u32> {
+    let mut neighbours = vec![[u32::MAX; 3]; triangle_count];
+    for [a, b] in edges.iter().map(|edge| edge.triangles) {
+        for (from, to) in [(a, b), (b, a)] {
+            let of_from = &mut neighbours[from as usize];
+            let free = of_from.iter().position(|&place| place == u32::MAX).expect("a triangle has three edges");
+            of_from[free] = to;
+        }
+    }
+    let mut is_reached = vec![false; triangle_count];
+    let mut components = Vec::new();
+    let mut waiting = Vec::new();
+    for first in 0..triangle_count as u32 {
+        if is_reached[first as usize] {
+            continue;
+        }
+        components.push(first);
+        is_reached[first as usize] = true;
+        waiting.push(first);
+        while let Some(triangle) = waiting.pop() {
+            // At a border there is no neighbour.
+            for neighbour in neighbours[triangle as usize].into_iter().filter(|&neighbour| neighbour != u32::MAX) {
+                if !std::mem::replace(&mut is_reached[neighbour as usize], true) {
+                    waiting.push(neighbour);
+                }
+            }
+        }
+    }
+    components
 }

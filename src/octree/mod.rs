@@ -4,10 +4,12 @@
 
 mod classic;
 mod groups;
+mod near;
 mod slabs;
 mod tracer;
 mod wide;
 
+pub(crate) use near::{NearParts, Reach};
 pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};
 

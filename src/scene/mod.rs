@@ -8,8 +8,8 @@ mod saved;
 pub use error::SceneError;
 pub use saved::SavedStateError;
 
-use crate::contact::{ContactList, DetectionOptions, PairMemory, detect_pair, overlap_region};
-use crate::math::Scalar;
+use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory, detect_pair, detect_self, overlap_region};
+use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 use crate::octree::Octree;
 use broad_phase::BroadPhase;
@@ -38,6 +38,17 @@ struct Body<T: Scalar> {
     octree: Octree<T>,
     /// Room for a list of the octree's tiles.
     tiles: Vec<u32>,
+    /// Where self-collision is switched on.
+    own: Option<OwnContacts<T>>,
+}
+
+/// The contacts of a body with itself.
+#[derive(Debug, Default)]
+struct OwnContacts<T: Scalar> {
+    memory: SelfMemory<T>,
+    contacts: ContactList<T>,
+    /// Whether the body may overlap itself at its present positions.
+    may_overlap: bool,
 }
 
 impl<T: Scalar> Scene<T> {
@@ -74,7 +85,7 @@ impl<T: Scalar> Scene<T> {
     /// Adds a body; gives its number: the smallest that is free.
     pub fn add(&mut self, mesh: Mesh<T>) -> u32 {
         let octree = Octree::new(&mesh);
-        let body = Some(Body { mesh, octree, tiles: Vec::new() });
+        let body = Some(Body { mesh, octree, tiles: Vec::new(), own: None });
         match self.bodies.iter().position(Option::is_none) {
             Some(free) => {
                 self.bodies[free] = body;
@@ -170,8 +181,25 @@ impl<T: Scalar> Scene<T> {
         if a == b { Err(SceneError::SameBody { body: a }) } else { Ok([a.min(b), a.max(b)]) }
     }
 
-    /// Finds all contacts between different bodies at their present positions. Replaces what `contacts` held; their
-    /// order is by pair (smaller body number first, then the other), then the colliding body, then along its surface.
+    /// Switches contacts of a body with itself on or off from the next query on; off for a new body. Where it is on,
+    /// contacts with other bodies are also found past the body's own folds ([`DetectionOptions::past_folds`]).
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn set_self_collision(&mut self, body: u32, is_on: bool) -> Result<(), SceneError> {
+        let found = self.bodies.get_mut(body as usize).and_then(Option::as_mut);
+        let own = &mut found.ok_or(SceneError::UnknownBody { body })?.own;
+        match (is_on, own.is_some()) {
+            (true, false) => *own = Some(OwnContacts::default()),
+            (false, _) => *own = None,
+            (true, true) => {}
+        }
+        Ok(())
+    }
+
+    /// Finds all contacts between different bodies at their present positions, and of those bodies with themselves for
+    /// which that is switched on. Replaces what `contacts` held; their order is by pair (smaller body number first, then
+    /// the other; a body with itself first of all), then the colliding body, then along its surface.
     pub fn query(&mut self, contacts: &mut ContactList<T>) {
         match self.pool.take() {
             None => self.detect(false),
@@ -181,8 +209,14 @@ impl<T: Scalar> Scene<T> {
             }
         }
         contacts.clear();
-        for pair in &self.pair_contacts[..self.broad_phase.pairs().len()] {
-            contacts.append(pair);
+        let mut pairs = self.broad_phase.pairs().iter().zip(&self.pair_contacts).peekable();
+        for (number, body) in self.bodies.iter().enumerate() {
+            if let Some(own) = body.as_ref().and_then(|body| body.own.as_ref()) {
+                contacts.append(&own.contacts);
+            }
+            while let Some((_, found)) = pairs.next_if(|([first, _], _)| *first as usize == number) {
+                contacts.append(found);
+            }
         }
     }
 
@@ -198,12 +232,10 @@ impl<T: Scalar> Scene<T> {
 
         self.pairs.remember(pairs);
 
-        // Only bodies that meet another one need their octree.
+        let options = &self.options;
         let update = |(index, body): (usize, &mut Option<Body<T>>)| {
-            let mut others = broad_phase.met_by(index).peekable();
-            if let Some(Body { mesh, octree, tiles }) = body.as_mut().filter(|_| others.peek().is_some()) {
-                let regions = others.map(|other| overlap_region(mesh.aabb(), other).1);
-                octree.update_in(mesh, regions, tiles).expect("a body keeps its own octree");
+            if let Some(body) = body {
+                body.update(index as u32, broad_phase.met_by(index), options);
             }
         };
         if parallel {
@@ -212,23 +244,51 @@ impl<T: Scalar> Scene<T> {
             self.bodies.iter_mut().enumerate().for_each(update);
         }
 
-        let (bodies, options) = (&self.bodies, &self.options);
+        let bodies = &self.bodies;
+        let body = |index: u32| bodies[index as usize].as_ref().expect("pairs name present bodies");
         let tracer = |index: u32| {
-            let body = bodies[index as usize].as_ref().expect("pairs name present bodies");
-            body.octree.tracer(&body.mesh).expect("octrees are up to date")
+            let Body { octree, mesh, .. } = body(index);
+            octree.tracer(mesh).expect("octrees are up to date")
         };
+        let may_overlap = |index: u32| body(index).own.as_ref().is_some_and(|own| own.may_overlap);
         let forbidden = &self.pairs.without_escape;
         let detect = |((pair, memory), contacts): (&mut Remembered<T>, &mut ContactList<T>)| {
             contacts.clear();
             let may_escape = forbidden.binary_search(pair).is_err();
             let tracers = pair.map(tracer);
-            detect_pair(*pair, tracers.each_ref(), options, Some(memory), may_escape, contacts);
+            let past_folds = options.past_folds || pair.iter().any(|&body| may_overlap(body));
+            let options = DetectionOptions { past_folds, ..*options };
+            detect_pair(*pair, tracers.each_ref(), &options, Some(memory), may_escape, contacts);
         };
         let memories = &mut self.pairs.memories;
         if parallel {
             memories.par_iter_mut().zip(&mut self.pair_contacts).for_each(detect);
         } else {
             memories.iter_mut().zip(&mut self.pair_contacts).for_each(detect);
+        }
+    }
+}
+
+impl<T: Scalar> Body<T> {
+    /// Finds the body's contacts with itself, where they are asked for; the octree follows the mesh where it is needed.
+    fn update<'a>(&mut self, number: u32, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
+        let Self { mesh, octree, tiles, own } = self;
+        if let Some(own) = own {
+            own.contacts.clear();
+            own.may_overlap = false;
+        }
+        let own = own.as_mut().and_then(|own| (!own.memory.is_clear(mesh, octree)).then_some(own));
+        if let Some(own) = own {
+            octree.update(mesh).expect("a body keeps its own octree");
+            let found = detect_self(number, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
+            own.may_overlap = found.expect("the octree is up to date");
+            return;
+        }
+        // Only bodies that meet another one need their octree.
+        let mut others = others.peekable();
+        if others.peek().is_some() {
+            let regions = others.map(|other| overlap_region(mesh.aabb(), other).1);
+            octree.update_in(mesh, regions, tiles).expect("a body keeps its own octree");
         }
     }
 }

@@ -1,6 +1,8 @@
 //! What the integration tests share.
 #![allow(dead_code)] // each test uses a part of it
 
+pub mod ends;
+pub mod random;
 pub mod shapes;
 
 use raycontact::contact::Contact;

@@ -44,6 +44,16 @@ impl Shape {
         })
     }
 
+    /// One body of two parts that are not connected; the other's vertices and triangles come after the own.
+    pub fn joined(&self, other: &Self) -> Self {
+        let offset = self.positions.len() as u32;
+        let mut joined = self.clone();
+        joined.positions.extend(&other.positions);
+        joined.triangles.extend(other.triangles.iter().map(|corners| corners.map(|vertex| vertex + offset)));
+        joined.inside.extend(&other.inside);
+        joined
+    }
+
     /// The positions, rounded.
     pub fn rounded<T: Scalar>(&self) -> Vec<[T; 3]> {
         self.positions.iter().map(|point| point.map(T::of)).collect()

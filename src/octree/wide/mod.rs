@@ -4,6 +4,7 @@
 
 mod cluster;
 mod group;
+mod near;
 mod node;
 mod packet;
 mod refit;
@@ -18,6 +19,7 @@ use crate::ray::{PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
 use tile::Tile;
 
+pub(super) use near::NearTiles;
 pub(crate) use packet::{Candidates, PacketHits};
 
 /// Tiles and the nodes above them, in flat arrays.

@@ -1,0 +1,140 @@
+use super::touching::{Touching, rounding};
+use crate::math::{Aabb, Scalar, Vector3, length};
+use crate::mesh::Mesh;
+use crate::octree::{NearParts, Octree};
+
+/// What a body remembers from step to step of its search for contacts with itself: where its vertices were when nothing
+/// was found, and how far they may move against each other before it must be looked into again. The contacts found do
+/// not depend on it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SelfMemory<T: Scalar> {
+    /// Triangles around one vertex touch none of each other until an edge is strained by more.
+    fans: Certificate<T>,
+    /// Triangles without a common vertex do not touch until any two vertices have moved against each other by more, or the
+    /// parts that are near each other by more than they may.
+    pairs: Certificate<T>,
+    near: NearParts<T>,
+    /// The positions that the next two are about.
+    stamp: u64,
+    is_clear: bool,
+    /// Which part of what is near has come nearer than it may.
+    lapsed: f64,
+    /// The mean altitude of the triangles.
+    fineness: T,
+    /// Steps since triangles without a common vertex were looked at.
+    steps: u32,
+    /// Steps until a clearance is looked for again.
+    pause: u32,
+}
+
+/// Something that was found at some positions, and holds near them.
+#[derive(Clone, Debug, Default)]
+struct Certificate<T: Scalar> {
+    is_valid: bool,
+    positions: Vec<Vector3<T>>,
+    allowed: T,
+    rounding: T,
+}
+
+/// A clearance is looked for that lasts so many steps at the present pace.
+const STEPS_WANTED: f64 = 16.0;
+/// A clearance that lasts fewer steps costs more than it saves;
+const FEWEST_STEPS: u32 = 3;
+/// none is looked for in so many steps then.
+const PAUSE: u32 = 30;
+/// Where a larger part of what is near has come nearer than it may, all is looked at.
+const MOST_LAPSED: f64 = 0.25;
+
+impl<T: Scalar> SelfMemory<T> {
+    /// Whether the body cannot touch itself at its present positions, by what is remembered. The octree is always the same
+    /// of the same mesh, but need not be up to date.
+    pub(crate) fn is_clear(&mut self, mesh: &Mesh<T>, octree: &Octree<T>) -> bool {
+        if self.stamp != mesh.stamp() {
+            self.stamp = mesh.stamp();
+            self.steps = self.steps.saturating_add(1);
+            let pairs = &self.pairs;
+            let is_known = pairs.is_known(mesh) && pairs.spread(mesh) <= pairs.allowed && self.fans_hold(mesh);
+            let moves = [&pairs.positions, mesh.positions()];
+            self.lapsed = if is_known { octree.find_lapsed(&mut self.near, moves) } else { 1.0 };
+            self.is_clear = self.lapsed == 0.0;
+        }
+        self.is_clear
+    }
+
+    fn fans_hold(&self, mesh: &Mesh<T>) -> bool {
+        self.fans.is_known(mesh) && self.fans.is_strained_at_most(mesh)
+    }
+
+    /// Looks at the whole surface but for what is known of it. [`is_clear`](Self::is_clear) has been asked before.
+    pub(super) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>, touching: &mut Touching<T>) {
+        touching.reset(mesh);
+        if self.lapsed <= MOST_LAPSED && !touching.any && !Touching::any_lapsed_touch(octree, mesh, &mut self.near) {
+            return;
+        }
+        let part_margin = self.part_margin(mesh);
+        let margin = part_margin.min(self.fineness * T::of(0.25));
+        if !self.fans_hold(mesh) {
+            let found = touching.search_fans(mesh);
+            self.fineness = found.fineness;
+            self.fans.set(mesh, found.strain, !touching.any);
+        }
+        touching.search_pairs(octree, mesh, [margin, part_margin], &mut self.near);
+        // Where no clearance has been looked for, the positions are only needed to know the pace.
+        if part_margin > T::zero() || self.pause <= 1 {
+            self.pairs.set(mesh, part_margin, !touching.any);
+        } else {
+            self.pairs.allowed = -T::one();
+        }
+        self.steps = 0;
+    }
+
+    /// How far parts that are not near may move against each other: some steps at the present pace; nothing where that
+    /// does not pay.
+    fn part_margin(&mut self, mesh: &Mesh<T>) -> T {
+        if !self.pairs.is_known(mesh) {
+            return T::zero();
+        }
+        if self.pause > 0 {
+            self.pause -= 1;
+            return T::zero();
+        }
+        if self.pairs.allowed > T::zero() && self.steps < FEWEST_STEPS {
+            self.pause = PAUSE;
+            return T::zero();
+        }
+        let pace = self.pairs.spread(mesh) / T::of(f64::from(self.steps.max(1)));
+        pace * T::of(STEPS_WANTED)
+    }
+}
+
+impl<T: Scalar> Certificate<T> {
+    fn set(&mut self, mesh: &Mesh<T>, allowed: T, is_valid: bool) {
+        // Coordinates may double before what was kept for rounding is used up.
+        (self.is_valid, self.allowed, self.rounding) = (is_valid, allowed, rounding(mesh) * T::of(2.0));
+        self.positions.clear();
+        self.positions.extend_from_slice(mesh.positions());
+    }
+
+    fn is_known(&self, mesh: &Mesh<T>) -> bool {
+        self.is_valid && self.positions.len() == mesh.positions().len() && rounding(mesh) <= self.rounding
+    }
+
+    /// How far any two vertices have moved against each other, at most.
+    fn spread(&self, mesh: &Mesh<T>) -> T {
+        let mut moves = Aabb::empty();
+        for (then, now) in self.positions.iter().zip(mesh.positions()) {
+            moves.include(&(now - then));
+        }
+        length(&(moves.upper - moves.lower))
+    }
+
+    /// Whether the two ends of no edge have moved against each other by more than allowed.
+    fn is_strained_at_most(&self, mesh: &Mesh<T>) -> bool {
+        let allowed = self.allowed * self.allowed;
+        let moved = |vertex: u32| mesh.positions()[vertex as usize] - self.positions[vertex as usize];
+        mesh.topology().edges().iter().all(|edge| {
+            let [from, to] = edge.vertices;
+            (moved(from) - moved(to)).norm_squared() <= allowed
+        })
+    }
+}

@@ -1,0 +1,216 @@
+//! Contacts of a body with itself (Fig. 5 of the paper).
+//!
+//! A point of the surface overlaps another part of its body where the surface winds around more than once just under it:
+//! once is its own body. The first exit along the inward ray is then the way out, as it is for two bodies; but one through
+//! the far side of the point's own fold is refused ([`own_side`]), as it is for two bodies. So two lobes have the contacts
+//! that they would have as two bodies; only the load is shared half and half.
+
+mod culling;
+mod memory;
+mod own_side;
+mod sets;
+mod touching;
+mod winding;
+
+pub(crate) use memory::SelfMemory;
+pub(super) use winding::{leaves_body_before_end, way_out_past_folds};
+
+use super::samples::{Sample, Sampling, for_each_sample};
+use super::{Contact, ContactKind, ContactList, DetectionOptions, SurfacePoint};
+use crate::math::{Aabb, Scalar, direction};
+use crate::mesh::Mesh;
+use crate::octree::{Octree, OctreeError, Tracer};
+use crate::ray::{Hit, Ray};
+use culling::Culling;
+use own_side::Folds;
+use touching::Touching;
+use winding::{inward_ray, way_out, winding_number};
+
+/// What the search for self-contacts needs; kept with the contacts, so that a steady step allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SelfWorkspace<T: Scalar> {
+    touching: Touching<T>,
+    culling: Culling,
+    folds: Folds,
+}
+
+/// Finds the contacts between parts of one mesh, body 0; replaces what `contacts` held. Of the options only the sampling
+/// counts; automatic is one ray for each triangle.
+///
+/// Rays start where the surface touches others of its triangles, and where it winds around more than once: if it touches
+/// itself nowhere, at no more than one point of each connected part. A scene also remembers that from step to step. An
+/// open mesh has no inside, and so no contacts with itself; it is counted.
+///
+/// # Errors
+/// [`OctreeError`] where the octree is stale or another mesh's; `contacts` is then as before.
+pub fn query_self<T: Scalar>(
+    mesh: &Mesh<T>,
+    octree: &Octree<T>,
+    options: &DetectionOptions<T>,
+    contacts: &mut ContactList<T>,
+) -> Result<(), OctreeError> {
+    octree.tracer(mesh)?;
+    contacts.clear();
+    detect_self(0, mesh, octree, options, None, contacts).map(drop)
+}
+
+/// [`query_self`] by casting every ray: slow, and the standard it is held to. The contacts are the same to the bit.
+///
+/// # Errors
+/// As [`query_self`].
+pub fn query_self_with_all_rays<T: Scalar>(
+    mesh: &Mesh<T>,
+    octree: &Octree<T>,
+    options: &DetectionOptions<T>,
+    contacts: &mut ContactList<T>,
+) -> Result<(), OctreeError> {
+    let tracer = octree.tracer(mesh)?;
+    contacts.clear();
+    if mesh.is_open() {
+        contacts.statistics.open_bodies += 1;
+        return Ok(());
+    }
+    let body = Body { number: 0, tracer, options };
+    if body.trace(false, contacts) {
+        contacts.workspace.own.touching.search(octree, mesh);
+    }
+    body.add_contacts(contacts);
+    Ok(())
+}
+
+/// Adds the contacts between parts of one body to `contacts`; gives whether the body may overlap itself. `memory` is what
+/// the body remembers from step to step.
+///
+/// # Errors
+/// As [`query_self`].
+pub(crate) fn detect_self<T: Scalar>(
+    body: u32,
+    mesh: &Mesh<T>,
+    octree: &Octree<T>,
+    options: &DetectionOptions<T>,
+    mut memory: Option<&mut SelfMemory<T>>,
+    contacts: &mut ContactList<T>,
+) -> Result<bool, OctreeError> {
+    let tracer = octree.tracer(mesh)?;
+    if mesh.is_open() {
+        contacts.statistics.open_bodies += 1;
+        return Ok(false);
+    }
+    if memory.as_mut().is_some_and(|memory| memory.is_clear(mesh, octree)) {
+        return Ok(false);
+    }
+    let ContactList { statistics, workspace, .. } = &mut *contacts;
+    let SelfWorkspace { touching, culling, .. } = &mut workspace.own;
+    match memory {
+        Some(memory) => memory.search(octree, mesh, touching),
+        None => touching.search(octree, mesh),
+    }
+    let is_any_wanted = culling.choose(&tracer, touching, &mut workspace.crossings, statistics);
+    if is_any_wanted {
+        let body = Body { number: body, tracer, options };
+        body.trace(true, contacts);
+        body.add_contacts(contacts);
+    }
+    Ok(is_any_wanted)
+}
+
+/// A body that may touch itself.
+struct Body<'a, T: Scalar> {
+    number: u32,
+    tracer: Tracer<'a, T>,
+    options: &'a DetectionOptions<T>,
+}
+
+impl<T: Scalar> Body<'_, T> {
+    /// Leaves in the workspace the samples that lie inside another part of the body, their rays and where these lead out.
+    /// Gives whether there are any.
+    fn trace(&self, is_culled: bool, contacts: &mut ContactList<T>) -> bool {
+        let mesh = self.tracer.mesh();
+        let ContactList { statistics, workspace, .. } = contacts;
+        workspace.clear();
+        workspace.hits.clear();
+        let (samples, rays, hits) = (&mut workspace.samples, &mut workspace.rays, &mut workspace.hits);
+        let crossings = &mut workspace.crossings;
+        let wanted = &workspace.own.culling.is_wanted;
+        let is_wanted = |sample: &Sample<T>| {
+            let topology = mesh.topology();
+            let [first, second, _] = sample.point.touched();
+            !is_culled
+                || if first == second {
+                    topology.triangles_around(first).iter().any(|&triangle| wanted[triangle as usize])
+                } else {
+                    wanted[sample.point.triangle as usize]
+                }
+        };
+        let region = mesh.aabb();
+        // The body's own box is no measure of an overlap: one ray for each triangle, unless the caller says how many.
+        let overlap = match self.options.sampling {
+            Sampling::Automatic => Aabb { lower: region.lower, upper: region.lower },
+            _ => *region,
+        };
+        let largest = region.lower.amax().max(region.upper.amax());
+        let region = region.grown(largest * T::ROUNDING_UNIT * T::of(8.0));
+        for_each_sample(mesh, &overlap, &region, self.options.sampling, |sample| {
+            if !is_wanted(&sample) {
+                return;
+            }
+            statistics.rays += 1;
+            let ray = inward_ray(&sample);
+            let number = winding_number(&self.tracer, &ray, sample.point.touched(), crossings);
+            match way_out(crossings).filter(|_| number > 1) {
+                Some(&hit) => {
+                    samples.push(sample);
+                    rays.push(ray);
+                    hits.push(Some(hit));
+                }
+                None => statistics.misses += 1,
+            }
+        });
+        !samples.is_empty()
+    }
+
+    /// Turns the ways out in the workspace into contacts, but for those through the far side of the point's own fold.
+    fn add_contacts(&self, contacts: &mut ContactList<T>) {
+        let topology = self.tracer.mesh().topology();
+        let ContactList { contacts, statistics, workspace, .. } = contacts;
+        let SelfWorkspace { touching, folds, .. } = &mut workspace.own;
+        if workspace.samples.is_empty() {
+            return;
+        }
+        folds.reset(topology);
+        for (sample, hit) in workspace.samples.iter().zip(&workspace.hits) {
+            folds.add(sample.point.touched());
+            hit.iter().for_each(|hit| folds.add(topology.triangles()[hit.triangle as usize]));
+        }
+        if self.options.sampling == Sampling::Vertices {
+            folds.join_along_edges(topology);
+        }
+        folds.join(topology, touching);
+        for ((sample, ray), hit) in workspace.samples.iter().zip(&workspace.rays).zip(&workspace.hits) {
+            let Some(hit) = hit else { continue };
+            if folds.are_one(sample.point.touched(), topology.triangles()[hit.triangle as usize]) {
+                statistics.own_surface_hits += 1;
+            } else {
+                statistics.self_contacts += 1;
+                contacts.push(self.contact(sample, ray, hit));
+            }
+        }
+    }
+
+    fn contact(&self, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
+        let mesh = self.tracer.mesh();
+        let normal = direction(&mesh.scaled_normal(hit.triangle));
+        Contact {
+            kind: ContactKind::Ray,
+            colliding: self.number,
+            collided: self.number,
+            p1: sample.point,
+            p2: SurfacePoint::of_hit(mesh, ray, hit),
+            direction: ray.direction,
+            depth: hit.t,
+            cos_alpha: normal.map_or(T::zero(), |n| n.dot(&ray.direction).clamp(T::zero(), T::one())),
+            // Both folds cast.
+            area: sample.area * T::of(0.5),
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Which triangles of a surface touch others of it. Where none does, the surface neither passes through itself nor folds
+//! over, and no ray need be traced to know it.
+
+use crate::math::{Scalar, Vector3, direction, length};
+use crate::mesh::Mesh;
+use crate::octree::{NearParts, Octree, Reach};
+
+/// What the search found, and the memory it needs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Touching<T: Scalar> {
+    /// By triangle: whether it comes nearer to another than rounding tells apart, or its neighbourhood folds over.
+    pub(super) touched: Vec<bool>,
+    pub(super) any: bool,
+    /// Triangles without a common vertex that touch.
+    pub(super) pairs: Vec<[u32; 2]>,
+    facets: Vec<Facet<T>>,
+    near: NearParts<T>,
+}
+
+/// A triangle as its fans see it.
+#[derive(Clone, Copy, Debug)]
+struct Facet<T: Scalar> {
+    scaled_normal: Vector3<T>,
+    longest_edge: T,
+}
+
+/// What holds for the triangles around the vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fans<T: Scalar> {
+    /// They touch none of each other while the two ends of no edge move against each other by more.
+    pub(super) strain: T,
+    /// The mean altitude of the triangles.
+    pub(super) fineness: T,
+}
+
+/// By how much positions may be off in what rays see of them: projections, hits and the rays' origins are each rounded
+/// to a few units of the largest coordinate.
+pub(super) fn rounding<T: Scalar>(mesh: &Mesh<T>) -> T {
+    mesh.aabb().lower.amax().max(mesh.aabb().upper.amax()) * T::ROUNDING_UNIT * T::of(64.0)
+}
+
+impl<T: Scalar> Touching<T> {
+    /// Starts anew with a surface that touches itself nowhere. Lengths whose squares underflow or overflow tell
+    /// nothing: it touches itself everywhere then.
+    pub(super) fn reset(&mut self, mesh: &Mesh<T>) {
+        let rounding = rounding(mesh);
+        self.pairs.clear();
+        self.touched.clear();
+        let square = rounding * rounding;
+        self.any = !(T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1);
+        self.touched.resize(mesh.topology().triangles().len(), self.any);
+    }
+
+    /// Looks at the whole surface.
+    pub(super) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
+        self.reset(mesh);
+        self.search_fans(mesh);
+        let mut near = std::mem::take(&mut self.near);
+        self.search_pairs(octree, mesh, [T::zero(); 2], &mut near);
+        self.near = near;
+    }
+
+    fn touch(&mut self, triangle: u32) {
+        self.touched[triangle as usize] = true;
+        self.any = true;
+    }
+
+    /// Looks at the triangles around each vertex: those with a common vertex.
+    pub(super) fn search_fans(&mut self, mesh: &Mesh<T>) -> Fans<T> {
+        let count = mesh.topology().triangles().len();
+        self.facets.clear();
+        self.facets.extend((0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
+        let altitudes = self.facets.iter().map(|facet| length(&facet.scaled_normal) / facet.longest_edge);
+        let fineness = altitudes.fold(T::zero(), |sum, altitude| sum + altitude) / T::of(count as f64);
+        // A ray from a triangle's middle keeps away from the others by a third of this.
+        let least_allowed = rounding(mesh) * T::of(64.0);
+        let mut least = T::INFINITY;
+        for &vertex in mesh.topology().surface_vertices() {
+            let altitude = self.altitude_of_fan(mesh, vertex);
+            if altitude < least_allowed {
+                mesh.topology().triangles_around(vertex).iter().for_each(|&triangle| self.touch(triangle));
+            } else {
+                least = least.min(altitude);
+            }
+        }
+        // With edges up to L strained by ε, twice the area of a triangle changes by at most 2 ε L + ε².
+        Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
+    }
+
+    /// Along the fan's mean normal the triangles around a vertex cover a plane once, if each is seen from outside and they
+    /// go around only once; then none of them crosses another. Gives the least altitude of a triangle seen so, 0 where it
+    /// is not so.
+    fn altitude_of_fan(&self, mesh: &Mesh<T>, vertex: u32) -> T {
+        let around = mesh.topology().triangles_around(vertex);
+        let sum = around.iter().fold(Vector3::zeros(), |sum, &t| sum + self.facets[t as usize].scaled_normal);
+        let Some(axis) = direction(&sum) else { return T::zero() };
+        let corners = |triangle: u32| {
+            let corners = mesh.topology().triangles()[triangle as usize];
+            let first = if corners[0] == vertex { 0 } else { 1 + usize::from(corners[1] != vertex) };
+            [1, 2].map(|i| mesh.positions()[corners[(first + i) % 3] as usize] - mesh.positions()[vertex as usize])
+        };
+        // A direction within the first triangle: within how many is it?
+        let [p, q] = corners(around[0]);
+        let across = (p + q).cross(&axis);
+        let mut turns = 0;
+        let mut least = T::INFINITY;
+        for &triangle in around {
+            let facet = &self.facets[triangle as usize];
+            let altitude = facet.scaled_normal.dot(&axis) / facet.longest_edge;
+            // In this form NaN counts as none.
+            least = if altitude >= least { least } else { altitude };
+            let [p, q] = corners(triangle);
+            turns += u32::from(p.dot(&across) >= T::zero() && q.dot(&across) < T::zero());
+        }
+        if turns == 1 && least > T::zero() { least } else { T::zero() }
+    }
+
+    /// Looks at the triangles without a common vertex. `margins`: how much nearer triangles, and parts of the mesh, may
+    /// come for which nothing is noted; 0 is quickest.
+    pub(super) fn search_pairs(
+        &mut self,
+        octree: &Octree<T>,
+        mesh: &Mesh<T>,
+        [margin, part_margin]: [T; 2],
+        near: &mut NearParts<T>,
+    ) {
+        let touch = rounding(mesh) * T::of(4.0);
+        octree.search_near(mesh, &Reach { touch, margin, part_margin }, near, |a, b| {
+            // The smaller number first, so that the layout does not matter to the last bit.
+            let pair = [a.min(b), a.max(b)];
+            let distance = separation(pair.map(|triangle| mesh.corners(triangle)), touch);
+            if distance < touch {
+                pair.into_iter().for_each(|triangle| self.touch(triangle));
+                self.pairs.push(pair);
+            }
+            distance - touch
+        });
+    }
+
+    /// Whether any triangles touch among the parts that have lapsed.
+    pub(super) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearParts<T>) -> bool {
+        let touch = rounding(mesh) * T::of(4.0);
+        let mut any = false;
+        octree.search_lapsed(mesh, touch, near, |a, b| {
+            any |= separation([a, b].map(|triangle| mesh.corners(triangle)), touch) < touch;
+        });
+        any
+    }
+}
+
+impl<T: Scalar> Facet<T> {
+    fn new(corners: &[Vector3<T>; 3]) -> Self {
+        let [a, b, c] = corners;
+        let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+        Self { scaled_normal: (b - a).cross(&(c - a)), longest_edge: longest.sqrt() }
+    }
+}
+
+/// A lower bound of the distance of two triangles, by planes between them; 0 where no plane parts them. The search
+/// ends where `enough` is found.
+#[inline]
+fn separation<T: Scalar>(corners: [[Vector3<T>; 3]; 2], enough: T) -> T {
+    let [a, b] = &corners;
+    // Nearly always the line of centres will do.
+    let best = gap_along(&corners, &((b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2])));
+    if best < enough { separation_along_any(&corners, best, enough) } else { best }
+}
+
+#[cold]
+fn separation_along_any<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], mut best: T, enough: T) -> T {
+    let [a, b] = corners;
+    let mut try_axis = |axis: Vector3<T>| {
+        if best < enough {
+            best = best.max(gap_along(corners, &axis)).max(gap_along(corners, &-axis));
+        }
+    };
+    // The axes of the boxes: what is offered for rounded boxes does not touch where the boxes themselves do not.
+    (0..3).for_each(|axis| try_axis(Vector3::ith(axis, T::one())));
+    for corners in corners {
+        try_axis((corners[1] - corners[0]).cross(&(corners[2] - corners[0])));
+    }
+    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+        try_axis((a[(i + 1) % 3] - a[i]).cross(&(b[(j + 1) % 3] - b[j])));
+    }
+    best
+}
+
+/// How far the second triangle lies beyond the first along an axis; 0 where it does not.
+#[inline]
+fn gap_along<T: Scalar>([a, b]: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T {
+    let along = |corner: &Vector3<T>| (corner - a[0]).dot(axis);
+    let beyond = |x: T, y: T| if x > y { x } else { y };
+    let end = beyond(beyond(along(&a[1]), along(&a[2])), T::zero());
+    let start = -beyond(beyond(-along(&b[0]), -along(&b[1])), -along(&b[2]));
+    if start > end { (start - end) / length(axis) } else { T::zero() }
+}

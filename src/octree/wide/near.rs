@@ -1,0 +1,356 @@
+// Lanes side by side read best as plain loops over their index.
+#![allow(clippy::needless_range_loop)]
+
+use super::Wide;
+use super::node::{CHILD_COUNT, Node};
+use super::tile::{TILE_SIZE, Tile};
+use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch};
+use crate::mesh::Mesh;
+
+/// The tiles that are near each other, and what the search for them needs; kept by the caller, so that a steady step
+/// allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub(in crate::octree) struct NearTiles<T: Scalar> {
+    tile_pairs: Vec<[u32; 2]>,
+    /// How much nearer the triangles of each pair may come.
+    clearances: Vec<T>,
+    blocks: Vec<Block>,
+    /// By tile: the box around its vertices' moves.
+    moves: Vec<Aabb<T>>,
+    /// The pairs that have come nearer by more than they may.
+    lapsed: Vec<[u32; 2]>,
+}
+
+/// The boxes of a tile's triangles, side by side; places beyond the last triangle hold boxes that are near nothing.
+#[derive(Clone, Debug)]
+struct Block {
+    /// Around all of them.
+    whole: Sides,
+    sides: [[f32; TILE_SIZE]; 6],
+    vertices: [[u32; TILE_SIZE]; 3],
+}
+
+/// A box in narrow numbers: its lower coordinates and the negatives of its upper ones, within the mesh's box and in units
+/// of its longest side, rounded outward. So two boxes are at most d apart where no lower side of either and upper side of
+/// the other sum to more than d.
+type Sides = [f32; 6];
+
+/// What narrow numbers are in units of.
+#[derive(Clone, Copy)]
+struct Narrow<T: Scalar> {
+    origin: Vector3<T>,
+    inverse: T,
+}
+
+/// More than the rounding of narrow numbers, and of what they are made from.
+const OUTWARD: f32 = 1.0 / (1 << 20) as f32;
+
+impl<T: Scalar> Narrow<T> {
+    fn new(mesh_box: &Aabb<T>) -> Self {
+        let inverse = T::one() / mesh_box.longest_side();
+        // A mesh without extent: all is near.
+        Self { origin: mesh_box.lower, inverse: if inverse.is_finite() { inverse } else { T::zero() } }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lower(&self, axis: usize, value: T) -> f32 {
+        ((value - self.origin[axis]) * self.inverse).to_f64() as f32 - OUTWARD
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn upper(&self, axis: usize, value: T) -> f32 {
+        -((value - self.origin[axis]) * self.inverse).to_f64() as f32 - OUTWARD
+    }
+
+    fn distance(&self, distance: T) -> f32 {
+        (distance * self.inverse).to_f64() as f32 + OUTWARD
+    }
+}
+
+impl<T: Scalar> Wide<T> {
+    /// Lists the pairs of tiles whose boxes are at most `tile_distance` apart along every axis; of these, offers each two
+    /// triangles that have no vertex in common and are at most `distance` apart along every axis. `offer` gives how much
+    /// nearer they may come; two that are not offered may by `margin`.
+    pub(in crate::octree) fn search_near(
+        &self,
+        mesh: &Mesh<T>,
+        [tile_distance, distance, margin]: [T; 3],
+        near: &mut NearTiles<T>,
+        offer: &mut impl FnMut(u32, u32) -> T,
+    ) {
+        let NearTiles { blocks, tile_pairs, clearances, .. } = near;
+        blocks.clear();
+        let narrow = Narrow::new(mesh.aabb());
+        dispatch::<T, _>(MakeBlocks { tiles: self.tiles.iter(), mesh, narrow, blocks });
+        tile_pairs.clear();
+        Descent { cells: self, distance: tile_distance, tile_pairs }.within(Child::Node(0));
+        clearances.clear();
+        clearances.resize(tile_pairs.len(), margin);
+        let distance = narrow.distance(distance);
+        let block_of = |_: usize, tile: u32| tile as usize;
+        let offer = |place: usize, a: u32, b: u32| clearances[place] = clearances[place].min(offer(a, b));
+        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, distance, offer });
+    }
+
+    /// Looks for the listed pairs of tiles that have come nearer by more than they may, from `then` to `now`; gives which
+    /// part of all they are.
+    pub(in crate::octree) fn find_lapsed(
+        &self,
+        near: &mut NearTiles<T>,
+        then: &[Vector3<T>],
+        now: &[Vector3<T>],
+    ) -> f64 {
+        near.moves.clear();
+        near.moves.extend(self.tiles.iter().map(|tile| {
+            let mut moves = Aabb::empty();
+            tile.vertices.iter().for_each(|&vertex| moves.include(&(now[vertex as usize] - then[vertex as usize])));
+            moves
+        }));
+        near.lapsed.clear();
+        let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
+            let (a, b) = (&near.moves[first as usize], &near.moves[second as usize]);
+            // The largest difference of two moves, one in each box.
+            let farthest = (a.upper - b.lower).sup(&(b.upper - a.lower));
+            farthest.norm_squared() > clearance * clearance
+        };
+        let pairs = near.tile_pairs.iter().zip(&near.clearances);
+        near.lapsed.extend(pairs.filter(has_lapsed).map(|(pair, _)| pair));
+        near.lapsed.len() as f64 / near.tile_pairs.len() as f64
+    }
+
+    /// The search among the pairs that have lapsed; nothing is noted.
+    pub(in crate::octree) fn search_lapsed(
+        &self,
+        mesh: &Mesh<T>,
+        distance: T,
+        near: &mut NearTiles<T>,
+        offer: &mut impl FnMut(u32, u32),
+    ) {
+        let NearTiles { blocks, lapsed, .. } = near;
+        let narrow = Narrow::new(mesh.aabb());
+        blocks.clear();
+        let tiles = lapsed.as_flattened().iter().map(|&tile| &self.tiles[tile as usize]);
+        dispatch::<T, _>(MakeBlocks { tiles, mesh, narrow, blocks });
+        // Each pair has its own two blocks.
+        let block_of = |place: usize, tile: u32| 2 * place + usize::from(lapsed[place][0] != tile);
+        let distance = narrow.distance(distance);
+        let offer = |_: usize, a: u32, b: u32| offer(a, b);
+        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs: lapsed, distance, offer });
+    }
+}
+
+/// Adds the blocks of tiles.
+struct MakeBlocks<'a, T: Scalar, I> {
+    tiles: I,
+    mesh: &'a Mesh<T>,
+    narrow: Narrow<T>,
+    blocks: &'a mut Vec<Block>,
+}
+
+impl<'a, T: Scalar, I: Iterator<Item = &'a Tile<T>>> Kernel<T> for MakeBlocks<'_, T, I> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        for tile in self.tiles {
+            self.blocks.push(Block::new::<T, L>(tile, self.mesh, &self.narrow));
+        }
+    }
+}
+
+/// The descent into all pairs of boxes that are near each other.
+struct Descent<'a, T: Scalar> {
+    cells: &'a Wide<T>,
+    distance: T,
+    tile_pairs: &'a mut Vec<[u32; 2]>,
+}
+
+/// What lies under a box.
+#[derive(Clone, Copy)]
+enum Child {
+    Node(u32),
+    Tile(u32),
+}
+
+/// A box of the octree and what lies under it.
+#[derive(Clone, Copy)]
+struct Boxed<T: Scalar> {
+    aabb: Aabb<T>,
+    child: Child,
+}
+
+impl<T: Scalar> Descent<'_, T> {
+    fn within(&mut self, child: Child) {
+        let node = match child {
+            Child::Node(node) => &self.cells.nodes[node as usize],
+            Child::Tile(tile) => return self.tile_pairs.push([tile; 2]),
+        };
+        for place in 0..node.count as usize {
+            let boxed = Boxed::of(node, place);
+            self.within(boxed.child);
+            let mut near = self.near(node, &boxed.aabb) & (!0 << (place + 1));
+            while near != 0 {
+                self.between(boxed, Boxed::of(node, near.trailing_zeros() as usize));
+                near &= near - 1;
+            }
+        }
+    }
+
+    fn between(&mut self, first: Boxed<T>, second: Boxed<T>) {
+        match (first.child, second.child) {
+            (Child::Tile(first), Child::Tile(second)) => self.tile_pairs.push([first, second]),
+            (Child::Node(node), _) => self.descend(node, second),
+            (_, Child::Node(node)) => self.descend(node, first),
+        }
+    }
+
+    fn descend(&mut self, node: u32, other: Boxed<T>) {
+        let node = &self.cells.nodes[node as usize];
+        let mut near = self.near(node, &other.aabb);
+        while near != 0 {
+            // The other may be a node too, and is then descended into next.
+            self.between(other, Boxed::of(node, near.trailing_zeros() as usize));
+            near &= near - 1;
+        }
+    }
+
+    /// Bit i: child i's box is near `other`.
+    fn near(&self, node: &Node<T>, other: &Aabb<T>) -> u32 {
+        let mut near = [true; CHILD_COUNT];
+        for axis in 0..3 {
+            let (lower, upper) = (&node.lower[axis], &node.upper[axis]);
+            let (to, from) = (other.upper[axis] + self.distance, other.lower[axis] - self.distance);
+            for child in 0..CHILD_COUNT {
+                near[child] &= (lower[child] <= to) & (upper[child] >= from);
+            }
+        }
+        (0..CHILD_COUNT).fold(0, |mask, child| mask | u32::from(near[child]) << child)
+    }
+}
+
+impl<T: Scalar> Boxed<T> {
+    fn of(node: &Node<T>, place: usize) -> Self {
+        let child = node.first + place as u32;
+        Self { aabb: node.child_box(place), child: if node.is_leaf { Child::Tile(child) } else { Child::Node(child) } }
+    }
+}
+
+/// Pairs of tiles, triangle by triangle.
+struct TilePairs<'a, T: Scalar, B, O> {
+    cells: &'a Wide<T>,
+    blocks: &'a [Block],
+    /// Where a tile's block is, for the place of its pair.
+    block_of: B,
+    tile_pairs: &'a [[u32; 2]],
+    distance: f32,
+    /// Is told the place of the pair, and two triangles.
+    offer: O,
+}
+
+impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32)> Kernel<f32> for TilePairs<'_, T, B, O> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<f32>>(mut self) {
+        for (pair, &[first, second]) in self.tile_pairs.iter().enumerate() {
+            let a = &self.blocks[(self.block_of)(pair, first)];
+            let b = &self.blocks[(self.block_of)(pair, second)];
+            let (a_tile, b_tile) = (&self.cells.tiles[first as usize], &self.cells.tiles[second as usize]);
+            let is_same = first == second;
+            let mut candidates = if is_same { a_tile.present } else { a.near::<L>(&b.whole, self.distance) };
+            while candidates != 0 {
+                let place = candidates.trailing_zeros() as usize;
+                candidates &= candidates - 1;
+                let mut others = b.near::<L>(&a.sides_of(place), self.distance);
+                // Each pair within one tile once.
+                others &= if is_same { !1 << place } else { !0 };
+                if others != 0 {
+                    others &= !b.sharing::<L>(a.vertices_of(place));
+                }
+                while others != 0 {
+                    let other = others.trailing_zeros() as usize;
+                    others &= others - 1;
+                    (self.offer)(pair, a_tile.triangles[place], b_tile.triangles[other]);
+                }
+            }
+        }
+    }
+}
+
+/// The positions of one corner of each triangle.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn corners_at<T: Scalar, L: Lanes<T>>(positions: Vectors<T, L>, places: &[u8; TILE_SIZE]) -> Vectors<T, L> {
+    Vectors::new(positions.x.permute(places), positions.y.permute(places), positions.z.permute(places))
+}
+
+impl Block {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new<T: Scalar, L: Lanes<T>>(tile: &Tile<T>, mesh: &Mesh<T>, narrow: &Narrow<T>) -> Self {
+        let mut room = [[T::zero(); TILE_SIZE]; 3];
+        let positions = Vectors::<T, L>::load(tile.positions::<L>(mesh, &mut room));
+        // No closures here: they would be compiled for any processor.
+        let a = corners_at(positions, &tile.corners[0]);
+        let b = corners_at(positions, &tile.corners[1]);
+        let c = corners_at(positions, &tile.corners[2]);
+        let (mut lower, mut upper) = ([[T::zero(); TILE_SIZE]; 3], [[T::zero(); TILE_SIZE]; 3]);
+        a.smaller(b).smaller(c).store(&mut lower);
+        a.larger(b).larger(c).store(&mut upper);
+        let mut sides = [[f32::INFINITY; TILE_SIZE]; 6];
+        for axis in 0..3 {
+            for place in 0..TILE_SIZE {
+                sides[axis][place] = narrow.lower(axis, lower[axis][place]);
+                sides[axis + 3][place] = narrow.upper(axis, upper[axis][place]);
+            }
+            for place in tile.present.count_ones() as usize..TILE_SIZE {
+                (sides[axis][place], sides[axis + 3][place]) = (f32::INFINITY, f32::INFINITY);
+            }
+        }
+        let (mut whole, mut vertices) = ([f32::INFINITY; 6], [[0; TILE_SIZE]; 3]);
+        for side in 0..6 {
+            for place in 0..TILE_SIZE {
+                whole[side] = if sides[side][place] < whole[side] { sides[side][place] } else { whole[side] };
+            }
+        }
+        for corner in 0..3 {
+            for place in 0..TILE_SIZE {
+                vertices[corner][place] = tile.vertices[tile.corners[corner][place] as usize % TILE_SIZE];
+            }
+        }
+        Self { whole, sides, vertices }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sides_of(&self, place: usize) -> Sides {
+        let [a, b, c, d, e, f] = &self.sides;
+        [a[place], b[place], c[place], d[place], e[place], f[place]]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vertices_of(&self, place: usize) -> [u32; 3] {
+        let [a, b, c] = &self.vertices;
+        [a[place], b[place], c[place]]
+    }
+
+    /// Bit i: triangle i's box is at most `distance` from `other` along every axis.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn near<L: Lanes<f32>>(&self, other: &Sides, distance: f32) -> Mask {
+        let mut near = !0;
+        for side in 0..6 {
+            let gap = L::load(&self.sides[side]).add(L::splat(other[(side + 3) % 6]));
+            near &= gap.is_at_most(L::splat(distance));
+        }
+        near
+    }
+
+    /// Bit i: triangle i has one of these vertices.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sharing<L: Lanes<f32>>(&self, vertices: [u32; 3]) -> Mask {
+        let mut sharing = 0;
+        for own in &self.vertices {
+            for vertex in vertices {
+                sharing |= L::equal(own, vertex);
+            }
+        }
+        sharing
+    }
+}

@@ -1,0 +1,247 @@
+//! Contacts of a body with itself: against two bodies in place of two lobes, against a closed form, and with every ray
+//! cast.
+
+mod common;
+
+use common::STRIDE;
+use common::ends::{Offset, ends};
+use common::random::Random;
+use common::shapes::{self, Point, Shape};
+use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair, query_self, query_self_with_all_rays};
+use raycontact::math::{Scalar, Vector3};
+use raycontact::mesh::Mesh;
+use raycontact::octree::{Layout, Octree};
+use raycontact::response::{PenaltyLaw, Weighting, add_forces};
+use raycontact::scene::Scene;
+use std::collections::HashMap;
+
+/// The contacts, which must be those that every ray would find, in either layout.
+fn own_contacts<T: Scalar>(shape: &Shape, options: &DetectionOptions<T>) -> ContactList<T> {
+    let mesh = shape.mesh::<T>();
+    let mut all = ContactList::default();
+    query_self_with_all_rays(&mesh, &Octree::new(&mesh), options, &mut all).expect("the octree is new");
+    for layout in [Layout::Classic, Layout::Wide] {
+        let mut culled = ContactList::default();
+        let octree = Octree::with_layout(&mesh, layout);
+        query_self(&mesh, &octree, options, &mut culled).expect("the octree is new");
+        assert_eq!(culled.contacts, all.contacts, "{layout:?}");
+        assert_balanced(&culled);
+    }
+    assert!(all.contacts.iter().all(|contact| (contact.colliding, contact.collided) == (0, 0)));
+    assert_balanced(&all);
+    all
+}
+
+/// Every ray is a contact, or counted under the reason why it is none.
+fn assert_balanced<T: Scalar>(contacts: &ContactList<T>) {
+    let counts = &contacts.statistics;
+    assert_eq!(counts.rays, counts.misses + counts.own_surface_hits + counts.self_contacts);
+    assert_eq!(counts.self_contacts, contacts.len() as u64);
+}
+
+/// The judge for two lobes: the same as two bodies of their own. Gives how many contacts there are.
+fn assert_same_as_pair<T: Scalar>(a: &Shape, b: &Shape, sampling: Sampling<T>) -> usize {
+    let options = DetectionOptions { sampling, ..DetectionOptions::paper() };
+    let own = own_contacts(&a.joined(b), &options);
+    let meshes = [a.mesh::<T>(), b.mesh::<T>()];
+    let octrees = [Octree::new(&meshes[0]), Octree::new(&meshes[1])];
+    let mut pair = ContactList::default();
+    query_pair(&meshes[0], &octrees[0], &meshes[1], &octrees[1], &options, &mut pair).expect("the octrees are new");
+    let second = Offset { triangle: a.triangles.len() as u32, vertex: a.positions.len() as u32 };
+    let offset = |body: u32| if body == 0 { Offset::default() } else { second };
+    let mut expected: Vec<_> =
+        pair.contacts.iter().map(|c| ends(c, [offset(c.colliding), offset(c.collided)])).collect();
+    let mut found: Vec<_> = own.contacts.iter().map(|contact| ends(contact, [Offset::default(); 2])).collect();
+    // A body alone is gone through in the order of its triangles, a pair in that of its octrees.
+    for all in [&mut found, &mut expected] {
+        all.sort_by_key(|ends| (ends.triangles, ends.vertices));
+    }
+    assert_eq!(found, expected);
+    found.len()
+}
+
+#[test]
+fn two_lobes_touch_as_two_bodies_do() {
+    let mut touching = 0;
+    for step in (0..240).step_by(STRIDE) {
+        let mut random = Random::new(step);
+        let tube = 0.1 + 0.15 * (1.0 + random.signed());
+        let a = shapes::torus(16, 8, 0.4);
+        let b = match step % 3 {
+            0 => shapes::torus(16, 8, tube),
+            1 => shapes::sphere(2),
+            // A plate through the ring's tube: rays leave it through its own far side.
+            _ => shapes::sphere(1).map(|[x, y, z]| [1.6 * x, 1.6 * y, 0.3 * z]),
+        };
+        let b = b.turned(3.0 * random.signed(), 3.0 * random.signed()).moved(random.point(1.0));
+        // A spacing that cuts nothing: one ray for each triangle.
+        let count = match step / 3 % 3 {
+            0 => assert_same_as_pair::<f64>(&a, &b, Sampling::Vertices),
+            1 => assert_same_as_pair::<f64>(&a, &b, Sampling::Spacing(100.0)),
+            _ => assert_same_as_pair::<f32>(&a, &b, Sampling::Spacing(100.0)),
+        };
+        touching += usize::from(count > 0);
+    }
+    assert!(touching > 160 / STRIDE);
+}
+
+/// Two prongs on a base, of unit cubes; the second is pushed over until it is `depth` deep in the first.
+fn fork(depth: f64) -> Shape {
+    let is_solid = |[x, y, z]: [i32; 3]| {
+        (0..2).contains(&y)
+            && match z {
+                0 => (0..3).contains(&x),
+                1..8 => x == 0 || x == 2,
+                _ => false,
+            }
+    };
+    let (mut vertices, mut positions, mut triangles) = (HashMap::new(), Vec::new(), Vec::new());
+    let cells = (0..3).flat_map(|x| (0..2).flat_map(move |y| (0..8).map(move |z| [x, y, z])));
+    for cell in cells.filter(|&cell| is_solid(cell)) {
+        for (axis, side) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
+            let mut beyond = cell;
+            beyond[axis] += 2 * side - 1;
+            if is_solid(beyond) {
+                continue;
+            }
+            let mut corner = |du: i32, dv: i32| {
+                let mut point = cell;
+                point[axis] += side;
+                point[(axis + 1) % 3] += du;
+                point[(axis + 2) % 3] += dv;
+                *vertices.entry(point).or_insert_with(|| {
+                    let [x, y, z] = point.map(f64::from);
+                    let push = if x >= 2.0 { (1.0 + depth) * ((z - 1.0) / 2.0).clamp(0.0, 1.0) } else { 0.0 };
+                    positions.push([x - push, y, z]);
+                    positions.len() as u32 - 1
+                })
+            };
+            let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+            triangles.extend(if side == 1 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
+        }
+    }
+    Shape { positions, triangles, inside: Vec::new() }
+}
+
+/// Where the prongs are straight, each triangle of the two faces has a contact across the other prong's face, as deep as
+/// the prongs overlap; and the forces drive the prongs apart without a net force or moment.
+#[test]
+fn prongs_of_a_fork_part() {
+    let depth = 0.25;
+    let shape = fork(depth);
+    let found = own_contacts::<f64>(&shape, &DetectionOptions::default());
+    let straight: Vec<_> = found.contacts.iter().filter(|contact| contact.p1.position.z > 3.0).collect();
+    assert_eq!(straight.len(), 2 * 5 * 2 * 2);
+    for contact in straight {
+        let inward = if contact.p1.position.x == 1.0 { -1.0 } else { 1.0 };
+        assert_eq!(contact.direction, Vector3::new(inward, 0.0, 0.0));
+        // A half of half a unit square: the other prong's face casts as well.
+        assert_eq!((contact.depth, contact.cos_alpha, contact.area), (depth, 1.0, 0.25));
+    }
+    assert!(own_contacts::<f64>(&fork(-0.25), &DetectionOptions::default()).is_empty());
+
+    let law = PenaltyLaw::new(100.0, 0.0, Weighting::Area).expect("a valid law");
+    let mut forces = vec![vec![Vector3::zeros(); shape.positions.len()]];
+    add_forces(&found.contacts, &law, None::<&[Vec<Vector3<f64>>]>, None, &mut forces);
+    let (mut net, mut moment, mut on_first, mut on_second) = (Vector3::zeros(), Vector3::zeros(), 0.0, 0.0);
+    for (force, position) in forces[0].iter().zip(&shape.positions) {
+        let position = Vector3::from(*position);
+        net += force;
+        moment += position.cross(force);
+        let prong = if position.x == 0.0 || position.x == 1.0 { &mut on_first } else { &mut on_second };
+        *prong += force.x;
+    }
+    assert!(net.norm() < 1e-12 && moment.norm() < 1e-12, "{net}, {moment}");
+    // Twenty halves of half a unit square on either face, both ways: 100 · 0.25 · 10, and what the bend adds.
+    assert!(on_first < -250.0 && on_second > 250.0, "{on_first}, {on_second}");
+}
+
+/// Winding numbers above 1 without any crossing: one part inside another.
+#[test]
+fn nested_parts_are_found_without_a_crossing() {
+    let (inner, outer) = (shapes::sphere(1).map(|p| p.map(|x| 0.3 * x)), shapes::sphere(1));
+    for options in [DetectionOptions::default(), DetectionOptions::<f64>::paper()] {
+        let found = own_contacts(&outer.joined(&inner), &options);
+        // All of the inner part lies inside the outer, but the way out leads through its own far side.
+        assert!(found.is_empty());
+        let inner_count = if options.sampling == Sampling::Vertices { 42 } else { 80 };
+        assert_eq!(found.statistics.own_surface_hits, inner_count);
+    }
+    // A hollow body: the inner surface is the wall of a cavity, and winds the other way.
+    let mut cavity = inner;
+    cavity.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
+    let found = own_contacts(&outer.joined(&cavity), &DetectionOptions::<f64>::default());
+    assert_eq!(found.statistics.own_surface_hits, 0);
+}
+
+/// A tube that wanders at random, slowly and fast by turns, now and then through itself: what a scene remembers from step
+/// to step changes nothing. Long runs: the example self_collision.
+#[test]
+fn culling_and_memory_lose_nothing() {
+    let shape = shapes::torus(20, 6, 0.25);
+    let mut mesh = shape.mesh::<f64>();
+    let mut octree = Octree::new(&mesh);
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let body = scene.add(mesh.clone());
+    scene.set_self_collision(body, true).expect("it was added");
+    let options = DetectionOptions::default();
+    let (mut culled, mut all) = (ContactList::default(), ContactList::default());
+    let mut random = Random::new(5);
+    let mut waves = [[0.0; 4]; 6];
+    let (mut touching, mut not_looked_at) = (0, 0);
+    for step in 0..1200 / STRIDE {
+        let pace = if step / 50 % 2 == 0 { 0.001 } else { 0.15 };
+        for number in waves.as_flattened_mut() {
+            *number = f64::clamp(*number + pace * random.signed(), -1.0, 1.0);
+        }
+        let moved = |p: &Point| {
+            let mut at = *p;
+            for (k, [height, x, y, z]) in waves.iter().enumerate() {
+                at[k % 3] += height * (2.0 * (1.0 + k as f64) * (p[0] * x + p[1] * y + p[2] * z)).sin();
+            }
+            at
+        };
+        let positions: Vec<Point> = shape.positions.iter().map(moved).collect();
+        mesh.set_positions(&positions).expect("finite");
+        scene.mesh_mut(body).expect("it was added").set_positions(&positions).expect("finite");
+        scene.query(&mut culled);
+        octree.update(&mesh).expect("its own");
+        query_self_with_all_rays(&mesh, &octree, &options, &mut all).expect("up to date");
+        assert_eq!(culled.contacts, all.contacts, "step {step}");
+        touching += usize::from(!all.is_empty());
+        not_looked_at += usize::from(culled.statistics.rays == 0);
+    }
+    assert!(touching > 5 && not_looked_at > 20, "{touching}, {not_looked_at}");
+}
+
+/// Scaled by a power of two, the contacts are scaled to the bit.
+#[test]
+fn scaling_by_a_power_of_two_scales_contacts() {
+    let shape = fork(0.3).turned(0.4, 0.7);
+    let found = own_contacts::<f64>(&shape, &DetectionOptions::default());
+    assert!(!found.is_empty());
+    for exponent in [-40, -3, 5, 60] {
+        let factor = f64::exp2(f64::from(exponent));
+        let scaled = own_contacts::<f64>(&shape.scaled(factor), &DetectionOptions::default());
+        assert_eq!(scaled.len(), found.len());
+        for (scaled, contact) in scaled.contacts.iter().zip(&found.contacts) {
+            assert_eq!(scaled.depth, contact.depth * factor);
+            assert_eq!((scaled.p1.triangle, scaled.p2.triangle), (contact.p1.triangle, contact.p2.triangle));
+        }
+    }
+}
+
+/// An open mesh has no inside: it has no contacts with itself, and is counted; in parts or whole.
+#[test]
+fn open_meshes_have_no_contacts_with_themselves() {
+    let mut shape = shapes::sphere(1).joined(&shapes::sphere(1).moved([0.3, 0.2, 0.1]));
+    shape.triangles.truncate(shape.triangles.len() - 3);
+    let mesh = Mesh::<f64>::open(&shape.positions, &shape.triangles).expect("it may be open");
+    assert_eq!(mesh.topology().components().len(), 2);
+    let (octree, options) = (Octree::new(&mesh), DetectionOptions::default());
+    let mut contacts = ContactList::default();
+    query_self(&mesh, &octree, &options, &mut contacts).expect("the octree is new");
+    assert_eq!((contacts.len(), contacts.statistics.open_bodies), (0, 1));
+    query_self_with_all_rays(&mesh, &octree, &options, &mut contacts).expect("the octree is new");
+    assert_eq!((contacts.len(), contacts.statistics.open_bodies), (0, 1));
+}
