@@ -281,6 +281,13 @@ typedef struct rayc_detection_options {
    * along one direction until it is apart; 0: not. Default 1.
    */
   uint32_t escape;
+  /**
+   * 1: rays go past other folds of either body, as the winding number tells: a ray that meets its own body first is
+   * refused only where it has left the body altogether, and one that enters another fold of the other body on its way
+   * out of it is not taken for one from outside. 0: not. For bodies that overlap themselves; a scene does so by itself
+   * for those whose self-collision is switched on. Default 0.
+   */
+  uint32_t past_folds;
 } rayc_detection_options;
 
 /**
@@ -451,7 +458,7 @@ typedef struct rayc_contact {
    */
   uint32_t colliding;
   /**
-   * The body the ray ends on.
+   * The body the ray ends on; the same for a contact of a body with itself.
    */
   uint32_t collided;
   /**
@@ -499,7 +506,8 @@ typedef struct rayc_statistics {
    */
   uint64_t rays;
   /**
-   * Rays that left the overlap box without meeting the other mesh.
+   * Rays that left the overlap box without meeting the other mesh; for a body with itself, rays from points that lie
+   * inside no other part of it.
    */
   uint64_t misses;
   /**
@@ -507,7 +515,8 @@ typedef struct rayc_statistics {
    */
   uint64_t entry_hits;
   /**
-   * Rays that leave their own mesh before the other.
+   * Rays that leave their own mesh before the other; for a body with itself, rays that leave through the far side of
+   * their own fold.
    */
   uint64_t own_surface_hits;
   /**
@@ -526,6 +535,18 @@ typedef struct rayc_statistics {
    * Of these, contacts of edges, where no ray from a surface point found any.
    */
   uint64_t edge_contacts;
+  /**
+   * Of these, contacts of bodies with themselves.
+   */
+  uint64_t self_contacts;
+  /**
+   * Bodies whose contacts with themselves were asked for, but that are open and have none.
+   */
+  uint64_t open_bodies;
+  /**
+   * How often a ray went past another fold of its own body or of the other: past_folds in rayc_detection_options.
+   */
+  uint64_t past_folds;
   /**
    * Pairs that began to escape in this query.
    */
@@ -789,6 +810,23 @@ enum rayc_status rayc_query_pair(const struct rayc_detection_options *options,
                                  struct rayc_contacts *contacts);
 
 /**
+ * Finds the contacts between parts of one mesh, body 0: points of its surface that lie inside another part of the body,
+ * where the surface winds around more than once, and the points through which they leave that part. Replaces what
+ * `contacts` held; each contact has colliding = collided = 0, and stands for half its surface, as both parts cast rays.
+ * options: NULL for the defaults; of them only sample_spacing counts, automatic being one ray for each triangle.
+ *
+ * Where the surface touches nothing of itself, no ray is traced; a scene also remembers that from step to step. An open
+ * mesh has no inside, and so no contacts with itself; it is counted in open_bodies.
+ *
+ * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+ * RAYC_STATUS_INVALID_OPTION; `contacts` is then as before.
+ */
+enum rayc_status rayc_query_self(const struct rayc_detection_options *options,
+                                 const struct rayc_mesh *mesh,
+                                 const struct rayc_octree *octree,
+                                 struct rayc_contacts *contacts);
+
+/**
  * How many contacts there are.
  */
 enum rayc_status rayc_contacts_count(const struct rayc_contacts *contacts, size_t *count);
@@ -912,12 +950,24 @@ enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
                                                   const struct rayc_detection_options *options);
 
 /**
- * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
- * for each such pair. Octrees are renewed where they need to be. Replaces what `contacts` held; the order is by pair
- * (smaller body number first, then the other), then the colliding body, then along its surface, whatever the number of
- * threads.
+ * Switches contacts of a body with itself on (is_on = 1) or off (0) from the next query on; off for a new body. What they
+ * are says rayc_query_self(). Where they are on, contacts with other bodies are also found past the body's own folds, as
+ * with past_folds in rayc_detection_options.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
  */
-enum rayc_status rayc_scene_query(struct rayc_scene *scene, struct rayc_contacts *contacts);
+enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene,
+                                               uint32_t body,
+                                               uint32_t is_on);
+
+/**
+ * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
+ * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
+ * need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with
+ * itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+ */
+enum rayc_status rayc_scene_query(struct rayc_scene *scene,
+                                  struct rayc_contacts *contacts);
 
 /**
  * How many pairs are escaping.
@@ -957,6 +1007,23 @@ enum rayc_status rayc_query_pair(const struct rayc_detection_options *options,
                                  const struct rayc_octree *octree_a,
                                  const struct rayc_mesh *b,
                                  const struct rayc_octree *octree_b,
+                                 struct rayc_contacts *contacts);
+
+/**
+ * Finds the contacts between parts of one mesh, body 0: points of its surface that lie inside another part of the body,
+ * where the surface winds around more than once, and the points through which they leave that part. Replaces what
+ * `contacts` held; each contact has colliding = collided = 0, and stands for half its surface, as both parts cast rays.
+ * options: NULL for the defaults; of them only sample_spacing counts, automatic being one ray for each triangle.
+ *
+ * Where the surface touches nothing of itself, no ray is traced; a scene also remembers that from step to step. An open
+ * mesh has no inside, and so no contacts with itself; it is counted in open_bodies.
+ *
+ * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+ * RAYC_STATUS_INVALID_OPTION; `contacts` is then as before.
+ */
+enum rayc_status rayc_query_self(const struct rayc_detection_options *options,
+                                 const struct rayc_mesh *mesh,
+                                 const struct rayc_octree *octree,
                                  struct rayc_contacts *contacts);
 
 /**
@@ -1281,12 +1348,24 @@ enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
                                                   const struct rayc_detection_options *options);
 
 /**
- * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
- * for each such pair. Octrees are renewed where they need to be. Replaces what `contacts` held; the order is by pair
- * (smaller body number first, then the other), then the colliding body, then along its surface, whatever the number of
- * threads.
+ * Switches contacts of a body with itself on (is_on = 1) or off (0) from the next query on; off for a new body. What they
+ * are says rayc_query_self(). Where they are on, contacts with other bodies are also found past the body's own folds, as
+ * with past_folds in rayc_detection_options.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
  */
-enum rayc_status rayc_scene_query(struct rayc_scene *scene, struct rayc_contacts *contacts);
+enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene,
+                                               uint32_t body,
+                                               uint32_t is_on);
+
+/**
+ * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
+ * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
+ * need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with
+ * itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+ */
+enum rayc_status rayc_scene_query(struct rayc_scene *scene,
+                                  struct rayc_contacts *contacts);
 
 /**
  * The version of the library that is linked: major · 10000 + minor · 100 + patch.

@@ -187,6 +187,9 @@ class Scene {
     check(rayc_scene_set_positions(get(), body, &positions));
   }
 
+  /** Switches contacts of a body with itself on or off; they have colliding = collided. Off for a new body. */
+  void set_self_collision(uint32_t body, bool is_on) { check(rayc_scene_set_self_collision(get(), body, is_on)); }
+
   /** Where rays start, from the next query on: see `rayc_detection_options`. */
   void set_sample_spacing(double sample_spacing) {
     rayc_detection_options options{};

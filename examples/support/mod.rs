@@ -77,3 +77,16 @@ pub fn net_force(mode: Mode, a: &Mesh<f64>, b: &Mesh<f64>, about: &Vector) -> Ne
     }
     net
 }
+
+/// Numbers in [−1, 1), the same for a seed everywhere: SplitMix64 (Steele, Lea and Flood 2014).
+pub fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = state;
+        bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^= bits >> 31;
+        (bits >> 11) as f64 * (-52f64).exp2() - 1.0
+    }
+}

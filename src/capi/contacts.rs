@@ -4,7 +4,7 @@ use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
 use super::options::{rayc_detection_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
-use crate::contact::{Contact, ContactKind, ContactList, Statistics, SurfacePoint, query_pair};
+use crate::contact::{Contact, ContactKind, ContactList, Statistics, SurfacePoint, query_pair, query_self};
 use crate::math::Scalar;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
@@ -99,7 +99,7 @@ pub struct rayc_contact {
     /// The body the ray starts from: its number in the scene, or 0 and 1 for the first and second mesh of
     /// rayc_query_pair().
     pub colliding: u32,
-    /// The body the ray ends on.
+    /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
     /// The ray's origin, on the colliding body.
     pub p1: rayc_surface_point,
@@ -127,11 +127,13 @@ pub struct rayc_statistics {
     pub open_pairs: u64,
     /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
-    /// Rays that left the overlap box without meeting the other mesh.
+    /// Rays that left the overlap box without meeting the other mesh; for a body with itself, rays from points that lie
+    /// inside no other part of it.
     pub misses: u64,
     /// Rays whose first hit enters the other mesh: they start outside it.
     pub entry_hits: u64,
-    /// Rays that leave their own mesh before the other.
+    /// Rays that leave their own mesh before the other; for a body with itself, rays that leave through the far side of
+    /// their own fold.
     pub own_surface_hits: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
@@ -141,6 +143,12 @@ pub struct rayc_statistics {
     pub contacts: u64,
     /// Of these, contacts of edges, where no ray from a surface point found any.
     pub edge_contacts: u64,
+    /// Of these, contacts of bodies with themselves.
+    pub self_contacts: u64,
+    /// Bodies whose contacts with themselves were asked for, but that are open and have none.
+    pub open_bodies: u64,
+    /// How often a ray went past another fold of its own body or of the other: past_folds in rayc_detection_options.
+    pub past_folds: u64,
     /// Pairs that began to escape in this query.
     pub escapes_started: u64,
     /// Pairs that are escaping, those included.
@@ -239,6 +247,42 @@ pub unsafe extern "C" fn rayc_query_pair(
     })
 }
 
+/// Finds the contacts between parts of one mesh, body 0: points of its surface that lie inside another part of the body,
+/// where the surface winds around more than once, and the points through which they leave that part. Replaces what
+/// `contacts` held; each contact has colliding = collided = 0, and stands for half its surface, as both parts cast rays.
+/// options: NULL for the defaults; of them only sample_spacing counts, automatic being one ray for each triangle.
+///
+/// Where the surface touches nothing of itself, no ray is traced; a scene also remembers that from step to step. An open
+/// mesh has no inside, and so no contacts with itself; it is counted in open_bodies.
+///
+/// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+/// RAYC_STATUS_INVALID_OPTION; `contacts` is then as before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_query_self(
+    options: *const rayc_detection_options,
+    mesh: *const rayc_mesh,
+    octree: *const rayc_octree,
+    contacts: *mut rayc_contacts,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let options = read_options(options)?;
+        let (mesh, octree) = (&reference(mesh, "mesh")?.mesh, &reference(octree, "octree")?.octree);
+        let list = &mut reference_mut(contacts, "contacts")?.list;
+        match (mesh, octree) {
+            (AnyMesh::F32(mesh), AnyOctree::F32(octree)) => {
+                octree.tracer(mesh)?;
+                Ok(query_self(mesh, octree, &options.detection()?, list.as_f32())?)
+            }
+            (AnyMesh::F64(mesh), AnyOctree::F64(octree)) => {
+                octree.tracer(mesh)?;
+                Ok(query_self(mesh, octree, &options.detection()?, list.as_f64())?)
+            }
+            _ => Err(precision_mismatch()),
+        }
+    })
+}
+
 /// How many contacts there are.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_count(contacts: *const rayc_contacts, count: *mut usize) -> rayc_status {
@@ -290,7 +334,8 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
         let contacts = list.len() as u64;
         let Statistics { pairs, open_pairs, rays, misses, entry_hits, own_surface_hits, .. } = found;
         let Statistics { without_normal, uncut_pieces, .. } = found;
-        let Statistics { edge_contacts, escapes_started, escaping_pairs, escape_contacts, .. } = found;
+        let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
+        let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
         let Statistics { escapes_turned, escapes_forbidden, .. } = found;
         statistics.write(rayc_statistics {
             pairs,
@@ -303,6 +348,9 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             uncut_pieces,
             contacts,
             edge_contacts,
+            self_contacts,
+            open_bodies,
+            past_folds,
             escapes_started,
             escaping_pairs,
             escape_contacts,

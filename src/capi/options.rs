@@ -39,6 +39,11 @@ pub struct rayc_detection_options {
     /// 1: in a scene, a pair whose contacts cannot part it (one body swallowed, or held in the other's folds) is pushed
     /// along one direction until it is apart; 0: not. Default 1.
     pub escape: u32,
+    /// 1: rays go past other folds of either body, as the winding number tells: a ray that meets its own body first is
+    /// refused only where it has left the body altogether, and one that enters another fold of the other body on its way
+    /// out of it is not taken for one from outside. 0: not. For bodies that overlap themselves; a scene does so by itself
+    /// for those whose self-collision is switched on. Default 0.
+    pub past_folds: u32,
 }
 
 /// The sample_spacing that follows the size of each overlap.
@@ -89,7 +94,12 @@ impl rayc_detection_options {
                 ));
             }
         };
-        Ok(DetectionOptions { sampling, edges: flag("edges", self.edges)?, escape: flag("escape", self.escape)? })
+        Ok(DetectionOptions {
+            sampling,
+            edges: flag("edges", self.edges)?,
+            escape: flag("escape", self.escape)?,
+            past_folds: flag("past_folds", self.past_folds)?,
+        })
     }
 }
 
@@ -113,7 +123,8 @@ impl Options for rayc_detection_options {
     const NAME: &'static str = "rayc_detection_options";
     const SMALLEST: usize = std::mem::offset_of!(Self, escape) + size_of::<u32>();
     fn defaults() -> Self {
-        Self { struct_size: size_of::<Self>(), sample_spacing: RAYC_SPACING_AUTOMATIC, edges: 1, escape: 1 }
+        let sample_spacing = RAYC_SPACING_AUTOMATIC;
+        Self { struct_size: size_of::<Self>(), sample_spacing, edges: 1, escape: 1, past_folds: 0 }
     }
 }
 

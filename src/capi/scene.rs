@@ -2,7 +2,7 @@ use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh, renew_positions};
-use super::options::{rayc_detection_options, rayc_scene_options, read_options};
+use super::options::{flag, rayc_detection_options, rayc_scene_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
 use crate::math::Scalar;
@@ -146,10 +146,29 @@ pub unsafe extern "C" fn rayc_scene_set_detection_options(
     })
 }
 
+/// Switches contacts of a body with itself on (is_on = 1) or off (0) from the next query on; off for a new body. What they
+/// are says rayc_query_self(). Where they are on, contacts with other bodies are also found past the body's own folds, as
+/// with past_folds in rayc_detection_options.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, body: u32, is_on: u32) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let is_on = flag("is_on", is_on)?;
+        match scene {
+            AnyScene::F32(scene) => scene.set_self_collision(body, is_on)?,
+            AnyScene::F64(scene) => scene.set_self_collision(body, is_on)?,
+        }
+        Ok(())
+    })
+}
+
 /// Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
-/// for each such pair. Octrees are renewed where they need to be. Replaces what `contacts` held; the order is by pair
-/// (smaller body number first, then the other), then the colliding body, then along its surface, whatever the number of
-/// threads.
+/// for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
+/// need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with
+/// itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.

@@ -1,0 +1,153 @@
+//! Contacts of a body with itself: what they cost a body that touches nothing of itself, and whether the rays that are
+//! left out would have found anything.
+
+mod support;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use raycontact::contact::{ContactList, DetectionOptions, query_self_with_all_rays};
+use raycontact::mesh::Mesh;
+use raycontact::octree::Octree;
+use raycontact::scene::Scene;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use support::arguments::Arguments;
+use support::{Vector, shapes};
+
+const HELP: &str = "\
+Measures what self-collision costs a body that touches nothing of itself, as a part of casting every ray; and compares
+the contacts of a folding body, step by step, with those found by casting every ray.
+
+Usage: cargo run --release --example self_collision [-- OPTIONS]
+
+  --steps N         steps compared (default 100000)
+  --seed S          seed of their motion (default 1)
+  --idle-steps N    steps timed for each size, after 5 to warm up (default 50)
+  --sizes LIST      tori timed: comma-separated numbers of quads around the ring, half as many across (default 40,160)
+  --help            this text
+
+Prints a line for each torus and motion: the time of a scene query with self-collision on, as a part of that of an octree
+update and every ray, timed in turns; means over the steps, each the median of 5 runs. Motion 1 is a ripple of height 0.02 on a ring of radius 1, moving by 0.3 radians
+a step; 0.1 is a tenth of its height.
+Last line: steps=N touching=… contacts=… different=…
+Targets: at most 0.15 for motion 1, 0.03 for motion 0.1. Exits with 1 where a step differs.";
+
+fn main() -> ExitCode {
+    let mut arguments = Arguments::new(HELP);
+    let steps: u64 = arguments.value("--steps", 100_000);
+    let seed: u64 = arguments.value("--seed", 1);
+    let idle_steps: usize = arguments.value("--idle-steps", 50);
+    let sizes = arguments.list("--sizes", &[40, 160]);
+    if sizes.iter().any(|&size| size < 6) || idle_steps == 0 {
+        arguments.fail("at least 6 quads around, and 1 step");
+    }
+    arguments.finish();
+    println!("torus     motion  ratio    all rays/us");
+    for &size in &sizes {
+        for motion in [1.0, 0.1] {
+            let (ratio, whole) = idle_ratio(size, motion, idle_steps);
+            println!("{:9} {motion:6}  {ratio:.5} {:11.0}", format!("{size}x{}", size / 2), whole.as_secs_f64() * 1e6);
+        }
+    }
+    if compare(steps, seed) == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// The positions of a ripple at a step.
+fn rippled(rest: &[Vector], motion: f64, step: usize) -> Vec<[f64; 3]> {
+    let at = |p: &Vector| {
+        let height = 0.02 * motion * (3.0 * p.x + 2.0 * p.y + 0.3 * step as f64).sin();
+        (p + Vector::new(p.y, -p.x, 0.5).normalize() * height).into()
+    };
+    rest.iter().map(at).collect()
+}
+
+/// The scene's mean time as a part of that of every ray, and the latter: of each step the median of several runs.
+fn idle_ratio(size: usize, motion: f64, steps: usize) -> (f64, Duration) {
+    const RUNS: usize = 5;
+    let runs: Vec<Vec<[Duration; 2]>> = (0..RUNS).map(|_| idle_run(size, motion, steps)).collect();
+    let mean = |which: usize| {
+        let median = |step: usize| {
+            let mut times: Vec<Duration> = runs.iter().map(|run| run[step][which]).collect();
+            times.sort();
+            times[RUNS / 2]
+        };
+        // Most steps may cost next to nothing, and a few pay for them.
+        (0..steps).map(median).sum::<Duration>() / steps as u32
+    };
+    (mean(0).as_secs_f64() / mean(1).as_secs_f64(), mean(1))
+}
+
+/// The times of each step: scene, every ray.
+fn idle_run(size: usize, motion: f64, steps: usize) -> Vec<[Duration; 2]> {
+    const WARM_UP: usize = 5;
+    let shape = shapes::torus(size, size / 2, 0.4, false);
+    let mut mesh = shape.mesh(|point| *point);
+    let mut octree = Octree::new(&mesh);
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let body = scene.add(mesh.clone());
+    scene.set_self_collision(body, true).expect("it was added");
+    let options = DetectionOptions::default();
+    let (mut culled, mut all) = (ContactList::default(), ContactList::default());
+    let mut times = Vec::new();
+    for step in 0..steps + WARM_UP {
+        let positions = rippled(&shape.points, motion, step);
+        mesh.set_positions(&positions).expect("finite");
+        scene.mesh_mut(body).expect("it was added").set_positions(&positions).expect("finite");
+        let start = Instant::now();
+        scene.query(&mut culled);
+        let part = start.elapsed();
+        let start = Instant::now();
+        octree.update(&mesh).expect("its own");
+        query_self_with_all_rays(&mesh, &octree, &options, &mut all).expect("up to date");
+        times.push([part, start.elapsed()]);
+        assert_eq!((culled.len(), all.len()), (0, 0), "the torus touches nothing of itself");
+    }
+    times.split_off(WARM_UP)
+}
+
+/// A tube that wanders through waves at random, now and then through itself: gives the steps on which the scene's
+/// contacts are not those of every ray.
+fn compare(steps: u64, seed: u64) -> u64 {
+    let shape = shapes::torus(24, 8, 0.2, false);
+    let mut mesh: Mesh<f64> = shape.mesh(|point| *point);
+    let mut octree = Octree::new(&mesh);
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let body = scene.add(mesh.clone());
+    scene.set_self_collision(body, true).expect("it was added");
+    let options = DetectionOptions::default();
+    let (mut culled, mut all) = (ContactList::default(), ContactList::default());
+    let mut random = support::random(seed);
+    let mut waves = [[0.0f64; 4]; 6];
+    let (mut different, mut touching, mut contacts) = (0, 0, 0);
+    let progress = ProgressBar::new(steps);
+    progress.set_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} steps, {eta} left").expect("the template is valid"),
+    );
+    for step in 0..steps {
+        // Long calm stretches, so that what is remembered counts, and wild ones.
+        let pace = if step / 200 % 2 == 0 { 0.002 } else { 0.05 };
+        for number in waves.as_flattened_mut() {
+            *number = (*number + pace * random()).clamp(-1.0, 1.0);
+        }
+        let moved = |p: &Vector| {
+            let mut at = *p;
+            for (k, [height, x, y, z]) in waves.iter().enumerate() {
+                let phase = (1.0 + k as f64) * (p.x * x + p.y * y + p.z * z);
+                at[k % 3] += height * (phase * 2.0).sin() * 0.8;
+            }
+            at
+        };
+        let positions: Vec<[f64; 3]> = shape.points.iter().map(|p| moved(p).into()).collect();
+        mesh.set_positions(&positions).expect("finite");
+        scene.mesh_mut(body).expect("it was added").set_positions(&positions).expect("finite");
+        scene.query(&mut culled);
+        octree.update(&mesh).expect("its own");
+        query_self_with_all_rays(&mesh, &octree, &options, &mut all).expect("up to date");
+        different += u64::from(culled.contacts != all.contacts);
+        touching += u64::from(!all.is_empty());
+        contacts += all.len() as u64;
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    println!("steps={steps} touching={touching} contacts={contacts} different={different}");
+    different
+}
