@@ -462,6 +462,10 @@ typedef struct rayc_contact {
    */
   uint32_t collided;
   /**
+   * Always 0, so that equal contacts are equal byte by byte.
+   */
+  uint32_t reserved;
+  /**
    * The ray's origin, on the colliding body.
    */
   struct rayc_surface_point p1;

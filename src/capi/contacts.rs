@@ -101,6 +101,8 @@ pub struct rayc_contact {
     pub colliding: u32,
     /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
+    /// Always 0, so that equal contacts are equal byte by byte.
+    pub reserved: u32,
     /// The ray's origin, on the colliding body.
     pub p1: rayc_surface_point,
     /// The ray's end, on the collided body.
@@ -183,6 +185,7 @@ impl<T: Scalar> From<&Contact<T>> for rayc_contact {
             kind: kind as u32,
             colliding: contact.colliding,
             collided: contact.collided,
+            reserved: 0,
             p1: (&contact.p1).into(),
             p2: (&contact.p2).into(),
             direction: contact.direction.map(T::to_f64).into(),
