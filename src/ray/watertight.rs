@@ -71,9 +71,10 @@ impl<T: Scalar> ShearedRay<T> {
         if !(all_right || all_left) || determinant == zero {
             return None;
         }
-        let t = (u * a.z + v * b.z + w * c.z) / determinant;
+        // Weights first: products of lengths with edge functions, which are areas, may underflow.
+        let weights = [u / determinant, v / determinant, w / determinant];
+        let t = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
         if t >= zero && t.is_finite() {
-            let weights = [u / determinant, v / determinant, w / determinant];
             Some(Hit { triangle, t, weights, is_exit: determinant < zero })
         } else {
             None

@@ -69,12 +69,13 @@ impl<T: Scalar> TriangleLanes<T> {
         let determinant = u.add(v).add(w);
         let exits = determinant.is_less(zero);
         let has_area = exits | zero.is_less(determinant);
-        let t = u.mul(a.z).add(v.mul(b.z)).add(w.mul(c.z)).div(determinant);
+        let weights = Vectors::new(u, v, w).divided(determinant);
+        let t = weights.x.mul(a.z).add(weights.y.mul(b.z)).add(weights.z.mul(c.z));
         let is_ahead = zero.is_at_most(t) & t.is_at_most(L::splat(T::LARGEST));
         hits.found = (all_right | all_left) & has_area & is_ahead;
         hits.exits = exits;
         t.store(&mut hits.t);
-        Vectors::new(u, v, w).divided(determinant).store(&mut hits.weights);
+        weights.store(&mut hits.weights);
     }
 }
 
