@@ -646,6 +646,12 @@ typedef struct rayc_pair_memory {
    * The same, renewed where one is smaller by half; while the pair escapes it rests.
    */
   double halved;
+  /**
+   * The net push on the first body as a part of the sum of all pushes, averaged over about eight queries: of length 1
+   * where all have pushed one way, near 0 where they push against each other or to and fro. While the pair escapes it
+   * rests.
+   */
+  double net_push[3];
 } rayc_pair_memory;
 
 #ifdef __cplusplus

@@ -27,6 +27,10 @@ pub struct rayc_pair_memory {
     pub lowest: f64,
     /// The same, renewed where one is smaller by half; while the pair escapes it rests.
     pub halved: f64,
+    /// The net push on the first body as a part of the sum of all pushes, averaged over about eight queries: of length 1
+    /// where all have pushed one way, near 0 where they push against each other or to and fro. While the pair escapes it
+    /// rests.
+    pub net_push: [f64; 3],
 }
 
 impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
@@ -40,6 +44,7 @@ impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
             direction: memory.escape.unwrap_or_default().map(T::to_f64).into(),
             lowest: memory.lowest.value.to_f64(),
             halved: memory.halved.value.to_f64(),
+            net_push: memory.net_push.map(T::to_f64).into(),
         }
     }
 }

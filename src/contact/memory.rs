@@ -13,6 +13,10 @@ pub struct PairMemory<T: Scalar> {
     pub lowest: Record<T>,
     /// The same, renewed where one is smaller by half; while the pair escapes it rests.
     pub halved: Record<T>,
+    /// The net push on the first body as a part of the sum of all pushes, averaged over about eight steps: of length 1
+    /// where all have pushed one way, and near 0 where they push against each other or to and fro. While the pair
+    /// escapes it rests.
+    pub net_push: Vector3<T>,
 }
 
 /// A number to be undercut.
@@ -38,7 +42,7 @@ impl<T: Scalar> Record<T> {
 
 impl<T: Scalar> Default for PairMemory<T> {
     fn default() -> Self {
-        Self { escape: None, lowest: Record::NONE, halved: Record::NONE }
+        Self { escape: None, lowest: Record::NONE, halved: Record::NONE, net_push: Vector3::zeros() }
     }
 }
 
@@ -64,6 +68,8 @@ pub(super) enum Progress {
 
 /// Of the sum of all pushes the part that remains as net push where they push one way.
 const NET_PUSH: f64 = 0.3;
+/// How much the newest step counts in the average of net pushes.
+const NEWEST: f64 = 1.0 / 8.0;
 
 impl<T: Scalar> PairMemory<T> {
     /// Takes note of a step's contacts; `first` is the number of the pair's first body.
@@ -76,10 +82,15 @@ impl<T: Scalar> PairMemory<T> {
             let on_first = if contact.colliding == first { pressure } else { -pressure };
             net += contact.direction * on_first;
         }
+        if overlap > T::zero() {
+            // The first step stands for those before it.
+            let newest = if self.lowest.value.is_finite() { T::of(NEWEST) } else { T::one() };
+            self.net_push += (net / overlap - self.net_push) * newest;
+        }
         self.lowest.follow(overlap, T::of(0.9));
         self.halved.follow(overlap, T::of(0.5));
-        // A loaded contact at rest has a net force; a jam has none.
-        if net.norm() > overlap * T::of(NET_PUSH) {
+        // A loaded contact at rest has a net force; a jam has none, or one that changes sides from step to step.
+        if self.net_push.norm() > T::of(NET_PUSH) {
             Progress::OneWay
         } else if self.halved.steps >= STEPS_TO_HALVE {
             Progress::Jammed

@@ -74,11 +74,7 @@ impl<T: Scalar> ShearedRay<T> {
         // Weights first: products of lengths with edge functions, which are areas, may underflow.
         let weights = [u / determinant, v / determinant, w / determinant];
         let t = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
-        if t >= zero && t.is_finite() {
-            Some(Hit { triangle, t, weights, is_exit: determinant < zero })
-        } else {
-            None
-        }
+        if t >= zero && t.is_finite() { Some(Hit { triangle, t, weights, is_exit: determinant < zero }) } else { None }
     }
 }
 

@@ -51,8 +51,8 @@ impl std::error::Error for SavedStateError {}
 const MARK: [u8; 8] = *b"raycpair";
 const VERSION: u32 = 1;
 const HEAD: usize = 24;
-/// Five whole numbers and five others, these always in double precision, which holds both.
-const ENTRY: usize = 5 * 4 + 5 * 8;
+/// Five whole numbers and eight others, these always in double precision, which holds both.
+const ENTRY: usize = 5 * 4 + 8 * 8;
 const CHECKSUM: usize = 8;
 
 /// How many bytes `count` memories take.
@@ -68,12 +68,12 @@ pub(super) fn save<T: Scalar>(memories: &[Remembered<T>], bytes: &mut Vec<u8>) {
     bytes.extend((size_of::<T>() as u32).to_le_bytes());
     bytes.extend((memories.len() as u64).to_le_bytes());
     for ([first, second], memory) in memories {
-        let PairMemory { escape, lowest, halved } = memory;
+        let PairMemory { escape, lowest, halved, net_push } = memory;
         for number in [*first, *second, u32::from(escape.is_some()), lowest.steps, halved.steps] {
             bytes.extend(number.to_le_bytes());
         }
         let away = escape.unwrap_or_default();
-        for number in [away.x, away.y, away.z, lowest.value, halved.value] {
+        for number in [away.x, away.y, away.z, lowest.value, halved.value, net_push.x, net_push.y, net_push.z] {
             bytes.extend(number.to_f64().to_le_bytes());
         }
     }
@@ -122,13 +122,17 @@ fn entry<T: Scalar>(bytes: &mut Reader) -> Option<Remembered<T>> {
     let away = Vector3::new(bytes.number()?, bytes.number()?, bytes.number()?);
     let lowest = Record { value: bytes.number()?, steps: steps[0] };
     let halved = Record { value: bytes.number()?, steps: steps[1] };
-    (escaping <= 1).then_some((pair, PairMemory { escape: (escaping == 1).then_some(away), lowest, halved }))
+    let net_push = Vector3::new(bytes.number()?, bytes.number()?, bytes.number()?);
+    (escaping <= 1).then_some((pair, PairMemory { escape: (escaping == 1).then_some(away), lowest, halved, net_push }))
 }
 
 fn is_possible<T: Scalar>(memory: &PairMemory<T>) -> bool {
     let is_direction = |away: Vector3<T>| (away.norm_squared() - T::one()).abs() < T::of(1e-3);
     // In this form NaN is not.
-    memory.escape.is_none_or(is_direction) && memory.lowest.value >= T::zero() && memory.halved.value >= T::zero()
+    memory.escape.is_none_or(is_direction)
+        && memory.lowest.value >= T::zero()
+        && memory.halved.value >= T::zero()
+        && memory.net_push.norm_squared() < T::of(1.001)
 }
 
 /// FNV-1a.
