@@ -17,6 +17,8 @@ pub(crate) struct SelfMemory<T: Scalar> {
     /// The positions that the next two are about.
     stamp: u64,
     is_clear: bool,
+    /// Whether the first certificate holds.
+    fans_hold: bool,
     /// Which part of what is near has come nearer than it may.
     lapsed: f64,
     /// The mean altitude of the triangles.
@@ -53,16 +55,13 @@ impl<T: Scalar> SelfMemory<T> {
             self.stamp = mesh.stamp();
             self.steps = self.steps.saturating_add(1);
             let pairs = &self.pairs;
-            let is_known = pairs.is_known(mesh) && pairs.spread(mesh) <= pairs.allowed && self.fans_hold(mesh);
+            self.fans_hold = self.fans.is_known(mesh) && self.fans.is_strained_at_most(mesh);
+            let is_known = self.fans_hold && pairs.is_known(mesh) && pairs.spread(mesh) <= pairs.allowed;
             let moves = [&pairs.positions, mesh.positions()];
             self.lapsed = if is_known { octree.find_lapsed(&mut self.near, moves) } else { 1.0 };
             self.is_clear = self.lapsed == 0.0;
         }
         self.is_clear
-    }
-
-    fn fans_hold(&self, mesh: &Mesh<T>) -> bool {
-        self.fans.is_known(mesh) && self.fans.is_strained_at_most(mesh)
     }
 
     /// Looks at the whole surface but for what is known of it. [`is_clear`](Self::is_clear) has been asked before.
@@ -73,7 +72,7 @@ impl<T: Scalar> SelfMemory<T> {
         }
         let part_margin = self.part_margin(mesh);
         let margin = part_margin.min(self.fineness * T::of(0.25));
-        if !self.fans_hold(mesh) {
+        if !self.fans_hold {
             let found = touching.search_fans(mesh);
             self.fineness = found.fineness;
             self.fans.set(mesh, found.strain, !touching.any);

@@ -128,7 +128,7 @@ impl<T: Scalar> Touching<T> {
         octree.search_near(mesh, &Reach { touch, margin, part_margin }, near, |a, b| {
             // The smaller number first, so that the layout does not matter to the last bit.
             let pair = [a.min(b), a.max(b)];
-            let distance = separation(pair.map(|triangle| mesh.corners(triangle)), touch);
+            let distance = separation(&[mesh.corners(pair[0]), mesh.corners(pair[1])], touch);
             if distance < touch {
                 pair.into_iter().for_each(|triangle| self.touch(triangle));
                 self.pairs.push(pair);
@@ -142,7 +142,7 @@ impl<T: Scalar> Touching<T> {
         let touch = rounding(mesh) * T::of(4.0);
         let mut any = false;
         octree.search_lapsed(mesh, touch, near, |a, b| {
-            any |= separation([a, b].map(|triangle| mesh.corners(triangle)), touch) < touch;
+            any |= separation(&[mesh.corners(a), mesh.corners(b)], touch) < touch;
         });
         any
     }
@@ -159,11 +159,11 @@ impl<T: Scalar> Facet<T> {
 /// A lower bound of the distance of two triangles, by planes between them; 0 where no plane parts them. The search
 /// ends where `enough` is found.
 #[inline]
-fn separation<T: Scalar>(corners: [[Vector3<T>; 3]; 2], enough: T) -> T {
-    let [a, b] = &corners;
+fn separation<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], enough: T) -> T {
+    let [a, b] = corners;
     // Nearly always the line of centres will do.
-    let best = gap_along(&corners, &((b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2])));
-    if best < enough { separation_along_any(&corners, best, enough) } else { best }
+    let best = gap_along(corners, &((b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2])));
+    if best < enough { separation_along_any(corners, best, enough) } else { best }
 }
 
 #[cold]

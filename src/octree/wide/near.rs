@@ -79,7 +79,6 @@ impl<T: Scalar> Wide<T> {
         offer: &mut impl FnMut(u32, u32) -> T,
     ) {
         let NearTiles { blocks, tile_pairs, clearances, .. } = near;
-        blocks.clear();
         let narrow = Narrow::new(mesh.aabb());
         dispatch::<T, _>(MakeBlocks { tiles: self.tiles.iter(), mesh, narrow, blocks });
         tile_pairs.clear();
@@ -128,7 +127,6 @@ impl<T: Scalar> Wide<T> {
     ) {
         let NearTiles { blocks, lapsed, .. } = near;
         let narrow = Narrow::new(mesh.aabb());
-        blocks.clear();
         let tiles = lapsed.as_flattened().iter().map(|&tile| &self.tiles[tile as usize]);
         dispatch::<T, _>(MakeBlocks { tiles, mesh, narrow, blocks });
         // Each pair has its own two blocks.
@@ -139,7 +137,7 @@ impl<T: Scalar> Wide<T> {
     }
 }
 
-/// Adds the blocks of tiles.
+/// Makes the blocks of tiles, in place of what was there.
 struct MakeBlocks<'a, T: Scalar, I> {
     tiles: I,
     mesh: &'a Mesh<T>,
@@ -152,9 +150,15 @@ impl<'a, T: Scalar, I: Iterator<Item = &'a Tile<T>>> Kernel<T> for MakeBlocks<'_
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
+        let mut count = 0;
         for tile in self.tiles {
-            self.blocks.push(Block::new::<T, L>(tile, self.mesh, &self.narrow));
+            if self.blocks.len() == count {
+                self.blocks.push(Block::EMPTY);
+            }
+            self.blocks[count].fill::<T, L>(tile, self.mesh, &self.narrow);
+            count += 1;
         }
+        self.blocks.truncate(count);
     }
 }
 
@@ -253,11 +257,19 @@ impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32)> Kernel<f3
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<f32>>(mut self) {
         for (pair, &[first, second]) in self.tile_pairs.iter().enumerate() {
-            let a = &self.blocks[(self.block_of)(pair, first)];
-            let b = &self.blocks[(self.block_of)(pair, second)];
-            let (a_tile, b_tile) = (&self.cells.tiles[first as usize], &self.cells.tiles[second as usize]);
+            let mut a = &self.blocks[(self.block_of)(pair, first)];
+            let mut b = &self.blocks[(self.block_of)(pair, second)];
+            let (mut a_tile, mut b_tile) = (&self.cells.tiles[first as usize], &self.cells.tiles[second as usize]);
             let is_same = first == second;
-            let mut candidates = if is_same { a_tile.present } else { a.near::<L>(&b.whole, self.distance) };
+            let mut candidates = a_tile.present;
+            if !is_same {
+                candidates = a.near::<L>(&b.whole, self.distance);
+                let others = b.near::<L>(&a.whole, self.distance);
+                // The fewer against all of the other tile.
+                if others.count_ones() < candidates.count_ones() {
+                    (a, b, a_tile, b_tile, candidates) = (b, a, b_tile, a_tile, others);
+                }
+            }
             while candidates != 0 {
                 let place = candidates.trailing_zeros() as usize;
                 candidates &= candidates - 1;
@@ -284,8 +296,11 @@ fn corners_at<T: Scalar, L: Lanes<T>>(positions: Vectors<T, L>, places: &[u8; TI
 }
 
 impl Block {
+    const EMPTY: Self =
+        Self { whole: [f32::INFINITY; 6], sides: [[f32::INFINITY; TILE_SIZE]; 6], vertices: [[0; TILE_SIZE]; 3] };
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new<T: Scalar, L: Lanes<T>>(tile: &Tile<T>, mesh: &Mesh<T>, narrow: &Narrow<T>) -> Self {
+    fn fill<T: Scalar, L: Lanes<T>>(&mut self, tile: &Tile<T>, mesh: &Mesh<T>, narrow: &Narrow<T>) {
         let mut room = [[T::zero(); TILE_SIZE]; 3];
         let positions = Vectors::<T, L>::load(tile.positions::<L>(mesh, &mut room));
         // No closures here: they would be compiled for any processor.
@@ -295,7 +310,7 @@ impl Block {
         let (mut lower, mut upper) = ([[T::zero(); TILE_SIZE]; 3], [[T::zero(); TILE_SIZE]; 3]);
         a.smaller(b).smaller(c).store(&mut lower);
         a.larger(b).larger(c).store(&mut upper);
-        let mut sides = [[f32::INFINITY; TILE_SIZE]; 6];
+        let Self { whole, sides, vertices } = self;
         for axis in 0..3 {
             for place in 0..TILE_SIZE {
                 sides[axis][place] = narrow.lower(axis, lower[axis][place]);
@@ -305,7 +320,7 @@ impl Block {
                 (sides[axis][place], sides[axis + 3][place]) = (f32::INFINITY, f32::INFINITY);
             }
         }
-        let (mut whole, mut vertices) = ([f32::INFINITY; 6], [[0; TILE_SIZE]; 3]);
+        *whole = [f32::INFINITY; 6];
         for side in 0..6 {
             for place in 0..TILE_SIZE {
                 whole[side] = if sides[side][place] < whole[side] { sides[side][place] } else { whole[side] };
@@ -316,7 +331,6 @@ impl Block {
                 vertices[corner][place] = tile.vertices[tile.corners[corner][place] as usize % TILE_SIZE];
             }
         }
-        Self { whole, sides, vertices }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
