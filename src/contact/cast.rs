@@ -3,8 +3,8 @@ use super::direction::Direction;
 use super::load::CastSurface;
 use super::samples::{Sample, vertex_point};
 use super::{Contact, ContactKind, Statistics, SurfacePoint, past_folds};
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction};
-use crate::mesh::{Mesh, NormalLanes};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
+use crate::mesh::{Mesh, NormalLanes, Patches};
 use crate::octree::{Candidates, PacketHits, Tracer};
 use crate::ray::{Hit, RayPacket};
 
@@ -30,11 +30,18 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
         let pair = self.direction.pair;
         let mut rays = Rays::new();
         // Small functions that fill packets, and one loop that traces them: what is inlined here is large.
-        let mut source = Source::new(Cutter::new(pair.options.sampling, pair.overlap, pair.region));
+        let cutter = Cutter::new(pair.options.sampling, pair.overlap, pair.region);
+        let mut source = Source::new(match pair.patch_area {
+            Some(area) => cutter.map(|cutter| cutter.with_patches(area)),
+            None => cutter,
+        });
         while self.fill::<L>(&mut source, &mut rays) {
             self.cast::<L>(&mut rays);
         }
-        self.statistics.uncut_pieces += source.faces.map_or(0, |faces| faces.cutter.uncut);
+        if let Some(faces) = source.faces {
+            self.statistics.uncut_pieces += faces.cutter.uncut;
+            self.statistics.patches += faces.patch_count;
+        }
     }
 }
 
@@ -280,20 +287,25 @@ struct FaceSource<'a, T: Scalar> {
     left: Mask,
     /// Which need not be cut.
     short: Mask,
+    /// How many stood for others too.
+    patch_count: u64,
 }
 
 impl<'a, T: Scalar> FaceSource<'a, T> {
     fn new(cutter: Cutter<'a, T>) -> Self {
-        Self { cutter, triangles: [0; LANE_COUNT], lanes: NormalLanes::empty(), left: 0, short: 0 }
+        Self { cutter, triangles: [0; LANE_COUNT], lanes: NormalLanes::empty(), left: 0, short: 0, patch_count: 0 }
     }
 
     /// Turns to another group; gives how many of its triangles in the region have no normal.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next<L: Lanes<T>>(&mut self, own: &Tracer<'_, T>, group: u32) -> u64 {
         let mut count = 0;
+        let patches = self.cutter.patch_area.map(|area| (own.mesh().patches(), area));
         own.triangles_of(group, |triangle| {
-            self.triangles[count] = triangle;
-            count += 1;
+            if patches.is_none_or(|(patches, area)| patches.of(triangle, area).is_some()) {
+                self.triangles[count] = triangle;
+                count += 1;
+            }
         });
         if count == 0 {
             return 0;
@@ -311,8 +323,33 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
         let middle = Vectors::load(&self.lanes.position);
         let middles_inside = lower.are_at_most(middle) & middle.are_at_most(upper);
         self.short = !L::splat(self.cutter.longest_allowed).is_less(longest);
+        if let Some((patches, area)) = patches {
+            self.stand_for_patches::<L>(own.mesh(), patches, area, middles_inside & touching);
+        }
         self.left = touching & self.lanes.found & (middles_inside | !self.short);
         u64::from((touching & !self.lanes.found).count_ones())
+    }
+
+    /// Gives the triangles the normals and areas of the patches that they stand for: of the sum of area · normal, so that
+    /// an even pressure pushes a patch just as its triangles.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn stand_for_patches<L: Lanes<T>>(&mut self, mesh: &Mesh<T>, patches: &Patches<T>, area: T, mut wanted: Mask) {
+        while wanted != 0 {
+            let lane = wanted.trailing_zeros() as usize;
+            wanted &= wanted - 1;
+            let Some(patch @ [_, _, ..]) = patches.of(self.triangles[lane], area) else { continue };
+            self.patch_count += 1;
+            self.short |= 1 << lane;
+            let vector = mesh.sum_of_scaled_normals::<L>(patch) * T::of(0.5);
+            match direction(&vector) {
+                Some(normal) => {
+                    set_lane(&mut self.lanes.normal, lane, &normal);
+                    self.lanes.area[lane] = length(&vector);
+                    self.lanes.found |= 1 << lane;
+                }
+                None => self.lanes.found &= !(1 << lane),
+            }
+        }
     }
 
     /// The pieces of one triangle, the last first.

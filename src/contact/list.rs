@@ -80,6 +80,12 @@ pub struct Statistics {
     pub open_pairs: u64,
     /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
+    /// Of these, rays that stand for a patch of several triangles.
+    pub patches: u64,
+    /// Rays beside those, traced only to find out how fine the sampling has to be ([`Sampling::Tolerance`]).
+    ///
+    /// [`Sampling::Tolerance`]: super::Sampling::Tolerance
+    pub estimate_rays: u64,
     /// Rays that left the overlap box without meeting the other mesh; for a body with itself, rays from points that lie
     /// inside no other part of it.
     pub misses: u64,
@@ -119,6 +125,8 @@ impl std::ops::AddAssign for Statistics {
         self.pairs += more.pairs;
         self.open_pairs += more.open_pairs;
         self.rays += more.rays;
+        self.patches += more.patches;
+        self.estimate_rays += more.estimate_rays;
         self.misses += more.misses;
         self.entry_hits += more.entry_hits;
         self.own_surface_hits += more.own_surface_hits;

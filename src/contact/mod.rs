@@ -14,6 +14,7 @@ mod past_folds;
 mod push;
 mod samples;
 mod self_contact;
+mod tolerance;
 mod workspace;
 
 pub use list::{Contact, ContactKind, ContactList, Statistics, SurfacePoint};

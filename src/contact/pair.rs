@@ -85,7 +85,7 @@ pub fn detect_pair<T: Scalar>(
         [false, true] => overlap_region(boxes[0], boxes[0]),
         [true, true] => return,
     };
-    let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options, may_escape };
+    let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options, may_escape, patch_area: None };
     match memory {
         _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
         Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
@@ -106,6 +106,7 @@ pub(crate) fn overlap_region<T: Scalar>(a: &Aabb<T>, b: &Aabb<T>) -> (Aabb<T>, A
 }
 
 /// Two bodies whose boxes overlap.
+#[derive(Clone, Copy)]
 pub(super) struct Pair<'a, T: Scalar> {
     pub(super) bodies: [u32; 2],
     pub(super) tracers: [&'a Tracer<'a, T>; 2],
@@ -113,7 +114,9 @@ pub(super) struct Pair<'a, T: Scalar> {
     /// The overlap box with a margin.
     pub(super) region: &'a Aabb<T>,
     pub(super) options: &'a DetectionOptions<T>,
-    may_escape: bool,
+    pub(super) may_escape: bool,
+    /// Where a tolerance is asked for: triangles are joined to patches of at most this area.
+    pub(super) patch_area: Option<T>,
 }
 
 /// What a step's contacts leave open.
@@ -214,10 +217,17 @@ impl<T: Scalar> Pair<'_, T> {
     }
 
     fn cast_both_ways(&self, contacts: &mut ContactList<T>) {
-        self.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts));
+        match self.options.sampling {
+            Sampling::Tolerance(tolerance) => self.cast_to_tolerance(tolerance, contacts),
+            _ => self.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts)),
+        }
     }
 
-    fn both_ways(&self, contacts: &mut ContactList<T>, mut cast: impl FnMut(&Direction<'_, T>, &mut ContactList<T>)) {
+    pub(super) fn both_ways(
+        &self,
+        contacts: &mut ContactList<T>,
+        mut cast: impl FnMut(&Direction<'_, T>, &mut ContactList<T>),
+    ) {
         let start = contacts.len();
         let mut middle = start;
         let mut claims = [T::zero(); 2];

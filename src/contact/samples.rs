@@ -10,9 +10,16 @@ pub enum Sampling<T: Scalar> {
     /// that about 128 rays stand on its largest side. Forces then hardly depend on the triangulation.
     #[default]
     Automatic,
-    /// In the middle of each triangle, or of the pieces of about this size, a length > 0, into which larger triangles
-    /// are cut.
+    /// About so far apart, a length > 0, whatever the triangulation. Larger triangles are cut into pieces of that size, and
+    /// each piece casts from its middle. Smaller ones are joined to patches of at most the length's square, connected and
+    /// nearly flat, of which one triangle casts from its middle along their mean normal, with their areas added as
+    /// vectors. The patches are those of the mesh as it is when they are first asked for; of a larger spacing's triangles
+    /// all cast at smaller ones too. Contacts of a body with itself know no patches.
     Spacing(T),
+    /// As automatic, but with triangles joined to patches as large as leave the net force of each pair, and its torque over
+    /// the overlap box's half diagonal, within this part of the force, > 0, of that of all triangles. Patches get smaller,
+    /// from about 32 on the overlap box's largest face, until two tries agree so well; so it is an estimate, not a bound.
+    Tolerance(T),
     /// At each vertex, along the mean of the surrounding normals: the paper's.
     Vertices,
 }

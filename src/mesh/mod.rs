@@ -3,19 +3,21 @@
 mod error;
 mod normals;
 mod obj_file;
+mod patches;
 mod survey;
 mod topology;
 
 pub use error::MeshError;
 pub(crate) use normals::NormalLanes;
 pub use obj_file::{ObjFileError, read_obj_file};
+pub(crate) use patches::Patches;
 use survey::Survey;
 use topology::RING_LENGTH;
 pub use topology::{Border, Edge, Topology};
 
 use crate::math::{Aabb, Scalar, Vector3, dispatch};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// A closed, manifold triangle surface with outward normals, at its positions of this step; or, made by
 /// [`open`](Self::open), one with a border.
@@ -27,6 +29,8 @@ pub struct Mesh<T: Scalar> {
     positions: Vec<Vector3<T>>,
     aabb: Aabb<T>,
     stamp: u64,
+    /// Found when first asked for.
+    patches: OnceLock<Arc<Patches<T>>>,
 }
 
 /// A vertex normal and the surface its vertex stands for.
@@ -71,6 +75,7 @@ impl<T: Scalar> Mesh<T> {
             positions: vec![Vector3::zeros(); positions.len()],
             aabb: Aabb::empty(),
             stamp: 0,
+            patches: OnceLock::new(),
         };
         mesh.set_positions(positions)?;
         mesh.check_areas()?;
@@ -133,6 +138,11 @@ impl<T: Scalar> Mesh<T> {
     fn renew_stamp(&mut self) {
         static NEXT_STAMP: AtomicU64 = AtomicU64::new(1);
         self.stamp = NEXT_STAMP.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Its patches, found at the positions it has when they are first asked for.
+    pub(crate) fn patches(&self) -> &Patches<T> {
+        self.patches.get_or_init(|| Arc::new(Patches::new(self)))
     }
 
     /// Triangles, neighbourhoods and vertices.

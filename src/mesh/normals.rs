@@ -137,6 +137,31 @@ impl<T: Scalar> Mesh<T> {
         }
     }
 
+    /// The sum of [`scaled_normal`](Self::scaled_normal) over triangles.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn sum_of_scaled_normals<L: Lanes<T>>(&self, triangles: &[u32]) -> Vector3<T> {
+        let mut sum = Vectors::<T, L>::zeros();
+        for some in triangles.chunks(LANE_COUNT) {
+            let mut vertices = [[0; LANE_COUNT]; 3];
+            for (lane, &triangle) in some.iter().enumerate() {
+                let [a, b, c] = self.topology().triangles()[triangle as usize];
+                (vertices[0][lane], vertices[1][lane], vertices[2][lane]) = (a, b, c);
+            }
+            // Lanes beyond the last are a triangle of no size.
+            let a = Vectors::gather(self.positions(), &vertices[0]);
+            let b = Vectors::gather(self.positions(), &vertices[1]);
+            let c = Vectors::gather(self.positions(), &vertices[2]);
+            sum = sum.add(b.sub(a).cross(c.sub(a)));
+        }
+        let mut lanes = [[T::zero(); LANE_COUNT]; 3];
+        sum.store(&mut lanes);
+        let mut total = Vector3::zeros();
+        for lane in 0..LANE_COUNT {
+            total += Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+        }
+        total
+    }
+
     /// The lane's normal with all care that too large and too small squares need.
     #[cold]
     fn one_face(&self, lane: usize, triangle: u32, found: &mut NormalLanes<T>) {

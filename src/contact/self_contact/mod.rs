@@ -145,7 +145,7 @@ impl<T: Scalar> Body<'_, T> {
         let region = mesh.aabb();
         // The body's own box is no measure of an overlap: one ray for each triangle, unless the caller says how many.
         let overlap = match self.options.sampling {
-            Sampling::Automatic => Aabb { lower: region.lower, upper: region.lower },
+            Sampling::Automatic | Sampling::Tolerance(_) => Aabb { lower: region.lower, upper: region.lower },
             _ => *region,
         };
         let largest = region.lower.amax().max(region.upper.amax());

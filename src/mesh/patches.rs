@@ -1,0 +1,299 @@
+//! Patches of a surface: connected triangles that lie nearly in one plane, merged two by two into ever larger ones
+//! (compare Garland, Willmott and Heckbert 2001, "Hierarchical face clustering on polygonal surfaces").
+
+use super::Mesh;
+use crate::math::{Scalar, Vector3};
+
+/// The patches of a mesh, from its triangles up to the largest that are nearly flat. Each patch has one of its triangles
+/// stand for it; of the two that it was merged from, one has the same. So the triangles that stand for large patches are
+/// among those that stand for smaller ones.
+#[derive(Clone, Debug)]
+pub(crate) struct Patches<T: Scalar> {
+    /// All triangles; those of a patch are neighbours here.
+    order: Vec<u32>,
+    patches: Vec<Patch<T>>,
+    /// By triangle: the largest patch that it stands for.
+    largest: Vec<u32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Patch<T: Scalar> {
+    /// Where its triangles are in the order.
+    start: u32,
+    end: u32,
+    /// Its area, at least that of each patch within it; 0 for a triangle.
+    area: T,
+    /// The same of the patch it was merged into; infinite where there is none.
+    next_area: T,
+    /// The patch it was merged from that has the same triangle stand for it.
+    smaller: u32,
+}
+
+/// Of the areas of a patch's triangles the part that is left when they are added as vectors. A cap of a sphere within 37°
+/// of its middle has so much.
+const FLAT: f64 = 0.9;
+
+impl<T: Scalar> Patches<T> {
+    /// Those of the mesh at its present positions.
+    pub(super) fn new(mesh: &Mesh<T>) -> Self {
+        let tree = Tree::grow(mesh);
+        let count = mesh.topology().triangles().len();
+        let (ranges, order) = tree.ranges(count);
+        let standing = tree.standing(&ranges, &order);
+        let mut largest = vec![0; count];
+        let mut patches: Vec<Patch<T>> = ranges
+            .iter()
+            .map(|&[start, end]| Patch { start, end, area: T::zero(), next_area: T::INFINITY, smaller: 0 })
+            .collect();
+        for (patch, &triangle) in standing.iter().enumerate() {
+            // Later ones are larger.
+            largest[triangle as usize] = patch as u32;
+            let Some(parts) = tree.parts_of(patch, count) else { continue };
+            let of_parts = parts.map(|part| patches[part as usize].area);
+            let area = T::of(tree.moments[patch].area).max(of_parts[0]).max(of_parts[1]);
+            patches[patch].area = area;
+            parts.iter().for_each(|&part| patches[part as usize].next_area = area);
+            patches[patch].smaller = parts[usize::from(standing[parts[0] as usize] != triangle)];
+        }
+        Self { order, patches, largest }
+    }
+
+    /// The triangles of the largest patch of at most this area that `triangle` stands for; `None` where it stands for
+    /// none: another triangle does for a larger patch around it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn of(&self, triangle: u32, area: T) -> Option<&[u32]> {
+        let mut patch = &self.patches[self.largest[triangle as usize] as usize];
+        if patch.next_area <= area {
+            return None;
+        }
+        while patch.area > area {
+            patch = &self.patches[patch.smaller as usize];
+        }
+        Some(&self.order[patch.start as usize..patch.end as usize])
+    }
+}
+
+/// The sums over a patch's triangles that say how far it reaches and how flat it is.
+#[derive(Clone, Copy, Debug)]
+struct Moments {
+    area: f64,
+    /// Σ area · normal.
+    vector: Vector3<f64>,
+    /// Σ area · middle.
+    first: Vector3<f64>,
+    /// Σ area · |middle|².
+    second: f64,
+}
+
+impl Moments {
+    fn of_triangle(scaled_normal: Vector3<f64>, middle: Vector3<f64>) -> Self {
+        let area = scaled_normal.norm() * 0.5;
+        Self { area, vector: scaled_normal * 0.5, first: middle * area, second: middle.norm_squared() * area }
+    }
+
+    fn with(&self, other: &Self) -> Self {
+        Self {
+            area: self.area + other.area,
+            vector: self.vector + other.vector,
+            first: self.first + other.first,
+            second: self.second + other.second,
+        }
+    }
+
+    fn is_flat(&self) -> bool {
+        self.vector.norm() >= self.area * FLAT
+    }
+
+    /// Small where the patch is compact and flat: its mean squared radius, and the area that bending takes.
+    fn cost(&self) -> f64 {
+        let middle = self.first / self.area;
+        let radius_squared = self.second / self.area - middle.norm_squared();
+        radius_squared + 2.0 * (self.area - self.vector.norm())
+    }
+}
+
+/// What was merged from what: first the triangles, then patches in the order in which they came to be.
+struct Tree {
+    moments: Vec<Moments>,
+    middles: Vec<Vector3<f64>>,
+    /// Of each patch beyond the triangles.
+    parts: Vec<[u32; 2]>,
+}
+
+impl Tree {
+    /// Merges in rounds, each patch with at most one neighbour a round, the best pairs first, while any two neighbours
+    /// are flat together.
+    fn grow<T: Scalar>(mesh: &Mesh<T>) -> Self {
+        let centre = mesh.aabb().centre();
+        let count = mesh.topology().triangles().len() as u32;
+        let middle = |triangle: u32| {
+            let [a, b, c] = mesh.corners(triangle).map(|corner| (corner - centre).map(T::to_f64));
+            (a + b + c) / 3.0
+        };
+        let middles: Vec<_> = (0..count).map(middle).collect();
+        let normal = |triangle: u32| mesh.scaled_normal(triangle).map(T::to_f64);
+        let moments = (0..count).map(|t| Moments::of_triangle(normal(t), middles[t as usize])).collect();
+        let mut tree = Self { moments, middles, parts: Vec::new() };
+        let inner = mesh.topology().edges().iter().filter(|edge| edge.triangles[0] != edge.triangles[1]);
+        let mut neighbours: Vec<[u32; 2]> = inner.map(|edge| edge.triangles).collect();
+        while !neighbours.is_empty() {
+            let merged_into = tree.merge(&neighbours);
+            for pair in &mut neighbours {
+                *pair = pair.map(|patch| merged_into[patch as usize]);
+                pair.sort_unstable();
+            }
+            neighbours.retain(|[a, b]| a != b);
+            neighbours.sort_unstable();
+            neighbours.dedup();
+            neighbours.retain(|&pair| tree.together(pair).is_flat());
+        }
+        tree
+    }
+
+    fn together(&self, [a, b]: [u32; 2]) -> Moments {
+        self.moments[a as usize].with(&self.moments[b as usize])
+    }
+
+    /// One round; gives into which patch each went, if only itself.
+    fn merge(&mut self, neighbours: &[[u32; 2]]) -> Vec<u32> {
+        let mut merged_into: Vec<u32> = (0..self.moments.len() as u32).collect();
+        let mut best_first: Vec<(f64, [u32; 2])> = neighbours
+            .iter()
+            .map(|&pair| (self.together(pair), pair))
+            .filter(|(together, _)| together.is_flat())
+            .map(|(together, pair)| (together.cost(), pair))
+            .collect();
+        best_first.sort_unstable_by(|(a, first), (b, second)| a.total_cmp(b).then(first.cmp(second)));
+        for (_, [a, b]) in best_first {
+            if merged_into[a as usize] == a && merged_into[b as usize] == b {
+                let patch = self.moments.len() as u32;
+                self.moments.push(self.together([a, b]));
+                self.parts.push([a, b]);
+                (merged_into[a as usize], merged_into[b as usize]) = (patch, patch);
+            }
+        }
+        merged_into
+    }
+
+    fn parts_of(&self, patch: usize, triangle_count: usize) -> Option<[u32; 2]> {
+        patch.checked_sub(triangle_count).map(|place| self.parts[place])
+    }
+
+    /// An order of the triangles in which each patch is a range, and these ranges.
+    fn ranges(&self, triangle_count: usize) -> (Vec<[u32; 2]>, Vec<u32>) {
+        let mut sizes = vec![1u32; self.moments.len()];
+        for (place, parts) in self.parts.iter().enumerate() {
+            sizes[triangle_count + place] = parts.iter().map(|&part| sizes[part as usize]).sum();
+        }
+        const UNKNOWN: u32 = u32::MAX;
+        let mut starts = vec![UNKNOWN; sizes.len()];
+        let (mut end, mut order) = (0, vec![0; triangle_count]);
+        for patch in (0..sizes.len()).rev() {
+            if starts[patch] == UNKNOWN {
+                starts[patch] = end;
+                end += sizes[patch];
+            }
+            match self.parts_of(patch, triangle_count) {
+                Some([first, second]) => {
+                    starts[first as usize] = starts[patch];
+                    starts[second as usize] = starts[patch] + sizes[first as usize];
+                }
+                None => order[starts[patch] as usize] = patch as u32,
+            }
+        }
+        (starts.iter().zip(sizes).map(|(&start, size)| [start, start + size]).collect(), order)
+    }
+
+    /// Which triangle stands for each patch: the one nearest to its middle, or that of the larger patch around it where
+    /// this lies within.
+    fn standing(&self, ranges: &[[u32; 2]], order: &[u32]) -> Vec<u32> {
+        const UNKNOWN: u32 = u32::MAX;
+        let mut places = vec![0; order.len()];
+        (0..).zip(order).for_each(|(place, &triangle)| places[triangle as usize] = place);
+        let mut standing = vec![UNKNOWN; ranges.len()];
+        for patch in (0..ranges.len()).rev() {
+            let [start, end] = ranges[patch];
+            if standing[patch] == UNKNOWN {
+                let middle = self.moments[patch].first / self.moments[patch].area;
+                let distance = |triangle: u32| (self.middles[triangle as usize] - middle).norm_squared();
+                let mut nearest = order[start as usize];
+                for &triangle in &order[start as usize..end as usize] {
+                    nearest = if distance(triangle) < distance(nearest) { triangle } else { nearest };
+                }
+                standing[patch] = nearest;
+            }
+            let Some(parts) = self.parts_of(patch, order.len()) else { continue };
+            for part in parts {
+                let [start, end] = ranges[part as usize];
+                if (start..end).contains(&places[standing[patch] as usize]) {
+                    standing[part as usize] = standing[patch];
+                }
+            }
+        }
+        standing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rippled torus of 2 · 40 · 20 triangles.
+    fn torus() -> Mesh<f64> {
+        let (around, across) = (40, 20);
+        let quads = || (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
+        let point = |(i, j): (usize, usize)| {
+            let [u, v] = [(i, around), (j, across)].map(|(i, count)| std::f64::consts::TAU * i as f64 / count as f64);
+            let tube = 0.4 + 0.02 * (5.0 * u).sin();
+            [(1.0 + tube * v.cos()) * u.cos(), (1.0 + tube * v.cos()) * u.sin(), tube * v.sin()]
+        };
+        let index = |i: usize, j: usize| (i % around * across + j % across) as u32;
+        let two = |(i, j): (usize, usize)| {
+            let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        Mesh::new(&quads().map(point).collect::<Vec<_>>(), &quads().flat_map(two).collect::<Vec<_>>()).expect("valid")
+    }
+
+    fn is_connected(mesh: &Mesh<f64>, patch: &[u32]) -> bool {
+        let (mut reached, mut waiting) = (vec![patch[0]], vec![patch[0]]);
+        while let Some(triangle) = waiting.pop() {
+            for edge in mesh.topology().edges().iter().filter(|edge| edge.triangles.contains(&triangle)) {
+                let fresh = edge.triangles.into_iter().filter(|t| patch.contains(t) && !reached.contains(t));
+                let fresh: Vec<u32> = fresh.collect();
+                reached.extend(&fresh);
+                waiting.extend(&fresh);
+            }
+        }
+        reached.len() == patch.len()
+    }
+
+    #[test]
+    fn patches_of_any_area_cover_the_surface_once_and_those_who_stand_for_larger_ones_stand_for_smaller_ones() {
+        let mesh = torus();
+        let patches = Patches::new(&mesh);
+        let count = mesh.topology().triangles().len() as u32;
+        let mut fewer_before: Option<Vec<u32>> = None;
+        for area in [1e9, 0.1, 0.04, 0.0] {
+            let standing: Vec<u32> = (0..count).filter(|&triangle| patches.of(triangle, area).is_some()).collect();
+            let mut covered = Vec::new();
+            for &triangle in &standing {
+                let patch = patches.of(triangle, area).expect("it stands for one");
+                assert!(patch.contains(&triangle) && is_connected(&mesh, patch));
+                let vectors = patch.iter().map(|&triangle| mesh.scaled_normal(triangle) / 2.0);
+                let size: f64 = vectors.clone().map(|vector| vector.norm()).sum();
+                assert!(patch.len() == 1 || size <= area, "{size}");
+                assert!(vectors.sum::<Vector3<f64>>().norm() >= size * 0.899);
+                covered.extend_from_slice(patch);
+            }
+            covered.sort_unstable();
+            assert_eq!(covered, (0..count).collect::<Vec<_>>());
+            if let Some(fewer) = fewer_before {
+                assert!(fewer.iter().all(|triangle| standing.contains(triangle)));
+                assert!(fewer.len() < standing.len());
+            }
+            fewer_before = Some(standing);
+        }
+        assert_eq!(fewer_before.map(|all| all.len()), Some(count as usize));
+    }
+}
