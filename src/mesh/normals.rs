@@ -155,11 +155,8 @@ impl<T: Scalar> Mesh<T> {
         }
         let mut lanes = [[T::zero(); LANE_COUNT]; 3];
         sum.store(&mut lanes);
-        let mut total = Vector3::zeros();
-        for lane in 0..LANE_COUNT {
-            total += Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
-        }
-        total
+        let total = lanes.map(|lanes| lanes.into_iter().fold(T::zero(), |sum, part| sum + part));
+        total.into()
     }
 
     /// The lane's normal with all care that too large and too small squares need.
