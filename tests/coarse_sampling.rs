@@ -71,6 +71,7 @@ fn force_and_torque_keep_the_tolerance() {
                 let errors = errors(&meshes, &found);
                 let what =
                     format!("{name}, {tolerance}: {rays} rays of {finest}, {estimate_rays} before, off by {errors:?}");
+                println!("{what}");
                 assert!(errors.iter().all(|error| *error <= tolerance), "{what}");
                 // The spike has too few contacts to tell from fewer.
                 let can_tell = tolerance == 0.1 && !name.starts_with("spike");
