@@ -16,9 +16,14 @@ else()
 endif()
 set(cargo_output "${RAYCONTACT_CARGO_TARGET_DIR}/${cargo_profile_folder}")
 
-# The names a user of the library sees: file, SONAME link, development link.
+# The names a user of the library sees: file, SONAME link, development link. The SONAME is that of build.rs.
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+    set(RAYCONTACT_SOVERSION "0.${PROJECT_VERSION_MINOR}")
+else()
+    set(RAYCONTACT_SOVERSION "${PROJECT_VERSION_MAJOR}")
+endif()
 set(RAYCONTACT_SHARED_NAME "${CMAKE_SHARED_LIBRARY_PREFIX}raycontact${CMAKE_SHARED_LIBRARY_SUFFIX}")
-set(RAYCONTACT_SHARED_SONAME "${RAYCONTACT_SHARED_NAME}.${PROJECT_VERSION_MAJOR}")
+set(RAYCONTACT_SHARED_SONAME "${RAYCONTACT_SHARED_NAME}.${RAYCONTACT_SOVERSION}")
 set(RAYCONTACT_SHARED_FILE "${RAYCONTACT_SHARED_NAME}.${PROJECT_VERSION}")
 set(RAYCONTACT_STATIC_FILE "${CMAKE_STATIC_LIBRARY_PREFIX}raycontact${CMAKE_STATIC_LIBRARY_SUFFIX}")
 set(RAYCONTACT_LIBRARY_DIR "${CMAKE_CURRENT_BINARY_DIR}/lib")
@@ -44,6 +49,8 @@ add_custom_target(
     COMMENT "Building the crate (cargo, profile ${cargo_profile})"
     USES_TERMINAL VERBATIM)
 
+set(THREADS_PREFER_PTHREAD_FLAG ON)
+find_package(Threads REQUIRED GLOBAL)
 include("${CMAKE_CURRENT_LIST_DIR}/SystemLibraries.cmake")
 raycontact_find_system_libraries(RAYCONTACT_SYSTEM_LIBRARIES)
 

@@ -18,5 +18,7 @@ function(raycontact_find_system_libraries variable)
     separate_arguments(flags UNIX_COMMAND "${flags}")
     list(TRANSFORM flags REPLACE "^-l" "")
     list(REMOVE_DUPLICATES flags)
+    # CMake knows what else threads need, such as a compiler flag.
+    list(TRANSFORM flags REPLACE "^pthread$" "Threads::Threads")
     set(${variable} "${flags}" PARENT_SCOPE)
 endfunction()

@@ -33,7 +33,7 @@ static rayc_statistics query(rayc_scene* scene, rayc_contacts* contacts) {
   rayc_statistics statistics;
   memset(&statistics, 0, sizeof statistics);
   CHECK_OK(rayc_scene_query(scene, contacts));
-  CHECK_OK(rayc_contacts_statistics(contacts, &statistics));
+  CHECK_OK(rayc_contacts_statistics(contacts, sizeof statistics, &statistics));
   return statistics;
 }
 

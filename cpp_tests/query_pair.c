@@ -88,7 +88,7 @@ static void check_contacts(const query* q, rayc_contact out[2], double tolerance
   CHECK_STATUS(rayc_contacts_copy(q->contacts, 0, 1, NULL), RAYC_STATUS_NULL_POINTER, NULL);
 
   rayc_statistics statistics;
-  CHECK_OK(rayc_contacts_statistics(q->contacts, &statistics));
+  CHECK_OK(rayc_contacts_statistics(q->contacts, sizeof statistics, &statistics));
   CHECK(statistics.contacts == 2);
   CHECK(statistics.rays ==
         statistics.contacts + statistics.misses + statistics.entry_hits + statistics.own_surface_hits);

@@ -40,7 +40,7 @@ static void check_contacts(const rayc_contacts* contacts, uint32_t body) {
     CHECK_NEAR(found[i].depth, SHIFTED_DEPTH, 1e-14);
     CHECK_NEAR(found[i].direction[0], i == 0 ? -1 : 1, 1e-14);
   }
-  CHECK_OK(rayc_contacts_statistics(contacts, &statistics));
+  CHECK_OK(rayc_contacts_statistics(contacts, sizeof statistics, &statistics));
   CHECK(statistics.contacts == 2 && statistics.self_contacts == 2);
   CHECK(statistics.past_folds == 0);
 }

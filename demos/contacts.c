@@ -213,7 +213,7 @@ static int print_table(const arguments* arguments, const run* run) {
   rayc_statistics statistics;
   summarise_contacts(run, &summary);
   if (!sum_forces(run, &summary) ||
-      !succeeded(rayc_contacts_statistics(run->contacts, &statistics), "reading statistics")) {
+      !succeeded(rayc_contacts_statistics(run->contacts, sizeof statistics, &statistics), "reading statistics")) {
     return 0;
   }
 

@@ -17,7 +17,8 @@
 #include <stdint.h>
 
 /**
- * Major version of this header. The ABI stays compatible within one major version (within one minor version of 0).
+ * Major version of this header. The ABI stays compatible within one major version (within one minor version of 0): a
+ * program runs with any library of that version that is no older than the program's header.
  */
 #define RAYC_VERSION_MAJOR 0
 
@@ -30,6 +31,12 @@
  * Patch version of this header.
  */
 #define RAYC_VERSION_PATCH 0
+
+/**
+ * The ABI of this header: major · 100, and the minor version while the major is 0. The C++ headers compare it with
+ * rayc_abi_version() before they make anything.
+ */
+#define RAYC_ABI_VERSION 1
 
 /**
  * The sample_spacing that follows the size of each overlap.
@@ -84,6 +91,10 @@ typedef enum rayc_status {
    * A coordinate is NaN or infinite.
    */
   RAYC_STATUS_NOT_FINITE = 107,
+  /**
+   * The library that is linked is of another ABI than the headers. Only the C++ headers say so: see rayc_abi_version().
+   */
+  RAYC_STATUS_OTHER_ABI = 108,
   /**
    * The mesh has no triangle.
    */
@@ -229,8 +240,8 @@ typedef struct rayc_octree rayc_octree;
  * Many bodies, and all contacts among them. Bodies are numbered from 0; a scene holds copies of the meshes it is
  * given.
  *
- * Threads: one call at a time for one scene; different scenes may be used at once. The caller frees it with
- * rayc_scene_destroy(), which also ends its threads.
+ * Threads: one call at a time for one scene, from any thread; different scenes may be used at once. Whose threads work
+ * is for rayc_scene_options to say. The caller frees it with rayc_scene_destroy(), which also ends its threads.
  */
 typedef struct rayc_scene rayc_scene;
 
@@ -288,6 +299,10 @@ typedef struct rayc_detection_options {
    * for those whose self-collision is switched on. Default 0.
    */
   uint32_t past_folds;
+  /**
+   * Must be 0. It fills the struct up, so that what a later version adds lies beyond its end.
+   */
+  uint32_t reserved;
 } rayc_detection_options;
 
 /**
@@ -319,6 +334,20 @@ typedef struct rayc_response_options {
 } rayc_response_options;
 
 /**
+ * A piece of work that the library hands to a rayc_parallel_for, which calls it with the library's own `data`.
+ */
+typedef void (*rayc_task)(void *data, size_t index);
+
+/**
+ * The host's threads: calls task(data, index) once for each index below `count`, on any threads and in any order, and
+ * returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
+ *
+ * The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
+ * cannot nest will do. It must not throw and must not call the scene.
+ */
+typedef void (*rayc_parallel_for)(void *context, size_t count, rayc_task task, void *data);
+
+/**
  * How a scene works. Fill with rayc_default_scene_options(), then change what you need.
  */
 typedef struct rayc_scene_options {
@@ -331,10 +360,18 @@ typedef struct rayc_scene_options {
    */
   uint32_t precision;
   /**
-   * 1: the caller's own thread only; n: a pool of n threads that the scene owns; 0: one thread per core. At most
-   * 1024. Results do not depend on it. Default 1.
+   * 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
+   * destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. Default 1.
    */
   uint32_t threads;
+  /**
+   * The host's threads, to be used instead; `threads` must then be 1. Results do not depend on it either. Default NULL.
+   */
+  rayc_parallel_for parallel_for;
+  /**
+   * What parallel_for is called with; it stays the host's. Default NULL.
+   */
+  void *parallel_context;
 } rayc_scene_options;
 
 /**
@@ -493,7 +530,7 @@ typedef struct rayc_contact {
 } rayc_contact;
 
 /**
- * What a query did. Every ray is either a contact or counted under the one reason why it is none.
+ * What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one reason why it is none.
  */
 typedef struct rayc_statistics {
   /**
@@ -659,9 +696,15 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * The version of the library that is linked: major · 10000 + minor · 100 + patch.
+ * The version of the library that is linked: major · 10000 + minor · 100 + patch. Any thread may ask at any time.
  */
 uint32_t rayc_version(void);
+
+/**
+ * The ABI of the library that is linked. Where it is not the header's RAYC_ABI_VERSION, no other function may be called.
+ * Any thread may ask at any time.
+ */
+uint32_t rayc_abi_version(void);
 
 /**
  * The name of a status, e.g. "RAYC_STATUS_OK"; "unknown status" for other numbers. Never NULL, never freed.
@@ -852,9 +895,14 @@ enum rayc_status rayc_contacts_copy(const struct rayc_contacts *contacts,
                                     struct rayc_contact *out);
 
 /**
- * What the query that filled `contacts` did.
+ * What the query that filled `contacts` did. struct_size: sizeof(rayc_statistics), so that a later library writes no more
+ * than the caller knows.
+ *
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
-enum rayc_status rayc_contacts_statistics(const struct rayc_contacts *contacts, struct rayc_statistics *statistics);
+enum rayc_status rayc_contacts_statistics(const struct rayc_contacts *contacts,
+                                          size_t struct_size,
+                                          struct rayc_statistics *statistics);
 
 /**
  * Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
@@ -917,14 +965,31 @@ enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
                                       double *joules);
 
 /**
+ * How many pairs are escaping.
+ */
+enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *contacts, size_t *count);
+
+/**
+ * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
+ * `count`. They stand in the order of the contacts.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ */
+enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
+                                                  size_t first,
+                                                  size_t count,
+                                                  struct rayc_escape_push *out);
+
+/**
  * Makes an empty scene. options: NULL for the defaults. *scene: the new handle.
  *
- * Errors: RAYC_STATUS_THREADS_NOT_STARTED, RAYC_STATUS_INVALID_OPTION for too many threads.
+ * Errors: RAYC_STATUS_THREADS_NOT_STARTED, RAYC_STATUS_INVALID_OPTION for too many threads, or for
+ * threads beside a parallel_for.
  */
 enum rayc_status rayc_scene_create(const struct rayc_scene_options *options, struct rayc_scene **scene);
 
 /**
- * Frees a scene and ends its threads; NULL does nothing.
+ * Frees a scene and ends its threads, which have ended when it returns; NULL does nothing.
  */
 enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
 
@@ -978,414 +1043,6 @@ enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene,
  */
 enum rayc_status rayc_scene_query(struct rayc_scene *scene,
                                   struct rayc_contacts *contacts);
-
-/**
- * How many pairs are escaping.
- */
-enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *contacts, size_t *count);
-
-/**
- * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
- * `count`. They stand in the order of the contacts.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
- */
-enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
-                                                  size_t first,
-                                                  size_t count,
-                                                  struct rayc_escape_push *out);
-
-/**
- * Makes an empty list. *contacts: the new handle.
- */
-enum rayc_status rayc_contacts_create(struct rayc_contacts **contacts);
-
-/**
- * Frees the contacts; NULL does nothing.
- */
-enum rayc_status rayc_contacts_destroy(struct rayc_contacts *contacts);
-
-/**
- * Finds the contacts between two meshes, rays both ways: Algorithm 1 of Hermann, Faure, Raffin 2008. Body 0 is `a`,
- * body 1 is `b`. Replaces what `contacts` held. options: NULL for the defaults.
- *
- * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
- * RAYC_STATUS_INVALID_OPTION; `contacts` is then as before.
- */
-enum rayc_status rayc_query_pair(const struct rayc_detection_options *options,
-                                 const struct rayc_mesh *a,
-                                 const struct rayc_octree *octree_a,
-                                 const struct rayc_mesh *b,
-                                 const struct rayc_octree *octree_b,
-                                 struct rayc_contacts *contacts);
-
-/**
- * Finds the contacts between parts of one mesh, body 0: points of its surface that lie inside another part of the body,
- * where the surface winds around more than once, and the points through which they leave that part. Replaces what
- * `contacts` held; each contact has colliding = collided = 0, and stands for half its surface, as both parts cast rays.
- * options: NULL for the defaults; of them only sample_spacing counts, automatic being one ray for each triangle.
- *
- * Where the surface touches nothing of itself, no ray is traced; a scene also remembers that from step to step. An open
- * mesh has no inside, and so no contacts with itself; it is counted in open_bodies.
- *
- * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
- * RAYC_STATUS_INVALID_OPTION; `contacts` is then as before.
- */
-enum rayc_status rayc_query_self(const struct rayc_detection_options *options,
-                                 const struct rayc_mesh *mesh,
-                                 const struct rayc_octree *octree,
-                                 struct rayc_contacts *contacts);
-
-/**
- * How many contacts there are.
- */
-enum rayc_status rayc_contacts_count(const struct rayc_contacts *contacts, size_t *count);
-
-/**
- * Copies contacts first … first + count − 1 to `out`, which has room for `count`.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
- */
-enum rayc_status rayc_contacts_copy(const struct rayc_contacts *contacts,
-                                    size_t first,
-                                    size_t count,
-                                    struct rayc_contact *out);
-
-/**
- * What the query that filled `contacts` did.
- */
-enum rayc_status rayc_contacts_statistics(const struct rayc_contacts *contacts, struct rayc_statistics *statistics);
-
-/**
- * How many pairs are escaping.
- */
-enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *contacts, size_t *count);
-
-/**
- * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
- * `count`. They stand in the order of the contacts.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
- */
-enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
-                                                  size_t first,
-                                                  size_t count,
-                                                  struct rayc_escape_push *out);
-
-/**
- * What was wrong with this thread's last call, where, and what to do; "" after a success. UTF-8.
- *
- * The text belongs to the library and stays until this thread's next call. Never NULL.
- */
-const char *rayc_last_error_message(void);
-
-/**
- * Checks and copies a surface.
- *
- * options: NULL for the defaults. positions: one for each vertex, finite, in metres (or any one unit of length).
- * triangles: 3 · triangle_count vertex numbers, from 0. *mesh: the new handle.
- *
- * Errors: every fault of the surface has its own status (RAYC_STATUS_MESH_…, RAYC_STATUS_NOT_FINITE).
- */
-enum rayc_status rayc_mesh_create(const struct rayc_mesh_options *options,
-                                  const struct rayc_vectors *positions,
-                                  const uint32_t *triangles,
-                                  size_t triangle_count,
-                                  struct rayc_mesh **mesh);
-
-/**
- * Reads a surface from a Wavefront .obj file: vertices in the file's order and through float, faces of all objects
- * together, polygons cut into triangle fans.
- *
- * options: NULL for the defaults. path: UTF-8, ended by zero. *mesh: the new handle.
- *
- * Errors: RAYC_STATUS_FILE_NOT_READABLE, RAYC_STATUS_FILE_BROKEN, and those of rayc_mesh_create().
- */
-enum rayc_status rayc_mesh_create_from_obj(const struct rayc_mesh_options *options,
-                                           const char *path,
-                                           struct rayc_mesh **mesh);
-
-/**
- * Frees a mesh; NULL does nothing.
- */
-enum rayc_status rayc_mesh_destroy(struct rayc_mesh *mesh);
-
-/**
- * Renews the positions of all vertices. Octrees of this mesh are stale from here on.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; the positions are then as before.
- */
-enum rayc_status rayc_mesh_set_positions(struct rayc_mesh *mesh, const struct rayc_vectors *positions);
-
-/**
- * How many vertices the mesh has, used by triangles or not.
- */
-enum rayc_status rayc_mesh_vertex_count(const struct rayc_mesh *mesh, size_t *count);
-
-/**
- * How many triangles the mesh has.
- */
-enum rayc_status rayc_mesh_triangle_count(const struct rayc_mesh *mesh, size_t *count);
-
-/**
- * Copies the present positions to `positions`, whose count must be the mesh's.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT.
- */
-enum rayc_status rayc_mesh_copy_positions(const struct rayc_mesh *mesh, const struct rayc_vectors_mut *positions);
-
-/**
- * Copies the triangles' vertex numbers to `triangles`; index_count must be 3 · the number of triangles.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT.
- */
-enum rayc_status rayc_mesh_copy_triangles(const struct rayc_mesh *mesh, size_t index_count, uint32_t *triangles);
-
-/**
- * Builds the octree of `mesh` for its present positions. *octree: the new handle.
- */
-enum rayc_status rayc_octree_create(const struct rayc_mesh *mesh, struct rayc_octree **octree);
-
-/**
- * Frees an octree; NULL does nothing.
- */
-enum rayc_status rayc_octree_destroy(struct rayc_octree *octree);
-
-/**
- * Builds the octree anew for its mesh's present positions; its memory is reused.
- *
- * Errors: RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH.
- */
-enum rayc_status rayc_octree_update(struct rayc_octree *octree, const struct rayc_mesh *mesh);
-
-/**
- * Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
- * Benthin, Wald 2013): a ray through a shared edge or vertex hits.
- *
- * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
- * RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.
- */
-enum rayc_status rayc_octree_trace_ray(const struct rayc_octree *octree,
-                                       const struct rayc_mesh *mesh,
-                                       const struct rayc_ray *ray,
-                                       struct rayc_hit *hit);
-
-/**
- * Traces `count` rays; hits[i] is where rays[i] first meets the mesh. See rayc_octree_trace_ray().
- */
-enum rayc_status rayc_octree_trace_rays(const struct rayc_octree *octree,
-                                        const struct rayc_mesh *mesh,
-                                        const struct rayc_ray *rays,
-                                        size_t count,
-                                        struct rayc_hit *hits);
-
-/**
- * Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
- */
-enum rayc_status rayc_default_mesh_options(size_t struct_size, struct rayc_mesh_options *options);
-
-/**
- * Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
- */
-enum rayc_status rayc_default_detection_options(size_t struct_size, struct rayc_detection_options *options);
-
-/**
- * Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
- */
-enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_response_options *options);
-
-/**
- * Fills `options` with the defaults. struct_size: sizeof(rayc_scene_options).
- */
-enum rayc_status rayc_default_scene_options(size_t struct_size, struct rayc_scene_options *options);
-
-/**
- * Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body
- * meant to stay inside another. An escape that is under way ends. It holds until it is set otherwise or one of the
- * bodies is removed; rayc_statistics counts in escapes_forbidden where the pair would have begun to escape.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
- */
-enum rayc_status rayc_scene_allow_escape(struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t allowed);
-
-/**
- * Whether two bodies may escape from one another: *allowed is 1 or 0.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same.
- */
-enum rayc_status rayc_scene_may_escape(const struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t *allowed);
-
-/**
- * How many pairs remember something: those whose boxes overlapped in the last query.
- */
-enum rayc_status rayc_scene_pair_memory_count(const struct rayc_scene *scene, size_t *count);
-
-/**
- * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
- * order of their first, then their second body.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
- */
-enum rayc_status rayc_scene_copy_pair_memories(const struct rayc_scene *scene,
-                                               size_t first,
-                                               size_t count,
-                                               struct rayc_pair_memory *out);
-
-/**
- * How many bytes rayc_scene_save_pair_memories() writes now.
- */
-enum rayc_status rayc_scene_saved_length(const struct rayc_scene *scene, size_t *length);
-
-/**
- * Writes what all pairs remember to `bytes`; length must be that of rayc_scene_saved_length(). A scene with the same
- * bodies, positions, options and forbidden escapes that restores it goes on as this one does, to the bit. The bytes
- * carry their version and a checksum, and are the same on every machine.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT.
- */
-enum rayc_status rayc_scene_save_pair_memories(const struct rayc_scene *scene, size_t length, uint8_t *bytes);
-
-/**
- * Replaces what the pairs remember by the `length` bytes that were saved.
- *
- * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was saved,
- * RAYC_STATUS_SAVED_STATE_OTHER_VERSION, RAYC_STATUS_PRECISION_MISMATCH, and RAYC_STATUS_UNKNOWN_BODY where a body of a
- * saved pair is not in the scene; the memories are then as before.
- */
-enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size_t length, const uint8_t *bytes);
-
-/**
- * Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
- * in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
- * coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite.
- *
- * options: NULL for the defaults. Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
- */
-enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *contacts,
-                                                 const struct rayc_response_options *options,
-                                                 size_t first,
-                                                 size_t count,
-                                                 double *coefficients);
-
-/**
- * Adds the contact forces to `forces`, in N.
- *
- * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one per body, in the order
- * of the bodies' numbers; bodies without contact may have an array of count 0. positions NULL: as at detection.
- * velocities NULL: no damping. Contacts are held: each stays at its points and along its direction, whatever the
- * positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
- */
-enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
-                                          const struct rayc_response_options *options,
-                                          size_t body_count,
-                                          const struct rayc_vectors *positions,
-                                          const struct rayc_vectors *velocities,
-                                          const struct rayc_vectors_mut *forces);
-
-/**
- * Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, for the
- * displacements d; both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once per
- * iteration.
- *
- * options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
- *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_INVALID_OPTION
- * where a factor is not finite.
- */
-enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *contacts,
-                                                const struct rayc_response_options *options,
-                                                double stiffness_factor,
-                                                double damping_factor,
-                                                size_t body_count,
-                                                const struct rayc_vectors *displacements,
-                                                const struct rayc_vectors_mut *forces);
-
-/**
- * The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
- * elastic force is its negative gradient.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
- */
-enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
-                                      const struct rayc_response_options *options,
-                                      size_t body_count,
-                                      const struct rayc_vectors *positions,
-                                      double *joules);
-
-/**
- * Makes an empty scene. options: NULL for the defaults. *scene: the new handle.
- *
- * Errors: RAYC_STATUS_THREADS_NOT_STARTED, RAYC_STATUS_INVALID_OPTION for too many threads.
- */
-enum rayc_status rayc_scene_create(const struct rayc_scene_options *options, struct rayc_scene **scene);
-
-/**
- * Frees a scene and ends its threads; NULL does nothing.
- */
-enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
-
-/**
- * Adds a copy of `mesh` with its present positions. *body: its number, the smallest that is free.
- *
- * Errors: RAYC_STATUS_PRECISION_MISMATCH.
- */
-enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene, const struct rayc_mesh *mesh, uint32_t *body);
-
-/**
- * Removes a body; its number may be given to a later one.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY.
- */
-enum rayc_status rayc_scene_remove_body(struct rayc_scene *scene, uint32_t body);
-
-/**
- * Renews the positions of a body's vertices.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; the positions are then as before.
- */
-enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
-                                          uint32_t body,
-                                          const struct rayc_vectors *positions);
-
-/**
- * Sets how contacts are found from the next query on. options: NULL for the defaults.
- *
- * Errors: RAYC_STATUS_INVALID_OPTION.
- */
-enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
-                                                  const struct rayc_detection_options *options);
-
-/**
- * Switches contacts of a body with itself on (is_on = 1) or off (0) from the next query on; off for a new body. What they
- * are says rayc_query_self(). Where they are on, contacts with other bodies are also found past the body's own folds, as
- * with past_folds in rayc_detection_options.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
- */
-enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene,
-                                               uint32_t body,
-                                               uint32_t is_on);
-
-/**
- * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
- * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
- * need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with
- * itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
- */
-enum rayc_status rayc_scene_query(struct rayc_scene *scene,
-                                  struct rayc_contacts *contacts);
-
-/**
- * The version of the library that is linked: major · 10000 + minor · 100 + patch.
- */
-uint32_t rayc_version(void);
-
-/**
- * The name of a status, e.g. "RAYC_STATUS_OK"; "unknown status" for other numbers. Never NULL, never freed.
- */
-const char *rayc_status_name(uint32_t status);
 
 /**
  * Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body

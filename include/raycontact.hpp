@@ -40,6 +40,14 @@ inline void check(rayc_status status) {
 
 namespace detail {
 
+/** Refuses a library of another ABI before anything else is asked of it. */
+inline void check_abi() {
+  if (rayc_abi_version() == RAYC_ABI_VERSION) return;
+  throw Error(RAYC_STATUS_OTHER_ABI, "the headers are of ABI " + std::to_string(RAYC_ABI_VERSION) +
+                                         ", the library is of ABI " + std::to_string(rayc_abi_version()) +
+                                         "; build with the headers of the library that is linked");
+}
+
 template <class Scalar>
 constexpr uint32_t scalar_code() {
   static_assert(std::is_same<Scalar, float>::value || std::is_same<Scalar, double>::value,
@@ -84,12 +92,14 @@ class Mesh {
  public:
   /** `triangles`: three vertex numbers for each triangle. */
   Mesh(const rayc_vectors& positions, const std::vector<uint32_t>& triangles) {
+    detail::check_abi();
     rayc_mesh* mesh = nullptr;
     check(rayc_mesh_create(nullptr, &positions, triangles.data(), triangles.size() / 3, &mesh));
     handle_.reset(mesh);
   }
 
   static Mesh from_obj(const std::string& path) {
+    detail::check_abi();
     rayc_mesh* mesh = nullptr;
     check(rayc_mesh_create_from_obj(nullptr, path.c_str(), &mesh));
     return Mesh(mesh);
@@ -132,6 +142,7 @@ class Mesh {
 class Contacts {
  public:
   Contacts() {
+    detail::check_abi();
     rayc_contacts* contacts = nullptr;
     check(rayc_contacts_create(&contacts));
     handle_.reset(contacts);
@@ -166,6 +177,7 @@ class Scene {
  public:
   /** `threads`: 1 = the caller's own, n = a pool of n, 0 = one for each core. */
   explicit Scene(uint32_t threads = 1) {
+    detail::check_abi();
     rayc_scene_options options{};
     check(rayc_default_scene_options(sizeof options, &options));
     options.threads = threads;

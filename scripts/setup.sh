@@ -9,6 +9,7 @@ packages=(
     pkg-config      # finds both builds of Bullet
     libbullet-dev   # Bullet, float and double
     python3-vtk9    # draws the demo's picture
+    libtbb-dev      # threads of a host, lent to the library
     valgrind        # counts instructions
     xvfb            # gives VTK something to draw on where there is no screen
     xauth           # xvfb-run needs it

@@ -16,6 +16,7 @@
 //! | [`mesh`] | topology, positions, normals, areas, boxes |
 //! | [`ray`] | rays, hits, ray–triangle tests |
 //! | [`math`] | scalars, boxes |
+//! | [`threads`] | whose threads work: the caller's, a pool's, the host's |
 //!
 //! # Example
 //! Two unit cubes, one shifted by (0.8, 0.1, 0.2): with rays from the vertices alone, as in the paper, the corner of each
@@ -50,3 +51,4 @@ pub mod octree;
 pub mod ray;
 pub mod response;
 pub mod scene;
+pub mod threads;

@@ -7,6 +7,8 @@ use common::shapes;
 use raycontact::contact::{ContactList, DetectionOptions, query_pair};
 use raycontact::octree::{Layout, Octree};
 use raycontact::scene::Scene;
+use raycontact::threads::ParallelFor;
+use std::sync::Arc;
 
 /// The torus after some steps of a motion that comes back to where it was.
 fn moved(step: usize) -> Vec<[f64; 3]> {
@@ -40,11 +42,30 @@ fn a_steady_step_allocates_nothing() {
     }
 }
 
+/// A host that has one thread only, where allocations are counted.
+struct OneThread;
+
+impl ParallelFor for OneThread {
+    fn run(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        (0..count).for_each(task);
+    }
+}
+
 #[test]
 fn a_steady_step_of_a_scene_allocates_nothing() {
-    let mut scene = Scene::new(1).expect("no thread is started");
-    for k in 0..3 {
-        scene.add(shapes::torus(16, 8, 0.4).moved([0.0, 0.1, 0.6 * f64::from(k)]).mesh::<f64>());
+    check_steady_steps(Scene::new(1).expect("no thread is started"), 3);
+}
+
+#[test]
+fn a_steady_step_on_threads_of_the_host_allocates_nothing() {
+    for bodies in [3, 12] {
+        check_steady_steps(Scene::with_host_threads(Arc::new(OneThread)), bodies);
+    }
+}
+
+fn check_steady_steps(mut scene: Scene<f64>, bodies: usize) {
+    for k in 0..bodies {
+        scene.add(shapes::torus(16, 8, 0.4).moved([0.0, 0.1, 0.6 * k as f64]).mesh());
     }
     let mut contacts = ContactList::default();
     for step in 0..12 {

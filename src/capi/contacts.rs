@@ -2,7 +2,7 @@ use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
-use super::options::{rayc_detection_options, read_options};
+use super::options::{Growing, rayc_detection_options, read_options, write_known};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
 use crate::contact::{Contact, ContactKind, ContactList, Statistics, SurfacePoint, query_pair, query_self};
 use crate::math::Scalar;
@@ -118,7 +118,7 @@ pub struct rayc_contact {
     pub area: f64,
 }
 
-/// What a query did. Every ray is either a contact or counted under the one reason why it is none.
+/// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one reason why it is none.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_statistics {
@@ -161,6 +161,11 @@ pub struct rayc_statistics {
     pub escapes_turned: u64,
     /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
     pub escapes_forbidden: u64,
+}
+
+impl Growing for rayc_statistics {
+    const NAME: &'static str = "rayc_statistics";
+    const SMALLEST: usize = std::mem::offset_of!(Self, escapes_forbidden) + size_of::<u64>();
 }
 
 impl<T: Scalar> From<&SurfacePoint<T>> for rayc_surface_point {
@@ -320,16 +325,19 @@ pub unsafe extern "C" fn rayc_contacts_copy(
     })
 }
 
-/// What the query that filled `contacts` did.
+/// What the query that filled `contacts` did. struct_size: sizeof(rayc_statistics), so that a later library writes no more
+/// than the caller knows.
+///
+/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_statistics(
     contacts: *const rayc_contacts,
+    struct_size: usize,
     statistics: *mut rayc_statistics,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let list = &reference(contacts, "contacts")?.list;
-        let statistics = Output::new(statistics, "statistics")?;
         let found = match list {
             AnyContacts::F32(list) => list.statistics,
             AnyContacts::F64(list) => list.statistics,
@@ -340,7 +348,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
         let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
         let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
         let Statistics { escapes_turned, escapes_forbidden, .. } = found;
-        statistics.write(rayc_statistics {
+        let known = rayc_statistics {
             pairs,
             open_pairs,
             rays,
@@ -359,7 +367,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             escape_contacts,
             escapes_turned,
             escapes_forbidden,
-        });
-        Ok(())
+        };
+        write_known(struct_size, statistics, "statistics", known)
     })
 }

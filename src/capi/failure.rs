@@ -29,6 +29,8 @@ pub enum rayc_status {
     RAYC_STATUS_UNKNOWN_BODY = 106,
     /// A coordinate is NaN or infinite.
     RAYC_STATUS_NOT_FINITE = 107,
+    /// The library that is linked is of another ABI than the headers. Only the C++ headers say so: see rayc_abi_version().
+    RAYC_STATUS_OTHER_ABI = 108,
 
     /// The mesh has no triangle.
     RAYC_STATUS_MESH_EMPTY = 200,

@@ -1,10 +1,12 @@
 use super::failure::{Failure, rayc_status};
+use super::host_threads::rayc_parallel_for;
 use super::pointers::{Output, reference};
 use super::vectors::rayc_scalar;
 use super::{guard::guard, response::rayc_weighting};
 use crate::contact::{DetectionOptions, Sampling};
 use crate::math::Scalar;
 use crate::response::{PenaltyLaw, Weighting};
+use libc::c_void;
 
 /// How a mesh is kept. Fill with rayc_default_mesh_options(), then change what you need.
 #[repr(C)]
@@ -44,6 +46,8 @@ pub struct rayc_detection_options {
     /// out of it is not taken for one from outside. 0: not. For bodies that overlap themselves; a scene does so by itself
     /// for those whose self-collision is switched on. Default 0.
     pub past_folds: u32,
+    /// Must be 0. It fills the struct up, so that what a later version adds lies beyond its end.
+    pub reserved: u32,
 }
 
 /// The sample_spacing that follows the size of each overlap.
@@ -75,13 +79,23 @@ pub struct rayc_scene_options {
     pub struct_size: usize,
     /// Arithmetic of detection, a rayc_scalar; all meshes added must have the same. Default RAYC_SCALAR_F64.
     pub precision: u32,
-    /// 1: the caller's own thread only; n: a pool of n threads that the scene owns; 0: one thread per core. At most
-    /// 1024. Results do not depend on it. Default 1.
+    /// 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
+    /// destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. Default 1.
     pub threads: u32,
+    /// The host's threads, to be used instead; `threads` must then be 1. Results do not depend on it either. Default NULL.
+    pub parallel_for: rayc_parallel_for,
+    /// What parallel_for is called with; it stays the host's. Default NULL.
+    pub parallel_context: *mut c_void,
 }
 
 impl rayc_detection_options {
     pub(super) fn detection<T: Scalar>(&self) -> Result<DetectionOptions<T>, Failure> {
+        if self.reserved != 0 {
+            return Err(Failure::new(
+                rayc_status::RAYC_STATUS_INVALID_OPTION,
+                format!("reserved is {}; fill the struct with rayc_default_detection_options() first", self.reserved),
+            ));
+        }
         let spacing = self.sample_spacing;
         let sampling = match spacing {
             RAYC_SPACING_AUTOMATIC => Sampling::Automatic,
@@ -103,34 +117,47 @@ impl rayc_detection_options {
     }
 }
 
-/// An options struct that starts with its own size.
-pub(super) trait Options: Copy {
+/// A struct that later versions may add fields to, at its end; callers say how much of it they know.
+pub(super) trait Growing: Copy {
     const NAME: &'static str;
-    /// Where the last field of the first released version ends; programs built then pass no less.
+    /// Where the last field of the first version ends; programs built then pass no less.
     const SMALLEST: usize;
+}
+
+/// An options struct that starts with its own size.
+pub(super) trait Options: Growing {
     fn defaults() -> Self;
 }
 
-impl Options for rayc_mesh_options {
+impl Growing for rayc_mesh_options {
     const NAME: &'static str = "rayc_mesh_options";
     const SMALLEST: usize = std::mem::offset_of!(Self, precision) + size_of::<u32>();
+}
+
+impl Options for rayc_mesh_options {
     fn defaults() -> Self {
         Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32, open: 0 }
     }
 }
 
-impl Options for rayc_detection_options {
+impl Growing for rayc_detection_options {
     const NAME: &'static str = "rayc_detection_options";
     const SMALLEST: usize = std::mem::offset_of!(Self, escape) + size_of::<u32>();
+}
+
+impl Options for rayc_detection_options {
     fn defaults() -> Self {
         let sample_spacing = RAYC_SPACING_AUTOMATIC;
-        Self { struct_size: size_of::<Self>(), sample_spacing, edges: 1, escape: 1, past_folds: 0 }
+        Self { struct_size: size_of::<Self>(), sample_spacing, edges: 1, escape: 1, past_folds: 0, reserved: 0 }
     }
 }
 
-impl Options for rayc_response_options {
+impl Growing for rayc_response_options {
     const NAME: &'static str = "rayc_response_options";
     const SMALLEST: usize = std::mem::offset_of!(Self, weighting) + size_of::<u32>();
+}
+
+impl Options for rayc_response_options {
     fn defaults() -> Self {
         let weighting = rayc_weighting::RAYC_WEIGHTING_AREA as u32;
         let struct_size = size_of::<Self>();
@@ -138,11 +165,20 @@ impl Options for rayc_response_options {
     }
 }
 
-impl Options for rayc_scene_options {
+impl Growing for rayc_scene_options {
     const NAME: &'static str = "rayc_scene_options";
     const SMALLEST: usize = std::mem::offset_of!(Self, threads) + size_of::<u32>();
+}
+
+impl Options for rayc_scene_options {
     fn defaults() -> Self {
-        Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32, threads: 1 }
+        Self {
+            struct_size: size_of::<Self>(),
+            precision: rayc_scalar::RAYC_SCALAR_F64 as u32,
+            threads: 1,
+            parallel_for: None,
+            parallel_context: std::ptr::null_mut(),
+        }
     }
 }
 
@@ -177,16 +213,18 @@ pub(super) fn flag(field: &str, value: u32) -> Result<bool, Failure> {
     }
 }
 
-fn check_size<O: Options>(struct_size: usize) -> Result<(), Failure> {
-    if (O::SMALLEST..=size_of::<O>()).contains(&struct_size) {
+fn check_size<O: Growing>(struct_size: usize) -> Result<(), Failure> {
+    let (name, largest) = (O::NAME, size_of::<O>());
+    let smallest = O::SMALLEST.next_multiple_of(align_of::<O>());
+    // A size that is no multiple of the alignment would cut a field.
+    if (smallest..=largest).contains(&struct_size) && struct_size.is_multiple_of(align_of::<O>()) {
         return Ok(());
     }
-    let (name, smallest, largest) = (O::NAME, O::SMALLEST, size_of::<O>());
     Err(Failure::new(
         rayc_status::RAYC_STATUS_INVALID_STRUCT_SIZE,
         format!(
             "struct_size of {name} is {struct_size}, not {smallest} to {largest}; fill the struct with its default \
-             function first, and link the library your header belongs to"
+             function first, pass sizeof, and link the library your header belongs to"
         ),
     ))
 }
@@ -207,16 +245,30 @@ pub(super) unsafe fn read_options<O: Options>(options: *const O) -> Result<O, Fa
     Ok(read)
 }
 
+/// Writes as much of `value` as the caller knows.
+///
+/// # Safety
+/// `place` is writable for `struct_size` bytes.
+pub(super) unsafe fn write_known<V: Growing>(
+    struct_size: usize,
+    place: *mut V,
+    name: &str,
+    value: V,
+) -> Result<(), Failure> {
+    check_size::<V>(struct_size)?;
+    Output::new(place, name)?;
+    // SAFETY: struct_size bytes are writable by this function's contract, and no more than `value` holds.
+    unsafe { std::ptr::copy_nonoverlapping((&raw const value).cast::<u8>(), place.cast::<u8>(), struct_size) };
+    Ok(())
+}
+
 /// # Safety
 /// `place` is writable for `struct_size` bytes.
 unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Result<(), Failure> {
-    check_size::<O>(struct_size)?;
-    Output::new(place, "options")?;
-    let defaults = O::defaults();
-    // SAFETY: struct_size bytes are writable by this function's contract, and no more than `defaults` holds. The
-    // first field is the size, which tells later calls how much of the struct the caller knows.
+    // SAFETY: by this function's contract. The first field is the size, which tells later calls how much of the struct
+    // the caller knows.
     unsafe {
-        std::ptr::copy_nonoverlapping((&raw const defaults).cast::<u8>(), place.cast::<u8>(), struct_size);
+        write_known(struct_size, place, "options", O::defaults())?;
         place.cast::<usize>().write(struct_size);
     }
     Ok(())

@@ -1,18 +1,20 @@
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
+use super::host_threads::HostThreads;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh, renew_positions};
 use super::options::{flag, rayc_detection_options, rayc_scene_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
 use crate::math::Scalar;
 use crate::scene::Scene;
+use std::sync::Arc;
 
 /// Many bodies, and all contacts among them. Bodies are numbered from 0; a scene holds copies of the meshes it is
 /// given.
 ///
-/// Threads: one call at a time for one scene; different scenes may be used at once. The caller frees it with
-/// rayc_scene_destroy(), which also ends its threads.
+/// Threads: one call at a time for one scene, from any thread; different scenes may be used at once. Whose threads work
+/// is for rayc_scene_options to say. The caller frees it with rayc_scene_destroy(), which also ends its threads.
 pub struct rayc_scene {
     pub(super) scene: AnyScene,
 }
@@ -28,7 +30,8 @@ const MOST_THREADS: u32 = 1024;
 
 /// Makes an empty scene. options: NULL for the defaults. *scene: the new handle.
 ///
-/// Errors: RAYC_STATUS_THREADS_NOT_STARTED, RAYC_STATUS_INVALID_OPTION for too many threads.
+/// Errors: RAYC_STATUS_THREADS_NOT_STARTED, RAYC_STATUS_INVALID_OPTION for too many threads, or for
+/// threads beside a parallel_for.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_create(
     options: *const rayc_scene_options,
@@ -45,17 +48,30 @@ pub unsafe extern "C" fn rayc_scene_create(
                 format!("threads is {}; give 0 to {MOST_THREADS}", options.threads),
             ));
         }
-        let threads = options.threads as usize;
+        if options.parallel_for.is_some() && options.threads != 1 {
+            return Err(Failure::new(
+                rayc_status::RAYC_STATUS_INVALID_OPTION,
+                format!("threads is {} beside a parallel_for; give 1, or no parallel_for", options.threads),
+            ));
+        }
         let scene = match precision {
-            rayc_scalar::RAYC_SCALAR_F32 => AnyScene::F32(Scene::new(threads)?),
-            rayc_scalar::RAYC_SCALAR_F64 => AnyScene::F64(Scene::new(threads)?),
+            rayc_scalar::RAYC_SCALAR_F32 => AnyScene::F32(new_scene(&options)?),
+            rayc_scalar::RAYC_SCALAR_F64 => AnyScene::F64(new_scene(&options)?),
         };
         give(place, rayc_scene { scene });
         Ok(())
     })
 }
 
-/// Frees a scene and ends its threads; NULL does nothing.
+fn new_scene<T: Scalar>(options: &rayc_scene_options) -> Result<Scene<T>, Failure> {
+    let context = options.parallel_context;
+    Ok(match options.parallel_for {
+        Some(parallel_for) => Scene::with_host_threads(Arc::new(HostThreads { parallel_for, context })),
+        None => Scene::new(options.threads as usize)?,
+    })
+}
+
+/// Frees a scene and ends its threads, which have ended when it returns; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_status {
     guard(|| {

@@ -3,17 +3,29 @@ use super::guard::guard_value;
 use libc::c_char;
 use std::ffi::CStr;
 
-/// Major version of this header. The ABI stays compatible within one major version (within one minor version of 0).
+/// Major version of this header. The ABI stays compatible within one major version (within one minor version of 0): a
+/// program runs with any library of that version that is no older than the program's header.
 pub const RAYC_VERSION_MAJOR: u32 = 0;
 /// Minor version of this header.
 pub const RAYC_VERSION_MINOR: u32 = 1;
 /// Patch version of this header.
 pub const RAYC_VERSION_PATCH: u32 = 0;
 
-/// The version of the library that is linked: major · 10000 + minor · 100 + patch.
+/// The ABI of this header: major · 100, and the minor version while the major is 0. The C++ headers compare it with
+/// rayc_abi_version() before they make anything.
+pub const RAYC_ABI_VERSION: u32 = 1;
+
+/// The version of the library that is linked: major · 10000 + minor · 100 + patch. Any thread may ask at any time.
 #[unsafe(no_mangle)]
 pub extern "C" fn rayc_version() -> u32 {
     guard_value(0, || RAYC_VERSION_MAJOR * 10_000 + RAYC_VERSION_MINOR * 100 + RAYC_VERSION_PATCH)
+}
+
+/// The ABI of the library that is linked. Where it is not the header's RAYC_ABI_VERSION, no other function may be called.
+/// Any thread may ask at any time.
+#[unsafe(no_mangle)]
+pub extern "C" fn rayc_abi_version() -> u32 {
+    guard_value(0, || RAYC_ABI_VERSION)
 }
 
 // A test holds this list against the header's enum.
@@ -42,6 +54,7 @@ status_names! {
     RAYC_STATUS_INVALID_STRIDE
     RAYC_STATUS_UNKNOWN_BODY
     RAYC_STATUS_NOT_FINITE
+    RAYC_STATUS_OTHER_ABI
     RAYC_STATUS_MESH_EMPTY
     RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE
     RAYC_STATUS_MESH_DEGENERATE_TRIANGLE

@@ -5,7 +5,6 @@ use super::samples::Sample;
 use super::{Contact, ContactList, Statistics};
 use crate::math::{Scalar, dispatch};
 use crate::ray::Hit;
-use rayon::prelude::*;
 
 /// So many groups of vertices or triangles are cast from together. Chunks do not depend on the number of threads, and so
 /// neither do the sums over them.
@@ -26,7 +25,7 @@ impl<T: Scalar> Direction<'_, T> {
     pub(super) fn cast_samples(&self, list: &mut ContactList<T>) {
         list.workspace.clear();
         self.pair.tracers[self.side].groups_in(self.pair.region, &mut list.workspace.groups);
-        if list.workspace.is_parallel && list.workspace.groups.len() > GROUPS_IN_CHUNK {
+        if list.workspace.helpers.are_there() && list.workspace.groups.len() > GROUPS_IN_CHUNK {
             self.cast_side_by_side(list);
         } else {
             self.cast_one_by_one(list);
@@ -58,7 +57,9 @@ impl<T: Scalar> Direction<'_, T> {
             workspace.chunks.resize_with(count, Chunk::default);
         }
         let chunks = &mut workspace.chunks[..count];
-        chunks.par_iter_mut().zip(workspace.groups.par_chunks(GROUPS_IN_CHUNK)).for_each(|(chunk, groups)| {
+        workspace.helpers.for_each(chunks, |place, chunk| {
+            let first = place * GROUPS_IN_CHUNK;
+            let groups = &workspace.groups[first..workspace.groups.len().min(first + GROUPS_IN_CHUNK)];
             (chunk.surface, chunk.statistics) = (CastSurface::default(), Statistics::default());
             chunk.contacts.clear();
             let Chunk { surface, statistics, contacts, pieces, crossings } = chunk;

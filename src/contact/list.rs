@@ -3,6 +3,7 @@ use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
 use crate::mesh::Mesh;
 use crate::ray::{Hit, Ray};
+use crate::threads::Helpers;
 
 /// A point on a mesh's surface. It moves with its triangle: its position is the weighted sum of the three vertices'.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,10 +175,9 @@ impl<T: Scalar> ContactList<T> {
         self.contacts.is_empty()
     }
 
-    /// An empty list for a query that may use all threads of the pool that runs it.
-    pub(crate) fn for_pool() -> Self {
-        let workspace = Workspace { is_parallel: true, ..Workspace::default() };
-        Self { workspace, ..Self::default() }
+    /// Says who helps with the next query for a pair.
+    pub(crate) fn set_helpers(&mut self, helpers: Helpers) {
+        self.workspace.helpers = helpers;
     }
 
     /// Forgets everything but the memory.

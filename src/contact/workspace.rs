@@ -5,13 +5,14 @@ use super::self_contact::{SelfWorkspace, leaves_body_before_end, way_out_past_fo
 use crate::math::Scalar;
 use crate::octree::Tracer;
 use crate::ray::{Hit, Ray};
+use crate::threads::Helpers;
 
 /// The rays of one direction of a pair on their way through the filters, each at one place of all arrays. Kept with
 /// the contacts, so that a steady step allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Workspace<T: Scalar> {
-    /// Whether rays may be cast on several threads of the pool that runs the query.
-    pub(super) is_parallel: bool,
+    /// Who helps to cast the rays of one pair.
+    pub(super) helpers: Helpers,
     pub(super) chunks: Vec<Chunk<T>>,
     /// The groups of vertices or triangles that cast.
     pub(super) groups: Vec<u32>,

@@ -12,9 +12,10 @@ use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory, dete
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 use crate::octree::Octree;
+use crate::threads::{ParallelFor, Threads};
 use broad_phase::BroadPhase;
 use pairs::{Pairs, Remembered};
-use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Bodies, and what is needed to find all contacts among them.
 ///
@@ -28,8 +29,7 @@ pub struct Scene<T: Scalar> {
     /// What is known of pairs from step to step.
     pairs: Pairs<T>,
     options: DetectionOptions<T>,
-    /// `None`: the caller's own thread.
-    pool: Option<rayon::ThreadPool>,
+    threads: Threads,
 }
 
 #[derive(Debug)]
@@ -52,29 +52,30 @@ struct OwnContacts<T: Scalar> {
 }
 
 impl<T: Scalar> Scene<T> {
-    /// An empty scene with default options. `threads`: 1 works on the caller's own thread, n on a pool of n threads that the scene owns, 0
-    /// on one thread per core.
+    /// An empty scene with default options. `threads`: 1 works on the caller's own thread, n on a pool of n threads that the
+    /// scene owns and that have ended when it is dropped, 0 on a pool of one thread for each core.
     ///
     /// # Errors
     /// [`SceneError::ThreadsNotStarted`].
     pub fn new(threads: usize) -> Result<Self, SceneError> {
-        let pool = match threads {
-            1 => None,
-            _ => {
-                let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
-                let named = builder.thread_name(|index| format!("raycontact-{index}"));
-                Some(named.build().map_err(|source| SceneError::ThreadsNotStarted { threads, source })?)
-            }
-        };
-        let options = DetectionOptions::default();
-        Ok(Self {
+        let started = Threads::new(threads);
+        Ok(Self::working_with(started.map_err(|source| SceneError::ThreadsNotStarted { threads, source })?))
+    }
+
+    /// An empty scene with default options that works on the host's threads.
+    pub fn with_host_threads(host: Arc<dyn ParallelFor>) -> Self {
+        Self::working_with(Threads::of_host(host))
+    }
+
+    fn working_with(threads: Threads) -> Self {
+        Self {
             bodies: Vec::new(),
             broad_phase: BroadPhase::default(),
             pair_contacts: Vec::new(),
             pairs: Pairs::default(),
-            options,
-            pool,
-        })
+            options: DetectionOptions::default(),
+            threads,
+        }
     }
 
     /// Sets how contacts are found from the next query on.
@@ -201,13 +202,7 @@ impl<T: Scalar> Scene<T> {
     /// which that is switched on. Replaces what `contacts` held; their order is by pair (smaller body number first, then
     /// the other; a body with itself first of all), then the colliding body, then along its surface.
     pub fn query(&mut self, contacts: &mut ContactList<T>) {
-        match self.pool.take() {
-            None => self.detect(false),
-            Some(pool) => {
-                pool.install(|| self.detect(true));
-                self.pool = Some(pool);
-            }
-        }
+        self.detect();
         contacts.clear();
         let mut pairs = self.broad_phase.pairs().iter().zip(&self.pair_contacts).peekable();
         for (number, body) in self.bodies.iter().enumerate() {
@@ -220,52 +215,46 @@ impl<T: Scalar> Scene<T> {
         }
     }
 
-    fn detect(&mut self, parallel: bool) {
+    fn detect(&mut self) {
         let boxes = self.bodies.iter().map(|body| body.as_ref().map(|body| *body.mesh.aabb()));
         self.broad_phase.update(boxes);
         let broad_phase = &self.broad_phase;
         let pairs = broad_phase.pairs();
         if self.pair_contacts.len() < pairs.len() {
-            let new = || if parallel { ContactList::for_pool() } else { ContactList::default() };
-            self.pair_contacts.resize_with(pairs.len(), new);
+            self.pair_contacts.resize_with(pairs.len(), ContactList::default);
         }
-
         self.pairs.remember(pairs);
+        let helpers = self.threads.helpers();
+        let [with_pairs, within_pairs] = helpers.outside_and_within(pairs.len());
 
         let options = &self.options;
-        let update = |(index, body): (usize, &mut Option<Body<T>>)| {
+        let update = |index: usize, body: &mut Option<Body<T>>| {
             if let Some(body) = body {
                 body.update(index as u32, broad_phase.met_by(index), options);
             }
         };
-        if parallel {
-            self.bodies.par_iter_mut().enumerate().for_each(update);
-        } else {
-            self.bodies.iter_mut().enumerate().for_each(update);
-        }
+        self.threads.run(|| {
+            helpers.for_each(&mut self.bodies, update);
 
-        let bodies = &self.bodies;
-        let body = |index: u32| bodies[index as usize].as_ref().expect("pairs name present bodies");
-        let tracer = |index: u32| {
-            let Body { octree, mesh, .. } = body(index);
-            octree.tracer(mesh).expect("octrees are up to date")
-        };
-        let may_overlap = |index: u32| body(index).own.as_ref().is_some_and(|own| own.may_overlap);
-        let forbidden = &self.pairs.without_escape;
-        let detect = |((pair, memory), contacts): (&mut Remembered<T>, &mut ContactList<T>)| {
-            contacts.clear();
-            let may_escape = forbidden.binary_search(pair).is_err();
-            let tracers = pair.map(tracer);
-            let past_folds = options.past_folds || pair.iter().any(|&body| may_overlap(body));
-            let options = DetectionOptions { past_folds, ..*options };
-            detect_pair(*pair, tracers.each_ref(), &options, Some(memory), may_escape, contacts);
-        };
-        let memories = &mut self.pairs.memories;
-        if parallel {
-            memories.par_iter_mut().zip(&mut self.pair_contacts).for_each(detect);
-        } else {
-            memories.iter_mut().zip(&mut self.pair_contacts).for_each(detect);
-        }
+            let bodies = &self.bodies;
+            let body = |index: u32| bodies[index as usize].as_ref().expect("pairs name present bodies");
+            let tracer = |index: u32| {
+                let Body { octree, mesh, .. } = body(index);
+                octree.tracer(mesh).expect("octrees are up to date")
+            };
+            let may_overlap = |index: u32| body(index).own.as_ref().is_some_and(|own| own.may_overlap);
+            let forbidden = &self.pairs.without_escape;
+            let detect = |(pair, memory): &mut Remembered<T>, contacts: &mut ContactList<T>| {
+                contacts.clear();
+                contacts.set_helpers(within_pairs.clone());
+                let may_escape = forbidden.binary_search(pair).is_err();
+                let tracers = pair.map(tracer);
+                let past_folds = options.past_folds || pair.iter().any(|&body| may_overlap(body));
+                let options = DetectionOptions { past_folds, ..*options };
+                detect_pair(*pair, tracers.each_ref(), &options, Some(memory), may_escape, contacts);
+            };
+            with_pairs.for_each_two(&mut self.pairs.memories, &mut self.pair_contacts, detect);
+        });
     }
 }
 

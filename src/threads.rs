@@ -1,0 +1,181 @@
+//! Whose threads work: the caller's own, a pool's, or the host's. Results do not depend on it, to the bit.
+
+use rayon::ThreadPoolBuildError;
+use rayon::prelude::*;
+use std::fmt;
+use std::num::NonZeroUsize;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{Builder, JoinHandle, available_parallelism};
+
+/// Threads that a host lends.
+///
+/// The library calls it only from the thread that made the call of the library, and never while one of its calls is under
+/// way: so a pool that cannot nest will do.
+pub trait ParallelFor: Send + Sync {
+    /// Calls `task` once with each number below `count`, on any threads and in any order, and returns when all these calls
+    /// have returned.
+    fn run(&self, count: usize, task: &(dyn Fn(usize) + Sync));
+}
+
+/// So many items keep a host's threads busy.
+const MANY: usize = 8;
+
+/// What may help the calling thread with many items.
+#[derive(Clone, Default)]
+pub(crate) enum Helpers {
+    /// Nobody.
+    #[default]
+    Nobody,
+    /// The pool on which the call is run, which may also be asked from one of its own threads.
+    Pool,
+    /// The host's threads.
+    Host(Arc<dyn ParallelFor>),
+}
+
+impl fmt::Debug for Helpers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nobody => "Nobody",
+            Self::Pool => "Pool",
+            Self::Host(_) => "Host",
+        })
+    }
+}
+
+impl Helpers {
+    /// Whether there is anybody.
+    pub(crate) fn are_there(&self) -> bool {
+        !matches!(self, Self::Nobody)
+    }
+
+    /// Who helps with so many items, and who within each of them. A host is never asked from one of its own calls, so it
+    /// helps within items where these are few.
+    pub(crate) fn outside_and_within(&self, items: usize) -> [Self; 2] {
+        match self {
+            Self::Host(_) if items < MANY => [Self::Nobody, self.clone()],
+            Self::Host(_) => [self.clone(), Self::Nobody],
+            _ => [self.clone(), self.clone()],
+        }
+    }
+
+    /// Does the work for each item, with the item's place.
+    pub(crate) fn for_each<I: Send>(&self, items: &mut [I], work: impl Fn(usize, &mut I) + Sync) {
+        match self {
+            Self::Pool => items.par_iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
+            Self::Nobody => items.iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
+            Self::Host(host) => share(&**host, items.iter_mut().enumerate(), |(place, item)| work(place, item)),
+        }
+    }
+
+    /// Does the work for the items of two slices that stand at the same place, as far as the shorter reaches.
+    pub(crate) fn for_each_two<I: Send, J: Send>(
+        &self,
+        first: &mut [I],
+        second: &mut [J],
+        work: impl Fn(&mut I, &mut J) + Sync,
+    ) {
+        let both = |(i, j): (&mut I, &mut J)| work(i, j);
+        match self {
+            Self::Pool => first.par_iter_mut().zip(second).for_each(both),
+            Self::Nobody => first.iter_mut().zip(second).for_each(both),
+            Self::Host(host) => share(&**host, first.iter_mut().zip(second), both),
+        }
+    }
+}
+
+/// Shares the items out to the host's threads: each call takes the next, whatever its number, so none is worked on twice.
+fn share<I>(host: &dyn ParallelFor, items: impl ExactSizeIterator<Item = I> + Send, work: impl Fn(I) + Sync) {
+    let count = items.len();
+    let items = Mutex::new(items);
+    let take = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
+    if count > 1 {
+        host.run(count, &|_| take().into_iter().for_each(&work));
+    }
+    // A single item is not worth the call; and a host may have called too seldom.
+    while let Some(item) = take() {
+        work(item);
+    }
+}
+
+/// What a scene works with.
+pub(crate) struct Threads {
+    pool: Option<Pool>,
+    helpers: Helpers,
+}
+
+impl fmt::Debug for Threads {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.helpers.fmt(f)
+    }
+}
+
+impl Threads {
+    /// 1: the caller's own thread; n: a pool of n; 0: a pool of one for each core.
+    pub(crate) fn new(count: usize) -> Result<Self, ThreadPoolBuildError> {
+        Ok(match count {
+            1 => Self { pool: None, helpers: Helpers::Nobody },
+            _ => Self { pool: Some(Pool::new(count)?), helpers: Helpers::Pool },
+        })
+    }
+
+    pub(crate) fn of_host(host: Arc<dyn ParallelFor>) -> Self {
+        Self { pool: None, helpers: Helpers::Host(host) }
+    }
+
+    pub(crate) fn helpers(&self) -> &Helpers {
+        &self.helpers
+    }
+
+    /// Runs the work where the helpers can help.
+    pub(crate) fn run(&self, work: impl FnOnce() + Send) {
+        match self.pool.as_ref().and_then(|pool| pool.pool.as_ref()) {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+}
+
+/// A pool whose threads have ended when it is dropped, so that the library may then be unloaded.
+struct Pool {
+    /// Taken on dropping.
+    pool: Option<rayon::ThreadPool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Pool {
+    fn new(count: usize) -> Result<Self, ThreadPoolBuildError> {
+        let cores = || available_parallelism().map_or(1, NonZeroUsize::get);
+        let count = if count == 0 { cores() } else { count };
+        let mut threads = Vec::with_capacity(count);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(count)
+            .spawn_handler(|thread| {
+                let name = format!("raycontact-{}", thread.index());
+                threads.push(Builder::new().name(name).spawn(|| thread.run())?);
+                Ok(())
+            })
+            .build();
+        match pool {
+            Ok(pool) => Ok(Self { pool: Some(pool), threads }),
+            Err(error) => {
+                // Those that had been started are told to end.
+                join(threads);
+                Err(error)
+            }
+        }
+    }
+}
+
+impl Drop for Pool {
+    fn drop(&mut self) {
+        drop(self.pool.take());
+        join(self.threads.drain(..));
+    }
+}
+
+fn join(threads: impl IntoIterator<Item = JoinHandle<()>>) {
+    for thread in threads {
+        // A panic of a task has been passed on to whoever waited for the task.
+        let _ = thread.join();
+    }
+}

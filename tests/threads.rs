@@ -1,0 +1,95 @@
+//! Whose threads work makes no difference to what is found, and none of them outlives its scene.
+
+mod common;
+
+use common::shapes;
+use raycontact::contact::ContactList;
+use raycontact::scene::Scene;
+use raycontact::threads::ParallelFor;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// A host with threads that start for each call and take turns; it cannot nest.
+#[derive(Default)]
+struct Host {
+    busy: AtomicBool,
+    calls: AtomicUsize,
+    /// So many of the last numbers of each call are left out, and so many called twice.
+    left_out: usize,
+    twice: usize,
+}
+
+impl ParallelFor for Host {
+    fn run(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        assert!(!self.busy.swap(true, Ordering::SeqCst), "called from within one of its own calls");
+        self.calls.fetch_add(1, Ordering::SeqCst);
+        std::thread::scope(|scope| {
+            for thread in 0..3 {
+                scope.spawn(move || (thread..count - self.left_out.min(count)).step_by(3).rev().for_each(task));
+            }
+        });
+        (0..self.twice.min(count)).for_each(task);
+        self.busy.store(false, Ordering::SeqCst);
+    }
+}
+
+/// Tori in a row, each overlapping its neighbours; `fine` ones cast their rays in several chunks.
+fn contacts_in(scene: &mut Scene<f64>, bodies: usize, fine: bool) -> ContactList<f64> {
+    let torus = if fine { shapes::torus(64, 32, 0.4) } else { shapes::torus(12, 8, 0.4) };
+    for k in 0..bodies {
+        let k = k as f64;
+        scene.add(torus.turned(0.3 * k, 0.2 * k).moved([0.1 * k, 0.05 * k, 0.6 * k]).mesh());
+    }
+    let mut contacts = ContactList::default();
+    scene.query(&mut contacts);
+    contacts
+}
+
+#[test]
+fn results_do_not_depend_on_whose_threads_work() {
+    for (bodies, fine) in [(2, true), (3, true), (12, false)] {
+        let expected = contacts_in(&mut Scene::new(1).expect("no thread is started"), bodies, fine);
+        assert!(expected.len() > 10 * bodies, "the tori overlap");
+        for threads in [2, 5, 0] {
+            let mut scene = Scene::new(threads).expect("the threads start");
+            assert_eq!(contacts_in(&mut scene, bodies, fine), expected, "{bodies} bodies, {threads} threads");
+        }
+        let host = Arc::new(Host::default());
+        let mut scene = Scene::with_host_threads(host.clone());
+        assert_eq!(contacts_in(&mut scene, bodies, fine), expected, "{bodies} bodies, the host's threads");
+        assert!(host.calls.load(Ordering::SeqCst) > 1, "the host was asked");
+    }
+}
+
+/// A host's mistake in counting costs nothing but time.
+#[test]
+fn every_item_is_worked_on_once_whatever_the_host_calls() {
+    let expected = contacts_in(&mut Scene::new(1).expect("no thread is started"), 3, true);
+    for (left_out, twice) in [(2, 0), (usize::MAX, 0), (0, usize::MAX)] {
+        let host = Host { left_out, twice, ..Host::default() };
+        let mut scene = Scene::with_host_threads(Arc::new(host));
+        assert_eq!(contacts_in(&mut scene, 3, true), expected, "left out: {left_out}, twice: {twice}");
+    }
+}
+
+/// Threads of this process whose name is that of a pool's.
+#[cfg(target_os = "linux")]
+fn pool_threads(name: &str) -> usize {
+    let tasks = std::fs::read_dir("/proc/self/task").expect("Linux lists threads");
+    let names = tasks.filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok());
+    names.filter(|comm| comm.trim_end() == name).count()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_have_ended_when_the_scene_is_dropped() {
+    // No other test here starts so many.
+    let last = "raycontact-16";
+    for _ in 0..20 {
+        let mut scene = Scene::new(17).expect("the threads start");
+        assert!(!contacts_in(&mut scene, 2, false).is_empty());
+        assert_eq!(pool_threads(last), 1);
+        drop(scene);
+        assert_eq!(pool_threads(last), 0);
+    }
+}
