@@ -52,7 +52,7 @@ add_custom_target(
 set(THREADS_PREFER_PTHREAD_FLAG ON)
 find_package(Threads REQUIRED GLOBAL)
 include("${CMAKE_CURRENT_LIST_DIR}/SystemLibraries.cmake")
-raycontact_find_system_libraries(RAYCONTACT_SYSTEM_LIBRARIES)
+raycontact_find_system_libraries(RAYCONTACT_SYSTEM_LIBRARIES RAYCONTACT_SYSTEM_FLAGS)
 
 add_library(raycontact::raycontact SHARED IMPORTED GLOBAL)
 set_target_properties(

@@ -1,7 +1,7 @@
-# raycontact_find_system_libraries(<variable>)
+# raycontact_find_system_libraries(<variable> <variable for flags>)
 # The system libraries that a program linking the static library needs. rustc itself is asked, so that no list is
-# kept by hand; the answer goes into the installed package as well.
-function(raycontact_find_system_libraries variable)
+# kept by hand; the answer goes into the installed package as well: as CMake's names, and as flags for other builds.
+function(raycontact_find_system_libraries variable variable_for_flags)
     set(probe "${CMAKE_CURRENT_BINARY_DIR}/system_libraries")
     file(WRITE "${probe}.rs" "")
     execute_process(
@@ -16,8 +16,10 @@ function(raycontact_find_system_libraries variable)
 
     string(STRIP "${CMAKE_MATCH_1}" flags)
     separate_arguments(flags UNIX_COMMAND "${flags}")
-    list(TRANSFORM flags REPLACE "^-l" "")
     list(REMOVE_DUPLICATES flags)
+    list(JOIN flags " " joined)
+    set(${variable_for_flags} "${joined}" PARENT_SCOPE)
+    list(TRANSFORM flags REPLACE "^-l" "")
     # CMake knows what else threads need, such as a compiler flag.
     list(TRANSFORM flags REPLACE "^pthread$" "Threads::Threads")
     set(${variable} "${flags}" PARENT_SCOPE)

@@ -6,7 +6,9 @@ packages=(
     build-essential # C and C++ compilers, and the linker that cargo calls
     cmake           # 3.25 or newer
     ninja-build     # the generator of the presets
-    pkg-config      # finds both builds of Bullet
+    pkg-config      # finds both builds of Bullet, and the installed package
+    dpkg-dev        # makes the Debian packages
+    python3-venv    # for the Conan client, which comes from PyPI
     libbullet-dev   # Bullet, float and double
     python3-vtk9    # draws the demo's picture
     libtbb-dev      # threads of a host, lent to the library

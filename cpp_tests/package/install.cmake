@@ -1,0 +1,26 @@
+# Installs the package, and moves it: the others find it where it was not built for.
+include("${CMAKE_CURRENT_LIST_DIR}/tools.cmake")
+
+file(REMOVE_RECURSE "${INSTALLED}" "${INSTALLED}_first")
+run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${INSTALLED}_first" --strip)
+file(RENAME "${INSTALLED}_first" "${INSTALLED}")
+
+file(GLOB_RECURSE shared_libraries "${INSTALLED}/*/libraycontact.so*")
+list(LENGTH shared_libraries count)
+if(NOT count EQUAL 3)
+    message(FATAL_ERROR "expected libraycontact.so, .so.<ABI> and .so.<version>, found: ${shared_libraries}")
+endif()
+# Nothing but the libraries themselves may know where it was built.
+file(GLOB_RECURSE texts "${INSTALLED}/*.cmake" "${INSTALLED}/*.pc" "${INSTALLED}/*.h" "${INSTALLED}/*.hpp")
+foreach(text IN LISTS texts)
+    file(STRINGS "${text}" lines)
+    if(lines MATCHES "${BUILD}" OR lines MATCHES "${SOURCE}" OR lines MATCHES "${INSTALLED}_first")
+        message(FATAL_ERROR "${text} names a folder of the build")
+    endif()
+endforeach()
+foreach(library IN LISTS shared_libraries)
+    if(NOT IS_SYMLINK "${library}")
+        file(SIZE "${library}" size)
+        message("${library}, stripped: ${size} bytes")
+    endif()
+endforeach()
