@@ -1,4 +1,4 @@
-// Every header alone, twice, as C++17, in a program of two translation units.
+// The main headers, as C++17, in a program of two translation units.
 #include <cstdio>
 
 #include "raycontact.h"

@@ -1,0 +1,198 @@
+// raycontact.hpp: owners move and do not copy, views show the caller's arrays, errors are exceptions; its answers are
+// those of the C functions.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <deque>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "check.h"
+#include "raycontact.hpp"
+
+using namespace raycontact;
+
+int check_results_without_exceptions();
+
+namespace {
+
+static_assert(!std::is_copy_constructible<Mesh>::value && std::is_nothrow_move_constructible<Mesh>::value, "");
+static_assert(!std::is_copy_constructible<Octree>::value && std::is_nothrow_move_constructible<Octree>::value, "");
+static_assert(!std::is_copy_constructible<Contacts>::value && std::is_nothrow_move_constructible<Contacts>::value, "");
+static_assert(!std::is_copy_constructible<Scene>::value && std::is_nothrow_move_assignable<Scene>::value, "");
+
+using Point = std::array<double, 3>;
+const std::vector<Point> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+const std::vector<uint32_t> faces = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+
+std::vector<Point> shifted(double by) {
+  std::vector<Point> moved = corners;
+  for (Point& point : moved)
+    for (double& x : point) x += by;
+  return moved;
+}
+
+template <class Call>
+void check_throws(rayc_status status, const char* part, Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    CHECK(error.status() == status && std::strstr(error.what(), part) != nullptr);
+    return;
+  }
+  CHECK(!"an exception was thrown");
+}
+
+/** A vector type with something behind its three numbers. */
+struct Padded {
+  float numbers[3];
+  int tag;
+  float& operator[](int axis) { return numbers[axis]; }
+  const float& operator[](int axis) const { return numbers[axis]; }
+};
+
+void views_show_arrays_as_they_are() {
+  const std::vector<double> packed = {1, 2, 3, 4, 5, 6};
+  const rayc_vectors two = vectors(packed);
+  CHECK(two.data == packed.data() && two.count == 2 && two.stride == 0 && two.scalar == RAYC_SCALAR_F64);
+  std::array<Padded, 5> padded{};
+  const rayc_vectors_mut five = vectors_mut(padded);
+  CHECK(five.data == &padded[0][0] && five.count == 5 && five.stride == sizeof(Padded));
+  CHECK(five.scalar == RAYC_SCALAR_F32);
+  CHECK(vectors(std::vector<Point>{}).count == 0);
+  const std::vector<double> odd(11);
+  check_throws(RAYC_STATUS_INVALID_STRIDE, "stride", [&] { Mesh(vectors(odd), faces); });
+}
+
+void errors_are_exceptions() {
+  const std::vector<uint32_t> holed(faces.begin(), faces.begin() + 9), odd(faces.begin(), faces.begin() + 11);
+  check_throws(RAYC_STATUS_MESH_OPEN, "RAYC_STATUS_MESH_OPEN: ", [&] { Mesh(vectors(corners), holed); });
+  check_throws(RAYC_STATUS_WRONG_COUNT, "11", [&] { Mesh(vectors(corners), odd); });
+  check_throws(RAYC_STATUS_FILE_NOT_READABLE, "none.obj", [&] { Mesh::from_obj("none.obj"); });
+  check_throws(RAYC_STATUS_INVALID_OPTION, "2000", [] { Scene(2000); });
+  Scene scene;
+  Contacts contacts;
+  check_throws(RAYC_STATUS_UNKNOWN_BODY, "3", [&] { scene.remove(3); });
+  const rayc_vectors one[] = {vectors(corners)};
+  check_throws(RAYC_STATUS_WRONG_COUNT, "1 arrays", [&] {
+    contacts.add_differential(default_response_options(), 1, 0, one, Span<const rayc_vectors_mut>());
+  });
+  check_throws(RAYC_STATUS_WRONG_COUNT, "1 arrays", [&] { contacts.energy(default_response_options(), 2, one); });
+  Scene other = std::move(scene);
+  check_throws(RAYC_STATUS_NULL_POINTER, "scene", [&] { scene.query(contacts); });
+  other.query(contacts);
+  CHECK(contacts.size() == 0);
+}
+
+void a_ray_hits_where_it_should() {
+  const Mesh mesh(vectors(corners), faces);
+  Octree octree(mesh);
+  const rayc_ray ray = {{0.25, 0.25, -1}, {0, 0, 2}, 10};
+  const rayc_hit hit = octree.trace(mesh, ray);
+  CHECK(hit.triangle == 0 && hit.is_exit == 0);
+  CHECK_NEAR(hit.t, 0.5, 1e-15);
+  rayc_hit hits[1];
+  octree.trace(mesh, Span<const rayc_ray>(&ray, 1), hits);
+  CHECK(hits[0].triangle == 0);
+  check_throws(RAYC_STATUS_WRONG_COUNT, "room for 1", [&] { octree.trace(mesh, {}, hits); });
+}
+
+/** All that a scene and its contacts offer, on the example of README.md, whose forces have a closed form. */
+void a_scene_answers_as_the_c_functions_do() {
+  std::vector<Point> a = corners, b = shifted(0.2);
+  std::size_t lent = 0;
+  auto host = [&lent](std::size_t count, auto task) {
+    ++lent;
+    for (std::size_t i = 0; i < count; ++i) task(i);
+  };
+  rayc_scene_options options = default_scene_options();
+  lend_threads(options, host);
+  Scene scene(options);
+  scene.add(Mesh(vectors(a), faces));
+  scene.add(Mesh(vectors(corners), faces));
+  scene.set_positions(1, vectors(b));
+  Contacts contacts;
+  scene.query(contacts);
+  CHECK(lent > 0);
+
+  const std::size_t count = contacts.size();
+  CHECK(count > 0 && contacts.statistics().contacts == count);
+  std::vector<rayc_contact> list;
+  std::vector<double> coefficients;
+  const rayc_response_options response = default_response_options();
+  contacts.copy_to(list);
+  contacts.copy_coefficients_to(response, coefficients);
+  double expected_energy = 0;
+  for (std::size_t i = 0; i < count; ++i) expected_energy += 0.5 * coefficients[i] * list[i].depth * list[i].depth;
+
+  std::vector<Point> force_a(4), force_b(4), force_there_a(4), force_there_b(4);
+  const rayc_vectors positions[] = {vectors(a), vectors(b)};
+  const rayc_vectors_mut forces[] = {vectors_mut(force_a), vectors_mut(force_b)};
+  const rayc_vectors_mut forces_there[] = {vectors_mut(force_there_a), vectors_mut(force_there_b)};
+  contacts.add_forces(response, forces);
+  contacts.add_forces(response, positions, {}, forces_there);
+  double along_x = 0;
+  for (std::size_t vertex = 0; vertex < 4; ++vertex) {
+    along_x += force_b[vertex][0];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      CHECK_NEAR(force_there_a[vertex][axis], force_a[vertex][axis], 1e-15);
+      CHECK_NEAR(force_there_b[vertex][axis], force_b[vertex][axis], 1e-15);
+    }
+  }
+  CHECK_NEAR(along_x, std::pow(0.4, 3) / 6 / std::sqrt(3.0), 5e-4); /* Archimedes: the overlap's volume */
+  CHECK_NEAR(contacts.energy(response, 2), expected_energy, 1e-15);
+  CHECK_NEAR(contacts.energy(response, 2, positions), expected_energy, 1e-15);
+
+  // Moved together, bodies change nothing between them.
+  const std::vector<Point> along(4, Point{1, 2, 3});
+  std::vector<Point> change_a(4), change_b(4);
+  const rayc_vectors displacements[] = {vectors(along), vectors(along)};
+  const rayc_vectors_mut changes[] = {vectors_mut(change_a), vectors_mut(change_b)};
+  contacts.add_differential(response, 1, 0, displacements, changes);
+  for (const Point& change : change_a) CHECK_NEAR(change[0], 0, 1e-14);
+
+  CHECK(scene.may_escape(0, 1));
+  scene.allow_escape(0, 1, false);
+  CHECK(!scene.may_escape(1, 0));
+  std::vector<rayc_pair_memory> memories;
+  std::vector<uint8_t> saved;
+  std::vector<rayc_escape_push> pushes;
+  scene.query(contacts);
+  scene.copy_pair_memories_to(memories);
+  CHECK(memories.size() == 1 && memories[0].first == 0 && memories[0].second == 1);
+  scene.save_pair_memories_to(saved);
+  scene.restore_pair_memories(saved);
+  saved[9] ^= 1;
+  check_throws(RAYC_STATUS_SAVED_STATE_OTHER_VERSION, "form", [&] { scene.restore_pair_memories(saved); });
+  contacts.copy_escape_pushes_to(pushes);
+  CHECK(pushes.empty());
+}
+
+void pairs_and_selves_without_a_scene() {
+  const std::vector<Point> b = shifted(0.2);
+  Mesh first(vectors(corners), faces), second(vectors(corners), faces);
+  Octree octree_first(first), octree_second(second);
+  second.set_positions(vectors(b));
+  Contacts contacts;
+  check_throws(RAYC_STATUS_OCTREE_STALE, "", [&] { query_pair(first, octree_first, second, octree_second, contacts); });
+  octree_second.update(second);
+  query_pair(first, octree_first, second, octree_second, contacts);
+  CHECK(contacts.size() > 0);
+  query_self(first, octree_first, contacts);
+  CHECK(contacts.size() == 0);
+  CHECK(second.vertex_count() == 4 && second.triangle_count() == 4 && second.triangles() == faces);
+  CHECK(second.positions()[0] == 0.2 && second.positions().size() == 12);
+}
+
+}  // namespace
+
+int main() {
+  views_show_arrays_as_they_are();
+  errors_are_exceptions();
+  a_ray_hits_where_it_should();
+  a_scene_answers_as_the_c_functions_do();
+  pairs_and_selves_without_a_scene();
+  const int without_exceptions = check_results_without_exceptions();
+  return check_result() != 0 ? 1 : without_exceptions;
+}

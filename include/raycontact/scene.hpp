@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/**
+ * @file
+ * Many bodies, one detection for all of them.
+ */
+#ifndef RAYCONTACT_SCENE_HPP
+#define RAYCONTACT_SCENE_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "contacts.hpp"
+#include "mesh.hpp"
+#include "result.hpp"
+#include "span.hpp"
+
+namespace raycontact {
+
+#ifdef RAYCONTACT_NO_EXCEPTIONS
+inline namespace with_results {
+#else
+inline namespace with_exceptions {
+#endif
+
+/**
+ * Lends the host's threads to scenes made with these options. `host(count, task)` calls task(index) once for each index
+ * below count and returns when all have returned, as rayc_parallel_for says; it must outlive the scenes. With oneTBB:
+ *
+ *     auto host = [](std::size_t count, auto task) { tbb::parallel_for(std::size_t{0}, count, task); };
+ */
+template <class Host>
+void lend_threads(rayc_scene_options& options, Host& host) {
+  options.threads = 1;
+  options.parallel_context = &host;
+  options.parallel_for = [](void* context, std::size_t count, rayc_task task, void* data) {
+    (*static_cast<Host*>(context))(count, [task, data](std::size_t index) { task(data, index); });
+  };
+}
+
+/** Many bodies, one detection for all; owns an rayc_scene, which says what threads may do with it. Moves, does not
+ * copy. */
+class Scene {
+ public:
+#ifndef RAYCONTACT_NO_EXCEPTIONS
+  /** `threads`: 1 = the caller's own, n = a pool of n, 0 = a pool of one for each core. */
+  explicit Scene(uint32_t threads = 1) : Scene(create(threads)) {}
+  /** As create(). */
+  explicit Scene(const rayc_scene_options& options) : Scene(create(options)) {}
+#endif
+
+  /** An empty scene: rayc_scene_create(). */
+  static Outcome<Scene> create(const rayc_scene_options& options) {
+    rayc_scene* scene = nullptr;
+    rayc_status status = detail::check_abi();
+    if (status == RAYC_STATUS_OK) status = rayc_scene_create(&options, &scene);
+    return detail::outcome(status, Scene(scene));
+  }
+
+  /** `threads`: 1 = the caller's own, n = a pool of n, 0 = a pool of one for each core. */
+  static Outcome<Scene> create(uint32_t threads = 1) {
+    rayc_scene_options options = default_scene_options();
+    options.threads = threads;
+    return create(options);
+  }
+
+  /** Copies the mesh; returns the body's number. */
+  Outcome<uint32_t> add(const Mesh& mesh) {
+    uint32_t body = 0;
+    const rayc_status status = rayc_scene_add_mesh(get(), mesh.get(), &body);
+    return detail::outcome(status, body);
+  }
+
+  /** Removes a body; its number may be given to a later one. */
+  Outcome<void> remove(uint32_t body) { return check(rayc_scene_remove_body(get(), body)); }
+
+  /** Renews the positions of a body's vertices. */
+  Outcome<void> set_positions(uint32_t body, const rayc_vectors& positions) {
+    return check(rayc_scene_set_positions(get(), body, &positions));
+  }
+
+  /** Switches contacts of a body with itself on or off; they have colliding = collided. Off for a new body. */
+  Outcome<void> set_self_collision(uint32_t body, bool is_on) {
+    return check(rayc_scene_set_self_collision(get(), body, is_on));
+  }
+
+  /** How contacts are found from the next query on. */
+  Outcome<void> set_detection_options(const rayc_detection_options& options) {
+    return check(rayc_scene_set_detection_options(get(), &options));
+  }
+
+  /** Where rays start, from the next query on: see `rayc_detection_options`. The other options become the defaults. */
+  Outcome<void> set_sample_spacing(double sample_spacing) {
+    rayc_detection_options options = default_detection_options();
+    options.sample_spacing = sample_spacing;
+    return set_detection_options(options);
+  }
+
+  /** Finds all contacts at the present positions. Replaces what `contacts` held. */
+  Outcome<void> query(Contacts& contacts) { return check(rayc_scene_query(get(), contacts.get())); }
+
+  /** Lets two bodies escape from one another, as they may by default, or forbids it: rayc_scene_allow_escape(). */
+  Outcome<void> allow_escape(uint32_t a, uint32_t b, bool allowed) {
+    return check(rayc_scene_allow_escape(get(), a, b, allowed));
+  }
+
+  /** Whether two bodies may escape from one another. */
+  Outcome<bool> may_escape(uint32_t a, uint32_t b) const {
+    uint32_t allowed = 0;
+    const rayc_status status = rayc_scene_may_escape(get(), a, b, &allowed);
+    return detail::outcome(status, allowed != 0);
+  }
+
+  /** What each pair remembers from query to query; replaces what `memories` held. */
+  Outcome<void> copy_pair_memories_to(std::vector<rayc_pair_memory>& memories) const {
+    std::size_t count = 0;
+    rayc_status status = rayc_scene_pair_memory_count(get(), &count);
+    memories.resize(count);
+    if (status == RAYC_STATUS_OK) status = rayc_scene_copy_pair_memories(get(), 0, count, memories.data());
+    return check(status);
+  }
+
+  /** The same as bytes, for the host's own save files: rayc_scene_save_pair_memories(). */
+  Outcome<void> save_pair_memories_to(std::vector<uint8_t>& bytes) const {
+    std::size_t length = 0;
+    rayc_status status = rayc_scene_saved_length(get(), &length);
+    bytes.resize(length);
+    if (status == RAYC_STATUS_OK) status = rayc_scene_save_pair_memories(get(), length, bytes.data());
+    return check(status);
+  }
+
+  /** Goes on from saved bytes: rayc_scene_restore_pair_memories(). */
+  Outcome<void> restore_pair_memories(Span<const uint8_t> bytes) {
+    return check(rayc_scene_restore_pair_memories(get(), bytes.size(), bytes.data()));
+  }
+
+  /** For raycontact.h; stays this object's. NULL after a move. */
+  rayc_scene* get() const noexcept { return handle_.get(); }
+
+ private:
+  explicit Scene(rayc_scene* scene) : handle_(scene) {}
+  detail::Owner<rayc_scene, rayc_scene_destroy> handle_;
+};
+
+}  // inline namespace
+}  // namespace raycontact
+
+#endif  // RAYCONTACT_SCENE_HPP
