@@ -58,6 +58,19 @@ int main(void) {
     CHECK_OK(rayc_scene_destroy(parallel));
   }
 
+  /* A pair that is switched off is not looked at; the others stay as they are. */
+  CHECK_OK(rayc_scene_set_pair_collision(scene, 3, 2, 0));
+  CHECK(query(scene, contacts, actual) == 2 * (BODIES - 2));
+  CHECK(memcmp(actual, expected, 4 * sizeof *actual) == 0);
+  CHECK(memcmp(actual + 4, expected + 6, (2 * BODIES - 8) * sizeof *actual) == 0);
+  CHECK_STATUS(rayc_scene_set_pair_collision(scene, 2, 2, 0), RAYC_STATUS_INVALID_OPTION, "2");
+  CHECK_STATUS(rayc_scene_set_pair_collision(scene, 2, 3, 2), RAYC_STATUS_INVALID_OPTION, "is_on");
+  CHECK_STATUS(rayc_scene_set_pair_collision(scene, 2, 42, 1), RAYC_STATUS_UNKNOWN_BODY, "42");
+  CHECK_OK(rayc_scene_set_pair_collision(scene, 2, 3, 1));
+  memset(actual, 0, sizeof actual);
+  CHECK(query(scene, contacts, actual) == 2 * (BODIES - 1));
+  CHECK(memcmp(actual, expected, sizeof actual) == 0);
+
   /* The last body goes far away, the second leaves: four pairs stay; then the number 1 is unknown. */
   double positions[3 * OCTAHEDRON_VERTICES];
   const double far_away[3] = {1000, 0, 0};

@@ -1036,6 +1036,17 @@ enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene,
                                                uint32_t is_on);
 
 /**
+ * Switches contacts between two bodies off (is_on = 0) or on again (1) from the next query on: collision groups, parts of
+ * one machine. On for new bodies. While it is off, the pair costs nothing, is not counted, and forgets what it remembered.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or is_on is neither 0 nor 1.
+ */
+enum rayc_status rayc_scene_set_pair_collision(struct rayc_scene *scene,
+                                               uint32_t a,
+                                               uint32_t b,
+                                               uint32_t is_on);
+
+/**
  * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
  * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
  * need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with

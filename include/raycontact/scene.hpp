@@ -84,6 +84,11 @@ class Scene {
     return check(rayc_scene_set_self_collision(get(), body, is_on));
   }
 
+  /** Switches contacts between two bodies off, or on again: rayc_scene_set_pair_collision(). */
+  Outcome<void> set_pair_collision(uint32_t a, uint32_t b, bool is_on) {
+    return check(rayc_scene_set_pair_collision(get(), a, b, is_on));
+  }
+
   /** How contacts are found from the next query on. */
   Outcome<void> set_detection_options(const rayc_detection_options& options) {
     return check(rayc_scene_set_detection_options(get(), &options));

@@ -181,6 +181,29 @@ pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, b
     })
 }
 
+/// Switches contacts between two bodies off (is_on = 0) or on again (1) from the next query on: collision groups, parts of
+/// one machine. On for new bodies. While it is off, the pair costs nothing, is not counted, and forgets what it remembered.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or is_on is neither 0 nor 1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_set_pair_collision(
+    scene: *mut rayc_scene,
+    a: u32,
+    b: u32,
+    is_on: u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let is_on = flag("is_on", is_on)?;
+        match scene {
+            AnyScene::F32(scene) => scene.set_pair_collision(a, b, is_on)?,
+            AnyScene::F64(scene) => scene.set_pair_collision(a, b, is_on)?,
+        }
+        Ok(())
+    })
+}
+
 /// Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
 /// for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
 /// need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with

@@ -19,8 +19,12 @@ impl<T: Scalar> Default for BroadPhase<T> {
 }
 
 impl<T: Scalar> BroadPhase<T> {
-    /// Finds the pairs anew; `None` stands for a number without a body.
-    pub(super) fn update(&mut self, boxes: impl Iterator<Item = Option<Aabb<T>>>) {
+    /// Finds the pairs anew, of those that are wanted; `None` stands for a number without a body.
+    pub(super) fn update(
+        &mut self,
+        boxes: impl Iterator<Item = Option<Aabb<T>>>,
+        is_wanted: impl Fn(&[u32; 2]) -> bool,
+    ) {
         self.sorted.clear();
         self.boxes.clear();
         for (body, aabb) in boxes.enumerate() {
@@ -36,8 +40,9 @@ impl<T: Scalar> BroadPhase<T> {
         for (place, (aabb, body)) in self.sorted.iter().enumerate() {
             let later = self.sorted[place + 1..].iter();
             for (other_box, other) in later.take_while(|(other, _)| other.lower[axis] <= aabb.upper[axis]) {
-                if aabb.overlaps(other_box) {
-                    self.pairs.push([*body.min(other), *body.max(other)]);
+                let pair = [*body.min(other), *body.max(other)];
+                if aabb.overlaps(other_box) && is_wanted(&pair) {
+                    self.pairs.push(pair);
                 }
             }
         }

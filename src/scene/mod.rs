@@ -177,6 +177,21 @@ impl<T: Scalar> Scene<T> {
         Ok(())
     }
 
+    /// Switches contacts between two bodies off or on again from the next query on: collision groups, parts of one machine.
+    /// On for new bodies. While it is off, the pair is not looked at, and what it remembered is forgotten.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`], [`SceneError::SameBody`].
+    pub fn set_pair_collision(&mut self, a: u32, b: u32, is_on: bool) -> Result<(), SceneError> {
+        let pair = self.known_pair(a, b)?;
+        if is_on {
+            self.pairs.ignored.remove(&pair);
+        } else {
+            self.pairs.ignored.insert(pair);
+        }
+        Ok(())
+    }
+
     fn known_pair(&self, a: u32, b: u32) -> Result<[u32; 2], SceneError> {
         self.mesh(a).and(self.mesh(b))?;
         if a == b { Err(SceneError::SameBody { body: a }) } else { Ok([a.min(b), a.max(b)]) }
@@ -217,7 +232,8 @@ impl<T: Scalar> Scene<T> {
 
     fn detect(&mut self) {
         let boxes = self.bodies.iter().map(|body| body.as_ref().map(|body| *body.mesh.aabb()));
-        self.broad_phase.update(boxes);
+        let ignored = &self.pairs.ignored;
+        self.broad_phase.update(boxes, |pair| ignored.is_empty() || !ignored.contains(pair));
         let broad_phase = &self.broad_phase;
         let pairs = broad_phase.pairs();
         if self.pair_contacts.len() < pairs.len() {

@@ -1,5 +1,6 @@
 use crate::contact::PairMemory;
 use crate::math::Scalar;
+use std::collections::HashSet;
 
 /// A pair, its smaller number first, and what it remembers.
 pub(super) type Remembered<T> = ([u32; 2], PairMemory<T>);
@@ -11,11 +12,13 @@ pub(super) struct Pairs<T: Scalar> {
     pub(super) memories: Vec<Remembered<T>>,
     /// The pairs that may not escape, overlapping or not.
     pub(super) without_escape: Vec<[u32; 2]>,
+    /// The pairs that do not collide; in no order, as there may be very many.
+    pub(super) ignored: HashSet<[u32; 2]>,
 }
 
 impl<T: Scalar> Default for Pairs<T> {
     fn default() -> Self {
-        Self { memories: Vec::new(), without_escape: Vec::new() }
+        Self { memories: Vec::new(), without_escape: Vec::new(), ignored: HashSet::new() }
     }
 }
 
@@ -37,6 +40,7 @@ impl<T: Scalar> Pairs<T> {
     pub(super) fn forget(&mut self, body: u32) {
         self.memories.retain(|(pair, _)| !pair.contains(&body));
         self.without_escape.retain(|pair| !pair.contains(&body));
+        self.ignored.retain(|pair| !pair.contains(&body));
     }
 
     pub(super) fn allow_escape(&mut self, pair: [u32; 2], allowed: bool) {
