@@ -1,4 +1,6 @@
-/* raycontact: contact between deformable bodies, found by tracing rays.
+/**
+ * @file
+ * raycontact: contact between deformable bodies, found by tracing rays.
  *
  * Every call that can fail returns a rayc_status; outputs come last and are written only on success. After any other
  * status than RAYC_STATUS_OK nothing has changed, and rayc_last_error_message() says what was wrong where and what to
@@ -376,7 +378,8 @@ typedef struct rayc_scene_options {
 
 /**
  * An array of 3-vectors of the caller's, of any stride: vector i lies at data + i · stride. Only its three numbers
- * are read, never anything beyond the last one; they need no alignment.
+ * are read, never anything beyond the last one; they need no alignment. The memory stays the caller's and is used during
+ * the call only.
  */
 typedef struct rayc_vectors {
   /**
@@ -830,7 +833,7 @@ enum rayc_status rayc_octree_trace_ray(const struct rayc_octree *octree,
                                        struct rayc_hit *hit);
 
 /**
- * Traces `count` rays; hits[i] is where rays[i] first meets the mesh. See rayc_octree_trace_ray().
+ * Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray().
  */
 enum rayc_status rayc_octree_trace_rays(const struct rayc_octree *octree,
                                         const struct rayc_mesh *mesh,
@@ -918,7 +921,8 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
                                                  double *coefficients);
 
 /**
- * Adds the contact forces to `forces`, in N.
+ * Adds the contact forces to `forces`, in N: for each contact stiffness · weight · cos α · depth along the ray at p1 and the
+ * opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
  *
  * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one per body, in the order
  * of the bodies' numbers; bodies without contact may have an array of count 0. positions NULL: as at detection.
@@ -935,8 +939,8 @@ enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
                                           const struct rayc_vectors_mut *forces);
 
 /**
- * Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, for the
- * displacements d; both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once per
+ * Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, in N, for the
+ * displacements d (m, or m/s); both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once per
  * iteration.
  *
  * options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().

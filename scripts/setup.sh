@@ -11,6 +11,7 @@ packages=(
     python3-venv    # for the Conan client, which comes from PyPI
     libbullet-dev   # Bullet, float and double
     python3-vtk9    # draws the demo's picture
+    doxygen         # the manual
     libtbb-dev      # threads of a host, lent to the library
     valgrind        # counts instructions
     xvfb            # gives VTK something to draw on where there is no screen

@@ -46,6 +46,7 @@ check 'packages' scripts/setup.sh
 check 'formatting' cargo fmt --check
 check 'lints' cargo clippy --all-targets --locked -- -D warnings
 check 'Rust tests' cargo test --release --locked
+check 'Rust manual' env RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 example=(cargo run --release --locked --quiet --example)
 check 'oracle' "${example[@]}" oracle -- --queries "$queries" --seed 1
 check 'Figure 8' "${example[@]}" figure8 -- "${figure8[@]}"

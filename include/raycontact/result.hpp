@@ -2,6 +2,10 @@
 /**
  * @file
  * How raycontact.hpp reports errors: as exceptions, or as results for builds without them.
+ *
+ * Define RAYCONTACT_NO_EXCEPTIONS before the first include to have every function that can fail return a
+ * raycontact::Result instead of throwing a raycontact::Error. It defines itself where the compiler has exceptions switched
+ * off. Files of one program may differ.
  */
 #ifndef RAYCONTACT_RESULT_HPP
 #define RAYCONTACT_RESULT_HPP
@@ -14,12 +18,6 @@
 
 #include "../raycontact.h"
 
-/**
- * @def RAYCONTACT_NO_EXCEPTIONS
- * Define it before the first include to have every function that can fail return a raycontact::Result instead of
- * throwing a raycontact::Error. It defines itself where the compiler has exceptions switched off. Files of one program
- * may differ.
- */
 #if !defined(RAYCONTACT_NO_EXCEPTIONS) && !defined(__cpp_exceptions) && !defined(_CPPUNWIND)
 #define RAYCONTACT_NO_EXCEPTIONS
 #endif

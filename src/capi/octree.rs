@@ -108,7 +108,7 @@ pub unsafe extern "C" fn rayc_octree_trace_ray(
     guard(|| unsafe { trace_all(octree, mesh, slice(ray, 1, "ray")?, Output::new(hit, "hit")?) })
 }
 
-/// Traces `count` rays; hits[i] is where rays[i] first meets the mesh. See rayc_octree_trace_ray().
+/// Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_trace_rays(
     octree: *const rayc_octree,

@@ -50,7 +50,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
     })
 }
 
-/// Adds the contact forces to `forces`, in N.
+/// Adds the contact forces to `forces`, in N: for each contact stiffness · weight · cos α · depth along the ray at p1 and the
+/// opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
 ///
 /// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one per body, in the order
 /// of the bodies' numbers; bodies without contact may have an array of count 0. positions NULL: as at detection.
@@ -85,8 +86,8 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
     })
 }
 
-/// Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, for the
-/// displacements d; both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once per
+/// Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, in N, for the
+/// displacements d (m, or m/s); both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once per
 /// iteration.
 ///
 /// options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().

@@ -15,7 +15,8 @@ pub enum rayc_scalar {
 }
 
 /// An array of 3-vectors of the caller's, of any stride: vector i lies at data + i · stride. Only its three numbers
-/// are read, never anything beyond the last one; they need no alignment.
+/// are read, never anything beyond the last one; they need no alignment. The memory stays the caller's and is used during
+/// the call only.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_vectors {
