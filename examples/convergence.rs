@@ -12,9 +12,9 @@ use support::shapes::Shape;
 use support::{Mode, Vector, limits, net_force, shapes};
 
 const HELP: &str = "\
-Measures contact forces against exact answers on finer and finer meshes.
+usage: cargo run --release --example convergence -- [options]
 
-Usage: cargo run --release --example convergence [-- OPTIONS]
+Measures contact forces against exact answers on finer and finer meshes.
 
   --only NAME       one case of: ball, globe, ellipsoid, lens, spheres, tori (default: all)
   --largest N       leave out meshes of more triangles (default 50000)
@@ -25,8 +25,9 @@ Prints CSV on standard output: case,mesh,mode,triangles,rays,force_error,torque_
                 inscribed: vertices on the smooth body, so too small by the chords
   force_error   |F - F0| / |F0|; for bodies on the slab it includes the tangential part
   torque_error  |T - T0| / |T0|, empty where T0 is zero by symmetry
-and the orders of convergence on standard error. Exits with 1 where the default mode on exact and fitted meshes
-is above 1 % at about 1600 triangles, or where two sizes differ by more than 2 %.";
+and the orders of convergence on standard error.
+Exit status: 0; 1 where the default mode on exact and fitted meshes is above 1 % at about 1600 triangles, or where two
+sizes differ by more than 2 %; 2 for a wrong command line.";
 
 /// One measured mesh size.
 struct Row {

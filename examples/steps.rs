@@ -10,16 +10,17 @@ use std::process::ExitCode;
 use support::arguments::Arguments;
 
 const HELP: &str = "\
-Runs steps of detection on a workload of moving tori, for tools that count what a step costs.
+usage: cargo run --release --example steps -- [options]
 
-Usage: cargo run --release --example steps -- [OPTIONS]
+Runs steps of detection on a workload of moving tori, for tools that count what a step costs.
 
   --workload NAME   stackN: N tori 40x20 in a pile; pairMxN: two tori MxN (default stack2)
   --steps N         how many steps (default 10)
   --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults (default paper)
   --help            this text
 
-Prints steps=N contacts=N, the contacts of the last step.";
+Prints steps=N contacts=N, the contacts of the last step.
+Exit status: 0; 1 when a mesh cannot be made; 2 for a wrong command line.";
 
 /// Radius of the tori's tubes; their rings have radius 1.
 const TUBE: f64 = 0.4;

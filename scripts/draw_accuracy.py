@@ -12,11 +12,14 @@ import csv
 import os
 import sys
 
-import matplotlib
+try:
+    import matplotlib
 
-matplotlib.use("svg")
-import matplotlib.pyplot as plot  # noqa: E402  (after the choice of output)
-from matplotlib.ticker import FuncFormatter, NullFormatter  # noqa: E402
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plot  # after the choice of output
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+except ModuleNotFoundError:
+    matplotlib = None  # --help works without
 
 # Told apart by colour-blind readers too.
 MODES = {
@@ -129,9 +132,14 @@ def draw_convergence(folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n\n", maxsplit=1)[0],
+        epilog="Exit status: 0 when drawn, 1 when something is missing, 2 for a wrong command line.",
+    )
     parser.add_argument("folder", nargs="?", default="docs/accuracy", help="default: docs/accuracy")
     folder = parser.parse_args().folder
+    if matplotlib is None:
+        sys.exit("draw_accuracy.py: matplotlib is missing (Debian: python3-matplotlib)")
     # Letters as text and fixed names keep the files small and the same from run to run.
     matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "accuracy", "font.size": 9})
     try:

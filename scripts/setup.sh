@@ -4,6 +4,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 packages=(
     build-essential # C and C++ compilers, and the linker that cargo calls
+    bsdutils        # lends a terminal to programs that colour one
     cmake           # 3.25 or newer
     ninja-build     # the generator of the presets
     pkg-config      # finds both builds of Bullet, and the installed package
@@ -25,6 +26,7 @@ usage: scripts/setup.sh [--help]
 Installs what is missing of these Debian packages (through apt-get, with sudo when not root):
   ${packages[*]}
 and checks that cargo, rustfmt and clippy are there. Installs nothing when nothing is missing.
+Exit status: 0 when all is there, 1 when something cannot be had, 2 for a wrong command line.
 END
 }
 

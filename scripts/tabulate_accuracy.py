@@ -68,7 +68,10 @@ def read(path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n\n", maxsplit=1)[0],
+        epilog="Exit status: 0 when written, 1 when something is missing, 2 for a wrong command line.",
+    )
     parser.add_argument("folder", nargs="?", default="docs", help="default: docs")
     folder = parser.parse_args().folder
     path = os.path.join(folder, "accuracy.md")

@@ -1,10 +1,10 @@
 //! `--name value` arguments.
 
+use std::path::{Path, PathBuf};
 use std::process::exit;
 
 /// The arguments of one example, taken out one by one.
 pub struct Arguments {
-    help: &'static str,
     rest: Vec<String>,
 }
 
@@ -16,7 +16,7 @@ impl Arguments {
             println!("{help}");
             exit(0);
         }
-        Self { help, rest }
+        Self { rest }
     }
 
     /// The value after `name`, or `default`.
@@ -50,9 +50,11 @@ impl Arguments {
         }
     }
 
-    /// Prints what is wrong and how it is used, and ends the process.
+    /// Prints what is wrong, and ends the process.
     pub fn fail(&self, message: &str) -> ! {
-        eprintln!("error: {message}\n\n{}", self.help);
+        let program = std::env::args().next().map(PathBuf::from);
+        let name = program.as_deref().and_then(Path::file_name).unwrap_or_default();
+        eprintln!("{}: {message}; see --help", name.display());
         exit(2)
     }
 }
