@@ -4,7 +4,11 @@
  *
  * Every call that can fail returns a rayc_status; outputs come last and are written only on success. After any other
  * status than RAYC_STATUS_OK nothing has changed, and rayc_last_error_message() says what was wrong where and what to
- * do. Lengths are in the caller's unit, metres in this text.
+ * do. Of the errors, a NULL pointer (RAYC_STATUS_NULL_POINTER) and a fault inside the library (RAYC_STATUS_PANIC) are not
+ * listed again at each call. Lengths are in the caller's unit, metres in this text.
+ *
+ * Handles are freed by the caller, by the rayc_…_destroy() of their type. Arrays stay the caller's; the library copies what
+ * it needs and keeps no pointer to them. A call with a const handle only reads it and may run beside others that do.
  *
  * One step of a simulation: rayc_scene_set_positions() for each body that moved, rayc_scene_query(),
  * rayc_contacts_add_forces().
@@ -723,21 +727,29 @@ const char *rayc_last_error_message(void);
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
+ *
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_mesh_options(size_t struct_size, struct rayc_mesh_options *options);
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
+ *
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_detection_options(size_t struct_size, struct rayc_detection_options *options);
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
+ *
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_response_options *options);
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_scene_options).
+ *
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_scene_options(size_t struct_size, struct rayc_scene_options *options);
 
@@ -834,6 +846,8 @@ enum rayc_status rayc_octree_trace_ray(const struct rayc_octree *octree,
 
 /**
  * Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray().
+ *
+ * Errors: as there; the message names the ray, and no hit is written.
  */
 enum rayc_status rayc_octree_trace_rays(const struct rayc_octree *octree,
                                         const struct rayc_mesh *mesh,

@@ -39,10 +39,11 @@ struct CollisionElement {
 template <class Coord>
 struct DetectionOutput {
   std::pair<CollisionElement, CollisionElement> elem;  ///< One triangle of the first model, one of the second.
-  int64_t id;           ///< Its place among the pair's; contacts are found anew in each step, so it means no more.
-  Coord point[2];       ///< On the surface of the first model and of the second, in m.
-  Coord normal;         ///< Of unit length, outward from the first model.
-  double value;         ///< (point[1] - point[0]) . normal, in m: < 0, as the two overlap.
+  int64_t id;      ///< Its place among the pair's; contacts are found anew in each step, so it means no more.
+  Coord point[2];  ///< On the surface of the first model and of the second, in m.
+  Coord normal;    ///< Of unit length, outward from the first model.
+  /// Minus the depth, in m: (point[1] - point[0]) . normal, or for a pair that escapes what its deepest point has.
+  double value;
   double deltaT;        ///< 0: nothing is predicted.
   std::size_t contact;  ///< Its place in CollisionStage::contacts().
 };

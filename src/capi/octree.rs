@@ -109,6 +109,8 @@ pub unsafe extern "C" fn rayc_octree_trace_ray(
 }
 
 /// Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray().
+///
+/// Errors: as there; the message names the ray, and no hit is written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_trace_rays(
     octree: *const rayc_octree,

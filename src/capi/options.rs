@@ -275,6 +275,8 @@ unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Resul
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
+///
+/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_mesh_options(struct_size: usize, options: *mut rayc_mesh_options) -> rayc_status {
     // SAFETY: the caller's struct has the size it says.
@@ -282,6 +284,8 @@ pub unsafe extern "C" fn rayc_default_mesh_options(struct_size: usize, options: 
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
+///
+/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_detection_options(
     struct_size: usize,
@@ -292,6 +296,8 @@ pub unsafe extern "C" fn rayc_default_detection_options(
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
+///
+/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_response_options(
     struct_size: usize,
@@ -302,6 +308,8 @@ pub unsafe extern "C" fn rayc_default_response_options(
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_scene_options).
+///
+/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_scene_options(
     struct_size: usize,
