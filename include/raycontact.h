@@ -283,10 +283,11 @@ typedef struct rayc_detection_options {
    */
   size_t struct_size;
   /**
-   * Where rays start. 0: at the vertices, as in the paper. A length > 0: in the middle of each triangle, larger ones
-   * being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, so that about 128 rays
-   * stand on the overlap's largest side; forces then hardly depend on the triangulation, for about two rays a vertex
-   * on fine meshes.
+   * Where rays start. 0: at the vertices, as in the paper. A length > 0: about so far apart, in the middles of faces;
+   * larger triangles are cut into pieces of that size, and smaller ones joined to patches, connected and nearly flat,
+   * of which one triangle casts for all. RAYC_SPACING_AUTOMATIC (the default): in the middle of each triangle, larger
+   * ones being cut so that about 128 rays stand on the overlap's largest side; forces then hardly depend on the
+   * triangulation, for about two rays a vertex on fine meshes.
    */
   double sample_spacing;
   /**
@@ -309,6 +310,13 @@ typedef struct rayc_detection_options {
    * Must be 0. It fills the struct up, so that what a later version adds lies beyond its end.
    */
   uint32_t reserved;
+  /**
+   * How far the net force of each pair may be from that of all rays, as a part of it, 0 to 1, and its torque as a part
+   * of the force times half the overlap box's diagonal: triangles are joined to patches as large as that leaves. It is
+   * an estimate: patches get smaller until two tries agree so well. 0: no triangles are joined. With
+   * RAYC_SPACING_AUTOMATIC alone. Default 0.
+   */
+  double force_tolerance;
 } rayc_detection_options;
 
 /**
@@ -537,7 +545,8 @@ typedef struct rayc_contact {
 } rayc_contact;
 
 /**
- * What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one reason why it is none.
+ * What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
+ * reason why it is none.
  */
 typedef struct rayc_statistics {
   /**
@@ -615,6 +624,15 @@ typedef struct rayc_statistics {
    * Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
    */
   uint64_t escapes_forbidden;
+  /**
+   * Of the rays, those that stand for a patch of several triangles.
+   */
+  uint64_t patches;
+  /**
+   * Rays beside those, traced only to find out how fine the sampling has to be: force_tolerance in
+   * rayc_detection_options.
+   */
+  uint64_t estimate_rays;
 } rayc_statistics;
 
 /**

@@ -118,7 +118,8 @@ pub struct rayc_contact {
     pub area: f64,
 }
 
-/// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one reason why it is none.
+/// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
+/// reason why it is none.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_statistics {
@@ -161,6 +162,11 @@ pub struct rayc_statistics {
     pub escapes_turned: u64,
     /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
     pub escapes_forbidden: u64,
+    /// Of the rays, those that stand for a patch of several triangles.
+    pub patches: u64,
+    /// Rays beside those, traced only to find out how fine the sampling has to be: force_tolerance in
+    /// rayc_detection_options.
+    pub estimate_rays: u64,
 }
 
 impl Growing for rayc_statistics {
@@ -347,7 +353,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
         let Statistics { without_normal, uncut_pieces, .. } = found;
         let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
         let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
-        let Statistics { escapes_turned, escapes_forbidden, .. } = found;
+        let Statistics { escapes_turned, escapes_forbidden, patches, estimate_rays, .. } = found;
         let known = rayc_statistics {
             pairs,
             open_pairs,
@@ -367,6 +373,8 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             escape_contacts,
             escapes_turned,
             escapes_forbidden,
+            patches,
+            estimate_rays,
         };
         write_known(struct_size, statistics, "statistics", known)
     })

@@ -31,10 +31,11 @@ pub struct rayc_mesh_options {
 pub struct rayc_detection_options {
     /// sizeof(rayc_detection_options).
     pub struct_size: usize,
-    /// Where rays start. 0: at the vertices, as in the paper. A length > 0: in the middle of each triangle, larger ones
-    /// being cut into pieces of about that size. RAYC_SPACING_AUTOMATIC (the default): the same, so that about 128 rays
-    /// stand on the overlap's largest side; forces then hardly depend on the triangulation, for about two rays a vertex
-    /// on fine meshes.
+    /// Where rays start. 0: at the vertices, as in the paper. A length > 0: about so far apart, in the middles of faces;
+    /// larger triangles are cut into pieces of that size, and smaller ones joined to patches, connected and nearly flat,
+    /// of which one triangle casts for all. RAYC_SPACING_AUTOMATIC (the default): in the middle of each triangle, larger
+    /// ones being cut so that about 128 rays stand on the overlap's largest side; forces then hardly depend on the
+    /// triangulation, for about two rays a vertex on fine meshes.
     pub sample_spacing: f64,
     /// 1: edges are traced too where no ray settles whether bodies overlap; 0: not. Default 1.
     pub edges: u32,
@@ -48,6 +49,11 @@ pub struct rayc_detection_options {
     pub past_folds: u32,
     /// Must be 0. It fills the struct up, so that what a later version adds lies beyond its end.
     pub reserved: u32,
+    /// How far the net force of each pair may be from that of all rays, as a part of it, 0 to 1, and its torque as a part
+    /// of the force times half the overlap box's diagonal: triangles are joined to patches as large as that leaves. It is
+    /// an estimate: patches get smaller until two tries agree so well. 0: no triangles are joined. With
+    /// RAYC_SPACING_AUTOMATIC alone. Default 0.
+    pub force_tolerance: f64,
 }
 
 /// The sample_spacing that follows the size of each overlap.
@@ -96,8 +102,16 @@ impl rayc_detection_options {
                 format!("reserved is {}; fill the struct with rayc_default_detection_options() first", self.reserved),
             ));
         }
-        let spacing = self.sample_spacing;
+        let (spacing, tolerance) = (self.sample_spacing, self.force_tolerance);
+        if !(0.0..=1.0).contains(&tolerance) || (tolerance > 0.0 && spacing != RAYC_SPACING_AUTOMATIC) {
+            let message = format!(
+                "force_tolerance is {tolerance}, with sample_spacing {spacing}; give 0, or a part up to 1 with \
+                 RAYC_SPACING_AUTOMATIC"
+            );
+            return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
+        }
         let sampling = match spacing {
+            RAYC_SPACING_AUTOMATIC if tolerance > 0.0 => Sampling::Tolerance(T::of(tolerance)),
             RAYC_SPACING_AUTOMATIC => Sampling::Automatic,
             0.0 => Sampling::Vertices,
             _ if spacing > 0.0 && spacing.is_finite() => Sampling::Spacing(T::of(spacing)),
@@ -148,7 +162,8 @@ impl Growing for rayc_detection_options {
 impl Options for rayc_detection_options {
     fn defaults() -> Self {
         let sample_spacing = RAYC_SPACING_AUTOMATIC;
-        Self { struct_size: size_of::<Self>(), sample_spacing, edges: 1, escape: 1, past_folds: 0, reserved: 0 }
+        let struct_size = size_of::<Self>();
+        Self { struct_size, sample_spacing, edges: 1, escape: 1, past_folds: 0, reserved: 0, force_tolerance: 0.0 }
     }
 }
 
