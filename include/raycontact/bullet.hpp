@@ -6,17 +6,22 @@
  * its chapters. In short:
  *
  *     raycontact::bullet::ContactForce contact(options);       // options.stiffness in N/m^3, see suggested_stiffness
- *     contact.register_with(solver);                           // instead of world.addForce
+ *     contact.register_with(solver, world);                    // instead of world.addForce
  *     contact.add_body(*soft_body);                            // its own faces are the collision surface, or
- *     contact.add_body(*cage_body, skin);                      // a fine skin carried by a coarse cage
+ *     contact.add_body(*cage_body, skin);                      // a fine skin carried by a coarse cage, or
+ *     contact.add_body(*body, skin_from_render_mesh(*body));   // Bullet's own render mesh
+ *     contact.add_rigid_body(*rigid_body);                     // static or moving; reacts
  *
  * and step a btDeformableMultiBodyDynamicsWorld with setImplicit(true), setUseProjection(true), setLineSearch(false).
+ * For Bullet's classic soft bodies: ClassicContact.
  */
 #ifndef RAYCONTACT_BULLET_HPP
 #define RAYCONTACT_BULLET_HPP
 
 #include "raycontact.hpp"
 #include "raycontact/bullet/cage.hpp"
+#include "raycontact/bullet/classic_contact.hpp"
 #include "raycontact/bullet/contact_force.hpp"
+#include "raycontact/bullet/render_skin.hpp"
 
 #endif  // RAYCONTACT_BULLET_HPP

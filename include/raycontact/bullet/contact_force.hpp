@@ -3,68 +3,42 @@
 #ifndef RAYCONTACT_BULLET_CONTACT_FORCE_HPP
 #define RAYCONTACT_BULLET_CONTACT_FORCE_HPP
 
+#include <BulletDynamics/Dynamics/btActionInterface.h>
+#include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableLagrangianForce.h>
+#include <LinearMath/btTransformUtil.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "raycontact.hpp"
 #include "raycontact/bullet/body_check.hpp"
+#include "raycontact/bullet/contact_folding.hpp"
 #include "raycontact/bullet/contact_rows.hpp"
-#include "raycontact/bullet/precision.hpp"
-#include "raycontact/bullet/skin.hpp"
+#include "raycontact/bullet/options.hpp"
+#include "raycontact/bullet/surface_set.hpp"
 
 namespace raycontact::bullet {
 
 /**
- * A stiffness per area (N/m^3) that parts bodies without crushing them: factor * E / h, where E is Young's modulus
- * (Pa) and h the edge of a typical element (m) of the softer body. Factors from 0.1 to 3 work.
- */
-inline double suggested_stiffness(double youngs_modulus, double element_edge, double factor = 1) {
-  return factor * youngs_modulus / element_edge;
-}
-
-struct ContactOptions {
-  double stiffness = 1000;       ///< N/m^3 (N/m with RAYC_WEIGHTING_VERTEX); see suggested_stiffness
-  double damping_time = 0.05;    ///< s; damping along the ray = stiffness * damping_time
-  uint32_t weighting = RAYC_WEIGHTING_AREA;
-  double depth_cap = std::numeric_limits<double>::infinity();  ///< m; asked of one step: a tenth to half an element edge
-  /// m; where rays start: 0 = at each vertex of the skins, the least that a skin finer than its cage needs.
-  double sample_spacing = RAYC_SPACING_AUTOMATIC;
-  uint32_t threads = 1;          ///< for detection; 1 = the caller's own, 0 = one for each core
-};
-
-/** A frictionless floor: pushes along `normal` where normal . x < offset. */
-struct HalfSpace {
-  btVector3 normal;    ///< unit, out of the solid
-  btScalar offset;     ///< m
-  btScalar stiffness;  ///< N/m^3
-};
-
-/**
  * Detects once per sub-step, at the positions and velocities it starts from, and then acts as springs along the rays
- * inside the implicit solve. Bodies must outlive it or be removed from the world first. Errors of detection, such as
- * positions that are no longer finite, come out of stepSimulation as exceptions.
+ * inside the implicit solve. Bodies must outlive it, or be removed from the world or from it first. Errors of
+ * detection, such as positions that are no longer finite, come out of stepSimulation as exceptions.
  */
 class ContactForce : public btDeformableLagrangianForce {
  public:
-  explicit ContactForce(const ContactOptions& options = {}) : options_(options), scene_(options.threads) {
-    detail::require_library_of_same_precision();
-    scene_.set_sample_spacing(options.sample_spacing);
+  explicit ContactForce(const ContactOptions& options = {}) : options_(options), surfaces_(options), reaction_(*this) {
     m_nodes = nullptr;
-    response_ = default_response_options();
-    response_.stiffness = options.stiffness;
-    response_.damping_time = options.damping_time;
-    response_.weighting = options.weighting;
   }
+
+  ~ContactForce() override {
+    if (world_ != nullptr) world_->removeAction(&reaction_);
+  }
+
+  ContactForce(const ContactForce&) = delete;
+  ContactForce& operator=(const ContactForce&) = delete;
 
   /** Call once. `world.addForce` would drop a second force of the same type without a word. */
   void register_with(btDeformableBodySolver& solver) {
@@ -72,34 +46,68 @@ class ContactForce : public btDeformableLagrangianForce {
     setIndices(solver.getIndices());
   }
 
+  /** The same, and rigid bodies of `world` feel the reaction; the world must outlive this force. */
+  void register_with(btDeformableBodySolver& solver, btDynamicsWorld& world) {
+    register_with(solver);
+    world.addAction(&reaction_);
+    world_ = &world;
+  }
+
   /** The body's own faces are its collision surface. */
-  void add_body(btSoftBody& body) {
+  void add_body(btSoftBody& body, const BodyOptions& options = {}) {
     if (body.m_faces.size() == 0)
       throw std::invalid_argument("soft body: it has no faces; appendFace its boundary, outward, or give it a skin");
-    add_body(body, skin_from_faces(body));
+    add_body(body, skin_from_faces(body), options);
   }
 
   /** A finer surface carried by the body's nodes. */
-  void add_body(btSoftBody& body, Skin skin) {
+  void add_body(btSoftBody& body, Skin skin, const BodyOptions& options = {}) {
     check_body(body);
-    check_skin(body, skin);
-    Body added{&body, std::move(skin), 0, false, {}, {}};
-    skin_positions(body, added.skin, added.positions);
-    added.areas = skin_areas(added.positions, added.skin.triangles);
-    added.number = scene_.add(Mesh(vectors(added.positions.data(), added.skin.points.size()), added.skin.triangles));
-    if (body_of_number_.size() <= added.number) body_of_number_.resize(added.number + 1, no_body);
-    body_of_number_[added.number] = bodies_.size();
-    bodies_.push_back(std::move(added));
+    surfaces_.add_soft(body, std::move(skin), options);
     m_softBodies.push_back(&body);
   }
 
-  void add_half_space(const HalfSpace& half_space) { half_spaces_.push_back(half_space); }
+  /** Soft bodies collide with the surface of the body's shape; see surface_of_shape. Rigid bodies pass each other. */
+  void add_rigid_body(btRigidBody& body) { add_rigid_body(body, surface_of_shape(*body.getCollisionShape())); }
 
-  std::size_t contact_count() const { return contacts_.size(); }
-  /** The contacts of the last detection; `colliding` and `collided` count bodies in the order of `add_body`. */
-  const std::vector<rayc_contact>& contacts() const { return contacts_; }
+  /** The same with a surface of its own. Open surfaces (terrain) are taken for bodies that no force moves. */
+  void add_rigid_body(btRigidBody& body, RigidSurface surface) {
+    if (world_ == nullptr && !body.isStaticOrKinematicObject())
+      throw std::logic_error("rigid body: it could not react; call register_with(solver, world) first");
+    surfaces_.add_rigid(body, std::move(surface));
+  }
+
+  /** Needed for rigid bodies only: soft ones leave when they leave the world. */
+  void remove_rigid_body(btRigidBody& body) {
+    surfaces_.remove(&body);
+    rows_.clear();
+  }
+
+  void add_half_space(const HalfSpace& half_space) {
+    check_half_space(half_space);
+    half_spaces_.push_back(half_space);
+  }
+
+  std::size_t contact_count() const { return surfaces_.contacts().size(); }
+  /** The contacts of the last detection; `colliding` and `collided` count bodies in the order of `add_...`. */
+  const std::vector<rayc_contact>& contacts() const { return surfaces_.contacts(); }
+  /** What the last detection did: rays, misses, pairs that escape. */
+  rayc_statistics statistics() const { return surfaces_.statistics(); }
   /** Positions of the skins, search structures, rays: everything up to the list of contacts. */
-  double last_detection_ms() const { return last_detection_ms_; }
+  double last_detection_ms() const { return surfaces_.detection_ms(); }
+
+  /** The net force of `other` on `body` in the last sub-step, in N, as the solve left it. Zero for a body and itself.
+   */
+  btVector3 pair_force(const btCollisionObject& body, const btCollisionObject& other) {
+    const int a = static_cast<int>(surfaces_.index_of(body)), b = static_cast<int>(surfaces_.index_of(other));
+    btVector3 sum(0, 0, 0);
+    if (m_nodes == nullptr || a == b) return sum;
+    rows_.solution(*m_nodes, [&](int first, int second, const btVector3& pull) {
+      if (first == a && second == b) sum += pull;
+      if (first == b && second == a) sum -= pull;
+    });
+    return sum;
+  }
 
   // What Bullet calls.
 
@@ -107,64 +115,75 @@ class ContactForce : public btDeformableLagrangianForce {
 
   void removeSoftBody(btSoftBody* body) override {
     m_softBodies.remove(body);
-    const auto gone = std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.soft == body; });
-    if (gone == bodies_.end()) return;
-    scene_.remove(gone->number);
-    bodies_.erase(gone);
-    std::fill(body_of_number_.begin(), body_of_number_.end(), no_body);
-    for (std::size_t i = 0; i < bodies_.size(); ++i) body_of_number_[bodies_[i].number] = i;
-    forget_contacts();
+    surfaces_.remove(body);
+    rows_.clear();
   }
 
   void reinitialize(bool) override {
-    if (m_nodes == nullptr) throw std::logic_error("raycontact: call ContactForce::register_with before the first step");
-    for (Body& body : bodies_) {
-      body.in_world = is_in_world(*body.soft);
-      if (body.in_world) switch_off_continuous_collision(*body.soft);
+    if (m_nodes == nullptr)
+      throw std::logic_error("raycontact: call ContactForce::register_with before the first step");
+    for (detail::ContactBody& body : surfaces_.bodies()) {
+      body.in_world = body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->isInWorld();
+      if (!body.in_world || body.soft == nullptr) continue;
+      body.first_node = body.soft->m_nodes[0].index;
+      switch_off_continuous_collision(*body.soft);
     }
-    detect();
-    fold();
+    surfaces_.detect();
+    rows_.clear();
+    detail::ContactFolding folding(surfaces_, rows_);
+    folding.fold_contacts(surfaces_);
+    folding.fold_pushes(surfaces_, options_);
+    for (const HalfSpace& half_space : half_spaces_) folding.fold_half_space(half_space);
+    is_first_guess_ = true;
   }
 
   void addScaledForces(btScalar scale, TVStack& force) override {
-    rows_.update(*m_nodes, damping_time(), static_cast<btScalar>(options_.depth_cap));
+    // Bullet first guesses the velocities by an explicit step. Stiff contacts would throw bodies apart in it, and the
+    // solve, which is linear around the guess, would then see no contact at all.
+    if (is_first_guess_) {
+      is_first_guess_ = false;
+      return;
+    }
+    rows_.update(*m_nodes, scale, law());
     rows_.add_forces(scale, force);
   }
 
-  void addScaledExplicitForce(btScalar scale, TVStack& force) override { addScaledForces(scale, force); }
-
-  void addScaledDampingForce(btScalar scale, TVStack& force) override {
-    rows_.add_damping_forces(scale, *m_nodes, damping_time(), force);
+  void addScaledElasticForceDifferential(btScalar, const TVStack& dx, TVStack& df) override {
+    rows_.add_differential(dx, df);
   }
 
-  void addScaledElasticForceDifferential(btScalar scale, const TVStack& dx, TVStack& df) override {
-    rows_.add_differential(scale, dx, df);
-  }
-
-  void addScaledDampingForceDifferential(btScalar scale, const TVStack& dv, TVStack& df) override {
-    if (options_.damping_time > 0) rows_.add_differential(scale * damping_time(), dv, df);
-  }
-
+  // Damping is part of the above.
+  void addScaledDampingForce(btScalar, TVStack&) override {}
+  void addScaledDampingForceDifferential(btScalar, const TVStack&, TVStack&) override {}
   void buildDampingForceDifferentialDiagonal(btScalar, TVStack&) override {}
 
-  double totalElasticEnergy(btScalar) override { return rows_.energy(*m_nodes); }
+  void addScaledExplicitForce(btScalar, TVStack&) override {
+    throw std::logic_error("raycontact: the world integrates explicitly; call world.setImplicit(true)");
+  }
+
+  double totalElasticEnergy(btScalar) override {
+    throw std::logic_error("raycontact: line search sinks bodies into each other; call world.setLineSearch(false)");
+  }
 
   // No enumerator is meant for forces from outside; 7 is free and fits the enumeration's three bits.
   btDeformableLagrangianForceType getForceType() override { return static_cast<btDeformableLagrangianForceType>(7); }
 
  private:
-  static constexpr std::size_t no_body = std::numeric_limits<std::size_t>::max();
+  /** Runs when Bullet has moved everything: rigid bodies then get what the solve found for them. */
+  class Reaction : public btActionInterface {
+   public:
+    explicit Reaction(ContactForce& force) : force_(force) {}
+    void updateAction(btCollisionWorld*, btScalar time_step) override { force_.move_rigid_bodies(time_step); }
+    void debugDraw(btIDebugDraw*) override {}
 
-  struct Body {
-    btSoftBody* soft;
-    Skin skin;
-    uint32_t number;  // in the scene
-    bool in_world;
-    std::vector<btScalar> positions;  // of the skin
-    std::vector<btScalar> areas;      // at rest
+   private:
+    ContactForce& force_;
   };
 
-  btScalar damping_time() const { return static_cast<btScalar>(options_.damping_time); }
+  detail::RowLaw law() const {
+    return {btScalar(options_.damping_time), btScalar(options_.depth_cap), btScalar(options_.friction),
+            btScalar(options_.friction_speed), options_.directions == Stiffness::isotropic};
+  }
 
   bool is_in_world(const btSoftBody& body) const {
     const int index = body.m_nodes[0].index;
@@ -179,77 +198,27 @@ class ContactForce : public btDeformableLagrangianForce {
     body.m_fdbvt.clear();
   }
 
-  void forget_contacts() {
-    contacts_.clear();
-    rows_.clear();
-  }
-
-  void detect() {
-    const auto start = std::chrono::steady_clock::now();
-    for (Body& body : bodies_) {
-      if (!body.in_world) continue;
-      skin_positions(*body.soft, body.skin, body.positions);
-      scene_.set_positions(body.number, vectors(body.positions.data(), body.skin.points.size()));
+  void move_rigid_bodies(btScalar time_step) {
+    if (m_nodes == nullptr || rows_.rigids().all().empty()) return;
+    rows_.solution(*m_nodes, [](int, int, const btVector3&) {});
+    for (const detail::CoupledRigid& rigid : rows_.rigids().all()) {
+      if (!rigid.movable) continue;
+      const btVector3 linear = detail::three_of(rigid.change, 0), angular = detail::three_of(rigid.change, 3);
+      rigid.body->setLinearVelocity(rigid.body->getLinearVelocity() + linear);
+      rigid.body->setAngularVelocity(rigid.body->getAngularVelocity() + angular);
+      btTransform moved;
+      btTransformUtil::integrateTransform(rigid.body->getWorldTransform(), linear, angular, time_step, moved);
+      rigid.body->proceedToTransform(moved);
     }
-    scene_.query(found_);
-    found_.copy_to(contacts_);
-    found_.copy_coefficients_to(response_, coefficients_);
-    last_detection_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  }
-
-  void fold() {
-    rows_.clear();
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      rayc_contact& contact = contacts_[i];
-      const std::size_t colliding = body_of_number_[contact.colliding];
-      const std::size_t collided = body_of_number_[contact.collided];
-      contact.colliding = static_cast<uint32_t>(colliding);
-      contact.collided = static_cast<uint32_t>(collided);
-      if (!bodies_[colliding].in_world || !bodies_[collided].in_world) continue;
-      add_surface_point(bodies_[colliding], contact.p1, -1);
-      add_surface_point(bodies_[collided], contact.p2, 1);
-      const btVector3 direction(btScalar(contact.direction[0]), btScalar(contact.direction[1]),
-                                btScalar(contact.direction[2]));
-      rows_.finish_row(direction, btScalar(contact.depth), btScalar(coefficients_[i]));
-    }
-    for (const HalfSpace& half_space : half_spaces_)
-      for (const Body& body : bodies_)
-        if (body.in_world) fold_half_space(half_space, body);
-  }
-
-  void fold_half_space(const HalfSpace& half_space, const Body& body) {
-    for (std::size_t p = 0; p < body.skin.points.size(); ++p) {
-      const btScalar* x = &body.positions[3 * p];
-      const btScalar depth = half_space.offset - half_space.normal.dot(btVector3(x[0], x[1], x[2]));
-      if (!(depth > 0) || !(body.areas[p] > 0)) continue;
-      add_skin_point(body, p, -1);
-      rows_.finish_row(half_space.normal, depth, half_space.stiffness * body.areas[p]);
-    }
-  }
-
-  void add_surface_point(const Body& body, const rayc_surface_point& point, btScalar sign) {
-    for (int corner = 0; corner < 3; ++corner)
-      if (point.weights[corner] != 0)
-        add_skin_point(body, point.vertices[corner], sign * static_cast<btScalar>(point.weights[corner]));
-  }
-
-  void add_skin_point(const Body& body, std::size_t p, btScalar weight) {
-    const SkinPoint& point = body.skin.points[p];
-    for (std::size_t k = 0; k < 4; ++k)
-      if (point.weights[k] != 0) rows_.add(body.soft->m_nodes[point.nodes[k]].index, weight * point.weights[k]);
   }
 
   ContactOptions options_;
-  rayc_response_options response_{};
-  Scene scene_;
-  Contacts found_;
-  std::vector<Body> bodies_;
-  std::vector<std::size_t> body_of_number_;
+  detail::SurfaceSet surfaces_;
   std::vector<HalfSpace> half_spaces_;
-  std::vector<rayc_contact> contacts_;
-  std::vector<double> coefficients_;
   detail::ContactRows rows_;
-  double last_detection_ms_ = 0;
+  Reaction reaction_;
+  btDynamicsWorld* world_ = nullptr;
+  bool is_first_guess_ = false;
 };
 
 }  // namespace raycontact::bullet

@@ -5,16 +5,27 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "raycontact/bullet/options.hpp"
 #include "raycontact/bullet/precision.hpp"
+#include "raycontact/bullet/rigid_coupling.hpp"
 
 namespace raycontact::bullet::detail {
 
+/** How the rows of one step push. */
+struct RowLaw {
+  btScalar damping_time, depth_cap, friction, friction_speed;
+  bool isotropic;
+};
+
 /**
- * One row for each contact: depth(q) = depth + sum of weight * (q - x) . direction, and the force on a node is
- * -weight * direction * stiffness * (depth(q) + damping_time * its rate). Rows live in flat arrays that grow: a fixed
- * number of nodes per contact would drop weights and freeze bodies.
+ * One row for each contact. Its motion is u = sum of weight * velocity over its nodes, and the velocity of a rigid body
+ * where one takes part; the force on a node is -weight * pull, pull = push * direction + friction. Within a step
+ * everything is linear in the change of u: pull + D du, D = normal part along the direction, tangential part across it.
+ *
+ * Rows live in flat arrays that grow: a fixed number of nodes for a contact would drop weights and freeze bodies.
  */
 class ContactRows {
  public:
@@ -25,81 +36,139 @@ class ContactRows {
     rows_.clear();
     nodes_.clear();
     weights_.clear();
+    rigids_.clear();
   }
 
   std::size_t size() const { return rows_.size(); }
+  RigidCoupling& rigids() { return rigids_; }
 
-  /** The entries added since the last call become a row. */
-  void finish_row(const btVector3& direction, btScalar depth, btScalar stiffness) {
-    rows_.push_back({direction, depth, stiffness, 0, nodes_.size()});
+  /** The entries added since the last call become a row between two bodies (the second: -1 for a half-space). */
+  void finish_row(const btVector3& direction, btScalar depth, btScalar stiffness, int first, int second) {
+    rows_.push_back({direction, depth, stiffness, first, second, point_, {}, {}, 0, 0, false, nodes_.size()});
+    point_ = {};
   }
 
   /** Adds a node to the row under way; a node that is already in it gets the sum. */
   void add(int node, btScalar weight) {
     const std::size_t begin = rows_.empty() ? 0 : rows_.back().end;
     const auto found = std::find(nodes_.begin() + static_cast<std::ptrdiff_t>(begin), nodes_.end(), node);
-    if (found != nodes_.end()) {
+    if (found != nodes_.end())
       weights_[static_cast<std::size_t>(found - nodes_.begin())] += weight;
-    } else {
-      nodes_.push_back(node);
-      weights_.push_back(weight);
-    }
+    else
+      add_distinct(node, weight);
   }
 
+  /** The same for a node that is known not to be in the row. */
+  void add_distinct(int node, btScalar weight) {
+    nodes_.push_back(node);
+    weights_.push_back(weight);
+  }
+
+  void set_rigid_point(const RigidPoint& point) { point_ = point; }
+
   /**
-   * Depths at the positions m_q, and with them which rows push: contact never pulls. At most `depth_cap` of the depth
-   * found is asked for, or as much as the bodies close in this step, so that deep starts do not crush elements.
+   * The forces at the positions m_q and velocities m_v, and with them which rows push: contact never pulls. At most the
+   * cap of the depth found is asked for, or as much as the bodies close in this step, so that deep starts do not crush
+   * elements.
    */
-  void update(const Nodes& nodes, btScalar damping_time, btScalar depth_cap) {
+  void update(const Nodes& nodes, btScalar time_step, const RowLaw& law) {
+    time_step_ = time_step;
+    rigids_.start_systems();
     for_each_row([&](Row& row, std::size_t begin) {
-      btVector3 change(0, 0, 0), rate(0, 0, 0);
+      btVector3 change(0, 0, 0);
+      row.motion = btVector3(0, 0, 0);
       for (std::size_t e = begin; e < row.end; ++e) {
         const btSoftBody::Node& node = *nodes[nodes_[e]];
         change += weights_[e] * (node.m_q - node.m_x);
-        rate += weights_[e] * node.m_v;
+        row.motion += weights_[e] * node.m_v;
       }
-      const btScalar deepening = change.dot(row.direction);
-      const btScalar asked = std::min(row.depth, std::max(depth_cap, deepening));
-      row.push = std::max(btScalar(0), row.stiffness * (asked + deepening + damping_time * rate.dot(row.direction)));
+      btVector3 rate = row.motion;
+      if (row.point.rigid >= 0) {
+        const btVector3 v = row.point.velocity(RigidCoupling::velocity(*rigids_[row.point.rigid].body));
+        rate += v;
+        change += time_step * v;
+      }
+      set_pull(row, change.dot(row.direction), rate, law);
+      if (row.pushes && rigids_.is_movable(row.point.rigid)) load_system(row);
+    });
+    for (CoupledRigid& rigid : rigids_.all())
+      if (rigid.movable) rigid.system.factor();
+    rigids_.solve(-double(time_step_));
+    for (CoupledRigid& rigid : rigids_.all()) rigid.first_change = rigid.change;
+    for_each_row([&](Row& row, std::size_t) {
+      if (row.pushes && rigids_.is_movable(row.point.rigid))
+        row.pull += row.stiffened(row.point.velocity(rigids_[row.point.rigid].first_change));
     });
   }
+
+  /** Calls `use(direction, depth, rigid point, entries)` for each row; an entry is a node's number and its weight. */
+  template <class Use>
+  void visit(Use use) const {
+    for_each_row([&](const Row& row, std::size_t begin) {
+      use(row.direction, row.depth, row.point, Entries{*this, begin, row.end});
+    });
+  }
+
+  /** The nodes of one row: entries begin ... end - 1. */
+  struct Entries {
+    const ContactRows& rows;
+    std::size_t begin, end;
+    int node(std::size_t e) const { return rows.nodes_[e]; }
+    btScalar weight(std::size_t e) const { return rows.weights_[e]; }
+  };
 
   /** forces += scale * F, as of the last update. */
-  void add_forces(btScalar scale, Vectors& forces) {
-    for_each_row([&](Row& row, std::size_t begin) {
-      if (row.push > 0) scatter(row, begin, -scale * row.push, forces);
+  void add_forces(btScalar scale, Vectors& forces) const {
+    for_each_row([&](const Row& row, std::size_t begin) {
+      if (row.pushes) scatter(row, begin, -scale * row.pull, forces);
     });
   }
 
-  /** result += scale * dF/dq . change over the rows that push. */
-  void add_differential(btScalar scale, const Vectors& change, Vectors& result) {
+  /** result += time step * J^T D' J change, D' with the rigid bodies eliminated: what the implicit solve multiplies. */
+  void add_differential(const Vectors& change, Vectors& result) {
+    rigids_.clear_loads();
+    bool are_coupled = false;
     for_each_row([&](Row& row, std::size_t begin) {
-      if (!(row.push > 0)) return;
-      scatter(row, begin, -scale * row.stiffness * gather(row, begin, change), result);
+      if (!row.pushes) return;
+      const btVector3 stiffened = row.stiffened(gather(row, begin, change));
+      if (rigids_.is_movable(row.point.rigid)) {
+        row.point.add_load(stiffened, rigids_[row.point.rigid].load);
+        are_coupled = true;
+      }
+      scatter(row, begin, time_step_ * stiffened, result);
+    });
+    if (!are_coupled) return;
+    rigids_.solve(-double(time_step_));
+    for_each_row([&](const Row& row, std::size_t begin) {
+      if (!row.pushes || !rigids_.is_movable(row.point.rigid)) return;
+      const btVector3 given_way = row.stiffened(row.point.velocity(rigids_[row.point.rigid].change));
+      scatter(row, begin, time_step_ * given_way, result);
     });
   }
 
-  /** The damping part alone of the push, at the velocities m_v. */
-  void add_damping_forces(btScalar scale, const Nodes& nodes, btScalar damping_time, Vectors& forces) {
+  /**
+   * After the solve, with the nodes' final velocities in m_v: calls `use(first, second, pull)` for each row that pushes
+   * (pull: the force on the first body, in N), and leaves each rigid body's change of velocity in rigids().
+   */
+  template <class Use>
+  void solution(const Nodes& nodes, Use use) {
+    rigids_.clear_loads();
     for_each_row([&](Row& row, std::size_t begin) {
-      if (!(row.push > 0)) return;
-      btScalar rate = 0;
-      for (std::size_t e = begin; e < row.end; ++e) rate += weights_[e] * nodes[nodes_[e]]->m_v.dot(row.direction);
-      scatter(row, begin, -scale * row.stiffness * damping_time * rate, forces);
+      if (!row.pushes || !rigids_.is_movable(row.point.rigid)) return;
+      // The pull holds the rigid bodies' change as of the update: their load starts from what it was without it.
+      const btVector3 before = row.pull - row.stiffened(row.point.velocity(rigids_[row.point.rigid].first_change));
+      row.point.add_load(before + row.stiffened(motion_change(row, begin, nodes)), rigids_[row.point.rigid].load);
     });
-  }
-
-  /** The energy stored by the rows that push, without damping. */
-  double energy(const Nodes& nodes) {
-    double sum = 0;
+    rigids_.solve(-double(time_step_));
     for_each_row([&](Row& row, std::size_t begin) {
-      if (!(row.push > 0)) return;
-      btScalar depth = row.depth;
-      for (std::size_t e = begin; e < row.end; ++e)
-        depth += weights_[e] * (nodes[nodes_[e]]->m_q - nodes[nodes_[e]]->m_x).dot(row.direction);
-      sum += 0.5 * double(row.stiffness) * double(depth) * double(depth);
+      if (!row.pushes) return;
+      btVector3 pull = row.pull + row.stiffened(motion_change(row, begin, nodes));
+      if (rigids_.is_movable(row.point.rigid)) {
+        const CoupledRigid& rigid = rigids_[row.point.rigid];
+        pull += row.stiffened(row.point.velocity(rigid.change) - row.point.velocity(rigid.first_change));
+      }
+      use(row.first, row.second, pull);
     });
-    return sum;
   }
 
  private:
@@ -107,9 +176,53 @@ class ContactRows {
     btVector3 direction;
     btScalar depth;
     btScalar stiffness;
-    btScalar push;
+    int first, second;  // bodies
+    RigidPoint point;
+    btVector3 motion;  // u of the nodes, at the update
+    btVector3 pull;
+    btScalar normal, tangential;  // D
+    bool pushes;
     std::size_t end;  // its entries run from the end of the row before
+
+    btVector3 stiffened(const btVector3& u) const {
+      return tangential * u + ((normal - tangential) * direction.dot(u)) * direction;
+    }
   };
+
+  void set_pull(Row& row, btScalar deepening, const btVector3& rate, const RowLaw& law) const {
+    const btScalar along = rate.dot(row.direction);
+    const btScalar asked = std::min(row.depth, std::max(law.depth_cap, deepening));
+    const btScalar push = row.stiffness * (asked + deepening + law.damping_time * along);
+    row.pushes = push > 0;
+    if (!row.pushes) return;
+    row.pull = push * row.direction;
+    row.normal = row.stiffness * (time_step_ + law.damping_time);
+    row.tangential = law.isotropic ? row.stiffness * time_step_ : 0;
+    if (law.friction > 0) {
+      // Coulomb's force as a viscosity that is held within the step: f = friction * push at the speed found.
+      const btVector3 sliding = rate - along * row.direction;
+      const btScalar viscosity = law.friction * push / std::max(sliding.length(), law.friction_speed);
+      row.pull += viscosity * sliding;
+      row.tangential += viscosity;
+    }
+  }
+
+  void load_system(Row& row) {
+    CoupledRigid& rigid = rigids_[row.point.rigid];
+    row.point.add_load(row.pull, rigid.load);
+    for (std::size_t column = 0; column < 6; ++column) {
+      Twist unit{}, image{};
+      unit[column] = 1;
+      row.point.add_load(row.stiffened(row.point.velocity(unit)), image);
+      for (std::size_t i = 0; i < 6; ++i) rigid.system.at(i, column) += double(time_step_) * image[i];
+    }
+  }
+
+  btVector3 motion_change(const Row& row, std::size_t begin, const Nodes& nodes) const {
+    btVector3 now(0, 0, 0);
+    for (std::size_t e = begin; e < row.end; ++e) now += weights_[e] * nodes[nodes_[e]]->m_v;
+    return now - row.motion;
+  }
 
   template <class Function>
   void for_each_row(Function function) {
@@ -120,20 +233,31 @@ class ContactRows {
     }
   }
 
-  btScalar gather(const Row& row, std::size_t begin, const Vectors& vectors) const {
-    btVector3 sum(0, 0, 0);
-    for (std::size_t e = begin; e < row.end; ++e) sum += weights_[e] * vectors[nodes_[e]];
-    return sum.dot(row.direction);
+  template <class Function>
+  void for_each_row(Function function) const {
+    std::size_t begin = 0;
+    for (const Row& row : rows_) {
+      function(row, begin);
+      begin = row.end;
+    }
   }
 
-  void scatter(const Row& row, std::size_t begin, btScalar magnitude, Vectors& vectors) const {
-    const btVector3 along = magnitude * row.direction;
-    for (std::size_t e = begin; e < row.end; ++e) vectors[nodes_[e]] += weights_[e] * along;
+  btVector3 gather(const Row& row, std::size_t begin, const Vectors& vectors) const {
+    btVector3 sum(0, 0, 0);
+    for (std::size_t e = begin; e < row.end; ++e) sum += weights_[e] * vectors[nodes_[e]];
+    return sum;
+  }
+
+  void scatter(const Row& row, std::size_t begin, const btVector3& vector, Vectors& vectors) const {
+    for (std::size_t e = begin; e < row.end; ++e) vectors[nodes_[e]] += weights_[e] * vector;
   }
 
   std::vector<Row> rows_;
   std::vector<int> nodes_;
   std::vector<btScalar> weights_;
+  RigidPoint point_;
+  RigidCoupling rigids_;
+  btScalar time_step_ = 0;
 };
 
 }  // namespace raycontact::bullet::detail

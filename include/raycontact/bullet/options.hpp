@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/** How contacts are found and how they push: the choices a program makes once. */
+#ifndef RAYCONTACT_BULLET_OPTIONS_HPP
+#define RAYCONTACT_BULLET_OPTIONS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "raycontact.hpp"
+#include "raycontact/bullet/precision.hpp"
+
+namespace raycontact::bullet {
+
+/**
+ * A stiffness per area (N/m^3) that parts bodies without crushing them: factor * E / h, where E is Young's modulus
+ * (Pa) and h the edge of a typical element (m) of the softer body. Factors from 0.1 to 3 work.
+ */
+inline double suggested_stiffness(double youngs_modulus, double element_edge, double factor = 1) {
+  return factor * youngs_modulus / element_edge;
+}
+
+/** Which of the springs' directions the linear solve knows. */
+enum class Stiffness {
+  along_normal,  ///< the ray's only: bodies slide freely
+  isotropic,     ///< all three alike, as if the ray turned with the bodies: sliding is damped within the step
+};
+
+struct ContactOptions {
+  double stiffness = 1000;     ///< N/m^3 (N/m with RAYC_WEIGHTING_VERTEX), >= 0; see suggested_stiffness
+  double damping_time = 0.05;  ///< s, >= 0; damping along the ray = stiffness * damping_time
+  uint32_t weighting = RAYC_WEIGHTING_AREA;
+  Stiffness directions = Stiffness::along_normal;
+  double friction = 0;           ///< Coulomb's coefficient, >= 0; 0 = none
+  double friction_speed = 0.01;  ///< m/s, > 0; below it friction grows with the speed instead of being constant
+  /// m, > 0; asked of one step, or what the bodies close in it if that is more: a tenth to half an element edge.
+  double depth_cap = std::numeric_limits<double>::infinity();
+  /// m; where rays start: 0 = at each vertex of the skins, the least that a skin finer than its cage needs.
+  double sample_spacing = RAYC_SPACING_AUTOMATIC;
+  bool edges = true;              ///< trace edges where rays settle nothing
+  bool escape = true;             ///< push pairs that contacts cannot part along one direction
+  bool whole_body_escape = true;  ///< as whole bodies, so that soft ones are moved and not drawn out
+  uint32_t threads = 1;           ///< for detection; 1 = the caller's own, 0 = one for each core
+
+  /** What the paper describes: rays from the vertices, stiffness per vertex, nothing beyond. `stiffness` in N/m. */
+  static ContactOptions paper(double stiffness) {
+    ContactOptions options;
+    options.stiffness = stiffness;
+    options.weighting = RAYC_WEIGHTING_VERTEX;
+    options.sample_spacing = 0;
+    options.edges = options.escape = options.whole_body_escape = false;
+    return options;
+  }
+};
+
+struct BodyOptions {
+  bool self_collision = false;  ///< also contacts of the body with itself
+};
+
+/** A frictionless floor: pushes along `normal` where normal . x < offset. */
+struct HalfSpace {
+  btVector3 normal;    ///< unit, out of the solid
+  btScalar offset;     ///< m
+  btScalar stiffness;  ///< N/m^3
+};
+
+/** Throws std::invalid_argument naming the first option that is out of its range. */
+inline void check_options(const ContactOptions& options) {
+  const auto refuse = [](const char* name, double value, const char* range) {
+    throw std::invalid_argument(std::string("ContactOptions::") + name + " is " + std::to_string(value) +
+                                "; it must be " + range);
+  };
+  const auto at_least_zero = [&](const char* name, double value) {
+    if (!(value >= 0) || !std::isfinite(value)) refuse(name, value, "finite and at least 0");
+  };
+  at_least_zero("stiffness", options.stiffness);
+  at_least_zero("damping_time", options.damping_time);
+  at_least_zero("friction", options.friction);
+  if (!(options.friction_speed > 0)) refuse("friction_speed", options.friction_speed, "above 0");
+  if (!(options.depth_cap > 0)) refuse("depth_cap", options.depth_cap, "above 0");
+}
+
+/** Throws std::invalid_argument when the floor's normal is no unit vector or its stiffness is negative. */
+inline void check_half_space(const HalfSpace& half_space) {
+  if (!(std::fabs(double(half_space.normal.length2()) - 1) < 1e-3))
+    throw std::invalid_argument("half-space: its normal has length " +
+                                std::to_string(double(half_space.normal.length())) + "; normalise it");
+  if (!(half_space.stiffness >= 0)) throw std::invalid_argument("half-space: its stiffness must be at least 0");
+}
+
+}  // namespace raycontact::bullet
+
+#endif  // RAYCONTACT_BULLET_OPTIONS_HPP
