@@ -15,7 +15,8 @@ namespace raycontact::bullet::detail {
  */
 class ContactFolding {
  public:
-  ContactFolding(const SurfaceSet& surfaces, ContactRows& rows) : bodies_(surfaces.bodies()), rows_(rows) {}
+  ContactFolding(const SurfaceSet& surfaces, ContactRows& rows, bool is_ahead)
+      : bodies_(surfaces.bodies()), rows_(rows), is_ahead_(is_ahead) {}
 
   void fold_contacts(const SurfaceSet& surfaces) {
     for (std::size_t i = 0; i < surfaces.contacts().size(); ++i) {
@@ -69,7 +70,7 @@ class ContactFolding {
     if (body.rigid != nullptr) {
       if (body.rigid->getInvMass() > 0) body.rigid->activate();
       rows_.set_rigid_point(
-          {rows_.rigids().add(*body.rigid), sign, vector(point.position) - body.rigid->getCenterOfMassPosition()});
+          {rows_.rigids().add(*body.rigid, is_ahead_), sign, vector(point.position) - body.rigid->getCenterOfMassPosition()});
       return;
     }
     for (int corner = 0; corner < 3; ++corner)
@@ -85,7 +86,7 @@ class ContactFolding {
 
   void add_whole_body(const ContactBody& body, btScalar sign) {
     if (body.rigid != nullptr) {
-      rows_.set_rigid_point({rows_.rigids().add(*body.rigid), sign, btVector3(0, 0, 0)});
+      rows_.set_rigid_point({rows_.rigids().add(*body.rigid, is_ahead_), sign, btVector3(0, 0, 0)});
       return;
     }
     const btScalar share = sign / body.soft->getTotalMass();
@@ -95,6 +96,7 @@ class ContactFolding {
 
   const std::vector<ContactBody>& bodies_;
   ContactRows& rows_;
+  bool is_ahead_;
 };
 
 }  // namespace raycontact::bullet::detail

@@ -23,7 +23,7 @@
 namespace raycontact::bullet {
 
 /**
- * Detects once per sub-step, at the positions and velocities it starts from, and then acts as springs along the rays
+ * Detects once per sub-step and then acts as springs along the rays
  * inside the implicit solve. Bodies must outlive it, or be removed from the world or from it first. Errors of
  * detection, such as positions that are no longer finite, come out of stepSimulation as exceptions.
  */
@@ -44,6 +44,7 @@ class ContactForce : public btDeformableLagrangianForce {
   void register_with(btDeformableBodySolver& solver) {
     solver.getLagrangianForceArray()->push_back(this);
     setIndices(solver.getIndices());
+    solver_ = &solver;
   }
 
   /** The same, and rigid bodies of `world` feel the reaction; the world must outlive this force. */
@@ -128,23 +129,20 @@ class ContactForce : public btDeformableLagrangianForce {
       body.first_node = body.soft->m_nodes[0].index;
       switch_off_continuous_collision(*body.soft);
     }
-    surfaces_.detect();
+    // Bullet sets the step of the objective before it reinitialises the forces.
+    const btScalar time_ahead = options_.look_ahead ? solver_->m_objective->m_dt : 0;
+    start_velocities_.resize(static_cast<std::size_t>(m_nodes->size()));
+    for (std::size_t n = 0; n < start_velocities_.size(); ++n) start_velocities_[n] = (*m_nodes)[static_cast<int>(n)]->m_v;
+    surfaces_.detect(time_ahead);
     rows_.clear();
-    detail::ContactFolding folding(surfaces_, rows_);
+    detail::ContactFolding folding(surfaces_, rows_, options_.look_ahead);
     folding.fold_contacts(surfaces_);
     folding.fold_pushes(surfaces_, options_);
     for (const HalfSpace& half_space : half_spaces_) folding.fold_half_space(half_space);
-    is_first_guess_ = true;
   }
 
   void addScaledForces(btScalar scale, TVStack& force) override {
-    // Bullet first guesses the velocities by an explicit step. Stiff contacts would throw bodies apart in it, and the
-    // solve, which is linear around the guess, would then see no contact at all.
-    if (is_first_guess_) {
-      is_first_guess_ = false;
-      return;
-    }
-    rows_.update(*m_nodes, scale, law());
+    rows_.update(*m_nodes, start_velocities_, scale, law());
     rows_.add_forces(scale, force);
   }
 
@@ -182,7 +180,7 @@ class ContactForce : public btDeformableLagrangianForce {
 
   detail::RowLaw law() const {
     return {btScalar(options_.damping_time), btScalar(options_.depth_cap), btScalar(options_.friction),
-            btScalar(options_.friction_speed), options_.directions == Stiffness::isotropic};
+            btScalar(options_.friction_speed), options_.directions == Stiffness::isotropic, options_.look_ahead};
   }
 
   bool is_in_world(const btSoftBody& body) const {
@@ -217,8 +215,9 @@ class ContactForce : public btDeformableLagrangianForce {
   std::vector<HalfSpace> half_spaces_;
   detail::ContactRows rows_;
   Reaction reaction_;
+  std::vector<btVector3> start_velocities_;
+  btDeformableBodySolver* solver_ = nullptr;
   btDynamicsWorld* world_ = nullptr;
-  bool is_first_guess_ = false;
 };
 
 }  // namespace raycontact::bullet

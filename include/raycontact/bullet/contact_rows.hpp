@@ -17,7 +17,7 @@ namespace raycontact::bullet::detail {
 /** How the rows of one step push. */
 struct RowLaw {
   btScalar damping_time, depth_cap, friction, friction_speed;
-  bool isotropic;
+  bool isotropic, look_ahead;
 };
 
 /**
@@ -67,29 +67,33 @@ class ContactRows {
   void set_rigid_point(const RigidPoint& point) { point_ = point; }
 
   /**
-   * The forces at the positions m_q and velocities m_v, and with them which rows push: contact never pulls. At most the
-   * cap of the depth found is asked for, or as much as the bodies close in this step, so that deep starts do not crush
-   * elements.
+   * Which rows push, and how: by where the bodies would be at the end of the step if nothing stopped them, since contact
+   * never pulls. At most the cap of the depth found is asked for, or as much as the bodies close in this step, so that
+   * deep starts do not crush elements. The forces are linear from there to the velocities m_v, around which the engine
+   * solves. `start`: the velocities at the start of the step.
    */
-  void update(const Nodes& nodes, btScalar time_step, const RowLaw& law) {
+  void update(const Nodes& nodes, const std::vector<btVector3>& start, btScalar time_step, const RowLaw& law) {
     time_step_ = time_step;
     rigids_.start_systems();
     for_each_row([&](Row& row, std::size_t begin) {
-      btVector3 change(0, 0, 0);
+      btVector3 rate(0, 0, 0);
       row.motion = btVector3(0, 0, 0);
       for (std::size_t e = begin; e < row.end; ++e) {
-        const btSoftBody::Node& node = *nodes[nodes_[e]];
-        change += weights_[e] * (node.m_q - node.m_x);
-        row.motion += weights_[e] * node.m_v;
+        rate += weights_[e] * start[static_cast<std::size_t>(nodes_[e])];
+        row.motion += weights_[e] * nodes[nodes_[e]]->m_v;
       }
-      btVector3 rate = row.motion;
+      const btVector3 guessed = row.motion - rate;
+      btVector3 unseen = law.look_ahead ? btVector3(0, 0, 0) : rate;  // motion that detection did not know of
       if (row.point.rigid >= 0) {
-        const btVector3 v = row.point.velocity(RigidCoupling::velocity(*rigids_[row.point.rigid].body));
+        const CoupledRigid& rigid = rigids_[row.point.rigid];
+        const btVector3 v = row.point.velocity(RigidCoupling::velocity(*rigid.body));
         rate += v;
-        change += time_step * v;
+        unseen += v - row.point.velocity(rigid.ahead);
       }
-      set_pull(row, change.dot(row.direction), rate, law);
-      if (row.pushes && rigids_.is_movable(row.point.rigid)) load_system(row);
+      set_pull(row, time_step * unseen.dot(row.direction), rate, law);
+      if (!row.pushes) return;
+      row.pull += row.stiffened(guessed);
+      if (rigids_.is_movable(row.point.rigid)) load_system(row);
     });
     for (CoupledRigid& rigid : rigids_.all())
       if (rigid.movable) rigid.system.factor();
@@ -191,7 +195,7 @@ class ContactRows {
 
   void set_pull(Row& row, btScalar deepening, const btVector3& rate, const RowLaw& law) const {
     const btScalar along = rate.dot(row.direction);
-    const btScalar asked = std::min(row.depth, std::max(law.depth_cap, deepening));
+    const btScalar asked = std::min(row.depth, std::max(law.depth_cap, time_step_ * along));
     const btScalar push = row.stiffness * (asked + deepening + law.damping_time * along);
     row.pushes = push > 0;
     if (!row.pushes) return;

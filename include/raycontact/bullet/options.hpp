@@ -23,6 +23,14 @@ inline double suggested_stiffness(double youngs_modulus, double element_edge, do
   return factor * youngs_modulus / element_edge;
 }
 
+/**
+ * A depth (m) for ContactOptions::depth_cap: a quarter of an element's edge h, or more where the contact is so soft that
+ * it takes more to strain an element by a quarter. `stiffness` in N/m^3.
+ */
+inline double suggested_depth_cap(double youngs_modulus, double element_edge, double stiffness, double factor = 0.25) {
+  return factor * std::max(element_edge, stiffness > 0 ? youngs_modulus / stiffness : 0);
+}
+
 /** Which of the springs' directions the linear solve knows. */
 enum class Stiffness {
   along_normal,  ///< the ray's only: bodies slide freely
@@ -40,6 +48,9 @@ struct ContactOptions {
   double depth_cap = std::numeric_limits<double>::infinity();
   /// m; where rays start: 0 = at each vertex of the skins, the least that a skin finer than its cage needs.
   double sample_spacing = RAYC_SPACING_AUTOMATIC;
+  /// Detect where the bodies will be at the end of the step if nothing stops them, so that an impact is met in the step
+  /// in which it happens; false: where they are at its start, as in the paper.
+  bool look_ahead = true;
   bool edges = true;              ///< trace edges where rays settle nothing
   bool escape = true;             ///< push pairs that contacts cannot part along one direction
   bool whole_body_escape = true;  ///< as whole bodies, so that soft ones are moved and not drawn out
@@ -51,7 +62,7 @@ struct ContactOptions {
     options.stiffness = stiffness;
     options.weighting = RAYC_WEIGHTING_VERTEX;
     options.sample_spacing = 0;
-    options.edges = options.escape = options.whole_body_escape = false;
+    options.look_ahead = options.edges = options.escape = options.whole_body_escape = false;
     return options;
   }
 };

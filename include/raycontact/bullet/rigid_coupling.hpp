@@ -59,6 +59,7 @@ struct CoupledRigid {
   Twist load;          // work array
   Twist change;        // of the velocity, as of the last solve
   Twist first_change;  // the same, at the start of the nodes' solve
+  Twist ahead;         // the velocity with which it was taken ahead for detection
 };
 
 /** The point of a rigid body at which a row acts: velocity = sign * (linear + angular x arm). */
@@ -83,10 +84,11 @@ class RigidCoupling {
   void clear() { rigids_.clear(); }
 
   /** Returns the number by which rows refer to the body. */
-  int add(btRigidBody& body) {
+  int add(btRigidBody& body, bool is_ahead) {
     for (std::size_t i = 0; i < rigids_.size(); ++i)
       if (rigids_[i].body == &body) return static_cast<int>(i);
-    rigids_.push_back({&body, !body.isStaticOrKinematicObject() && body.getInvMass() > 0, {}, {}, {}, {}});
+    rigids_.push_back({&body, !body.isStaticOrKinematicObject() && body.getInvMass() > 0, {}, {}, {}, {}, {}});
+    if (is_ahead) rigids_.back().ahead = velocity(body);
     return static_cast<int>(rigids_.size()) - 1;
   }
 

@@ -38,13 +38,17 @@ inline Skin skin_from_faces(const btSoftBody& body) {
   return skin;
 }
 
-/** x, y, z of every point of the skin where the nodes are now, packed; `positions` is used again. */
-inline void skin_positions(const btSoftBody& body, const Skin& skin, std::vector<btScalar>& positions) {
+/** x, y, z of every point of the skin where the nodes are `time_ahead` from now, packed; `positions` is used again. */
+inline void skin_positions(const btSoftBody& body, const Skin& skin, std::vector<btScalar>& positions,
+                           btScalar time_ahead = 0) {
   positions.resize(3 * skin.points.size());
   btScalar* out = positions.data();
   for (const SkinPoint& point : skin.points) {
     btVector3 x(0, 0, 0);
-    for (std::size_t k = 0; k < 4; ++k) x += point.weights[k] * body.m_nodes[point.nodes[k]].m_x;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const btSoftBody::Node& node = body.m_nodes[point.nodes[k]];
+      x += point.weights[k] * (node.m_x + time_ahead * node.m_v);
+    }
     for (int axis = 0; axis < 3; ++axis) *out++ = x[axis];
   }
 }

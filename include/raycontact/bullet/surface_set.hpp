@@ -4,6 +4,7 @@
 #define RAYCONTACT_BULLET_SURFACE_SET_HPP
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
 #include <chrono>
@@ -66,7 +67,7 @@ class SurfaceSet {
   void add_rigid(btRigidBody& body, RigidSurface surface) {
     refuse_twice(&body);
     ContactBody added{nullptr, &body, {}, std::move(surface), 0, true, 0, {}, {}};
-    place(added);
+    place(added, 0);
     // A triangle mesh may be a piece of terrain; a moving one must be closed to have an inside.
     add(std::move(added), body.isStaticOrKinematicObject());
   }
@@ -84,12 +85,12 @@ class SurfaceSet {
     pushes_.clear();
   }
 
-  /** Contacts at the present positions, with bodies counted in the order they were added. */
-  void detect() {
+  /** Contacts where the bodies will be after `time_ahead` if nothing stops them, counted in the order they were added. */
+  void detect(btScalar time_ahead) {
     const auto start = std::chrono::steady_clock::now();
     for (ContactBody& body : bodies_) {
       if (!body.in_world) continue;
-      place(body);
+      place(body, time_ahead);
       scene_.set_positions(body.number, vectors(body.positions.data(), body.positions.size() / 3));
     }
     scene_.query(found_);
@@ -153,13 +154,16 @@ class SurfaceSet {
     bodies_.push_back(std::move(body));
   }
 
-  static void place(ContactBody& body) {
+  static void place(ContactBody& body, btScalar time_ahead) {
     if (body.soft != nullptr) {
-      skin_positions(*body.soft, body.skin, body.positions);
+      skin_positions(*body.soft, body.skin, body.positions, time_ahead);
       return;
     }
     body.positions.resize(3 * body.surface.points.size());
-    const btTransform& transform = body.rigid->getWorldTransform();
+    btTransform transform = body.rigid->getWorldTransform();
+    if (time_ahead > 0 && !body.rigid->isStaticObject())
+      btTransformUtil::integrateTransform(body.rigid->getWorldTransform(), body.rigid->getLinearVelocity(),
+                                          body.rigid->getAngularVelocity(), time_ahead, transform);
     for (std::size_t i = 0; i < body.surface.points.size(); ++i) {
       const btVector3 x = transform * body.surface.points[i];
       for (int axis = 0; axis < 3; ++axis) body.positions[3 * i + static_cast<std::size_t>(axis)] = x[axis];

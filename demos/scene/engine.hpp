@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/** A scene in Bullet, with one of seven ways to handle contact. */
+#ifndef RAYCONTACT_DEMOS_SCENE_ENGINE_HPP
+#define RAYCONTACT_DEMOS_SCENE_ENGINE_HPP
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene.hpp"
+
+class btSoftBody;
+
+namespace demo {
+
+enum class Method {
+  ours,            // raycontact as an implicit force, its defaults
+  paper,           // the same, only what the paper describes
+  classic,         // raycontact correcting Bullet's classic soft bodies
+  vf_dd_implicit,  // Bullet's deformable bodies, its own contact: vertices against faces
+  vf_dd_explicit,
+  vf_ss,  // Bullet's classic soft bodies, its own contact: vertices against faces
+  cl_ss,  // the same: clusters
+};
+
+/** The names on the command line, in the order of the enumeration. */
+const std::vector<std::string>& method_names();
+
+struct Setting {
+  Method method = Method::ours;
+  double stiffness = 0;     // N/m for each surface vertex; 0 = what the scene suggests
+  double damping_time = 0.05;  // s
+  double friction = -1;  // Coulomb's coefficient; below 0 = the scene's
+  double depth_cap = 0.25;  // in cell edges
+  int iterations = 0;       // of the linear solver at most; 0 = as the engine has it
+  uint32_t threads = 1;
+  bool stock_elasticity = false;  // Bullet's own matrix product instead of the merged one
+};
+
+class Engine {
+ public:
+  static std::unique_ptr<Engine> make(const Scene& scene, const Setting& setting);
+  virtual ~Engine() = default;
+  virtual void step(double dt) = 0;
+  virtual const std::vector<btSoftBody*>& bodies() const = 0;
+  virtual std::size_t contact_count() const { return 0; }
+  virtual double detection_ms() const { return 0; }
+};
+
+}  // namespace demo
+
+#endif  // RAYCONTACT_DEMOS_SCENE_ENGINE_HPP
