@@ -25,11 +25,11 @@ class UsageError : public std::runtime_error {
 };
 
 struct ProgramOptions {
-  double dt = 0, steps = 0, frames = 60, iterations = 0, threads = 1;
+  double dt = 0, steps = 0, most_steps = 0, frames = 60, iterations = 0, threads = 1;
   Setting setting;
   std::string out;
   std::vector<std::string> arguments;
-  bool help = false;
+  bool help = false, prints_stiffness = false;
 };
 
 void print_usage(FILE* file, const char* program, const char* description) {
@@ -39,6 +39,7 @@ void print_usage(FILE* file, const char* program, const char* description) {
                "usage: %s [options]\n\n%s\n\n"
                "  --dt SECONDS       time step\n"
                "  --steps N          how many; by default the scene's own duration\n"
+               "  --most-steps N     not more, whatever the duration\n"
                "  --method NAME      %s (ours)\n"
                "  --stiffness N/m    of the contact, for each surface vertex; by default what the bodies suggest\n"
                "  --damping SECONDS  damping time of the contact, ours only (0.05)\n"
@@ -48,6 +49,7 @@ void print_usage(FILE* file, const char* program, const char* description) {
                "  --threads N        for detection; 0 = one for each core (1)\n"
                "  --stock            Bullet's own elasticity instead of the same one with a faster matrix product\n"
                "  --out FOLDER       writes ParaView files there, about 60 frames\n"
+               "  --suggested-stiffness  prints it, runs nothing\n"
                "  --help             this text\n\n"
                "Prints one line: scene,method,dt,stiffness,inside_start,inside_end,inverted,peak_speed,energy_end,\n"
                "momentum_drift,links_kept,verdict. Exit status: 0 ok, 1 another verdict, 2 wrong usage or input.\n",
@@ -80,6 +82,7 @@ ProgramOptions parse(int argc, char** argv) {
   const std::map<std::string, Number> numbers = {
       {"--dt", {&o.dt, false, 1e-5}},
       {"--steps", {&o.steps, true, 1}},
+      {"--most-steps", {&o.most_steps, true, 1}},
       {"--stiffness", {&o.setting.stiffness, false, 1e-9}},
       {"--damping", {&o.setting.damping_time, false, 0}},
       {"--friction", {&o.setting.friction, false, 0}},
@@ -93,6 +96,7 @@ ProgramOptions parse(int argc, char** argv) {
     const bool takes_value = number != numbers.end() || argument == "--out" || argument == "--method";
     if (takes_value && i + 1 == argc) throw UsageError(argument + " needs a value");
     if (argument == "--help" || argument == "-h") o.help = true;
+    else if (argument == "--suggested-stiffness") o.prints_stiffness = true;
     else if (argument == "--stock") o.setting.stock_elasticity = true;
     else if (argument == "--out") o.out = argv[++i];
     else if (argument == "--method") o.setting.method = parse_method(argv[++i]);
@@ -155,7 +159,12 @@ std::string number(double value) {
 
 int run(const Scene& scene, const ProgramOptions& o) {
   const double dt = o.dt > 0 ? o.dt : scene.time_step;
-  const int steps = o.steps > 0 ? static_cast<int>(o.steps) : std::max(1, static_cast<int>(std::lround(scene.duration / dt)));
+  int steps = o.steps > 0 ? static_cast<int>(o.steps) : std::max(1, static_cast<int>(std::lround(scene.duration / dt)));
+  if (o.most_steps > 0) steps = std::min(steps, static_cast<int>(o.most_steps));
+  if (o.prints_stiffness) {
+    std::printf("%s\n", number(scene.stiffness()).c_str());
+    return 0;
+  }
   const Result r = simulate(scene, o, dt, steps);
   const std::string& method = method_names()[static_cast<std::size_t>(o.setting.method)];
   const double stiffness = o.setting.stiffness > 0 ? o.setting.stiffness : scene.stiffness();

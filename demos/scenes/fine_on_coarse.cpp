@@ -19,7 +19,6 @@ int main(int argc, char** argv) {
         scene.friction = 0.3;
         scene.depth_tolerance = 0.05;
         scene.inside_tolerance = 0.01;
-        scene.passed_through = [](const demo::State& state) { return demo::State::centre(state.now[1])[1] < 1; };
         return scene;
       });
 }

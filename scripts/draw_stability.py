@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Draws a heat map of verdicts for each scene of map.csv, and counts the ok runs by method.
+
+Usage: draw_stability.py FOLDER [document.md]
+
+FOLDER holds map.csv and gets <scene>_map.svg. In the document, the lines between "<!-- map -->" and "<!-- /map -->" are
+replaced by the table of counts. scripts/stability.sh runs the scenes and calls it. Needs Debian's python3-matplotlib.
+"""
+
+import argparse
+import csv
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plot  # noqa: E402  (after the choice of output)
+
+METHODS = {
+    "ours": "raycontact, implicit",
+    "paper": "raycontact, paper mode",
+    "classic": "raycontact, classic bodies",
+    "vf_dd_implicit": "Bullet VF_DD, implicit",
+    "vf_dd_explicit": "Bullet VF_DD, explicit",
+    "vf_ss": "Bullet VF_SS",
+    "cl_ss": "Bullet CL_SS",
+}
+# Told apart by colour-blind readers too, and by their letters.
+VERDICTS = {
+    "ok": ("#1b6ab3", ""),
+    "overlapping": ("#f4b860", "o"),
+    "inverted": ("#c08bd0", "i"),
+    "passed_through": ("#d95f3b", "p"),
+    "exploded": ("#333333", "x"),
+    "unfinished": ("#999999", "u"),
+}
+
+
+def read(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    unknown = {row["verdict"] for row in rows} - set(VERDICTS)
+    if not rows or unknown:
+        raise ValueError(f"{path} has no rows or verdicts that nobody knows {sorted(unknown)}: run scripts/stability.sh")
+    return rows
+
+
+def draw_panel(axes, rows, steps):
+    stiffnesses = sorted({float(row["stiffness"]) for row in rows})
+    for row in rows:
+        x, y = steps.index(float(row["dt"])), stiffnesses.index(float(row["stiffness"]))
+        colour, letter = VERDICTS[row["verdict"]]
+        axes.add_patch(plot.Rectangle((x, y), 0.94, 0.94, color=colour, linewidth=0))
+        axes.text(x + 0.47, y + 0.47, letter, ha="center", va="center", color="white", fontsize=7)
+    axes.set_xlim(0, len(steps))
+    axes.set_ylim(0, max(1, len(stiffnesses)))
+    axes.set_xticks([i + 0.47 for i in range(len(steps))], [f"{s:.2g}" for s in steps], rotation=60, fontsize=6)
+    axes.set_yticks([i + 0.47 for i in range(len(stiffnesses))], [f"{k:.3g}" for k in stiffnesses], fontsize=6)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    axes.tick_params(length=0)
+
+
+def draw_scene(folder, scene, rows):
+    methods = [m for m in METHODS if any(row["method"] == m for row in rows)]
+    steps = sorted({float(row["dt"]) for row in rows})
+    figure, panels = plot.subplots(1, len(methods), figsize=(1.75 * len(methods), 1.9), squeeze=False)
+    for axes, method in zip(panels[0], methods):
+        draw_panel(axes, [row for row in rows if row["method"] == method], steps)
+        axes.set_title(METHODS[method].replace(", ", ",\n"), fontsize=7)
+        axes.set_xlabel("time step / s", fontsize=6)
+    panels[0][0].set_ylabel("stiffness / (N/m)", fontsize=6)
+    used = [v for v in VERDICTS if any(row["verdict"] == v for row in rows)]
+    handles = [plot.Rectangle((0, 0), 1, 1, color=VERDICTS[v][0]) for v in used]
+    labels = [v.replace("_", " ") + (f" ({VERDICTS[v][1]})" if VERDICTS[v][1] else "") for v in used]
+    figure.legend(handles, labels, loc="upper center", ncol=len(used), fontsize=7, frameon=False, bbox_to_anchor=(0.5, 1.12))
+    # Neither date nor random names: the same map gives the same file.
+    plot.rcParams["svg.hashsalt"] = "raycontact"
+    figure.savefig(os.path.join(folder, f"{scene}_map.svg"), bbox_inches="tight", metadata={"Date": None})
+    plot.close(figure)
+
+
+def table(rows, scenes):
+    methods = [m for m in METHODS if any(row["method"] == m for row in rows)]
+    lines = ["| scene | " + " | ".join(METHODS[m] for m in methods) + " |", "| --- |" + " --- |" * len(methods)]
+
+    def count(some):
+        return f"{sum(row['verdict'] == 'ok' for row in some)} of {len(some)}"
+
+    for scene in scenes:
+        of_scene = [row for row in rows if row["scene"] == scene]
+        cells = [count([row for row in of_scene if row["method"] == m]) for m in methods]
+        lines.append(f"| [{scene}](stability/{scene}_map.svg) | " + " | ".join(cells) + " |")
+    lines.append("| all | " + " | ".join(count([row for row in rows if row["method"] == m]) for m in methods) + " |")
+    return lines
+
+
+def replace_table(path, lines):
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    begin, end = "<!-- map -->\n", "<!-- /map -->"
+    if begin not in text or end not in text:
+        raise ValueError(f"{path} has no lines <!-- map --> and <!-- /map -->")
+    head, rest = text.split(begin, 1)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(head + begin + "\n".join(lines) + "\n" + end + rest.split(end, 1)[1])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder")
+    parser.add_argument("document", nargs="?")
+    arguments = parser.parse_args()
+    try:
+        rows = read(os.path.join(arguments.folder, "map.csv"))
+        scenes = list(dict.fromkeys(row["scene"] for row in rows))
+        for scene in scenes:
+            draw_scene(arguments.folder, scene, [row for row in rows if row["scene"] == scene])
+        lines = table(rows, scenes)
+        print("\n".join(lines))
+        if arguments.document:
+            replace_table(arguments.document, lines)
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"draw_stability: {error}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# Runs the scenes with every contact method, time step and stiffness, and draws where each stays stable.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+usage() {
+    cat <<END
+usage: scripts/stability.sh [quick|full|docs]
+
+quick (default): all scenes and methods at three time steps with the stiffness that the bodies suggest; some minutes.
+full: nine time steps from 1/480 to 0.5 s, three stiffnesses a hundred times apart; about two hours on two cores.
+docs: runs nothing; takes the last map over into docs/stability.md and docs/stability/.
+A run lasts as long as the scene says, at most $most_steps steps, and is given up after $most_seconds s ("unfinished").
+Writes out/stability/map.csv, and out/stability/<scene>.svg: verdicts by time step and stiffness, a panel a method.
+RAYCONTACT_SCENES, RAYCONTACT_METHODS: only these, separated by spaces.
+Exit status: 0 when drawn, 1 when something failed, 2 for a wrong command line.
+END
+}
+
+most_steps=600
+most_seconds=120
+runs=true
+case "${1:-quick}" in
+    quick) steps=(0.016667 0.05 0.1) factors=(1) ;;
+    full) steps=(0.0020833 0.0041667 0.0083333 0.016667 0.033333 0.05 0.1 0.2 0.5) factors=(0.1 1 10) ;;
+    docs) runs=false ;;
+    -h | --help) usage && exit 0 ;;
+    *) usage >&2 && fail "unknown argument '$1'" 2 ;;
+esac
+
+read -ra scenes <<<"${RAYCONTACT_SCENES:-two_tori falling_tori ring_chain growing_tori swallowed_body \
+plate_through_ring boxes_edge_on_edge folding_strip spike_into_slab fine_on_coarse heavy_on_light fast_impact \
+mixed_pile box_stack}"
+read -ra methods <<<"${RAYCONTACT_METHODS:-ours paper classic vf_dd_implicit vf_dd_explicit vf_ss cl_ss}"
+header=scene,method,dt,stiffness,inside_start,inside_end,inverted,peak_speed,energy_end,momentum_drift,links_kept,verdict
+
+install_matplotlib() {
+    # Debian's Python, because the package belongs to it.
+    ! /usr/bin/python3 -c 'import matplotlib' 2>/dev/null || return 0
+    local as_root=()
+    command -v apt-get >/dev/null || fail 'this is not a Debian-like system: install matplotlib for /usr/bin/python3'
+    if ((EUID != 0)); then
+        command -v sudo >/dev/null || fail 'python3-matplotlib is missing, and there is no sudo. Run as root: \
+apt-get install python3-matplotlib'
+        as_root=(sudo)
+    fi
+    "${as_root[@]}" apt-get --quiet update >&2 || fail "'apt-get update' failed: is there a network?"
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300 install \
+        --no-install-recommends python3-matplotlib >&2 || fail 'apt-get could not install python3-matplotlib'
+}
+
+install_matplotlib
+if [[ $runs == false ]]; then
+    [[ -r out/stability/map.csv ]] || fail "there is no out/stability/map.csv yet: run 'scripts/stability.sh full' first"
+    cp out/stability/map.csv docs/stability/
+    /usr/bin/python3 scripts/draw_stability.py docs/stability docs/stability.md || fail 'the map could not be drawn'
+    say "Renewed: $root/docs/stability.md"
+    exit 0
+fi
+
+scripts/setup.sh
+say 'Building (release)'
+cmake --workflow --preset release >&2 || fail 'the build failed, see above'
+programs="$root/build/release/demos/scenes"
+
+# one_run <scene> <method> <dt> <stiffness>: its line of the map. A crash or a run that takes too long is a verdict too.
+one_run() {
+    local line
+    line="$(timeout "$most_seconds" "$programs/$1" --method "$2" --dt "$3" --stiffness "$4" --most-steps "$most_steps" \
+        2>/dev/null)" || true
+    echo "${line:-$1,$2,$3,$4,,,,,,,,unfinished}"
+}
+export -f one_run
+export programs most_steps most_seconds
+
+# Bullet's classic bodies know no stiffness of contact: one run is enough.
+jobs_of_the_map() {
+    local scene method dt factor suggested
+    for scene in "${scenes[@]}"; do
+        [[ -x "$programs/$scene" ]] || fail "there is no scene '$scene'"
+        suggested="$("$programs/$scene" --suggested-stiffness)"
+        for method in "${methods[@]}"; do
+            for dt in "${steps[@]}"; do
+                for factor in "${factors[@]}"; do
+                    case "$method" in classic | vf_ss | cl_ss) [[ "$factor" == 1 ]] || continue ;; esac
+                    printf '%s %s %s %s\n' "$scene" "$method" "$dt" "$(awk "BEGIN { print $suggested * $factor }")"
+                done
+            done
+        done
+    done
+}
+
+mkdir -p out/stability
+jobs_of_the_map >out/stability/jobs.txt
+count="$(wc -l <out/stability/jobs.txt)"
+say "Running $count scenes on $(nproc) cores"
+{
+    echo "$header"
+    xargs -P "$(nproc)" -L 1 bash -c 'one_run "$@"' one_run <out/stability/jobs.txt | sort
+} >out/stability/map.csv.part || fail 'the scenes could not be run, see above'
+mv out/stability/map.csv.part out/stability/map.csv
+/usr/bin/python3 scripts/draw_stability.py out/stability || fail 'the map could not be drawn, see above'
+say "Map: $root/out/stability/map.csv"
