@@ -57,9 +57,9 @@ class ClassicContact {
   void apply(double time_step) {
     if (!(time_step > 0)) throw std::invalid_argument("apply: the time step must be above 0");
     number_nodes();
-    surfaces_.detect(0);
+    surfaces_.detect({});
     rows_.clear();
-    detail::ContactFolding folding(surfaces_, rows_, false);
+    detail::ContactFolding folding(surfaces_, rows_, 0);
     folding.fold_contacts(surfaces_);
     folding.fold_pushes(surfaces_, options_);
     for (const HalfSpace& half_space : half_spaces_) folding.fold_half_space(half_space);

@@ -15,8 +15,8 @@ namespace raycontact::bullet::detail {
  */
 class ContactFolding {
  public:
-  ContactFolding(const SurfaceSet& surfaces, ContactRows& rows, bool is_ahead)
-      : bodies_(surfaces.bodies()), rows_(rows), is_ahead_(is_ahead) {}
+  ContactFolding(const SurfaceSet& surfaces, ContactRows& rows, btScalar time_ahead)
+      : bodies_(surfaces.bodies()), rows_(rows), time_ahead_(time_ahead) {}
 
   void fold_contacts(const SurfaceSet& surfaces) {
     for (std::size_t i = 0; i < surfaces.contacts().size(); ++i) {
@@ -66,11 +66,26 @@ class ContactFolding {
 
   static btVector3 vector(const double* x) { return btVector3(btScalar(x[0]), btScalar(x[1]), btScalar(x[2])); }
 
+  int add_rigid(btRigidBody& body) {
+    Twist ahead{};
+    if (time_ahead_ > 0) {
+      ahead = RigidCoupling::velocity(body);
+      const btVector3 gained = gravity_gain(body, time_ahead_);
+      for (int axis = 0; axis < 3; ++axis) ahead[static_cast<std::size_t>(axis)] += double(gained[axis]);
+    }
+    return rows_.rigids().add(body, ahead);
+  }
+
+  // Contact points are where the body will be, and so is its centre.
+  btVector3 centre_ahead(const btRigidBody& body) const {
+    return body.getCenterOfMassPosition() + time_ahead_ * (body.getLinearVelocity() + gravity_gain(body, time_ahead_));
+  }
+
   void add_surface_point(const ContactBody& body, const rayc_surface_point& point, btScalar sign) {
     if (body.rigid != nullptr) {
       if (body.rigid->getInvMass() > 0) body.rigid->activate();
       rows_.set_rigid_point(
-          {rows_.rigids().add(*body.rigid, is_ahead_), sign, vector(point.position) - body.rigid->getCenterOfMassPosition()});
+          {add_rigid(*body.rigid), sign, vector(point.position) - centre_ahead(*body.rigid)});
       return;
     }
     for (int corner = 0; corner < 3; ++corner)
@@ -86,7 +101,7 @@ class ContactFolding {
 
   void add_whole_body(const ContactBody& body, btScalar sign) {
     if (body.rigid != nullptr) {
-      rows_.set_rigid_point({rows_.rigids().add(*body.rigid, is_ahead_), sign, btVector3(0, 0, 0)});
+      rows_.set_rigid_point({add_rigid(*body.rigid), sign, btVector3(0, 0, 0)});
       return;
     }
     const btScalar share = sign / body.soft->getTotalMass();
@@ -96,7 +111,7 @@ class ContactFolding {
 
   const std::vector<ContactBody>& bodies_;
   ContactRows& rows_;
-  bool is_ahead_;
+  btScalar time_ahead_;
 };
 
 }  // namespace raycontact::bullet::detail

@@ -6,6 +6,7 @@
 #include <BulletDynamics/Dynamics/btActionInterface.h>
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 #include <BulletSoftBody/btDeformableBodySolver.h>
+#include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableLagrangianForce.h>
 #include <LinearMath/btTransformUtil.h>
 
@@ -81,7 +82,7 @@ class ContactForce : public btDeformableLagrangianForce {
   /** Needed for rigid bodies only: soft ones leave when they leave the world. */
   void remove_rigid_body(btRigidBody& body) {
     surfaces_.remove(&body);
-    rows_.clear();
+    rows_.forget();
   }
 
   void add_half_space(const HalfSpace& half_space) {
@@ -103,7 +104,7 @@ class ContactForce : public btDeformableLagrangianForce {
     const int a = static_cast<int>(surfaces_.index_of(body)), b = static_cast<int>(surfaces_.index_of(other));
     btVector3 sum(0, 0, 0);
     if (m_nodes == nullptr || a == b) return sum;
-    rows_.solution(*m_nodes, [&](int first, int second, const btVector3& pull) {
+    rows_.solution(*m_nodes, [&](const btVector3&, int first, int second, const btVector3& pull) {
       if (first == a && second == b) sum += pull;
       if (first == b && second == a) sum -= pull;
     });
@@ -117,12 +118,14 @@ class ContactForce : public btDeformableLagrangianForce {
   void removeSoftBody(btSoftBody* body) override {
     m_softBodies.remove(body);
     surfaces_.remove(body);
-    rows_.clear();
+    rows_.forget();
   }
 
   void reinitialize(bool) override {
     if (m_nodes == nullptr)
       throw std::logic_error("raycontact: call ContactForce::register_with before the first step");
+    if (static_cast<std::size_t>(m_nodes->size()) != start_velocities_.size()) rows_.forget();  // nodes have new numbers
+    if (options_.friction > 0) rows_.remember_loads(*m_nodes);
     for (detail::ContactBody& body : surfaces_.bodies()) {
       body.in_world = body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->isInWorld();
       if (!body.in_world || body.soft == nullptr) continue;
@@ -130,19 +133,19 @@ class ContactForce : public btDeformableLagrangianForce {
       switch_off_continuous_collision(*body.soft);
     }
     // Bullet sets the step of the objective before it reinitialises the forces.
-    const btScalar time_ahead = options_.look_ahead ? solver_->m_objective->m_dt : 0;
-    start_velocities_.resize(static_cast<std::size_t>(m_nodes->size()));
-    for (std::size_t n = 0; n < start_velocities_.size(); ++n) start_velocities_[n] = (*m_nodes)[static_cast<int>(n)]->m_v;
-    surfaces_.detect(time_ahead);
+    LookAhead ahead;
+    if (options_.look_ahead) ahead = {solver_->m_objective->m_dt, solver_->m_objective->m_dt * gravity()};
+    collect_start_velocities(ahead);
+    surfaces_.detect(ahead);
     rows_.clear();
-    detail::ContactFolding folding(surfaces_, rows_, options_.look_ahead);
+    detail::ContactFolding folding(surfaces_, rows_, ahead.time);
     folding.fold_contacts(surfaces_);
     folding.fold_pushes(surfaces_, options_);
     for (const HalfSpace& half_space : half_spaces_) folding.fold_half_space(half_space);
   }
 
   void addScaledForces(btScalar scale, TVStack& force) override {
-    rows_.update(*m_nodes, start_velocities_, scale, law());
+    rows_.update(*m_nodes, start_velocities_, inverse_masses_, scale, law());
     rows_.add_forces(scale, force);
   }
 
@@ -196,9 +199,30 @@ class ContactForce : public btDeformableLagrangianForce {
     body.m_fdbvt.clear();
   }
 
+  btVector3 gravity() const {
+    const auto& forces = *solver_->getLagrangianForceArray();
+    for (int i = 0; i < forces.size(); ++i)
+      if (forces[i]->getForceType() == BT_GRAVITY_FORCE) return static_cast<btDeformableGravityForce*>(forces[i])->m_gravity;
+    return {0, 0, 0};
+  }
+
+  void collect_start_velocities(const LookAhead& ahead) {
+    start_velocities_.resize(static_cast<std::size_t>(m_nodes->size()));
+    inverse_masses_.clear();
+    for (const detail::ContactBody& body : surfaces_.bodies()) {
+      const double mass = body.soft != nullptr ? double(body.soft->getTotalMass()) : 0;
+      inverse_masses_.push_back(body.soft != nullptr ? 1 / mass : double(body.rigid->getInvMass()));
+      if (body.soft == nullptr || !body.in_world) continue;
+      LookAhead own = ahead;
+      own.gained *= body.soft->m_gravityFactor;
+      for (int n = 0; n < body.soft->m_nodes.size(); ++n)
+        start_velocities_[static_cast<std::size_t>(body.first_node + n)] = own.velocity(body.soft->m_nodes[n]);
+    }
+  }
+
   void move_rigid_bodies(btScalar time_step) {
     if (m_nodes == nullptr || rows_.rigids().all().empty()) return;
-    rows_.solution(*m_nodes, [](int, int, const btVector3&) {});
+    rows_.solution(*m_nodes, [](const btVector3&, int, int, const btVector3&) {});
     for (const detail::CoupledRigid& rigid : rows_.rigids().all()) {
       if (!rigid.movable) continue;
       const btVector3 linear = detail::three_of(rigid.change, 0), angular = detail::three_of(rigid.change, 3);
@@ -216,6 +240,7 @@ class ContactForce : public btDeformableLagrangianForce {
   detail::ContactRows rows_;
   Reaction reaction_;
   std::vector<btVector3> start_velocities_;
+  std::vector<double> inverse_masses_;
   btDeformableBodySolver* solver_ = nullptr;
   btDynamicsWorld* world_ = nullptr;
 };

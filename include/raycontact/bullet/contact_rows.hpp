@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "raycontact/bullet/options.hpp"
+#include "raycontact/bullet/pair_loads.hpp"
 #include "raycontact/bullet/precision.hpp"
 #include "raycontact/bullet/rigid_coupling.hpp"
 
@@ -39,12 +40,26 @@ class ContactRows {
     rigids_.clear();
   }
 
+  /** Before clear(): what the last solve left of each pair's push, for the next step's friction. */
+  void remember_loads(const Nodes& nodes) {
+    solution(nodes, [&](const btVector3& direction, int first, int second, const btVector3& pull) {
+      loads_.add_solved(first, second, std::max(btScalar(0), pull.dot(direction)));
+    });
+    loads_.finish_step();
+  }
+
+  /** When bodies have changed their numbers. */
+  void forget() {
+    clear();
+    loads_.forget();
+  }
+
   std::size_t size() const { return rows_.size(); }
   RigidCoupling& rigids() { return rigids_; }
 
   /** The entries added since the last call become a row between two bodies (the second: -1 for a half-space). */
   void finish_row(const btVector3& direction, btScalar depth, btScalar stiffness, int first, int second) {
-    rows_.push_back({direction, depth, stiffness, first, second, point_, {}, {}, 0, 0, false, nodes_.size()});
+    rows_.push_back({direction, depth, stiffness, first, second, point_, {}, {}, 0, 0, 0, false, nodes_.size()});
     point_ = {};
   }
 
@@ -70,19 +85,16 @@ class ContactRows {
    * Which rows push, and how: by where the bodies would be at the end of the step if nothing stopped them, since contact
    * never pulls. At most the cap of the depth found is asked for, or as much as the bodies close in this step, so that
    * deep starts do not crush elements. The forces are linear from there to the velocities m_v, around which the engine
-   * solves. `start`: the velocities at the start of the step.
+   * solves. `start`: the nodes' velocities if nothing stopped them; `inverse_masses`: of the bodies, 1/kg.
    */
-  void update(const Nodes& nodes, const std::vector<btVector3>& start, btScalar time_step, const RowLaw& law) {
+  void update(const Nodes& nodes, const std::vector<btVector3>& start, const std::vector<double>& inverse_masses,
+              btScalar time_step, const RowLaw& law) {
     time_step_ = time_step;
     rigids_.start_systems();
     for_each_row([&](Row& row, std::size_t begin) {
       btVector3 rate(0, 0, 0);
-      row.motion = btVector3(0, 0, 0);
-      for (std::size_t e = begin; e < row.end; ++e) {
-        rate += weights_[e] * start[static_cast<std::size_t>(nodes_[e])];
-        row.motion += weights_[e] * nodes[nodes_[e]]->m_v;
-      }
-      const btVector3 guessed = row.motion - rate;
+      for (std::size_t e = begin; e < row.end; ++e) rate += weights_[e] * start[static_cast<std::size_t>(nodes_[e])];
+      row.motion = rate;
       btVector3 unseen = law.look_ahead ? btVector3(0, 0, 0) : rate;  // motion that detection did not know of
       if (row.point.rigid >= 0) {
         const CoupledRigid& rigid = rigids_[row.point.rigid];
@@ -90,8 +102,19 @@ class ContactRows {
         rate += v;
         unseen += v - row.point.velocity(rigid.ahead);
       }
-      set_pull(row, time_step * unseen.dot(row.direction), rate, law);
+      row.pull = rate - row.direction.dot(rate) * row.direction;  // the sliding, until friction is known
+      set_push(row, time_step * unseen.dot(row.direction), rate.dot(row.direction), law);
+    });
+    loads_.start_prediction();
+    if (law.friction > 0)
+      for_each_row([&](Row& row, std::size_t) {
+        if (row.pushes) loads_.add_predicted(row.first, row.second, row.push, row.normal);
+      });
+    for_each_row([&](Row& row, std::size_t begin) {
       if (!row.pushes) return;
+      set_pull(row, inverse_masses, law);
+      const btVector3 guessed = motion_change(row, begin, nodes);
+      row.motion += guessed;
       row.pull += row.stiffened(guessed);
       if (rigids_.is_movable(row.point.rigid)) load_system(row);
     });
@@ -151,7 +174,7 @@ class ContactRows {
   }
 
   /**
-   * After the solve, with the nodes' final velocities in m_v: calls `use(first, second, pull)` for each row that pushes
+   * After the solve, with the nodes' final velocities in m_v: calls `use(direction, first, second, pull)` for each row that pushes
    * (pull: the force on the first body, in N), and leaves each rigid body's change of velocity in rigids().
    */
   template <class Use>
@@ -171,7 +194,7 @@ class ContactRows {
         const CoupledRigid& rigid = rigids_[row.point.rigid];
         pull += row.stiffened(row.point.velocity(rigid.change) - row.point.velocity(rigid.first_change));
       }
-      use(row.first, row.second, pull);
+      use(row.direction, row.first, row.second, pull);
     });
   }
 
@@ -184,6 +207,7 @@ class ContactRows {
     RigidPoint point;
     btVector3 motion;  // u of the nodes, at the update
     btVector3 pull;
+    btScalar push;                // predicted
     btScalar normal, tangential;  // D
     bool pushes;
     std::size_t end;  // its entries run from the end of the row before
@@ -193,22 +217,23 @@ class ContactRows {
     }
   };
 
-  void set_pull(Row& row, btScalar deepening, const btVector3& rate, const RowLaw& law) const {
-    const btScalar along = rate.dot(row.direction);
+  void set_push(Row& row, btScalar deepening, btScalar along, const RowLaw& law) const {
     const btScalar asked = std::min(row.depth, std::max(law.depth_cap, time_step_ * along));
-    const btScalar push = row.stiffness * (asked + deepening + law.damping_time * along);
-    row.pushes = push > 0;
-    if (!row.pushes) return;
-    row.pull = push * row.direction;
+    row.push = row.stiffness * (asked + deepening + law.damping_time * along);
+    row.pushes = row.push > 0;
     row.normal = row.stiffness * (time_step_ + law.damping_time);
     row.tangential = law.isotropic ? row.stiffness * time_step_ : 0;
-    if (law.friction > 0) {
-      // Coulomb's force as a viscosity that is held within the step: f = friction * push at the speed found.
-      const btVector3 sliding = rate - along * row.direction;
-      const btScalar viscosity = law.friction * push / std::max(sliding.length(), law.friction_speed);
-      row.pull += viscosity * sliding;
-      row.tangential += viscosity;
-    }
+  }
+
+  // Coulomb's force as a viscosity that is held within the step: friction * push at the speed found.
+  void set_pull(Row& row, const std::vector<double>& inverse_masses, const RowLaw& law) const {
+    const btVector3 sliding = row.pull;
+    row.pull = row.push * row.direction;
+    if (!(law.friction > 0)) return;
+    const btScalar push = row.push * loads_.share(row.first, row.second, inverse_masses, time_step_);
+    const btScalar viscosity = law.friction * push / std::max(sliding.length(), law.friction_speed);
+    row.pull += viscosity * sliding;
+    row.tangential += viscosity;
   }
 
   void load_system(Row& row) {
@@ -261,6 +286,7 @@ class ContactRows {
   std::vector<btScalar> weights_;
   RigidPoint point_;
   RigidCoupling rigids_;
+  PairLoads loads_;
   btScalar time_step_ = 0;
 };
 

@@ -84,11 +84,11 @@ class RigidCoupling {
   void clear() { rigids_.clear(); }
 
   /** Returns the number by which rows refer to the body. */
-  int add(btRigidBody& body, bool is_ahead) {
+  int add(btRigidBody& body, const Twist& ahead) {
     for (std::size_t i = 0; i < rigids_.size(); ++i)
       if (rigids_[i].body == &body) return static_cast<int>(i);
     rigids_.push_back({&body, !body.isStaticOrKinematicObject() && body.getInvMass() > 0, {}, {}, {}, {}, {}});
-    if (is_ahead) rigids_.back().ahead = velocity(body);
+    rigids_.back().ahead = ahead;
     return static_cast<int>(rigids_.size()) - 1;
   }
 

@@ -38,16 +38,24 @@ inline Skin skin_from_faces(const btSoftBody& body) {
   return skin;
 }
 
-/** x, y, z of every point of the skin where the nodes are `time_ahead` from now, packed; `positions` is used again. */
+/** Where to take nodes ahead of where they are: by time * (velocity + gained), pinned ones not at all. */
+struct LookAhead {
+  btScalar time = 0;            ///< s
+  btVector3 gained{0, 0, 0};    ///< m/s: what gravity adds to the velocities within the step
+
+  btVector3 velocity(const btSoftBody::Node& node) const { return node.m_im > 0 ? node.m_v + gained : btVector3(0, 0, 0); }
+};
+
+/** x, y, z of every point of the skin, packed; `positions` is used again. */
 inline void skin_positions(const btSoftBody& body, const Skin& skin, std::vector<btScalar>& positions,
-                           btScalar time_ahead = 0) {
+                           const LookAhead& ahead = {}) {
   positions.resize(3 * skin.points.size());
   btScalar* out = positions.data();
   for (const SkinPoint& point : skin.points) {
     btVector3 x(0, 0, 0);
     for (std::size_t k = 0; k < 4; ++k) {
       const btSoftBody::Node& node = body.m_nodes[point.nodes[k]];
-      x += point.weights[k] * (node.m_x + time_ahead * node.m_v);
+      x += point.weights[k] * (node.m_x + ahead.time * ahead.velocity(node));
     }
     for (int axis = 0; axis < 3; ++axis) *out++ = x[axis];
   }

@@ -36,6 +36,11 @@ struct ContactBody {
   std::vector<btScalar> areas;      // of a skin, at rest
 };
 
+/** The velocity that gravity adds to a rigid body in a step. */
+inline btVector3 gravity_gain(const btRigidBody& body, btScalar time) {
+  return body.isStaticOrKinematicObject() ? btVector3(0, 0, 0) : time * body.getGravity();
+}
+
 class SurfaceSet {
  public:
   explicit SurfaceSet(const ContactOptions& options) : scene_(options.threads) {
@@ -67,7 +72,7 @@ class SurfaceSet {
   void add_rigid(btRigidBody& body, RigidSurface surface) {
     refuse_twice(&body);
     ContactBody added{nullptr, &body, {}, std::move(surface), 0, true, 0, {}, {}};
-    place(added, 0);
+    place(added, {});
     // A triangle mesh may be a piece of terrain; a moving one must be closed to have an inside.
     add(std::move(added), body.isStaticOrKinematicObject());
   }
@@ -85,12 +90,12 @@ class SurfaceSet {
     pushes_.clear();
   }
 
-  /** Contacts where the bodies will be after `time_ahead` if nothing stops them, counted in the order they were added. */
-  void detect(btScalar time_ahead) {
+  /** Contacts where the bodies will be if nothing stops them, with bodies counted in the order they were added. */
+  void detect(const LookAhead& ahead) {
     const auto start = std::chrono::steady_clock::now();
     for (ContactBody& body : bodies_) {
       if (!body.in_world) continue;
-      place(body, time_ahead);
+      place(body, ahead);
       scene_.set_positions(body.number, vectors(body.positions.data(), body.positions.size() / 3));
     }
     scene_.query(found_);
@@ -154,16 +159,20 @@ class SurfaceSet {
     bodies_.push_back(std::move(body));
   }
 
-  static void place(ContactBody& body, btScalar time_ahead) {
+  static void place(ContactBody& body, const LookAhead& ahead) {
     if (body.soft != nullptr) {
-      skin_positions(*body.soft, body.skin, body.positions, time_ahead);
+      LookAhead own = ahead;
+      own.gained *= body.soft->m_gravityFactor;
+      skin_positions(*body.soft, body.skin, body.positions, own);
       return;
     }
     body.positions.resize(3 * body.surface.points.size());
     btTransform transform = body.rigid->getWorldTransform();
-    if (time_ahead > 0 && !body.rigid->isStaticObject())
-      btTransformUtil::integrateTransform(body.rigid->getWorldTransform(), body.rigid->getLinearVelocity(),
-                                          body.rigid->getAngularVelocity(), time_ahead, transform);
+    if (ahead.time > 0 && !body.rigid->isStaticObject()) {
+      const btVector3 linear = body.rigid->getLinearVelocity() + gravity_gain(*body.rigid, ahead.time);
+      btTransformUtil::integrateTransform(body.rigid->getWorldTransform(), linear, body.rigid->getAngularVelocity(),
+                                          ahead.time, transform);
+    }
     for (std::size_t i = 0; i < body.surface.points.size(); ++i) {
       const btVector3 x = transform * body.surface.points[i];
       for (int axis = 0; axis < 3; ++axis) body.positions[3 * i + static_cast<std::size_t>(axis)] = x[axis];

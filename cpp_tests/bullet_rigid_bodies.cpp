@@ -1,0 +1,189 @@
+// Rigid bodies as collided surfaces, floors and friction: judged by the laws of mechanics.
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "expect.hpp"
+#include "raycontact/bullet.hpp"
+#include "shapes.hpp"
+#include "soft_world.hpp"
+
+namespace bullet = raycontact::bullet;
+
+namespace {
+
+const demo::Surface cube{
+    "cube",
+    {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1},
+    {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5}};
+
+bullet::Cage cube_at(double x, double y, double z) {
+  demo::Surface moved = cube;
+  demo::move(moved, {x, y, z});
+  return bullet::make_cage(moved.positions, moved.triangles, 3);
+}
+
+bullet::ContactOptions stiff_contact(double friction = 0) {
+  bullet::ContactOptions options;
+  options.stiffness = 1e5;
+  options.friction = friction;
+  options.friction_speed = 1e-3;
+  return options;
+}
+
+btVector3 momentum(const btSoftBody& body) {
+  btVector3 sum(0, 0, 0);
+  for (int n = 0; n < body.m_nodes.size(); ++n) sum += body.m_nodes[n].m_v / body.m_nodes[n].m_im;
+  return sum;
+}
+
+double lowest(const btSoftBody& body) {
+  double y = 1e9;
+  for (int n = 0; n < body.m_nodes.size(); ++n) y = std::min(y, double(body.m_nodes[n].m_x.y()));
+  return y;
+}
+
+std::unique_ptr<btRigidBody> rigid(btCollisionShape& shape, double mass, const btVector3& at) {
+  btVector3 inertia(0, 0, 0);
+  if (mass > 0) shape.calculateLocalInertia(btScalar(mass), inertia);
+  auto body = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(btScalar(mass), nullptr, &shape, inertia));
+  btTransform transform = btTransform::getIdentity();
+  transform.setOrigin(at);
+  body->setCenterOfMassTransform(transform);
+  return body;
+}
+
+// In empty space a rigid ball meets a soft cube: what one loses the other gains, in every step.
+void momentum_passes_between() {
+  const char* test = "momentum";
+  demo::SoftWorld world(2e4, 0.3, stiff_contact());
+  btSoftBody& soft = world.add(cube_at(0, 0, 0), 3);
+  btSphereShape shape(btScalar(0.4));
+  const auto ball = rigid(shape, 2, btVector3(btScalar(-0.6), btScalar(0.4), btScalar(0.55)));
+  ball->setLinearVelocity(btVector3(2, 0, 0));
+  ball->setActivationState(DISABLE_DEACTIVATION);
+  world.world().addRigidBody(ball.get(), 0, 0);
+  world.contact().add_rigid_body(*ball);
+  const double dt = 0.02;
+  double most_force = 0;
+  for (int step = 0; step < 100; ++step) {
+    const btVector3 before = momentum(soft);
+    world.step(dt);
+    const btVector3 gained = momentum(soft) - before;
+    const btVector3 force = world.contact().pair_force(soft, *ball);
+    most_force = std::max(most_force, double(force.length()));
+    expect_near(double((gained - btScalar(dt) * force).length()), 0, 2e-3, test, "momentum gained without a force");
+    const btVector3 back = world.contact().pair_force(*ball, soft);
+    expect_near(double((force + back).length()), 0, 1e-6 * (1 + double(force.length())), test, "action and reaction");
+  }
+  const btVector3 total = momentum(soft) + 2 * ball->getLinearVelocity();
+  // Bullet's elasticity damps all motion by 1 % a second.
+  expect_near(double(total.x()), 4, 0.1, test, "total momentum along x");
+  expect(most_force > 10, test, "they have met");
+  expect(double(ball->getLinearVelocity().x()) < 0.9, test, "the ball is slowed");
+  expect(double(ball->getAngularVelocity().length()) > 1e-3, test, "the ball, hit off its middle, turns");
+  world.contact().remove_rigid_body(*ball);
+  world.world().removeRigidBody(ball.get());
+}
+
+// A stiff contact and a light rigid body at a large step: the coupling is implicit, nothing blows up.
+void light_ball_between_cubes() {
+  const char* test = "light ball";
+  demo::SoftWorld world(2e4, 0.3, stiff_contact(), btVector3(0, -10, 0));
+  btSoftBody& soft = world.add(cube_at(-0.5, 0, -0.5), 30);
+  world.contact().add_half_space({btVector3(0, 1, 0), 0, btScalar(1e5)});
+  btSphereShape shape(btScalar(0.3));
+  const auto ball = rigid(shape, 0.01, btVector3(0, btScalar(1.4), 0));
+  ball->setActivationState(DISABLE_DEACTIVATION);
+  world.world().addRigidBody(ball.get(), 0, 0);
+  world.contact().add_rigid_body(*ball);
+  double fastest = 0;
+  for (int step = 0; step < 60; ++step) {
+    world.step(0.05);
+    fastest = std::max(fastest, double(ball->getLinearVelocity().length()));
+  }
+  expect(fastest < 5, test, "no explosion");
+  expect_near(double(ball->getCenterOfMassPosition().y()), 1.3, 0.1, test, "height at rest");
+  expect_near(double(world.contact().pair_force(*ball, soft).y()), 0.1, 0.02, test, "the cube carries the ball's weight");
+  world.contact().remove_rigid_body(*ball);
+  world.world().removeRigidBody(ball.get());
+}
+
+// On a static hull, on an open triangle mesh and on a half-space a cube comes to rest; without them it falls.
+void static_supports() {
+  btBoxShape slab(btVector3(3, btScalar(0.5), 3));
+  btTriangleMesh triangles;
+  const btVector3 corners[4] = {{-3, 0, -3}, {-3, 0, 3}, {3, 0, 3}, {3, 0, -3}};
+  triangles.addTriangle(corners[0], corners[1], corners[2]);
+  triangles.addTriangle(corners[0], corners[2], corners[3]);
+  btBvhTriangleMeshShape terrain(&triangles, true);
+  for (int kind = 0; kind < 3; ++kind) {
+    const char* test = kind == 0 ? "hull" : kind == 1 ? "terrain" : "half-space";
+    demo::SoftWorld world(2e4, 0.3, stiff_contact(), btVector3(0, -10, 0));
+    btSoftBody& soft = world.add(cube_at(-0.5, 0.1, -0.5), 3);
+    std::unique_ptr<btRigidBody> support;
+    if (kind < 2) {
+      support = rigid(kind == 0 ? static_cast<btCollisionShape&>(slab) : terrain, 0, btVector3(0, kind == 0 ? btScalar(-0.5) : 0, 0));
+      world.world().addRigidBody(support.get(), 0, 0);
+      world.contact().add_rigid_body(*support);
+    } else {
+      world.contact().add_half_space({btVector3(0, 1, 0), 0, btScalar(1e5)});
+    }
+    for (int step = 0; step < 100; ++step) world.step(0.02);
+    expect_near(lowest(soft), 0, 0.02, test, "lowest point at rest");
+    if (support) {
+      expect_near(double(world.contact().pair_force(soft, *support).y()), 30, 1, test, "it carries the weight");
+      world.contact().remove_rigid_body(*support);
+      for (int step = 0; step < 50; ++step) world.step(0.02);
+      expect(lowest(soft) < -1, test, "it falls when the support is gone");
+      world.world().removeRigidBody(support.get());
+    }
+  }
+}
+
+// On a slope a cube slides with g (sin - mu cos), or stays where friction is larger than the slope.
+void friction_on_a_slope() {
+  const double angle = 0.3, g = 10;
+  for (const double mu : {0.0, 0.15, 0.6}) {
+    const char* test = "friction";
+    demo::SoftWorld world(1e5, 0.3, stiff_contact(mu), btVector3(btScalar(g * std::sin(angle)), btScalar(-g * std::cos(angle)), 0));
+    btSoftBody& soft = world.add(cube_at(0, 0, 0), 3);
+    world.contact().add_half_space({btVector3(0, 1, 0), 0, btScalar(1e5)});
+    const int steps = 100;
+    const double dt = 0.01;
+    for (int step = 0; step < steps; ++step) world.step(dt);
+    const double speed = double(momentum(soft).x()) / 3;
+    const double expected = std::max(0.0, g * (std::sin(angle) - mu * std::cos(angle))) * steps * dt;
+    expect_near(speed, expected, 0.05 * expected + 0.05, test, "speed down the slope with mu = " + std::to_string(mu));
+  }
+}
+
+void bad_rigid_bodies() {
+  const char* test = "bad rigid bodies";
+  demo::SoftWorld world(2e4, 0.3, stiff_contact());
+  btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+  const auto floor = rigid(plane, 0, btVector3(0, 0, 0));
+  expect_refusal([&] { world.contact().add_rigid_body(*floor); }, test, "half-space");
+  expect_refusal([&] { world.contact().add_half_space({btVector3(0, 2, 0), 0, 1}); }, test, "normalise it");
+  btBoxShape box(btVector3(1, 1, 1));
+  const auto moving = rigid(box, 1, btVector3(0, 0, 0));
+  bullet::ContactForce unregistered;
+  expect_refusal([&] { unregistered.add_rigid_body(*moving); }, test, "register_with(solver, world)");
+  world.contact().add_rigid_body(*moving);
+  expect_refusal([&] { world.contact().add_rigid_body(*moving); }, test, "added already");
+  bullet::RigidSurface inward = bullet::surface_of_shape(box);
+  std::swap(inward.triangles[0], inward.triangles[1]);
+  world.contact().remove_rigid_body(*moving);
+  expect_refusal([&] { world.contact().add_rigid_body(*moving, inward); }, test, "MESH");
+}
+
+}  // namespace
+
+int main() {
+  momentum_passes_between();
+  light_ball_between_cubes();
+  static_supports();
+  friction_on_a_slope();
+  bad_rigid_bodies();
+  return failures == 0 ? 0 : 1;
+}
