@@ -5,6 +5,20 @@ if(NOT PkgConfig_FOUND)
     return()
 endif()
 
+# raycontact_add_bullet_test(<target> <test> <library> <precision>) builds bullet_<test>.cpp and runs it.
+function(raycontact_add_bullet_test target test library precision)
+    # Two translation units, so that a function of the adapter that is not inline is noticed.
+    add_executable(${target} bullet_${test}.cpp bullet_second_unit.cpp)
+    # Bullet's own headers set this off, although they are system headers, once they are inlined.
+    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
+    target_link_libraries(${target} PRIVATE raycontact::raycontact ${library})
+    target_compile_definitions(${target} PRIVATE RAYCONTACT_BULLET_PRECISION=${precision})
+    # The world and the shapes are those of the demos.
+    target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/demos")
+    add_test(NAME ${target} COMMAND ${target})
+    set_tests_properties(${target} PROPERTIES TIMEOUT 120)
+endfunction()
+
 foreach(package IN ITEMS bullet bullet-float64)
     if(package MATCHES "float64$")
         set(precision 64)
@@ -17,14 +31,33 @@ foreach(package IN ITEMS bullet bullet-float64)
         message(WARNING "${package} is missing: its test is left out (Debian: libbullet-dev)")
         continue()
     endif()
-    # Two translation units, so that a function of the adapter that is not inline is noticed.
-    add_executable(${name}_parts_bodies bullet_parts_bodies.cpp bullet_second_unit.cpp)
-    # Bullet's own headers set this off, although they are system headers, once they are inlined.
-    target_compile_options(${name}_parts_bodies PRIVATE -Wno-maybe-uninitialized)
-    target_link_libraries(${name}_parts_bodies PRIVATE raycontact::raycontact PkgConfig::${name})
-    target_compile_definitions(${name}_parts_bodies PRIVATE RAYCONTACT_BULLET_PRECISION=${precision})
-    # The world and the shapes are those of the demos.
-    target_include_directories(${name}_parts_bodies PRIVATE "${PROJECT_SOURCE_DIR}/demos")
-    add_test(NAME ${name}_parts_bodies COMMAND ${name}_parts_bodies)
-    set_tests_properties(${name}_parts_bodies PROPERTIES TIMEOUT 120)
+    foreach(test IN ITEMS parts_bodies rigid_bodies soft_bodies)
+        raycontact_add_bullet_test(${name}_${test} ${test} PkgConfig::${name} ${precision})
+    endforeach()
 endforeach()
+
+# Once more in float with the address and the undefined-behaviour sanitizer: the adapter is all in headers, so it is
+# instrumented although Bullet is not.
+if(TARGET PkgConfig::bullet AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+    foreach(test IN ITEMS rigid_bodies soft_bodies)
+        set(sanitized bullet_${test}_sanitized)
+        raycontact_add_bullet_test(${sanitized} ${test} PkgConfig::bullet 32)
+        target_compile_options(${sanitized} PRIVATE -O1 -fsanitize=address,undefined -fno-sanitize-recover=all)
+        target_link_options(${sanitized} PRIVATE -fsanitize=address,undefined)
+    endforeach()
+endif()
+
+# A mixture of Bullet's two builds must not compile: each way round.
+if(TARGET PkgConfig::bullet)
+    foreach(mixture IN ITEMS 32:-DBT_USE_DOUBLE_PRECISION 64:-UBT_USE_DOUBLE_PRECISION)
+        string(REGEX MATCH "^[0-9]+" precision "${mixture}")
+        string(REGEX REPLACE "^[0-9]+:" "" definition "${mixture}")
+        add_test(NAME bullet_mixed_with_${precision}
+                 COMMAND "${CMAKE_CXX_COMPILER}" -std=c++17 -fsyntax-only ${definition}
+                         -DRAYCONTACT_BULLET_PRECISION=${precision} "-I${PROJECT_SOURCE_DIR}/include"
+                         "-I$<JOIN:${bullet_INCLUDE_DIRS},;-I>" "${CMAKE_CURRENT_SOURCE_DIR}/bullet_second_unit.cpp"
+                 COMMAND_EXPAND_LISTS)
+        set_tests_properties(bullet_mixed_with_${precision} PROPERTIES
+                             PASS_REGULAR_EXPRESSION "build of Bullet is linked but BT_USE_DOUBLE_PRECISION")
+    endforeach()
+endif()

@@ -1,0 +1,252 @@
+// Soft bodies beyond two that part: with themselves, pinned, added and removed while running, with Bullet's render mesh
+// as skin, in the classic world; and what is refused.
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "expect.hpp"
+#include "raycontact/bullet.hpp"
+#include "raycontact/bullet/inside_test.hpp"
+#include "shapes.hpp"
+#include "soft_world.hpp"
+
+namespace bullet = raycontact::bullet;
+
+namespace {
+
+bullet::ContactOptions contact_for(const bullet::Cage& cage) {
+  bullet::ContactOptions options;
+  options.stiffness = bullet::suggested_stiffness(2000, cage.cell_edge);
+  return options;
+}
+
+bullet::Cage torus_at(double x, double y, double z) {
+  demo::Surface torus = demo::torus(24, 12);
+  demo::move(torus, {x, y, z});
+  return bullet::make_cage(torus.positions, torus.triangles, {5, 1, 4});
+}
+
+// Two arms, above and below, joined at the left: a U lying on its side.
+demo::Surface horseshoe() {
+  demo::Surface surface{"horseshoe", {}, {}};
+  const double pi = std::acos(-1.0);
+  constexpr uint32_t along = 40;
+  for (uint32_t i = 0; i <= along; ++i) {
+    // The middle line: an arm of length 1.5, half a circle of radius 0.5, and the other arm.
+    const double s = (1.5 * 2 + 0.5 * pi) * i / along;
+    double x = 1.5 - s, y = 0.5, nx = 0, ny = 1;
+    if (s > 1.5 + 0.5 * pi) {
+      x = s - 1.5 - 0.5 * pi;
+      y = -0.5;
+      ny = -1;
+    } else if (s > 1.5) {
+      const double turn = pi / 2 + (s - 1.5) / 0.5;
+      nx = std::cos(turn);
+      ny = std::sin(turn);
+      x = 0.5 * nx;
+      y = 0.5 * ny;
+    }
+    for (int corner = 0; corner < 4; ++corner) {
+      const double out = corner == 0 || corner == 3 ? -0.15 : 0.15, side = corner < 2 ? -0.3 : 0.3;
+      surface.positions.insert(surface.positions.end(), {x + out * nx, y + out * ny, side});
+    }
+  }
+  for (uint32_t i = 0; i < along; ++i)
+    for (uint32_t c = 0; c < 4; ++c) {
+      const uint32_t a = 4 * i + c, b = 4 * i + (c + 1) % 4, d = a + 4, e = b + 4;
+      surface.triangles.insert(surface.triangles.end(), {a, d, b, b, d, e});
+    }
+  const uint32_t last = 4 * along;
+  surface.triangles.insert(surface.triangles.end(), {0, 1, 2, 0, 2, 3, last, last + 2, last + 1, last, last + 3, last + 2});
+  if (demo::volume(surface) < 0)
+    for (std::size_t t = 0; t < surface.triangles.size(); t += 3) std::swap(surface.triangles[t], surface.triangles[t + 1]);
+  return surface;
+}
+
+double momentum(const btSoftBody& body) {
+  btVector3 sum(0, 0, 0);
+  for (int n = 0; n < body.m_nodes.size(); ++n) sum += body.m_nodes[n].m_v / body.m_nodes[n].m_im;
+  return double(sum.length());
+}
+
+// The arms of a horseshoe swing towards one another. Returns by how much the upper one has come to lie below the lower.
+double swing(bool self_collision, const char* test) {
+  const demo::Surface surface = horseshoe();
+  const bullet::Cage cage = bullet::make_cage(surface.positions, surface.triangles, 14);
+  demo::SoftWorld world(2000, 0.3, contact_for(cage));
+  bullet::BodyOptions options;
+  options.self_collision = self_collision;
+  btSoftBody& body = world.add(cage, 10, options);
+  for (int n = 0; n < body.m_nodes.size(); ++n) {
+    btSoftBody::Node& node = body.m_nodes[n];
+    if (node.m_x.x() > 0) node.m_v = node.m_vn = btVector3(0, node.m_x.y() > 0 ? btScalar(-6) : btScalar(6), 0);
+  }
+  std::size_t most = 0;
+  double deepest = -1;
+  for (int step = 0; step < 40; ++step) {
+    world.step(0.01);
+    most = std::max(most, world.contact().contact_count());
+    for (const rayc_contact& contact : world.contact().contacts())
+      expect(contact.colliding == 0 && contact.collided == 0, test, "contacts are of the body with itself");
+    std::vector<btScalar> x;
+    bullet::skin_positions(body, cage.skin, x);
+    deepest = std::max(deepest, double(x[3 * 160 + 1] - x[1]));  // the lower arm's end above the upper arm's
+  }
+  expect((most > 0) == self_collision, test, "contacts if and only if they are asked for");
+  expect(momentum(body) < 0.2, test, "a body does not push itself away");
+  return deepest;
+}
+
+void self_collision() {
+  const double without = swing(false, "self-collision off"), with = swing(true, "self-collision on");
+  std::printf("arms pass by %.3f without, %.3f with self-collision\n", without, with);
+  expect(without > 0.2, "self-collision off", "the arms pass through one another");
+  expect(with < 0.15, "self-collision on", "the arms are stopped by one another");
+}
+
+void pinned_nodes() {
+  const char* test = "pinned";
+  const bullet::Cage cage = torus_at(0, 0, 0), falling = torus_at(0, 1.2, 0);
+  demo::SoftWorld world(2000, 0.3, contact_for(cage), btVector3(0, -10, 0));
+  btSoftBody& held = world.add(cage, 1);
+  world.add(falling, 1);
+  std::vector<btVector3> before;
+  for (int n = 0; n < held.m_nodes.size(); ++n) {
+    if (n % 3 == 0) held.setMass(n, 0);
+    before.push_back(held.m_nodes[n].m_x);
+  }
+  for (int step = 0; step < 60; ++step) world.step(0.02);
+  expect(world.contact().contact_count() > 0, test, "they touch");
+  for (int n = 0; n < held.m_nodes.size(); n += 3)
+    expect_near(double((held.m_nodes[n].m_x - before[std::size_t(n)]).length()), 0, 1e-6, test, "way of a pinned node");
+}
+
+void bodies_come_and_go() {
+  const char* test = "come and go";
+  const bullet::Cage a = torus_at(0, 0, 0), b = torus_at(0.25, 0.1, 0.3), c = torus_at(-0.3, 0.2, 0);
+  demo::SoftWorld world(2000, 0.3, contact_for(a));
+  btSoftBody& first = world.add(a, 1);
+  world.step(0.02);
+  expect(world.contact().contact_count() == 0, test, "one body touches nothing");
+  btSoftBody& second = world.add(b, 1);
+  world.step(0.02);
+  expect(world.contact().contact_count() > 0, test, "the second is met");
+  btSoftBody& third = world.add(c, 1);
+  world.step(0.02);
+  world.remove(second);
+  world.step(0.02);
+  for (const rayc_contact& contact : world.contact().contacts())
+    expect(contact.colliding < 2 && contact.collided < 2, test, "bodies count in the order in which they were added");
+  expect_refusal([&] { world.contact().pair_force(first, second); }, test, "removed");
+  for (int step = 0; step < 60; ++step) world.step(0.02);
+  expect(world.contact().contact_count() == 0, test, "the other two part");
+  expect(double(world.contact().pair_force(first, third).length()) == 0, test, "no contact, no force");
+}
+
+void render_mesh_as_skin() {
+  const char* test = "render mesh";
+  const bullet::Cage cage = torus_at(0, 0, 0);
+  btSoftBodyWorldInfo info;
+  const auto body = bullet::make_soft_body(info, cage, 1);
+  expect_refusal([&] { bullet::skin_from_render_mesh(*body); }, test, "no render mesh");
+  body->m_renderNodes.resize(static_cast<int>(cage.skin.points.size()));
+  std::vector<btScalar> positions;
+  bullet::skin_positions(*body, cage.skin, positions);
+  for (int i = 0; i < body->m_renderNodes.size(); ++i)
+    body->m_renderNodes[i].m_x = btVector3(positions[std::size_t(3 * i)], positions[std::size_t(3 * i + 1)], positions[std::size_t(3 * i + 2)]);
+  for (std::size_t t = 0; t < cage.skin.triangles.size(); t += 3) {
+    btSoftBody::RenderFace face;
+    for (std::size_t k = 0; k < 3; ++k) face.m_n[k] = &body->m_renderNodes[static_cast<int>(cage.skin.triangles[t + k])];
+    body->m_renderFaces.push_back(face);
+  }
+  expect_refusal([&] { bullet::skin_from_render_mesh(*body); }, test, "interpolateBarycentricWeights");
+  btSoftBodyHelpers::interpolateBarycentricWeights(body.get());
+  const bullet::Skin skin = bullet::skin_from_render_mesh(*body);
+  for (int n = 0; n < body->m_nodes.size(); ++n) body->m_nodes[n].m_x += btVector3(1, 2, 3);
+  std::vector<btScalar> moved;
+  bullet::skin_positions(*body, skin, moved);
+  expect(skin.triangles == cage.skin.triangles, test, "the same triangles");
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    expect_near(double(moved[i] - positions[i]), double(i % 3 + 1), 1e-4, test, "way of a coordinate of the skin");
+}
+
+void classic_bodies() {
+  const char* test = "classic";
+  btSoftBodyRigidBodyCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher(&configuration);
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+  world.setGravity(btVector3(0, 0, 0));
+  world.getWorldInfo().m_gravity.setZero();
+  const bullet::Cage cages[2] = {torus_at(0, 0, 0), torus_at(0.25, 0.1, 0.3)};
+  bullet::ClassicContact contact;
+  std::vector<std::unique_ptr<btSoftBody>> bodies;
+  for (const bullet::Cage& cage : cages) {
+    bodies.push_back(bullet::make_soft_body(world.getWorldInfo(), cage, 1));
+    world.addSoftBody(bodies.back().get());
+    contact.add_body(*bodies.back(), cage.skin);
+  }
+  const double dt = 0.02;
+  for (int step = 0; step < 100; ++step) {
+    world.stepSimulation(btScalar(dt), 0);
+    contact.apply(dt);
+    if (step == 0) expect(contact.contact_count() > 100, test, "contacts at the start");
+  }
+  expect(contact.contact_count() == 0, test, "the tori have parted");
+  expect_refusal([&] { contact.apply(0); }, test, "above 0");
+  contact.remove_body(*bodies[0]);
+  contact.apply(dt);
+  for (const auto& body : bodies) world.removeSoftBody(body.get());
+}
+
+template <class Spoil>
+void refused(Spoil spoil, const char* part) {
+  btSoftBodyWorldInfo info;
+  const bullet::Cage cage = torus_at(0, 0, 0);
+  const auto body = bullet::make_soft_body(info, cage, 1);
+  bullet::Skin skin = cage.skin;
+  spoil(*body, skin);
+  bullet::ContactForce contact;
+  expect_refusal([&] { contact.add_body(*body, skin); }, "refused", part);
+}
+
+void bad_bodies() {
+  refused([](btSoftBody& b, bullet::Skin&) { std::swap(b.m_tetras[3].m_n[0], b.m_tetras[3].m_n[1]); }, "tetrahedron 3");
+  refused([](btSoftBody& b, bullet::Skin&) { b.m_tetras[2].m_element_measure = 0; }, "initializeDmInverse");
+  refused([](btSoftBody& b, bullet::Skin&) { b.m_links.clear(); }, "appendLink");
+  refused([](btSoftBody& b, bullet::Skin&) { b.m_tetraScratches.resize(1); }, "m_tetraScratches");
+  refused([](btSoftBody& b, bullet::Skin&) { b.m_cfg.collisions = btSoftBody::fCollision::VF_DD; }, "VF_DD");
+  refused([](btSoftBody& b, bullet::Skin&) { b.forceActivationState(ACTIVE_TAG); }, "DISABLE_DEACTIVATION");
+  refused([](btSoftBody&, bullet::Skin& s) { s.points[7].nodes[2] = 9999; }, "skin point 7");
+  refused([](btSoftBody&, bullet::Skin& s) { s.triangles[4] = 9999; }, "skin triangle 1");
+  refused([](btSoftBody&, bullet::Skin& s) { s.triangles.resize(s.triangles.size() - 3); }, "MESH_OPEN");
+  refused([](btSoftBody&, bullet::Skin& s) { for (std::size_t t = 0; t < s.triangles.size(); t += 3) std::swap(s.triangles[t], s.triangles[t + 1]); }, "MESH_INWARD");
+  bullet::ContactOptions options;
+  options.damping_time = -1;
+  expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "damping_time");
+  options.damping_time = 0;
+  options.depth_cap = 0;
+  expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "depth_cap");
+
+  const bullet::Cage cage = torus_at(0, 0, 0);
+  demo::SoftWorld world(2000, 0.3, contact_for(cage));
+  world.add(cage, 1);
+  world.world().setImplicit(false);
+  expect_refusal([&] { world.step(0.02); }, "explicit world", "setImplicit(true)");
+}
+
+}  // namespace
+
+int main() {
+  self_collision();
+  pinned_nodes();
+  bodies_come_and_go();
+  render_mesh_as_skin();
+  classic_bodies();
+  bad_bodies();
+  return failures == 0 ? 0 : 1;
+}
