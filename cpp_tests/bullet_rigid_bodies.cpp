@@ -46,7 +46,8 @@ double lowest(const btSoftBody& body) {
 std::unique_ptr<btRigidBody> rigid(btCollisionShape& shape, double mass, const btVector3& at) {
   btVector3 inertia(0, 0, 0);
   if (mass > 0) shape.calculateLocalInertia(btScalar(mass), inertia);
-  auto body = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(btScalar(mass), nullptr, &shape, inertia));
+  auto body =
+      std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(btScalar(mass), nullptr, &shape, inertia));
   btTransform transform = btTransform::getIdentity();
   transform.setOrigin(at);
   body->setCenterOfMassTransform(transform);
@@ -104,7 +105,8 @@ void light_ball_between_cubes() {
   }
   expect(fastest < 5, test, "no explosion");
   expect_near(double(ball->getCenterOfMassPosition().y()), 1.3, 0.1, test, "height at rest");
-  expect_near(double(world.contact().pair_force(*ball, soft).y()), 0.1, 0.02, test, "the cube carries the ball's weight");
+  expect_near(double(world.contact().pair_force(*ball, soft).y()), 0.1, 0.02, test,
+              "the cube carries the ball's weight");
   world.contact().remove_rigid_body(*ball);
   world.world().removeRigidBody(ball.get());
 }
@@ -123,7 +125,8 @@ void static_supports() {
     btSoftBody& soft = world.add(cube_at(-0.5, 0.1, -0.5), 3);
     std::unique_ptr<btRigidBody> support;
     if (kind < 2) {
-      support = rigid(kind == 0 ? static_cast<btCollisionShape&>(slab) : terrain, 0, btVector3(0, kind == 0 ? btScalar(-0.5) : 0, 0));
+      support = rigid(kind == 0 ? static_cast<btCollisionShape&>(slab) : terrain, 0,
+                      btVector3(0, kind == 0 ? btScalar(-0.5) : 0, 0));
       world.world().addRigidBody(support.get(), 0, 0);
       world.contact().add_rigid_body(*support);
     } else {
@@ -146,7 +149,8 @@ void friction_on_a_slope() {
   const double angle = 0.3, g = 10;
   for (const double mu : {0.0, 0.15, 0.6}) {
     const char* test = "friction";
-    demo::SoftWorld world(1e5, 0.3, stiff_contact(mu), btVector3(btScalar(g * std::sin(angle)), btScalar(-g * std::cos(angle)), 0));
+    demo::SoftWorld world(1e5, 0.3, stiff_contact(mu),
+                          btVector3(btScalar(g * std::sin(angle)), btScalar(-g * std::cos(angle)), 0));
     btSoftBody& soft = world.add(cube_at(0, 0, 0), 3);
     world.contact().add_half_space({btVector3(0, 1, 0), 0, btScalar(1e5)});
     const int steps = 100;

@@ -60,9 +60,11 @@ demo::Surface horseshoe() {
       surface.triangles.insert(surface.triangles.end(), {a, d, b, b, d, e});
     }
   const uint32_t last = 4 * along;
-  surface.triangles.insert(surface.triangles.end(), {0, 1, 2, 0, 2, 3, last, last + 2, last + 1, last, last + 3, last + 2});
+  surface.triangles.insert(surface.triangles.end(),
+                           {0, 1, 2, 0, 2, 3, last, last + 2, last + 1, last, last + 3, last + 2});
   if (demo::volume(surface) < 0)
-    for (std::size_t t = 0; t < surface.triangles.size(); t += 3) std::swap(surface.triangles[t], surface.triangles[t + 1]);
+    for (std::size_t t = 0; t < surface.triangles.size(); t += 3)
+      std::swap(surface.triangles[t], surface.triangles[t + 1]);
   return surface;
 }
 
@@ -156,10 +158,12 @@ void render_mesh_as_skin() {
   std::vector<btScalar> positions;
   bullet::skin_positions(*body, cage.skin, positions);
   for (int i = 0; i < body->m_renderNodes.size(); ++i)
-    body->m_renderNodes[i].m_x = btVector3(positions[std::size_t(3 * i)], positions[std::size_t(3 * i + 1)], positions[std::size_t(3 * i + 2)]);
+    body->m_renderNodes[i].m_x =
+        btVector3(positions[std::size_t(3 * i)], positions[std::size_t(3 * i + 1)], positions[std::size_t(3 * i + 2)]);
   for (std::size_t t = 0; t < cage.skin.triangles.size(); t += 3) {
     btSoftBody::RenderFace face;
-    for (std::size_t k = 0; k < 3; ++k) face.m_n[k] = &body->m_renderNodes[static_cast<int>(cage.skin.triangles[t + k])];
+    for (std::size_t k = 0; k < 3; ++k)
+      face.m_n[k] = &body->m_renderNodes[static_cast<int>(cage.skin.triangles[t + k])];
     body->m_renderFaces.push_back(face);
   }
   expect_refusal([&] { bullet::skin_from_render_mesh(*body); }, test, "interpolateBarycentricWeights");
@@ -224,7 +228,11 @@ void bad_bodies() {
   refused([](btSoftBody&, bullet::Skin& s) { s.points[7].nodes[2] = 9999; }, "skin point 7");
   refused([](btSoftBody&, bullet::Skin& s) { s.triangles[4] = 9999; }, "skin triangle 1");
   refused([](btSoftBody&, bullet::Skin& s) { s.triangles.resize(s.triangles.size() - 3); }, "MESH_OPEN");
-  refused([](btSoftBody&, bullet::Skin& s) { for (std::size_t t = 0; t < s.triangles.size(); t += 3) std::swap(s.triangles[t], s.triangles[t + 1]); }, "MESH_INWARD");
+  refused(
+      [](btSoftBody&, bullet::Skin& s) {
+        for (std::size_t t = 0; t < s.triangles.size(); t += 3) std::swap(s.triangles[t], s.triangles[t + 1]);
+      },
+      "MESH_INWARD");
   bullet::ContactOptions options;
   options.damping_time = -1;
   expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "damping_time");

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Draws the start and the end of a two_bodies run side by side, off-screen, with VTK.
+"""Draws the start and the end of a run of two_bodies or of a scene side by side, off-screen, with VTK.
 
 Usage: render_two_bodies.py [out/two_bodies.pvd [out/two_bodies.png]] [--width PIXELS]
 
@@ -15,7 +15,16 @@ import os
 import sys
 import xml.etree.ElementTree as ElementTree
 
-COLOURS = ((0.12, 0.42, 0.70), (0.93, 0.53, 0.13))  # blue and orange: told apart by colour-blind readers too
+# Blue and orange first: told apart by colour-blind readers too. Scenes of more bodies go on and start again.
+COLOURS = (
+    (0.12, 0.42, 0.70),
+    (0.93, 0.53, 0.13),
+    (0.35, 0.70, 0.90),
+    (0.95, 0.90, 0.25),
+    (0.00, 0.62, 0.45),
+    (0.80, 0.47, 0.65),
+    (0.84, 0.37, 0.00),
+)
 
 
 def frames(pvd):
@@ -66,13 +75,13 @@ def add_view(window, frame, left, right):
     renderer = vtkRenderer()
     renderer.SetViewport(left, CAPTION_HEIGHT, right, 1)
     renderer.SetBackground(1, 1, 1)
-    for body, colour in enumerate(COLOURS):
+    for body in range(1 + int(frame.GetPointData().GetArray("body").GetRange()[1])):
         mapper = vtkPolyDataMapper()
         mapper.SetInputData(split(frame, body))
         mapper.ScalarVisibilityOff()
         actor = vtkActor()
         actor.SetMapper(mapper)
-        actor.GetProperty().SetColor(*colour)
+        actor.GetProperty().SetColor(*COLOURS[body % len(COLOURS)])
         actor.GetProperty().SetSpecular(0.25)
         actor.GetProperty().SetSpecularPower(30)
         actor.GetProperty().SetAmbient(0.15)

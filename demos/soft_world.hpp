@@ -47,7 +47,8 @@ class SoftWorld {
   SoftWorld(const SoftWorld&) = delete;
   SoftWorld& operator=(const SoftWorld&) = delete;
 
-  btSoftBody& add(const raycontact::bullet::Cage& cage, double mass, const raycontact::bullet::BodyOptions& options = {}) {
+  btSoftBody& add(const raycontact::bullet::Cage& cage, double mass,
+                  const raycontact::bullet::BodyOptions& options = {}) {
     bodies_.push_back(make_soft_body(world_.getWorldInfo(), cage, static_cast<btScalar>(mass)));
     btSoftBody& body = *bodies_.back();
     world_.addSoftBody(&body);
@@ -59,7 +60,8 @@ class SoftWorld {
 
   void remove(btSoftBody& body) {
     world_.removeSoftBody(&body);
-    bodies_.erase(std::find_if(bodies_.begin(), bodies_.end(), [&](const auto& other) { return other.get() == &body; }));
+    bodies_.erase(
+        std::find_if(bodies_.begin(), bodies_.end(), [&](const auto& other) { return other.get() == &body; }));
   }
 
   void step(double dt) { world_.stepSimulation(static_cast<btScalar>(dt), 0); }

@@ -12,7 +12,8 @@ docs: runs nothing; takes the last map over into docs/stability.md and docs/stab
 A run lasts as long as the scene says, at most 200 steps (full: 600), and is given up after 20 s (full: 120 s):
 "unfinished".
 Writes out/stability/map.csv, and out/stability/<scene>.svg: verdicts by time step and stiffness, a panel a method.
-RAYCONTACT_SCENES, RAYCONTACT_METHODS: only these, separated by spaces.
+RAYCONTACT_SCENES, _METHODS, _STEPS (in s), _FACTORS (of the suggested stiffness): these instead, separated by spaces.
+RAYCONTACT_LIMITS: other limits, "steps seconds". With any of them the last map's other lines are kept.
 Exit status: 0 when drawn, 1 when something failed, 2 for a wrong command line.
 END
 }
@@ -28,6 +29,11 @@ case "${1:-quick}" in
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
+is_part=false
+[[ -z "${RAYCONTACT_SCENES:-}${RAYCONTACT_METHODS:-}${RAYCONTACT_STEPS:-}${RAYCONTACT_FACTORS:-}" ]] || is_part=true
+[[ -z "${RAYCONTACT_STEPS:-}" ]] || read -ra steps <<<"$RAYCONTACT_STEPS"
+[[ -z "${RAYCONTACT_FACTORS:-}" ]] || read -ra factors <<<"$RAYCONTACT_FACTORS"
+[[ -z "${RAYCONTACT_LIMITS:-}" ]] || read -r most_steps most_seconds <<<"$RAYCONTACT_LIMITS"
 read -ra scenes <<<"${RAYCONTACT_SCENES:-two_tori falling_tori ring_chain growing_tori swallowed_body \
 plate_through_ring boxes_edge_on_edge folding_strip spike_into_slab fine_on_coarse heavy_on_light fast_impact \
 mixed_pile box_stack}"
@@ -68,7 +74,8 @@ one_run() {
     local line
     line="$(timeout "$most_seconds" "$programs/$1" --method "$2" --dt "$3" --stiffness "$4" --most-steps "$most_steps" \
         2>/dev/null)" || true
-    echo "${line:-$1,$2,$3,$4,,,,,,,,unfinished}"
+    [[ -n "$line" ]] || line="$1,$2,$(printf '%.4g,%.4g' "$3" "$4"),,,,,,,,unfinished"
+    echo "$line"
 }
 export -f one_run
 export programs most_steps most_seconds
@@ -98,7 +105,11 @@ say "Running $count scenes on $(nproc) cores"
     echo "$header"
     xargs -P "$(nproc)" -L 1 bash -c 'one_run "$@"' one_run <out/stability/jobs.txt
 } >out/stability/map.csv.part || fail 'the scenes could not be run, see above'
-{ head -1 out/stability/map.csv.part && sed 1d out/stability/map.csv.part | sort; } >out/stability/map.csv
+[[ $is_part == true && -r out/stability/map.csv ]] || echo "$header" >out/stability/map.csv
+# Of two lines for the same scene, method, time step and stiffness the later one counts.
+sed 1d out/stability/map.csv | cat out/stability/map.csv.part - | awk -F, -v OFS=, 'NR == 1 || !seen[$1, $2, $3 + 0, $4 + 0]++' |
+    { read -r first && echo "$first" && sort; } >out/stability/map.csv.new
+mv out/stability/map.csv.new out/stability/map.csv
 rm out/stability/map.csv.part
 /usr/bin/python3 scripts/draw_stability.py out/stability || fail 'the map could not be drawn, see above'
 say "Map: $root/out/stability/map.csv"

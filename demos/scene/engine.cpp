@@ -28,7 +28,8 @@ rb::ContactOptions contact_options(const Scene& scene, const Setting& setting) {
     options = rb::ContactOptions::paper(stiffness);
   } else {
     options.stiffness = stiffness / scene.area_per_vertex();
-    options.depth_cap = rb::suggested_depth_cap(scene.youngs_modulus, scene.edge(), options.stiffness, setting.depth_cap);
+    options.depth_cap =
+        rb::suggested_depth_cap(scene.youngs_modulus, scene.edge(), options.stiffness, setting.depth_cap);
     // Skins much finer than their cages: their vertices are more than the cages can tell apart.
     const SceneBody& body = scene.bodies.front();
     if (body.cage.skin.points.size() > 2 * body.cage.nodes.size()) options.sample_spacing = 0;
@@ -83,8 +84,11 @@ class DeformableEngine : public Base {
       : is_ours_(setting.method == Method::ours || setting.method == Method::paper),
         solver_(setting.iterations > 0 ? setting.iterations : scene.iterations),
         world_(&dispatcher_, &broadphase_, &constraint_solver_, &configuration_, &solver_),
-        elasticity_(setting.stock_elasticity ? std::make_unique<btDeformableLinearElasticityForce>() : std::make_unique<MergedElasticity>()),
+        elasticity_(setting.stock_elasticity || setting.method == Method::vf_dd_explicit
+                        ? std::make_unique<btDeformableLinearElasticityForce>()
+                        : std::make_unique<MergedElasticity>()),
         contact_(contact_options(scene, setting)) {
+    // The merged product is for implicit integration: the explicit one needs Bullet's damping differential alone.
     const bool is_implicit = setting.method != Method::vf_dd_explicit;
     constraint_solver_.setDeformableSolver(&solver_);
     world_.setImplicit(is_implicit);
@@ -199,7 +203,8 @@ class ClassicEngine : public Base {
 }  // namespace
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names = {"ours", "paper", "classic", "vf_dd_implicit", "vf_dd_explicit", "vf_ss", "cl_ss"};
+  static const std::vector<std::string> names = {"ours",           "paper", "classic", "vf_dd_implicit",
+                                                 "vf_dd_explicit", "vf_ss", "cl_ss"};
   return names;
 }
 

@@ -29,11 +29,11 @@ const std::vector<std::string>& method_names();
 
 struct Setting {
   Method method = Method::ours;
-  double stiffness = 0;     // N/m for each surface vertex; 0 = what the scene suggests
+  double stiffness = 0;        // N/m for each surface vertex; 0 = what the scene suggests
   double damping_time = 0.05;  // s
-  double friction = -1;  // Coulomb's coefficient; below 0 = the scene's
-  double depth_cap = 0.25;  // in cell edges
-  int iterations = 0;       // of the linear solver at most; 0 = as the engine has it
+  double friction = -1;        // Coulomb's coefficient; below 0 = the scene's
+  double depth_cap = 0.25;     // in cell edges
+  int iterations = 0;          // of the linear solver at most; 0 = as the engine has it
   uint32_t threads = 1;
   bool stock_elasticity = false;  // Bullet's own matrix product instead of the merged one
 };

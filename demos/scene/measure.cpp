@@ -115,7 +115,8 @@ std::vector<std::vector<uint8_t>> inside_flags(const Scene& scene, const Positio
   return flags;
 }
 
-Measurement::Measurement(const Scene& scene, const Engine& engine) : scene_(scene), start_(skin_positions(scene, engine)) {
+Measurement::Measurement(const Scene& scene, const Engine& engine)
+    : scene_(scene), start_(skin_positions(scene, engine)) {
   result_.inside_start = share(inside_flags(scene, start_, 0));
   const Motion m = motion_of(engine);
   std::copy(m.momentum, m.momentum + 3, momentum_start_);
@@ -168,10 +169,14 @@ void Measurement::judge(const Engine& engine) {
   if (scene_.links_kept) result_.links_kept = scene_.links_kept(state);
   result_.passed_through = (scene_.passed_through && scene_.passed_through(state)) || result_.links_kept < scene_.links;
   if (!result_.verdict.empty()) return;
-  if (result_.passed_through) result_.verdict = "passed_through";
-  else if (result_.inside_end > scene_.inside_tolerance) result_.verdict = "overlapping";
-  else if (600 * result_.inverted > result_.elements) result_.verdict = "inverted";
-  else result_.verdict = "ok";
+  if (result_.passed_through)
+    result_.verdict = "passed_through";
+  else if (result_.inside_end > scene_.inside_tolerance)
+    result_.verdict = "overlapping";
+  else if (600 * result_.inverted > result_.elements)
+    result_.verdict = "inverted";
+  else
+    result_.verdict = "ok";
 }
 
 }  // namespace demo

@@ -27,7 +27,7 @@ struct Result {
   double momentum_drift = 0;                // |change of the momentum| / sum of m |v| at its most; NaN where not kept
   int links_kept = 0;
   int steps = 0;
-  double step_ms = 0, detection_ms = 0;     // medians
+  double step_ms = 0, detection_ms = 0;  // medians
   double most_contacts = 0;
   bool is_finite = true, passed_through = false;
   std::string verdict;  // ok, overlapping, inverted, exploded, passed_through

@@ -95,14 +95,22 @@ ProgramOptions parse(int argc, char** argv) {
     const auto number = numbers.find(argument);
     const bool takes_value = number != numbers.end() || argument == "--out" || argument == "--method";
     if (takes_value && i + 1 == argc) throw UsageError(argument + " needs a value");
-    if (argument == "--help" || argument == "-h") o.help = true;
-    else if (argument == "--suggested-stiffness") o.prints_stiffness = true;
-    else if (argument == "--stock") o.setting.stock_elasticity = true;
-    else if (argument == "--out") o.out = argv[++i];
-    else if (argument == "--method") o.setting.method = parse_method(argv[++i]);
-    else if (takes_value) *number->second.value = parse_number(argument, argv[++i], number->second.is_whole, number->second.low);
-    else if (!argument.empty() && argument[0] == '-') throw UsageError("unknown option " + argument);
-    else o.arguments.push_back(argument);
+    if (argument == "--help" || argument == "-h")
+      o.help = true;
+    else if (argument == "--suggested-stiffness")
+      o.prints_stiffness = true;
+    else if (argument == "--stock")
+      o.setting.stock_elasticity = true;
+    else if (argument == "--out")
+      o.out = argv[++i];
+    else if (argument == "--method")
+      o.setting.method = parse_method(argv[++i]);
+    else if (takes_value)
+      *number->second.value = parse_number(argument, argv[++i], number->second.is_whole, number->second.low);
+    else if (!argument.empty() && argument[0] == '-')
+      throw UsageError("unknown option " + argument);
+    else
+      o.arguments.push_back(argument);
   }
   o.setting.iterations = static_cast<int>(o.iterations);
   o.setting.threads = static_cast<uint32_t>(o.threads);
@@ -145,7 +153,8 @@ Result simulate(const Scene& scene, const ProgramOptions& o, double dt, int step
     goes_on = measurement.observe(*engine, dt, ms) && goes_on;
     if (!goes_on) break;
     if (series && (s % every == 0 || s == steps)) series->add(s * dt, frame(scene, skin_positions(scene, *engine)));
-    progress.show(double(s) / steps, "step " + std::to_string(s) + ", " + std::to_string(engine->contact_count()) + " contacts");
+    progress.show(double(s) / steps,
+                  "step " + std::to_string(s) + ", " + std::to_string(engine->contact_count()) + " contacts");
   }
   return measurement.result(*engine);
 }
@@ -168,11 +177,12 @@ int run(const Scene& scene, const ProgramOptions& o) {
   const Result r = simulate(scene, o, dt, steps);
   const std::string& method = method_names()[static_cast<std::size_t>(o.setting.method)];
   const double stiffness = o.setting.stiffness > 0 ? o.setting.stiffness : scene.stiffness();
-  std::fprintf(stderr,
-               "%s, %s: %zu bodies, %d elements, %d steps of %g s, at most %.0f contacts, median %.2f ms a step of which "
-               "%.2f detection\n",
-               scene.name.c_str(), method.c_str(), scene.bodies.size(), r.elements, r.steps, dt, r.most_contacts, r.step_ms,
-               r.detection_ms);
+  std::fprintf(
+      stderr,
+      "%s, %s: %zu bodies, %d elements, %d steps of %g s, at most %.0f contacts, median %.2f ms a step of which "
+      "%.2f detection\n",
+      scene.name.c_str(), method.c_str(), scene.bodies.size(), r.elements, r.steps, dt, r.most_contacts, r.step_ms,
+      r.detection_ms);
   std::printf("%s,%s,%s,%s,%s,%s,%d,%s,%s,%s,%s,%s\n", scene.name.c_str(), method.c_str(), number(dt).c_str(),
               number(stiffness).c_str(), number(r.inside_start).c_str(), number(r.inside_end).c_str(), r.inverted,
               number(r.peak_speed).c_str(), number(r.energy_end).c_str(), number(r.momentum_drift).c_str(),

@@ -53,7 +53,8 @@ double Scene::area_per_vertex() const {
     std::vector<btScalar> positions;
     for (const auto& point : body.cage.skin.points) {
       btVector3 x(0, 0, 0);
-      for (std::size_t k = 0; k < 4; ++k) x += point.weights[k] * body.cage.nodes[static_cast<std::size_t>(point.nodes[k])];
+      for (std::size_t k = 0; k < 4; ++k)
+        x += point.weights[k] * body.cage.nodes[static_cast<std::size_t>(point.nodes[k])];
       positions.insert(positions.end(), {x.x(), x.y(), x.z()});
     }
     for (btScalar a : raycontact::bullet::skin_areas(positions, body.cage.skin.triangles)) area += double(a);

@@ -19,9 +19,9 @@ namespace demo {
 struct SceneBody {
   std::string name;
   Cage cage;
-  double mass;                 // kg
+  double mass;                  // kg
   btVector3 velocity{0, 0, 0};  // m/s
-  std::vector<int> pinned{};   // node numbers
+  std::vector<int> pinned{};    // node numbers
   bool self_collision = false;
 };
 
@@ -42,25 +42,25 @@ struct Scene {
   std::vector<SceneBody> bodies;
   double youngs_modulus = 2000;  // Pa, of all bodies
   double poisson_ratio = 0.3;
-  double damping_alpha = 0.01;   // 1/s: of all motion, as Bullet's elasticity has it by default
-  btVector3 gravity{0, 0, 0};    // m/s^2
-  bool has_floor = false;        // at y = 0
-  double friction = 0;           // Coulomb's coefficient, between bodies and on the floor
-  int iterations = 0;            // of the linear solver at most; 0 = Bullet's 300
-  double duration = 5;           // s, unless --steps says otherwise
-  double time_step = 0.02;       // s, unless --dt says otherwise
-  double speed_limit = 100;      // m/s; faster is an explosion
-  double depth_tolerance = 0;    // m; a vertex no deeper than this inside another body is at rest on it
-  double inside_tolerance = 0;   // the share of vertices that may be deeper at the end
+  double damping_alpha = 0.01;  // 1/s: of all motion, as Bullet's elasticity has it by default
+  btVector3 gravity{0, 0, 0};   // m/s^2
+  bool has_floor = false;       // at y = 0
+  double friction = 0;          // Coulomb's coefficient, between bodies and on the floor
+  int iterations = 0;           // of the linear solver at most; 0 = Bullet's 300
+  double duration = 5;          // s, unless --steps says otherwise
+  double time_step = 0.02;      // s, unless --dt says otherwise
+  double speed_limit = 100;     // m/s; faster is an explosion
+  double depth_tolerance = 0;   // m; a vertex no deeper than this inside another body is at rest on it
+  double inside_tolerance = 0;  // the share of vertices that may be deeper at the end
   std::function<bool(const State&)> passed_through;  // did a body go where only a passage brings it?
   std::function<int(const State&)> links_kept;       // how many links of a chain still hold
   int links = 0;                                     // how many there are at the start
 
-  double edge() const;            // the smallest edge of the cages' cells, m
+  double edge() const;             // the smallest edge of the cages' cells, m
   double area_per_vertex() const;  // mean over all skins, m^2
   /** N/m for each surface vertex: factor * E / h * area, what suggested_stiffness gives. */
   double stiffness(double factor = 1) const;
-  bool keeps_momentum() const;    // nothing from outside acts but gravity
+  bool keeps_momentum() const;  // nothing from outside acts but gravity
 };
 
 /** How often loop a winds through loop b, 0 when it does not; each is a closed line of points. */

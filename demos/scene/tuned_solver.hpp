@@ -41,8 +41,10 @@ class MergedElasticity : public btDeformableLinearElasticityForce {
       // The gradient of the displacement is h = sum of d_k n_k^T; stress = mu (h + h^T) + lambda trace(h).
       const btScalar trace = d[0].dot(e.gradients[0]) + d[1].dot(e.gradients[1]) + d[2].dot(e.gradients[2]);
       btVector3 row[3];
-      for (int i = 0; i < 3; ++i) row[i] = d[0][i] * e.gradients[0] + d[1][i] * e.gradients[1] + d[2][i] * e.gradients[2];
-      const btVector3 column[3] = {{row[0][0], row[1][0], row[2][0]}, {row[0][1], row[1][1], row[2][1]}, {row[0][2], row[1][2], row[2][2]}};
+      for (int i = 0; i < 3; ++i)
+        row[i] = d[0][i] * e.gradients[0] + d[1][i] * e.gradients[1] + d[2][i] * e.gradients[2];
+      const btVector3 column[3] = {
+          {row[0][0], row[1][0], row[2][0]}, {row[0][1], row[1][1], row[2][1]}, {row[0][2], row[1][2], row[2][2]}};
       const btScalar weight = factor * e.volume;
       btVector3 sum(0, 0, 0);
       for (std::size_t k = 0; k < 3; ++k) {

@@ -15,7 +15,8 @@ Surface box(const std::array<double, 3>& size, uint32_t cuts) {
   Surface surface{"box", {}, {}};
   const double longest = std::max({size[0], size[1], size[2]});
   std::array<uint32_t, 3> counts{};
-  for (std::size_t a = 0; a < 3; ++a) counts[a] = std::max(1u, static_cast<uint32_t>(std::lround(cuts * size[a] / longest)));
+  for (std::size_t a = 0; a < 3; ++a)
+    counts[a] = std::max(1u, static_cast<uint32_t>(std::lround(cuts * size[a] / longest)));
   std::map<std::array<uint32_t, 3>, uint32_t> numbers;
   const auto vertex = [&](const std::array<uint32_t, 3>& at) {
     const auto found = numbers.emplace(at, static_cast<uint32_t>(numbers.size()));
@@ -53,14 +54,16 @@ Surface ball(double radius, uint32_t around, double radius_y) {
   for (uint32_t i = 1; i < rings; ++i)
     for (uint32_t j = 0; j < around; ++j) {
       const double u = pi * i / rings, v = 2 * pi * j / around;
-      surface.positions.insert(surface.positions.end(),
-                               {radius * std::sin(u) * std::cos(v), radius_y * std::cos(u), -radius * std::sin(u) * std::sin(v)});
+      surface.positions.insert(surface.positions.end(), {radius * std::sin(u) * std::cos(v), radius_y * std::cos(u),
+                                                         -radius * std::sin(u) * std::sin(v)});
     }
   const auto at = [&](uint32_t i, uint32_t j) { return 2 + (i - 1) * around + j % around; };
   for (uint32_t j = 0; j < around; ++j) {
-    surface.triangles.insert(surface.triangles.end(), {0, at(1, j), at(1, j + 1), 1, at(rings - 1, j + 1), at(rings - 1, j)});
+    surface.triangles.insert(surface.triangles.end(),
+                             {0, at(1, j), at(1, j + 1), 1, at(rings - 1, j + 1), at(rings - 1, j)});
     for (uint32_t i = 1; i + 1 < rings; ++i)
-      surface.triangles.insert(surface.triangles.end(), {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+      surface.triangles.insert(surface.triangles.end(),
+                               {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
   }
   return surface;
 }
@@ -72,13 +75,15 @@ Surface spike(double radius, double height, uint32_t around) {
   for (uint32_t i = 1; i <= rings; ++i)
     for (uint32_t j = 0; j < around; ++j) {
       const double part = double(i) / rings, v = 2 * pi * j / around;
-      surface.positions.insert(surface.positions.end(), {radius * part * std::cos(v), height * (part - 0.5), -radius * part * std::sin(v)});
+      surface.positions.insert(surface.positions.end(),
+                               {radius * part * std::cos(v), height * (part - 0.5), -radius * part * std::sin(v)});
     }
   const auto at = [&](uint32_t i, uint32_t j) { return 2 + (i - 1) * around + j % around; };
   for (uint32_t j = 0; j < around; ++j) {
     surface.triangles.insert(surface.triangles.end(), {0, at(1, j + 1), at(1, j), 1, at(rings, j), at(rings, j + 1)});
     for (uint32_t i = 1; i < rings; ++i)
-      surface.triangles.insert(surface.triangles.end(), {at(i, j), at(i + 1, j + 1), at(i + 1, j), at(i, j), at(i, j + 1), at(i + 1, j + 1)});
+      surface.triangles.insert(surface.triangles.end(),
+                               {at(i, j), at(i + 1, j + 1), at(i + 1, j), at(i, j), at(i, j + 1), at(i + 1, j + 1)});
   }
   return surface;
 }
@@ -108,8 +113,8 @@ Cage filled_torus(const Surface& torus, uint32_t around, uint32_t across) {
   const auto add = [&](uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
     std::array<int, 4> t{{int(a), int(b), int(c), int(d)}};
     const auto six = [&] {
-      return rb::six_volumes(cage.nodes[std::size_t(t[0])], cage.nodes[std::size_t(t[1])], cage.nodes[std::size_t(t[2])],
-                             cage.nodes[std::size_t(t[3])]);
+      return rb::six_volumes(cage.nodes[std::size_t(t[0])], cage.nodes[std::size_t(t[1])],
+                             cage.nodes[std::size_t(t[2])], cage.nodes[std::size_t(t[3])]);
     };
     if (six() < 0) std::swap(t[1], t[2]);
     for (int n : t) cage.fill[static_cast<std::size_t>(n)] += static_cast<btScalar>(six() / 24);

@@ -24,7 +24,8 @@ Surface spike(double radius, double height, uint32_t around);
 
 void rotate(Surface& surface, const std::array<double, 3>& axis, double angle);
 
-/** The torus of the paper, filled: every quadrilateral of the surface with the ring's middle line is three tetrahedra. */
+/** The torus of the paper, filled: every quadrilateral of the surface with the ring's middle line is three tetrahedra.
+ */
 Cage filled_torus(const Surface& torus, uint32_t around = 40, uint32_t across = 20);
 
 /** The torus in the 6 x 5 x 2 nodes of the paper; its axis must be y. */

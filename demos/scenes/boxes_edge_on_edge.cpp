@@ -3,7 +3,8 @@
 
 int main(int argc, char** argv) {
   return demo::run_program(
-      argc, argv, "Two boxes of twelve triangles fall onto one another edge across edge; no vertex of one enters the other.",
+      argc, argv,
+      "Two boxes of twelve triangles fall onto one another edge across edge; no vertex of one enters the other.",
       [](const std::vector<std::string>&) {
         demo::Scene scene;
         scene.name = "boxes_edge_on_edge";

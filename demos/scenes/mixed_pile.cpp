@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
           demo::Surface body = shapes[static_cast<std::size_t>(i) % shapes.size()];
           demo::normalise(body, 1);
           demo::rotate(body, {{std::sin(1.0 * i), std::cos(2.0 * i), 0.5}}, 1.3 * i);
-          demo::move(body, {{1.1 * (i % 3 - 1) + 0.05 * std::sin(5.0 * i), 0.8 + 1.1 * (i / 6), 1.1 * (i / 3 % 2) - 0.5}});
+          demo::move(body,
+                     {{1.1 * (i % 3 - 1) + 0.05 * std::sin(5.0 * i), 0.8 + 1.1 * (i / 6), 1.1 * (i / 3 % 2) - 0.5}});
           scene.bodies.push_back({body.name, demo::caged(body, 4), 30 * demo::volume(body)});
         }
         scene.has_floor = true;

@@ -15,6 +15,8 @@ int main(int argc, char** argv) {
         scene.depth_tolerance = 0.1;
         scene.inside_tolerance = 0.01;
         scene.links = 3;
+        scene.time_step = 0.05;
+        scene.duration = 3;
         const double quarter = std::acos(0.0);
         for (int i = 0; i < 4; ++i) {
           demo::Surface torus = demo::torus();
@@ -29,7 +31,8 @@ int main(int argc, char** argv) {
         scene.links_kept = [](const demo::State& state) {
           int kept = 0;
           for (std::size_t i = 0; i + 1 < state.now.size(); ++i)
-            kept += demo::linking_number(demo::middle_line(state.now[i]), demo::middle_line(state.now[i + 1])) != 0 ? 1 : 0;
+            kept +=
+                demo::linking_number(demo::middle_line(state.now[i]), demo::middle_line(state.now[i + 1])) != 0 ? 1 : 0;
           return kept;
         };
         return scene;

@@ -84,8 +84,7 @@ class ContactFolding {
   void add_surface_point(const ContactBody& body, const rayc_surface_point& point, btScalar sign) {
     if (body.rigid != nullptr) {
       if (body.rigid->getInvMass() > 0) body.rigid->activate();
-      rows_.set_rigid_point(
-          {add_rigid(*body.rigid), sign, vector(point.position) - centre_ahead(*body.rigid)});
+      rows_.set_rigid_point({add_rigid(*body.rigid), sign, vector(point.position) - centre_ahead(*body.rigid)});
       return;
     }
     for (int corner = 0; corner < 3; ++corner)

@@ -124,7 +124,8 @@ class ContactForce : public btDeformableLagrangianForce {
   void reinitialize(bool) override {
     if (m_nodes == nullptr)
       throw std::logic_error("raycontact: call ContactForce::register_with before the first step");
-    if (static_cast<std::size_t>(m_nodes->size()) != start_velocities_.size()) rows_.forget();  // nodes have new numbers
+    if (static_cast<std::size_t>(m_nodes->size()) != start_velocities_.size())
+      rows_.forget();  // nodes have new numbers
     if (options_.friction > 0) rows_.remember_loads(*m_nodes);
     for (detail::ContactBody& body : surfaces_.bodies()) {
       body.in_world = body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->isInWorld();
@@ -182,8 +183,12 @@ class ContactForce : public btDeformableLagrangianForce {
   };
 
   detail::RowLaw law() const {
-    return {btScalar(options_.damping_time), btScalar(options_.depth_cap), btScalar(options_.friction),
-            btScalar(options_.friction_speed), options_.directions == Stiffness::isotropic, options_.look_ahead};
+    return {btScalar(options_.damping_time),
+            btScalar(options_.depth_cap),
+            btScalar(options_.friction),
+            btScalar(options_.friction_speed),
+            options_.directions == Stiffness::isotropic,
+            options_.look_ahead};
   }
 
   bool is_in_world(const btSoftBody& body) const {
@@ -202,7 +207,8 @@ class ContactForce : public btDeformableLagrangianForce {
   btVector3 gravity() const {
     const auto& forces = *solver_->getLagrangianForceArray();
     for (int i = 0; i < forces.size(); ++i)
-      if (forces[i]->getForceType() == BT_GRAVITY_FORCE) return static_cast<btDeformableGravityForce*>(forces[i])->m_gravity;
+      if (forces[i]->getForceType() == BT_GRAVITY_FORCE)
+        return static_cast<btDeformableGravityForce*>(forces[i])->m_gravity;
     return {0, 0, 0};
   }
 

@@ -82,10 +82,10 @@ class ContactRows {
   void set_rigid_point(const RigidPoint& point) { point_ = point; }
 
   /**
-   * Which rows push, and how: by where the bodies would be at the end of the step if nothing stopped them, since contact
-   * never pulls. At most the cap of the depth found is asked for, or as much as the bodies close in this step, so that
-   * deep starts do not crush elements. The forces are linear from there to the velocities m_v, around which the engine
-   * solves. `start`: the nodes' velocities if nothing stopped them; `inverse_masses`: of the bodies, 1/kg.
+   * Which rows push, and how: by where the bodies would be at the end of the step if nothing stopped them, since
+   * contact never pulls. At most the cap of the depth found is asked for, or as much as the bodies close in this step,
+   * so that deep starts do not crush elements. The forces are linear from there to the velocities m_v, around which the
+   * engine solves. `start`: the nodes' velocities if nothing stopped them; `inverse_masses`: of the bodies, 1/kg.
    */
   void update(const Nodes& nodes, const std::vector<btVector3>& start, const std::vector<double>& inverse_masses,
               btScalar time_step, const RowLaw& law) {
@@ -174,8 +174,8 @@ class ContactRows {
   }
 
   /**
-   * After the solve, with the nodes' final velocities in m_v: calls `use(direction, first, second, pull)` for each row that pushes
-   * (pull: the force on the first body, in N), and leaves each rigid body's change of velocity in rigids().
+   * After the solve, with the nodes' final velocities in m_v: calls `use(direction, first, second, pull)` for each row
+   * that pushes (pull: the force on the first body, in N), and leaves each rigid body's change of velocity in rigids().
    */
   template <class Use>
   void solution(const Nodes& nodes, Use use) {

@@ -24,8 +24,8 @@ inline double suggested_stiffness(double youngs_modulus, double element_edge, do
 }
 
 /**
- * A depth (m) for ContactOptions::depth_cap: a quarter of an element's edge h, or more where the contact is so soft that
- * it takes more to strain an element by a quarter. `stiffness` in N/m^3.
+ * A depth (m) for ContactOptions::depth_cap: a quarter of an element's edge h, or more where the contact is so soft
+ * that it takes more to strain an element by a quarter. `stiffness` in N/m^3.
  */
 inline double suggested_depth_cap(double youngs_modulus, double element_edge, double stiffness, double factor = 0.25) {
   return factor * std::max(element_edge, stiffness > 0 ? youngs_modulus / stiffness : 0);

@@ -42,7 +42,8 @@ class PairLoads {
   /** `inverse_masses`: of each body; a second body of -1 does not give way. */
   btScalar share(int first, int second, const std::vector<double>& inverse_masses, btScalar time_step) const {
     const Load* then = find(before_, first, second);
-    if (then != nullptr && then->predicted > 0) return static_cast<btScalar>(std::clamp(then->solved / then->predicted, 0.0, 1.0));
+    if (then != nullptr && then->predicted > 0)
+      return static_cast<btScalar>(std::clamp(then->solved / then->predicted, 0.0, 1.0));
     const Load* now = find(now_, first, second);
     double give = inverse_masses[static_cast<std::size_t>(first)];
     if (second >= 0) give += inverse_masses[static_cast<std::size_t>(second)];
@@ -56,7 +57,8 @@ class PairLoads {
   };
 
   static const Load* find(const std::vector<Load>& loads, int first, int second) {
-    const auto found = std::find_if(loads.begin(), loads.end(), [&](const Load& l) { return l.first == first && l.second == second; });
+    const auto found =
+        std::find_if(loads.begin(), loads.end(), [&](const Load& l) { return l.first == first && l.second == second; });
     return found == loads.end() ? nullptr : &*found;
   }
 

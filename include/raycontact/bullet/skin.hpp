@@ -40,10 +40,12 @@ inline Skin skin_from_faces(const btSoftBody& body) {
 
 /** Where to take nodes ahead of where they are: by time * (velocity + gained), pinned ones not at all. */
 struct LookAhead {
-  btScalar time = 0;            ///< s
-  btVector3 gained{0, 0, 0};    ///< m/s: what gravity adds to the velocities within the step
+  btScalar time = 0;          ///< s
+  btVector3 gained{0, 0, 0};  ///< m/s: what gravity adds to the velocities within the step
 
-  btVector3 velocity(const btSoftBody::Node& node) const { return node.m_im > 0 ? node.m_v + gained : btVector3(0, 0, 0); }
+  btVector3 velocity(const btSoftBody::Node& node) const {
+    return node.m_im > 0 ? node.m_v + gained : btVector3(0, 0, 0);
+  }
 };
 
 /** x, y, z of every point of the skin, packed; `positions` is used again. */
@@ -62,7 +64,8 @@ inline void skin_positions(const btSoftBody& body, const Skin& skin, std::vector
 }
 
 /** A third of the areas of the triangles around each point, m^2. */
-inline std::vector<btScalar> skin_areas(const std::vector<btScalar>& positions, const std::vector<uint32_t>& triangles) {
+inline std::vector<btScalar> skin_areas(const std::vector<btScalar>& positions,
+                                        const std::vector<uint32_t>& triangles) {
   const auto at = [&](uint32_t p) { return btVector3(positions[3 * p], positions[3 * p + 1], positions[3 * p + 2]); };
   std::vector<btScalar> areas(positions.size() / 3, btScalar(0));
   for (std::size_t t = 0; t + 2 < triangles.size(); t += 3) {
