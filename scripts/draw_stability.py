@@ -78,6 +78,7 @@ def draw_scene(folder, scene, rows):
     figure.legend(handles, labels, loc="upper center", ncol=len(used), fontsize=7, frameon=False, bbox_to_anchor=(0.5, 1.12))
     # Neither date nor random names: the same map gives the same file.
     plot.rcParams["svg.hashsalt"] = "raycontact"
+    plot.rcParams["svg.fonttype"] = "none"
     figure.savefig(os.path.join(folder, f"{scene}_map.svg"), bbox_inches="tight", metadata={"Date": None})
     plot.close(figure)
 
