@@ -8,10 +8,10 @@ usage: scripts/test.sh [--long]
 
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the pages of the Rust
 library, the oracle with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the
-instructions of a step, the hash of all results, 2000 steps of self-collision, the C and C++ tests with the packages and the manual (cmake
---workflow --preset test), and the command lines of all programs. Missing Debian packages are installed first. With --long
-the oracle asks 1e7 queries, self-collision takes 1e5 steps, and forces are measured at every size, as in
-docs/accuracy.md.
+instructions of a step, the hash of all results, 2000 steps of self-collision, the C and C++ tests with the packages and
+the manual (cmake --workflow --preset test), and the command lines of all programs. Missing Debian packages are installed
+first. With --long the oracle asks 1e7 queries, self-collision takes 1e5 steps, and forces are measured at every size, as
+in docs/accuracy.md.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }
