@@ -42,14 +42,9 @@ configure_package_config_file(
     cmake/raycontactConfig.cmake.in "${CMAKE_CURRENT_BINARY_DIR}/raycontactConfig.cmake"
     INSTALL_DESTINATION "${package_dir}"
     PATH_VARS CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_INCLUDEDIR)
-# Before 1.0 a new minor version may break its callers.
-if(PROJECT_VERSION_MAJOR EQUAL 0)
-    set(compatibility SameMinorVersion)
-else()
-    set(compatibility SameMajorVersion)
-endif()
+# What the versions cannot tell before 1.0, the ABI number does: the C++ headers check it.
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/raycontactConfigVersion.cmake"
-                                 COMPATIBILITY ${compatibility})
+                                 COMPATIBILITY SameMajorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/raycontactConfig.cmake"
               "${CMAKE_CURRENT_BINARY_DIR}/raycontactConfigVersion.cmake" DESTINATION "${package_dir}"
         COMPONENT development)
