@@ -1,12 +1,10 @@
 //! Contacts of a body with itself: against two bodies in place of two lobes, against a closed form, and with every ray
 //! cast.
 
-mod common;
-
-use common::STRIDE;
-use common::ends::{Offset, ends};
-use common::random::Random;
-use common::shapes::{self, Point, Shape};
+use crate::common::STRIDE;
+use crate::common::ends::{Offset, ends};
+use crate::common::random::Random;
+use crate::common::shapes::{self, Point, Shape};
 use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair, query_self, query_self_with_all_rays};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;

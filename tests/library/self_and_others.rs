@@ -1,12 +1,10 @@
 //! A body folded onto itself that also touches another loses no contact of either kind. The paper names this as its
 //! failure: a ray that meets another fold of its own body is refused there.
 
-mod common;
-
-use common::STRIDE;
-use common::ends::{Ends, Offset, ends};
-use common::random::Random;
-use common::shapes::{self, Shape};
+use crate::common::STRIDE;
+use crate::common::ends::{Ends, Offset, ends};
+use crate::common::random::Random;
+use crate::common::shapes::{self, Shape};
 use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, query_pair, query_self};
 use raycontact::octree::Octree;
 use raycontact::scene::{Scene, SceneError};

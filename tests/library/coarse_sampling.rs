@@ -1,9 +1,7 @@
 //! Fewer rays than triangles: patches, and the tolerance that chooses them.
 
-mod common;
-
-use common::shapes::{self, Shape};
-use common::sorted_along_surface;
+use crate::common::shapes::{self, Shape};
+use crate::common::sorted_along_surface;
 use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, Statistics, query_pair};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;

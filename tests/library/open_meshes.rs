@@ -1,8 +1,6 @@
 //! Sheets: what closed bodies find behind them, against closed forms; and what is left out, counted.
 
-mod common;
-
-use common::shapes::{self, Shape};
+use crate::common::shapes::{self, Shape};
 use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::{Mesh, MeshError};

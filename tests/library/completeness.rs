@@ -1,9 +1,7 @@
 //! Whenever two closed surfaces cross, at least one contact is reported. The judge is exact: an edge of one pierces a
 //! triangle of the other, by predicates of exact sign on the very coordinates the library is given.
 
-mod common;
-
-use common::shapes::{self, Point, Shape};
+use crate::common::shapes::{self, Point, Shape};
 use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;

@@ -1,10 +1,8 @@
 //! What must not matter does not: the order of vertices, triangles and bodies, where the scene stands and how it is
 //! turned, and how flat faces are cut into triangles.
 
-mod common;
-
-use common::shapes::{self, Point, Shape};
-use common::{STRIDE, sorted_along_surface, sorted_by_vertex};
+use crate::common::shapes::{self, Point, Shape};
+use crate::common::{STRIDE, sorted_along_surface, sorted_by_vertex};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use raycontact::contact::{Contact, ContactList, DetectionOptions, query_pair};

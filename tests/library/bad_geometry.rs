@@ -1,8 +1,6 @@
 //! Geometry as bad as it comes: every answer is defined (a status, a miss, finite numbers), and comes.
 
-mod common;
-
-use common::shapes::{self, Point, Shape};
+use crate::common::shapes::{self, Point, Shape};
 use raycontact::contact::{ContactList, DetectionOptions, query_pair};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::{Mesh, MeshError};

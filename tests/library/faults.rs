@@ -1,9 +1,7 @@
 //! The faults of the method's original code, each a case that must pass.
 
-mod common;
-
-use common::STRIDE;
-use common::shapes::{self, Point, Shape, cross, dot, unit};
+use crate::common::STRIDE;
+use crate::common::shapes::{self, Point, Shape, cross, dot, unit};
 use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
@@ -18,7 +16,7 @@ fn contacts<T: Scalar>(a: &Mesh<T>, b: &Mesh<T>, layout: Layout, sampling: Sampl
     let mut list = ContactList::default();
     let options = DetectionOptions { sampling, ..DetectionOptions::default() };
     query_pair(a, &octrees[0], b, &octrees[1], &options, &mut list).expect("the octrees are fresh");
-    list.contacts = common::sorted_along_surface(list.contacts);
+    list.contacts = crate::common::sorted_along_surface(list.contacts);
     list
 }
 

@@ -1,8 +1,6 @@
 //! What the pairs of a scene remember: read, saved and restored; and escapes that are forbidden, or turn.
 
-mod common;
-
-use common::shapes::{self, Shape};
+use crate::common::shapes::{self, Shape};
 use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::scene::{SavedStateError, Scene, SceneError};

@@ -1,9 +1,7 @@
 //! Algorithm 1 of Hermann, Faure and Raffin 2008, written a second time without the library's octree, ray test or
 //! normals, and the number of threads, which must not matter.
 
-mod common;
-
-use common::shapes::{self, Point, Shape, cross, dot, unit};
+use crate::common::shapes::{self, Point, Shape, cross, dot, unit};
 use raycontact::contact::{Contact, ContactList, DetectionOptions, query_pair};
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
@@ -119,7 +117,7 @@ fn contacts_are_those_of_algorithm_1() {
         let (mesh_a, mesh_b) = (a.mesh::<f64>(), b.mesh::<f64>());
         for layout in [Layout::Wide, Layout::Classic] {
             let list = contacts(&mesh_a, &mesh_b, layout, &DetectionOptions::paper());
-            let sorted = common::sorted_by_vertex(list.contacts);
+            let sorted = crate::common::sorted_by_vertex(list.contacts);
             let (from_a, from_b): (Vec<_>, Vec<_>) = sorted.iter().partition(|contact| contact.colliding == 0);
             assert_same(&ab, &from_a, name);
             assert_same(&ba, &from_b, name);
@@ -154,7 +152,7 @@ fn both_layouts_give_the_same_contacts() {
     for options in [DetectionOptions::paper(), DetectionOptions::default()] {
         let [wide, classic] = [Layout::Wide, Layout::Classic].map(|layout| contacts(&a, &b, layout, &options));
         assert_eq!(wide.statistics, classic.statistics);
-        let [wide, classic] = [wide, classic].map(|list| common::sorted_along_surface(list.contacts));
+        let [wide, classic] = [wide, classic].map(|list| crate::common::sorted_along_surface(list.contacts));
         for (wide, classic) in wide.iter().zip(&classic) {
             // The load's shares are sums in the order of the leaves.
             assert!((wide.area - classic.area).abs() <= 1e-5 * classic.area, "{wide:?}, {classic:?}");

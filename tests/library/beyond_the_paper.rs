@@ -1,9 +1,7 @@
 //! Overlaps that the paper's two filters leave open: edge across edge, one body inside another, bodies in the same
 //! place; and that ordinary contacts do not set off what resolves them.
 
-mod common;
-
-use common::STRIDE;
+use crate::common::STRIDE;
 use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::math::Vector3;
 use raycontact::mesh::Mesh;
@@ -141,7 +139,7 @@ fn a_loaded_contact_at_rest_does_not_escape() {
 fn a_sharp_edge_pressed_into_a_floor_does_not_escape() {
     let mut scene = Scene::new(1).expect("no threads are needed");
     scene.add(Mesh::new(&cuboid([5.0, 5.0, 1.0], [0.0; 3]), &BOX_FACES).expect("a box is closed"));
-    let wedge = common::shapes::tetrahedron().map(|[x, y, z]| [x, y, 1.9 * z]).moved([0.3, 0.2, 2.85]);
+    let wedge = crate::common::shapes::tetrahedron().map(|[x, y, z]| [x, y, 1.9 * z]).moved([0.3, 0.2, 2.85]);
     let body = scene.add(wedge.mesh());
     let mut contacts = ContactList::default();
     for step in 0..100 {

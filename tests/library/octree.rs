@@ -1,10 +1,8 @@
 //! Both layouts, built and updated through every kind of motion: whole after every step, and with the same hits as an
 //! octree built anew and as testing every triangle.
 
-mod common;
-
-use common::STRIDE;
-use common::shapes::{self, Point, Shape};
+use crate::common::STRIDE;
+use crate::common::shapes::{self, Point, Shape};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
 use raycontact::octree::{Layout, Octree, OctreeError};

@@ -1,9 +1,7 @@
 //! Escaping pairs pushed as whole bodies: the same net force as their contacts', the laws of motion, and bodies without
 //! any stiffness of their own that keep their shape and leave.
 
-mod common;
-
-use common::shapes;
+use crate::common::shapes;
 use raycontact::contact::{ContactKind, ContactList, EscapePush};
 use raycontact::math::Vector3;
 use raycontact::response::{

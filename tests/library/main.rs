@@ -1,0 +1,22 @@
+//! What the library promises to callers in Rust, in one program: each of its own would compile the kernels anew.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod algorithm;
+mod bad_geometry;
+mod beyond_the_paper;
+mod coarse_sampling;
+mod completeness;
+mod escape_push;
+mod faults;
+mod figures;
+mod metamorphic;
+mod octree;
+mod open_meshes;
+mod pair_memory;
+mod response;
+mod self_and_others;
+mod self_collision;
+mod underflow;
+mod winding;
