@@ -19,6 +19,7 @@ pub enum Sampling<T: Scalar> {
     /// As automatic, but with triangles joined to patches as large as leave the net force of each pair, and its torque over
     /// the overlap box's half diagonal, within this part of the force, > 0, of that of all triangles. Patches get smaller,
     /// from about 32 on the overlap box's largest face, until two tries agree so well; so it is an estimate, not a bound.
+    /// Where the overlap box meets fewer than about 4096 triangles, all cast.
     Tolerance(T),
     /// At each vertex, along the mean of the surrounding normals: the paper's.
     Vertices,

@@ -1,10 +1,13 @@
 use super::cutter::{RAYS_ON_LARGEST_FACE, largest_face};
 use super::pair::Pair;
 use super::{Contact, ContactList};
-use crate::math::{Scalar, Vector3, length};
+use crate::math::{LANE_COUNT, Scalar, Vector3, length};
+use crate::octree::Tracer;
 
 /// So many rays on the overlap box's largest face are the fewest that are tried; each further try has four times as many.
 const FEWEST_RAYS: f64 = 32.0;
+/// Where the overlap box meets fewer triangles, tries cost more than they save: all cast.
+const FEWEST_TRIANGLES: usize = 4096;
 /// Fewer contacts tell nothing of how good they are.
 const FEWEST_CONTACTS: usize = 12;
 
@@ -45,6 +48,9 @@ impl<T: Scalar> Pair<'_, T> {
         let (start, before) = (contacts.len(), contacts.statistics);
         let finest_cut = largest_face(self.overlap) / T::of(RAYS_ON_LARGEST_FACE);
         let mut area = largest_face(self.overlap) / T::of(FEWEST_RAYS);
+        if self.triangles_at_most(contacts) < FEWEST_TRIANGLES {
+            area = T::zero();
+        }
         let mut last = None;
         let mut estimate_rays = 0;
         loop {
@@ -65,5 +71,15 @@ impl<T: Scalar> Pair<'_, T> {
             contacts.statistics = before;
         }
         contacts.statistics.estimate_rays += estimate_rays;
+    }
+
+    /// How many triangles may lie in the overlap box, by whole groups.
+    fn triangles_at_most(&self, contacts: &mut ContactList<T>) -> usize {
+        let groups = &mut contacts.workspace.groups;
+        let count = |tracer: &Tracer<'_, T>| {
+            tracer.groups_in(self.region, groups);
+            groups.len() * LANE_COUNT
+        };
+        self.tracers.into_iter().map(count).sum()
     }
 }
