@@ -1,7 +1,7 @@
 //! raycontact as its users call it.
 
 use crate::host::{Host, HostBody};
-use crate::method::{Key, Method, Stages};
+use crate::method::{Key, Method, Push, Stages};
 use crate::workload::Workload;
 use raycontact::contact::{Contact, ContactList, DetectionOptions, query_pair};
 use raycontact::math::Scalar;
@@ -39,6 +39,17 @@ fn key<T: Scalar>(contact: &Contact<T>) -> Key {
     }
 }
 
+fn push<T: Scalar>(contact: &Contact<T>) -> Push {
+    let touched = contact.p1.vertices.iter().zip(contact.p1.weights).filter(|(_, weight)| *weight != T::zero());
+    Push {
+        bodies: [contact.colliding, contact.collided],
+        point: contact.p1.position.map(T::to_f64),
+        force: contact.direction.map(T::to_f64) * (contact.depth * contact.cos_alpha).to_f64(),
+        area: Some(contact.area.to_f64()),
+        vertices: touched.map(|(&vertex, _)| [contact.colliding, vertex]).collect(),
+    }
+}
+
 /// All bodies in a scene.
 pub struct Whole<T: Scalar> {
     scene: Scene<T>,
@@ -69,33 +80,37 @@ impl<T: HostScalar> Method for Whole<T> {
     fn contacts(&self) -> Vec<Key> {
         self.contacts.contacts.iter().map(key).collect()
     }
+
+    fn pushes(&self) -> Vec<Push> {
+        self.contacts.contacts.iter().map(push).collect()
+    }
 }
 
 /// The paper's octree, built anew each step, pair by pair.
-pub struct Classic {
-    bodies: Vec<(Mesh<f32>, Octree<f32>)>,
-    pair: ContactList<f32>,
-    contacts: Vec<Contact<f32>>,
+pub struct Classic<T: Scalar> {
+    bodies: Vec<(Mesh<T>, Octree<T>)>,
+    options: DetectionOptions<T>,
+    pair: ContactList<T>,
+    contacts: Vec<Contact<T>>,
 }
 
-impl Classic {
-    pub fn new(workload: &Workload, host: &Host) -> Result<Self, String> {
+impl<T: HostScalar> Classic<T> {
+    pub fn new(workload: &Workload, host: &Host, options: DetectionOptions<T>) -> Result<Self, String> {
         let with_octree = |mesh| {
             let octree = Octree::with_layout(&mesh, Layout::Classic);
             (mesh, octree)
         };
         let bodies = meshes(workload, host)?.into_iter().map(with_octree).collect();
-        Ok(Self { bodies, pair: ContactList::default(), contacts: Vec::new() })
+        Ok(Self { bodies, options, pair: ContactList::default(), contacts: Vec::new() })
     }
 }
 
-impl Method for Classic {
+impl<T: HostScalar> Method for Classic<T> {
     fn step(&mut self, host: &Host) -> Option<Stages> {
         for ((mesh, _), body) in self.bodies.iter_mut().zip(&host.bodies) {
-            mesh.set_positions(body.single()).expect("positions are finite");
+            mesh.set_positions(T::positions(body)).expect("positions are finite");
         }
         self.contacts.clear();
-        let options = DetectionOptions::paper();
         for second in 1..self.bodies.len() {
             let (before, after) = self.bodies.split_at_mut(second);
             let (b, octree_b) = &mut after[0];
@@ -105,7 +120,7 @@ impl Method for Classic {
                 }
                 octree_a.update(a).expect("a body keeps its own octree");
                 octree_b.update(b).expect("a body keeps its own octree");
-                query_pair(a, octree_a, b, octree_b, &options, &mut self.pair).expect("octrees are up to date");
+                query_pair(a, octree_a, b, octree_b, &self.options, &mut self.pair).expect("octrees are up to date");
                 let number = |local| if local == 0 { first as u32 } else { second as u32 };
                 self.contacts.extend(self.pair.contacts.iter().map(|contact| Contact {
                     colliding: number(contact.colliding),
@@ -119,5 +134,9 @@ impl Method for Classic {
 
     fn contacts(&self) -> Vec<Key> {
         self.contacts.iter().map(key).collect()
+    }
+
+    fn pushes(&self) -> Vec<Push> {
+        self.contacts.iter().map(push).collect()
     }
 }

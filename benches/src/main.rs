@@ -1,5 +1,6 @@
 //! Measures raycontact and its peers on the same workloads, interleaved in one run.
 
+mod chart;
 mod charts;
 mod clock;
 mod elsewhere;
@@ -9,6 +10,7 @@ mod measure;
 mod method;
 mod oracle;
 mod peer;
+mod record;
 mod report;
 mod row;
 mod workload;
@@ -46,6 +48,14 @@ struct Arguments {
     /// Answers requests on standard input; for this program's own use.
     #[arg(long, hide = true)]
     serve: Option<String>,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    Chart(chart::Arguments),
+    Record(record::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -59,6 +69,11 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), String> {
+    match &arguments.command {
+        Some(Command::Chart(arguments)) => return chart::run(arguments),
+        Some(Command::Record(arguments)) => return record::run(arguments),
+        None => {}
+    }
     if let Some(workload) = &arguments.serve {
         return elsewhere::serve(workload);
     }

@@ -120,7 +120,7 @@ impl Running {
 }
 
 /// The median, to a hundredth.
-fn median(mut values: Vec<f64>) -> f64 {
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     let middle = values.len() / 2;
     let median =

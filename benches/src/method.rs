@@ -4,6 +4,7 @@ use crate::host::Host;
 use crate::library::HostScalar;
 use crate::workload::Workload;
 use crate::{library, peer};
+use nalgebra::Vector3;
 use raycontact::contact::DetectionOptions;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -40,11 +41,27 @@ pub struct Key {
     pub triangle: u32,
 }
 
+/// What one contact does to a body, for unit stiffness.
+#[derive(Clone, Debug)]
+pub struct Push {
+    /// The one pushed, and the other, which is pushed back.
+    pub bodies: [u32; 2],
+    pub point: Vector3<f64>,
+    /// Depth · cos α along the ray, not weighted.
+    pub force: Vector3<f64>,
+    /// What the contact stands for, where its method says so.
+    pub area: Option<f64>,
+    /// Vertices of the pushed body, or of either: body and vertex.
+    pub vertices: Vec<[u32; 2]>,
+}
+
 pub trait Method {
     /// Does a whole step with the positions in the host's arrays.
     fn step(&mut self, host: &Host) -> Option<Stages>;
     /// The contacts of the last step.
     fn contacts(&self) -> Vec<Key>;
+    /// What they do.
+    fn pushes(&self) -> Vec<Push>;
 }
 
 /// What to measure.
@@ -92,7 +109,9 @@ impl Description {
             ("raycontact", Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::paper()),
             ("raycontact", Precision::F64) => self.whole::<f64>(workload, host, DetectionOptions::paper()),
             ("raycontact-default", _) => self.whole::<f32>(workload, host, DetectionOptions::default()),
-            ("raycontact-classic", _) => Ok(Box::new(library::Classic::new(workload, host)?)),
+            ("raycontact-classic", _) => {
+                Ok(Box::new(library::Classic::<f32>::new(workload, host, DetectionOptions::paper())?))
+            }
             _ => Ok(Box::new(peers.start(self, workload, host)?)),
         }
     }

@@ -95,13 +95,35 @@ impl<'a> Surface<'a> {
 /// One vertex that casts: colliding body, collided body, vertex.
 type Ray = (u32, u32, u32);
 
+/// Which vertices lie inside another body, as body and vertex; of many only each n-th. The first surface that a ray into
+/// the own body meets is then left there. The bodies must not overlap themselves.
+pub fn inside(workload: &Workload, host: &Host) -> Vec<[u32; 2]> {
+    let (bodies, rays, stride) = prepare(workload, host);
+    let judged = rays.into_par_iter().filter(|ray| ray.2 % stride == 0);
+    let inside = judged.filter_map(|(colliding, collided, vertex)| {
+        let body = &bodies[colliding as usize];
+        let direction = body.normals[vertex as usize].map(|x| -x);
+        let hit = bodies[collided as usize].nearest(body.positions[vertex as usize], direction, None)?;
+        hit.is_exit.then_some([colliding, vertex])
+    });
+    let mut inside: Vec<_> = inside.collect();
+    inside.sort_unstable();
+    inside.dedup();
+    inside
+}
+
+/// The surfaces, their rays, and of how many vertices one is judged.
+fn prepare<'a>(workload: &'a Workload, host: &'a Host) -> (Vec<Surface<'a>>, Vec<Ray>, u32) {
+    let bodies: Vec<_> =
+        workload.bodies.par_iter().zip(&host.bodies).map(|(body, host)| Surface::new(body, host)).collect();
+    let rays = casting(&bodies);
+    let tests: u64 = rays.iter().map(|ray| bodies[ray.1 as usize].triangles.len() as u64 * 2).sum();
+    (bodies, rays, tests.div_ceil(MOST_TESTS).max(1) as u32)
+}
+
 impl Oracle {
     pub fn new(workload: &Workload, host: &Host) -> Self {
-        let bodies: Vec<_> =
-            workload.bodies.par_iter().zip(&host.bodies).map(|(body, host)| Surface::new(body, host)).collect();
-        let rays = casting(&bodies);
-        let tests: u64 = rays.iter().map(|ray| bodies[ray.1 as usize].triangles.len() as u64 * 2).sum();
-        let stride = tests.div_ceil(MOST_TESTS).max(1) as u32;
+        let (bodies, rays, stride) = prepare(workload, host);
         let judged = rays.into_par_iter().filter(|ray| ray.2 % stride == 0);
         let mut contacts: Vec<Key> = judged.filter_map(|ray| contact(&bodies, ray)).collect();
         contacts.sort_unstable();

@@ -1,8 +1,9 @@
 //! The peers, out of the shared library that is compiled for this very processor.
 
 use crate::host::{Host, HostBody};
-use crate::method::{Description, Key, Method, Precision, Stages};
+use crate::method::{Description, Key, Method, Precision, Push, Stages};
 use crate::workload::{Body, Workload};
+use nalgebra::Vector3;
 use std::ffi::{CString, OsStr, c_char, c_void};
 use std::sync::Arc;
 
@@ -21,8 +22,13 @@ struct BodyView {
 /// As `Contact` in `peers/cpp/peer.hpp`.
 #[repr(C)]
 struct PeerContact {
+    /// Vertex or triangle where there is none: `u32::MAX`.
     key: [u32; 4],
-    numbers: [f32; 10],
+    depth: f32,
+    cos_alpha: f32,
+    weights: [f32; 2],
+    p2: [f32; 3],
+    direction: [f32; 3],
 }
 
 type New = unsafe extern "C" fn(*const c_char, u32, *const BodyView, usize) -> *mut c_void;
@@ -97,18 +103,38 @@ impl Method for Peer {
     }
 
     fn contacts(&self) -> Vec<Key> {
-        let mut count = 0;
-        // SAFETY: the peer lives, and its contacts last until its next step.
-        let contacts = unsafe {
-            let first = (self.functions.contacts)(self.peer, &mut count);
-            if count == 0 { &[] } else { std::slice::from_raw_parts(first, count) }
-        };
         let key = |contact: &PeerContact| {
             let [colliding, collided, vertex, triangle] = contact.key;
-            debug_assert!(contact.numbers.iter().all(|x| x.is_finite()));
             Key { colliding, collided, vertex, triangle }
         };
-        contacts.iter().map(key).collect()
+        self.found().iter().map(key).collect()
+    }
+
+    fn pushes(&self) -> Vec<Push> {
+        let push = |contact: &PeerContact| {
+            let [colliding, collided, vertex, _] = contact.key;
+            let [p2, direction] = [contact.p2, contact.direction].map(|v| Vector3::from(v.map(f64::from)));
+            let depth = f64::from(contact.depth);
+            Push {
+                bodies: [colliding, collided],
+                point: p2 - direction * depth,
+                force: direction * (depth * f64::from(contact.cos_alpha)),
+                area: None,
+                vertices: if vertex == u32::MAX { Vec::new() } else { vec![[colliding, vertex]] },
+            }
+        };
+        self.found().iter().map(push).collect()
+    }
+}
+
+impl Peer {
+    fn found(&self) -> &[PeerContact] {
+        let mut count = 0;
+        // SAFETY: the peer lives, and its contacts last until its next step.
+        unsafe {
+            let first = (self.functions.contacts)(self.peer, &mut count);
+            if count == 0 { &[] } else { std::slice::from_raw_parts(first, count) }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The bodies every method is given, and how they move.
 
-/// A torus of `rows` × `columns` quads, at rest.
+/// A body at rest: a torus of `rows` × `columns` quads, or, where these are 0, any closed surface.
 pub struct Body {
     pub rest: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
@@ -12,6 +12,7 @@ pub struct Body {
 }
 
 /// How the surface ripples from step to step.
+#[derive(Clone, Copy)]
 pub struct Ripple {
     pub height: f64,
     pub phase_per_step: f64,
@@ -71,6 +72,13 @@ impl Workload {
             let p = [centre[0] + cos * x - sin * y, centre[1] + sin * x + cos * y, rest[2]];
             self.ripple.moved(p, step)
         })
+    }
+}
+
+impl Body {
+    /// The standard torus around the origin.
+    pub fn torus(rows: u32, columns: u32) -> Self {
+        torus(rows, columns, TUBE, [0.0; 3], |p| p)
     }
 }
 

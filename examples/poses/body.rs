@@ -1,5 +1,6 @@
 //! Rigid bodies: a shape at rest and where it is now.
 
+use crate::proximity::Surface;
 use crate::random::Random;
 use crate::shapes::{self, TORUS};
 use crate::tree::Tree;
@@ -157,5 +158,27 @@ impl<'a> Body<'a> {
 
     pub fn radius(&self) -> f64 {
         self.rest.radius * self.size
+    }
+}
+
+impl Surface for Body<'_> {
+    fn size(&self) -> f64 {
+        self.size
+    }
+
+    fn positions(&self) -> &[Vector3<f64>] {
+        &self.positions
+    }
+
+    fn triangles(&self) -> &[[u32; 3]] {
+        &self.rest.triangles
+    }
+
+    fn edges(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.rest.edges.iter().map(|edge| edge.vertices)
+    }
+
+    fn tree(&self) -> &Tree {
+        &self.tree
     }
 }

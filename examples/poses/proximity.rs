@@ -2,9 +2,7 @@
 //! (after Bridson, Fedkiw and Anderson 2002). Every vertex nearer to a face, and every edge nearer to an edge, than the
 //! thickness is pushed away from it along the line between the two closest points, until the thickness is reached.
 
-use crate::body::Body;
-use crate::motion::Push;
-use crate::tree::Bounds;
+use super::tree::{Bounds, Tree};
 use nalgebra::Vector3;
 
 type Point = Vector3<f64>;
@@ -12,11 +10,31 @@ type Point = Vector3<f64>;
 /// In sizes of the smaller body.
 const THICKNESS: f64 = 0.05;
 
+/// What the method has to know of a body.
+pub trait Surface {
+    /// Its extent, for the thickness.
+    fn size(&self) -> f64;
+    fn positions(&self) -> &[Point];
+    fn triangles(&self) -> &[[u32; 3]];
+    fn edges(&self) -> impl Iterator<Item = [u32; 2]>;
+    /// Over its triangles, as they are now.
+    fn tree(&self) -> &Tree;
+}
+
+/// A wish: body 0 should move by `depth` along `direction` at the first point, against body 1 at the second.
+#[derive(Clone, Copy, Debug)]
+pub struct Repulsion {
+    pub bodies: [usize; 2],
+    pub points: [Point; 2],
+    pub direction: Point,
+    pub depth: f64,
+}
+
 /// The repulsions between all bodies.
-pub fn pushes(bodies: &[Body]) -> Vec<Push> {
+pub fn repulsions<S: Surface>(bodies: &[S]) -> Vec<Repulsion> {
     let mut pushes = Vec::new();
     for [a, b] in (0..bodies.len()).flat_map(|a| (a + 1..bodies.len()).map(move |b| [a, b])) {
-        let thickness = THICKNESS * bodies[a].size.min(bodies[b].size);
+        let thickness = THICKNESS * bodies[a].size().min(bodies[b].size());
         vertices_on_faces(bodies, [a, b], thickness, &mut pushes);
         vertices_on_faces(bodies, [b, a], thickness, &mut pushes);
         edges_on_edges(bodies, [a, b], thickness, &mut pushes);
@@ -24,11 +42,12 @@ pub fn pushes(bodies: &[Body]) -> Vec<Push> {
     pushes
 }
 
-fn vertices_on_faces(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes: &mut Vec<Push>) {
-    for &point in &bodies[a].positions {
+fn vertices_on_faces<S: Surface>(bodies: &[S], [a, b]: [usize; 2], thickness: f64, pushes: &mut Vec<Repulsion>) {
+    let (triangles, positions) = (bodies[b].triangles(), bodies[b].positions());
+    for &point in bodies[a].positions() {
         let bounds = Bounds::of([point]).grown(thickness);
-        bodies[b].tree.any(&bounds, |triangle| {
-            let corners = bodies[b].corners(triangle);
+        bodies[b].tree().any(&bounds, |triangle| {
+            let corners = triangles[triangle as usize].map(|vertex| positions[vertex as usize]);
             // Beside the face, its edges and the vertex's own do the work.
             if Bounds::of(corners).meets(&bounds)
                 && let Some(closest) = closest_within_triangle(&point, &corners)
@@ -41,16 +60,17 @@ fn vertices_on_faces(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes
     }
 }
 
-fn edges_on_edges(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes: &mut Vec<Push>) {
-    for edge in &bodies[a].rest.edges {
-        let [p, q] = bodies[a].ends(edge);
+fn edges_on_edges<S: Surface>(bodies: &[S], [a, b]: [usize; 2], thickness: f64, pushes: &mut Vec<Repulsion>) {
+    let (triangles, positions) = (bodies[b].triangles(), bodies[b].positions());
+    for edge in bodies[a].edges() {
+        let [p, q] = edge.map(|vertex| bodies[a].positions()[vertex as usize]);
         let bounds = Bounds::of([p, q]).grown(thickness);
-        bodies[b].tree.any(&bounds, |triangle| {
-            let corners = bodies[b].rest.triangles[triangle as usize];
+        bodies[b].tree().any(&bounds, |triangle| {
+            let corners = triangles[triangle as usize];
             for (from, to) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
                 // Its other triangle has the edge the other way round.
                 if from < to {
-                    let [r, s] = [from, to].map(|vertex| bodies[b].positions[vertex as usize]);
+                    let [r, s] = [from, to].map(|vertex| positions[vertex as usize]);
                     if Bounds::of([r, s]).meets(&bounds)
                         && let Some(points) = closest_on_lines([p, q], [r, s])
                     {
@@ -64,13 +84,13 @@ fn edges_on_edges(bodies: &[Body], [a, b]: [usize; 2], thickness: f64, pushes: &
 }
 
 /// `across`: the direction where the two points coincide.
-fn push_apart(bodies: [usize; 2], points: [Point; 2], thickness: f64, across: Point, pushes: &mut Vec<Push>) {
+fn push_apart(bodies: [usize; 2], points: [Point; 2], thickness: f64, across: Point, pushes: &mut Vec<Repulsion>) {
     let between = points[0] - points[1];
     let distance = between.norm();
     if distance < thickness {
         let direction = between.try_normalize(1e-12).or_else(|| across.try_normalize(0.0));
         if let Some(direction) = direction {
-            pushes.push(Push { bodies, points, direction, depth: thickness - distance, weight: 1.0 });
+            pushes.push(Repulsion { bodies, points, direction, depth: thickness - distance });
         }
     }
 }

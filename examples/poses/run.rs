@@ -4,7 +4,7 @@ use crate::body::Body;
 use crate::judge::Judge;
 use crate::motion::{self, Push};
 use crate::options::Mode;
-use crate::proximity;
+use crate::proximity::{self, Repulsion};
 use nalgebra::Vector3;
 use raycontact::contact::{ContactList, DetectionOptions, Statistics};
 use raycontact::math::Scalar;
@@ -109,7 +109,16 @@ impl<T: Scalar> Forces<T> {
 
     pub fn find(&mut self, bodies: &[Body]) -> Vec<Push> {
         if self.mode == Mode::Proximity {
-            return proximity::pushes(bodies);
+            return proximity::repulsions(bodies)
+                .into_iter()
+                .map(|Repulsion { bodies, points, direction, depth }| Push {
+                    bodies,
+                    points,
+                    direction,
+                    depth,
+                    weight: 1.0,
+                })
+                .collect();
         }
         for (number, body) in bodies.iter().enumerate() {
             let mesh = self.scene.mesh_mut(number as u32).expect("every body was added");

@@ -75,12 +75,13 @@ class FclPeer : public Peer {
       Contact contact{};
       contact.colliding = a;
       contact.collided = b;
-      contact.vertex = uint32_t(found.b1);  // a triangle, here
+      contact.vertex = ~0u;  // triangles against triangles
+      contact.cos_alpha = 1;
       contact.triangle = uint32_t(found.b2);
       contact.depth = float(found.penetration_depth);
       for (int axis = 0; axis < 3; ++axis) {
         contact.p2[axis] = found.pos[axis];
-        contact.direction[axis] = found.normal[axis];
+        contact.direction[axis] = -found.normal[axis];  // its normal points to the second model
       }
       contacts.push_back(contact);
     }

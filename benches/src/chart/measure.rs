@@ -1,0 +1,163 @@
+//! Times and errors of every setting on one scene.
+
+use super::load::{Loads, Moment, Weights};
+use super::row::Row;
+use super::scene::{Limits, Scene, shortest_mean_edge};
+use super::setting::{self, Setting};
+use crate::host::{Frame, Host};
+use crate::library::Whole;
+use crate::measure::{ROUNDS, frames, median, time_round};
+use crate::method::{Method, Push};
+use crate::oracle;
+use crate::peer;
+use crate::workload::{Body, Workload};
+use indicatif::ProgressBar;
+use raycontact::contact::{DetectionOptions, Sampling};
+use std::collections::BTreeSet;
+
+/// The steps whose contacts are judged.
+const JUDGED: [u32; 3] = [0, 5, 10];
+
+struct Running {
+    setting: Setting,
+    method: Box<dyn Method>,
+    times: Vec<f64>,
+}
+
+/// What every method is held against at one step.
+struct Truth {
+    frame: Frame,
+    limit: Loads,
+    inside: Vec<[u32; 2]>,
+}
+
+/// Measures all settings on one scene, interleaved, and writes into `progress` what goes on.
+pub fn run(scene: &Scene, full: bool, peers: &peer::Library, progress: &ProgressBar) -> Result<Vec<Row>, String> {
+    let workload = &scene.workload;
+    progress.set_message(format!("{}: the limit of the law", scene.name));
+    let truths = truths(scene, progress)?;
+    // Declared before the methods, so that they end before it.
+    let mut host = Host::new(workload);
+    let floor_workload = floor_workload(workload);
+    let mut floor_host = Host::new(&floor_workload);
+    let mut floor = peers.start(&setting::peer_of("floor"), &floor_workload, &floor_host)?;
+    let mut running = Vec::new();
+    for setting in setting::all(shortest_mean_edge(workload), full) {
+        progress.set_message(format!("{}: preparing {}", scene.name, setting.method()));
+        running.push(Running { setting, method: setting.start(workload, &host, peers)?, times: Vec::new() });
+    }
+    let mut floor_times = Vec::new();
+    for round in 0..ROUNDS {
+        let frames = frames(workload, round);
+        let floor_frames = self::frames(&floor_workload, round);
+        floor_times.extend(time_round(&mut floor, 1, &mut floor_host, &floor_frames).totals);
+        for running in &mut running {
+            progress.set_message(format!("{}: {}", scene.name, running.setting.method()));
+            running.times.extend(time_round(running.method.as_mut(), 1, &mut host, &frames).totals);
+        }
+    }
+    let vertices = |workload: &Workload| workload.bodies.iter().map(|body| body.rest.len()).sum::<usize>() as f64;
+    let floor_time = median(floor_times) * vertices(workload) / vertices(&floor_workload);
+    let mut rows = Vec::new();
+    for running in &mut running {
+        progress.set_message(format!("{}: judging {}", scene.name, running.setting.method()));
+        rows.extend(running.judge(scene, &truths, &mut host, floor_time));
+    }
+    Ok(rows)
+}
+
+/// Tori with about as many vertices: the floor knows no other bodies, and only the number counts.
+fn floor_workload(workload: &Workload) -> Workload {
+    let torus = |body: &Body| {
+        let across = ((body.rest.len() as f64 / 2.0).sqrt().round() as u32).max(3);
+        Body::torus((body.rest.len() as u32 / across).max(3), across)
+    };
+    let ripple = workload.ripple;
+    Workload { name: "floor".to_owned(), bodies: workload.bodies.iter().map(torus).collect(), ripple }
+}
+
+fn truths(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Truth>, String> {
+    let mut host = Host::new(&scene.workload);
+    let mut found: Vec<Truth> = Vec::new();
+    for step in JUDGED {
+        let frame = Frame::new(&scene.workload, step);
+        host.write(&frame);
+        let inside = oracle::inside(&scene.workload, &host);
+        found.push(Truth { frame, limit: Loads::default(), inside });
+    }
+    let mut coarser: Option<Vec<Loads>> = None;
+    for level in 0..2 {
+        let (workload, sampling) = match &scene.limits {
+            Limits::Finer(workloads) => (&workloads[level], Sampling::Automatic),
+            Limits::Spacings(spacings) => (&scene.workload, Sampling::Spacing(spacings[level])),
+        };
+        let loads = limit_loads(workload, sampling)?;
+        if let Some(coarser) = &coarser {
+            let mut still = 0.0f64;
+            for ((truth, loads), coarser) in found.iter_mut().zip(&loads).zip(coarser) {
+                host.write(&truth.frame);
+                truth.limit = loads.extrapolated(coarser);
+                still = still.max(Moment::new(&scene.workload, &host).difference(&truth.limit, loads).force);
+            }
+            let inside: usize = found.iter().map(|truth| truth.inside.len()).sum::<usize>() / found.len();
+            let name = &scene.name;
+            progress.println(format!("{name}: {inside} vertices inside, limit known to {:.4} %", still * 100.0));
+        }
+        coarser = Some(loads);
+    }
+    Ok(found)
+}
+
+/// The law at the judged steps with as many rays as `sampling` says, in double precision.
+fn limit_loads(workload: &Workload, sampling: Sampling<f64>) -> Result<Vec<Loads>, String> {
+    let mut host = Host::new(workload);
+    let options = DetectionOptions { sampling, escape: false, ..DetectionOptions::default() };
+    let mut method = Whole::<f64>::new(workload, &host, 0, options)?;
+    let at_step = |step: &u32| {
+        host.write(&Frame::new(workload, *step));
+        method.step(&host);
+        Moment::new(workload, &host).loads(&method.pushes(), Weights::Area)
+    };
+    Ok(JUDGED.iter().map(at_step).collect())
+}
+
+impl Running {
+    fn judge(&mut self, scene: &Scene, truths: &[Truth], host: &mut Host, floor_time: f64) -> Vec<Row> {
+        let setting = self.setting;
+        let weights = setting.weights();
+        let mut rows: Vec<Row> = weights
+            .iter()
+            .map(|weights| Row {
+                scene: scene.name.clone(),
+                method: setting.method().to_owned(),
+                settings: setting.describe(*weights),
+                time_floor_multiple: median(self.times.clone()) / floor_time,
+                force_error: setting.has_comparable_force().then_some(0.0),
+                recall: setting.knows_vertices().then_some(0.0),
+                direction_error: 0.0,
+                contacts: 0,
+            })
+            .collect();
+        let share = 1.0 / truths.len() as f64;
+        for truth in truths {
+            host.write(&truth.frame);
+            self.method.step(host);
+            let moment = Moment::new(&scene.workload, host);
+            let pushes = self.method.pushes();
+            for (row, weights) in rows.iter_mut().zip(weights) {
+                let difference = moment.difference(&truth.limit, &moment.loads(&pushes, *weights));
+                row.force_error = row.force_error.map(|sum| sum + difference.force * share);
+                row.recall = row.recall.map(|sum| sum + recall(&truth.inside, &pushes) * share);
+                row.direction_error += difference.direction * share;
+                row.contacts = pushes.len();
+            }
+        }
+        rows
+    }
+}
+
+/// The part of the vertices inside another body from which, or from a triangle of which, a contact starts.
+fn recall(inside: &[[u32; 2]], pushes: &[Push]) -> f64 {
+    let pushed: BTreeSet<[u32; 2]> = pushes.iter().flat_map(|push| &push.vertices).copied().collect();
+    inside.iter().filter(|vertex| pushed.contains(*vertex)).count() as f64 / inside.len().max(1) as f64
+}

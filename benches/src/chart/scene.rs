@@ -1,0 +1,139 @@
+//! The scenes of the chart: each as it is measured, and finer, for the limit of the law on the smooth shapes.
+
+use super::Vector;
+use super::shapes::{self, Shape};
+use crate::workload::{Body, Ripple, Workload};
+use raycontact::mesh::read_obj_file;
+use std::path::PathBuf;
+
+/// Ripple of all scenes, in their units.
+const RIPPLE: Ripple = Ripple { height: 0.02, phase_per_step: 0.3 };
+const TUBE: f64 = 0.4;
+
+pub struct Scene {
+    pub name: String,
+    /// As it is measured.
+    pub workload: Workload,
+    /// What stands for the smooth shapes; each has half the edges of the one before.
+    pub limits: Limits,
+}
+
+pub enum Limits {
+    /// Finer meshes of the same shapes.
+    Finer([Workload; 2]),
+    /// The given surface is the shape: rays this far apart.
+    Spacings([f64; 2]),
+}
+
+/// The names of the scenes that are generated.
+pub const NAMES: [&str; 6] = ["deep-tori", "stack", "grazing", "spike", "resolution", "given"];
+
+impl Scene {
+    /// One of [`NAMES`]; `files` are the surfaces of `given`, else two are generated for it.
+    pub fn new(name: &str, files: &[PathBuf]) -> Result<Self, String> {
+        let workload = |bodies| Workload { name: name.to_owned(), bodies, ripple: RIPPLE };
+        if name == "given" {
+            let workload = workload(given(files)?);
+            let edge = shortest_mean_edge(&workload);
+            return Ok(Self { name: name.to_owned(), workload, limits: Limits::Spacings([edge / 4.0, edge / 8.0]) });
+        }
+        let bodies: fn(usize) -> Vec<Body> = match name {
+            "deep-tori" => |finer| pair(torus(160 * finer), torus(160 * finer), [0.25, 0.1, 0.3]),
+            "stack" => |finer| (0..10).map(|k| stacked(k, 40 * finer)).collect(),
+            "grazing" => |finer| pair(torus(160 * finer), torus(160 * finer), [2.0 * (1.0 + TUBE) - 0.047, 0.0, 0.0]),
+            "spike" => spike_in_ball,
+            "resolution" => fine_in_coarse,
+            _ => return Err(format!("there is no scene '{name}'; there are {}", NAMES.join(", "))),
+        };
+        let limits = Limits::Finer([2, 4].map(|finer| workload(bodies(finer))));
+        Ok(Self { name: name.to_owned(), workload: workload(bodies(1)), limits })
+    }
+}
+
+/// Of the body with the shortest edges: their mean length.
+pub fn shortest_mean_edge(workload: &Workload) -> f64 {
+    let of_body = |body: &Body| {
+        let lengths = body.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|ends| {
+            let [from, to] = ends.map(|vertex| Vector::from(body.rest[vertex as usize]));
+            (to - from).norm()
+        });
+        lengths.sum::<f64>() / (3 * body.triangles.len()) as f64
+    };
+    workload.bodies.iter().map(of_body).fold(f64::INFINITY, f64::min)
+}
+
+fn body(shape: Shape, place: impl Fn(&Vector) -> Vector) -> Body {
+    let rest = shape.points.iter().map(|point| place(point).into()).collect();
+    Body { rest, triangles: shape.triangles, rows: 0, columns: 0, spin: 0.0, centre: [0.0; 3] }
+}
+
+fn pair(first: Shape, second: Shape, shift: [f64; 3]) -> Vec<Body> {
+    let shift = Vector::from(shift);
+    vec![body(first, |point| *point), body(second, |point| point + shift)]
+}
+
+/// Encloses as much as the smooth torus.
+fn torus(around: usize) -> Shape {
+    shapes::torus(around, around / 2, TUBE, true)
+}
+
+/// As the measuring program's pile.
+fn stacked(k: u32, around: usize) -> Body {
+    let k = f64::from(k);
+    let centre = Vector::new(0.13 * k.sin(), 0.13 * (1.7 * k).cos(), 0.6 * k);
+    let turn = shapes::turn([1.0, 0.0, 0.0], 0.15 * (2.1 * k).sin()) * shapes::turn([0.0, 0.0, 1.0], 0.37 * k);
+    body(torus(around), |point| turn * point + centre)
+}
+
+/// A unit sphere of 20 · parts² triangles that encloses as much as the smooth one.
+fn ball(parts: usize) -> Shape {
+    let sphere = shapes::icosphere(parts);
+    let factor = (4.0 * std::f64::consts::PI / 3.0 / sphere.volume()).cbrt();
+    sphere.scaled(factor)
+}
+
+/// A thorn whose sides meet in a cusp, its tip 0.7 deep in a ball.
+fn spike_in_ball(finer: usize) -> Vec<Body> {
+    let tilt = shapes::turn([0.3, 1.0, 0.0], 0.4);
+    let thorn = body(shapes::icosphere(24 * finer), |p| {
+        let width = 0.15 * (1.0 + p.z);
+        tilt * (Vector::new(p.x * width, p.y * width, p.z) + Vector::new(0.1, 0.05, 1.3))
+    });
+    vec![thorn, body(ball(40 * finer), |point| *point)]
+}
+
+/// A fine ball sunk into a slab whose triangles' sides are a hundred times as long as its own.
+fn fine_in_coarse(finer: usize) -> Vec<Body> {
+    let fine = body(ball(28 * finer), |point| point + Vector::new(0.013, 0.02, 0.6));
+    // Its faces stay; finer pieces only follow the ripple more closely.
+    vec![fine, body(shapes::cuboid([-2.2, -2.1, -4.0], [2.1, 2.2, 0.0]), |point| *point)]
+}
+
+/// Two surfaces from files, each scaled to the size of the tori, the second shifted into the first; else generated.
+fn given(files: &[PathBuf]) -> Result<Vec<Body>, String> {
+    let shapes = match files {
+        [] => [bumpy(5.0, 30), bumpy(3.0, 36)],
+        [first, second] => [read(first)?, read(second)?],
+        _ => return Err(format!("give no surface or two, not {}", files.len())),
+    };
+    let [first, second] = shapes;
+    Ok(pair(first, second, [0.6, 0.25, 0.9]))
+}
+
+fn read(path: &PathBuf) -> Result<Shape, String> {
+    let (positions, triangles) = read_obj_file(path).map_err(|error| error.to_string())?;
+    let bound = |axis: usize, pick: fn(f64, f64) -> f64| positions.iter().map(|p| p[axis]).reduce(pick).unwrap_or(0.0);
+    let [lower, upper] = [f64::min, f64::max].map(|pick| Vector::from_fn(|axis, _| bound(axis, pick)));
+    let size = (upper - lower).max();
+    let points = positions.iter().map(|&p| (Vector::from(p) - (lower + upper) / 2.0) * (2.8 / size)).collect();
+    Ok(Shape { points, triangles })
+}
+
+/// A ball with bumps.
+fn bumpy(waves: f64, parts: usize) -> Shape {
+    let mut shape = shapes::icosphere(parts);
+    for p in &mut shape.points {
+        *p *= 1.0 + 0.15 * (waves * p.x).sin() * (waves * p.y + 1.0).sin() * (waves * p.z + 2.0).sin();
+    }
+    shape
+}

@@ -1,0 +1,174 @@
+//! What is measured on a scene: the library over its options, and the peers.
+
+use super::closest::Closest;
+use super::load::Weights;
+use crate::host::Host;
+use crate::library::{Classic, HostScalar, Whole};
+use crate::method::{Description, Method, Precision};
+use crate::peer;
+use crate::workload::Workload;
+use raycontact::contact::{DetectionOptions, Sampling};
+use raycontact::math::Scalar;
+use raycontact::octree::Layout;
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Ours {
+    pub sampling: Sampling<f64>,
+    pub precision: Precision,
+    pub layout: Layout,
+    pub edges: bool,
+    pub escape: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Setting {
+    Ours(Ours),
+    /// By name.
+    Peer(&'static str),
+    Closest,
+}
+
+const DEFAULT: Ours =
+    Ours { sampling: Sampling::Automatic, precision: Precision::F32, layout: Layout::Wide, edges: true, escape: true };
+const PAPER: Ours = Ours { sampling: Sampling::Vertices, edges: false, escape: false, ..DEFAULT };
+
+/// Spacings in edges of the scene's finest body.
+const SPACINGS: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+const TOLERANCES: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
+
+/// Every setting for a scene whose finest edges are `edge` long: one thing at a time beside the defaults, or with `full`
+/// each with each.
+pub fn all(edge: f64, full: bool) -> Vec<Setting> {
+    let mut samplings = vec![Sampling::Vertices, Sampling::Automatic];
+    samplings.extend(SPACINGS.map(|count| Sampling::Spacing(round(count * edge))));
+    samplings.extend(TOLERANCES.map(Sampling::Tolerance));
+    let mut settings = Vec::new();
+    for &sampling in &samplings {
+        for precision in [Precision::F32, Precision::F64] {
+            for layout in [Layout::Wide, Layout::Classic] {
+                for edges in [true, false] {
+                    let changed = usize::from(layout == Layout::Classic) + usize::from(!edges);
+                    let is_plain = matches!(sampling, Sampling::Vertices | Sampling::Automatic);
+                    let most = if is_plain && precision == Precision::F32 { 1 } else { 0 };
+                    if full || changed <= most {
+                        settings.push(Setting::Ours(Ours { sampling, precision, layout, edges, escape: true }));
+                    }
+                }
+            }
+        }
+    }
+    for precision in [Precision::F32, Precision::F64] {
+        for layout in [Layout::Wide, Layout::Classic] {
+            settings.push(Setting::Ours(Ours { precision, layout, ..PAPER }));
+        }
+    }
+    settings.extend(["embree-refit", "embree-low", "bullet-vf", "bullet-cl", "fcl-aabb"].map(Setting::Peer));
+    settings.push(Setting::Closest);
+    settings
+}
+
+/// To two digits, as a user would write it.
+fn round(length: f64) -> f64 {
+    let unit = 10f64.powf(length.log10().floor() - 1.0);
+    (length / unit).round() * unit
+}
+
+impl Setting {
+    pub fn method(&self) -> &'static str {
+        match self {
+            Self::Ours(ours) if !ours.escape => "paper",
+            Self::Ours(_) => "raycontact",
+            Self::Peer(name) => name,
+            Self::Closest => "proximity",
+        }
+    }
+
+    /// The options and their values.
+    pub fn describe(&self, weights: Weights) -> String {
+        let weights = match weights {
+            Weights::Area => "area",
+            Weights::Paper => "paper",
+        };
+        match self {
+            Self::Ours(ours) => {
+                let sampling = match ours.sampling {
+                    Sampling::Automatic => "automatic".to_owned(),
+                    Sampling::Spacing(length) => format!("spacing:{}", format!("{length:.6}").trim_end_matches('0')),
+                    Sampling::Tolerance(part) => format!("tolerance:{part}"),
+                    Sampling::Vertices => "vertices".to_owned(),
+                };
+                let layout = if ours.layout == Layout::Wide { "wide" } else { "classic" };
+                let edges = if ours.edges { "on" } else { "off" };
+                let precision = ours.precision.name();
+                format!("sampling={sampling} precision={precision} layout={layout} edges={edges} weights={weights}")
+            }
+            Self::Peer(_) => format!("precision=f32 weights={weights}"),
+            Self::Closest => format!("precision=f64 weights={weights}"),
+        }
+    }
+
+    /// By what its pushes may be weighted.
+    pub fn weights(&self) -> &'static [Weights] {
+        match self {
+            Self::Ours(ours) if !ours.escape => &[Weights::Paper],
+            Self::Ours(_) | Self::Peer("embree-refit" | "embree-low") => &[Weights::Area, Weights::Paper],
+            _ => &[Weights::Paper],
+        }
+    }
+
+    /// Whether its depths are those of the bodies, so that its force can be held against the law's: pairs of triangles
+    /// and of clusters have depths of their own.
+    pub fn has_comparable_force(&self) -> bool {
+        !matches!(self, Self::Peer("fcl-aabb" | "bullet-cl"))
+    }
+
+    /// Whether its contacts belong to vertices.
+    pub fn knows_vertices(&self) -> bool {
+        self.has_comparable_force()
+    }
+
+    pub fn start(&self, workload: &Workload, host: &Host, peers: &peer::Library) -> Result<Box<dyn Method>, String> {
+        match self {
+            Self::Ours(ours) if ours.precision == Precision::F32 => ours.start::<f32>(workload, host),
+            Self::Ours(ours) => ours.start::<f64>(workload, host),
+            Self::Peer(name) => Ok(Box::new(peers.start(&peer_of(name), workload, host)?)),
+            Self::Closest => Ok(Box::new(Closest::new(workload, host))),
+        }
+    }
+}
+
+/// A peer in single precision on one thread.
+pub fn peer_of(name: &'static str) -> Description {
+    Description { name, precision: Precision::F32, threads: 1, same_contacts: false, simd: None }
+}
+
+impl Ours {
+    fn start<T: HostScalar>(&self, workload: &Workload, host: &Host) -> Result<Box<dyn Method>, String> {
+        Ok(match self.layout {
+            Layout::Wide => Box::new(Whole::<T>::new(workload, host, 1, self.options())?),
+            Layout::Classic => Box::new(Classic::<T>::new(workload, host, self.options())?),
+        })
+    }
+
+    fn options<T: Scalar>(&self) -> DetectionOptions<T> {
+        let sampling = match self.sampling {
+            Sampling::Automatic => Sampling::Automatic,
+            Sampling::Vertices => Sampling::Vertices,
+            Sampling::Spacing(length) => Sampling::Spacing(T::of(length)),
+            Sampling::Tolerance(part) => Sampling::Tolerance(T::of(part)),
+        };
+        DetectionOptions { sampling, edges: self.edges, escape: self.escape, past_folds: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_is_among_the_settings_by_the_words_that_mark_it() {
+        let is_default = |setting: &Setting| setting.describe(Weights::Area) == crate::chart::row::DEFAULT;
+        let found: Vec<Setting> = all(0.1, true).into_iter().filter(is_default).collect();
+        assert_eq!(found, [Setting::Ours(DEFAULT)]);
+    }
+}

@@ -1,0 +1,117 @@
+// The page: charts, tables and the player, from the data in the page itself.
+import * as plots from "./plots.js";
+import { code, front, isDefault, measures } from "./settings.js";
+import { start } from "./player.js";
+
+const data = JSON.parse(document.getElementById("data").textContent);
+const at = (id) => document.getElementById(id);
+
+function element(name, text, className) {
+  const made = document.createElement(name);
+  if (text !== undefined) made.textContent = text;
+  if (className) made.className = className;
+  return made;
+}
+
+function fill(select, options) {
+  for (const [value, text] of options) select.append(new Option(text, value));
+}
+
+async function copy(row) {
+  const text = code(row);
+  at("code").textContent = text;
+  try {
+    await navigator.clipboard.writeText(text);
+    at("copied").textContent = "Copied.";
+  } catch {
+    at("copied").textContent = "The browser did not allow copying: the code is below.";
+  }
+}
+
+function frontTable(rows, measure) {
+  const table = at("front");
+  const head = element("tr");
+  for (const name of ["× floor", "force error", "recall", "direction", "contacts", "setting", ""]) {
+    head.append(element("th", name));
+  }
+  const shown = front(rows, measure);
+  shown.push(...rows.filter((row) => isDefault(row) && !shown.includes(row)));
+  const percent = (part) => (part === null ? "–" : `${(part * 100).toFixed(2)} %`);
+  const lines = shown.map((row) => {
+    const line = element("tr");
+    const numbers = [row.time_floor_multiple.toFixed(1), percent(row.force_error), percent(row.recall),
+      `${row.direction_error.toFixed(3)}°`, row.contacts];
+    for (const number of numbers) line.append(element("td", number, "number"));
+    line.append(element("td", `${row.method} ${row.settings}${isDefault(row) ? " (default)" : ""}`));
+    const button = element("button", "Copy C");
+    button.type = "button";
+    button.addEventListener("click", () => copy(row));
+    const cell = element("td");
+    cell.append(button);
+    line.append(cell);
+    return line;
+  });
+  table.replaceChildren(head, ...lines);
+}
+
+function choose() {
+  if (!data.chart) {
+    plots.show("choose", null);
+    return;
+  }
+  const rows = data.chart.filter((row) => row.scene === at("scene").value);
+  const measure = measures.find((measure) => measure.key === at("measure").value);
+  const plot = plots.show("choose", rows, (rows) => plots.speedAndAccuracy(rows, measure));
+  const svg = plot.matches("figure") ? plot.querySelector("svg:last-of-type") : plot;
+  // The row under the pointer is the plot's value.
+  svg.addEventListener("click", () => plot.value && copy(plot.value));
+  frontTable(rows, measure);
+}
+
+function failures() {
+  const table = at("failure-table");
+  if (!data.failures) {
+    table.replaceWith(element("p", "Not measured.", "absent"));
+    return;
+  }
+  const head = element("tr");
+  for (const name of ["failure", ...data.failures.modes]) head.append(element("th", name));
+  table.append(head);
+  for (const { name, counts, picture } of data.failures.rows) {
+    const line = element("tr");
+    line.append(element("td", name));
+    for (const count of counts) line.append(element("td", count, "number"));
+    table.append(line);
+    if (!picture) continue;
+    const details = element("details");
+    const image = element("img");
+    image.alt = `${name}: from its start to where each mode leaves it`;
+    image.src = `data:image/svg+xml,${encodeURIComponent(picture)}`;
+    details.append(element("summary", name), image);
+    at("failure-pictures").append(details);
+  }
+}
+
+function stability() {
+  const rows = data.stability?.filter((row) => row.scene === at("map-scene").value);
+  plots.show("stability", rows, plots.stability);
+}
+
+fill(at("scene"), [...new Set((data.chart ?? []).map((row) => row.scene))].map((scene) => [scene, scene]));
+fill(at("measure"), measures.map((measure) => [measure.key, measure.name]));
+fill(at("map-scene"), [...new Set((data.stability ?? []).map((row) => row.scene))].map((s) => [s, s.replaceAll("_", " ")]));
+for (const id of ["scene", "measure"]) at(id).addEventListener("change", choose);
+at("map-scene").addEventListener("change", stability);
+at("theme").addEventListener("click", () => {
+  const root = document.documentElement;
+  const isDark = (root.dataset.theme ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light")) === "dark";
+  root.dataset.theme = isDark ? "light" : "dark";
+});
+choose();
+start(data.recording);
+stability();
+failures();
+plots.show("triangles", data.detect, plots.byTriangles);
+plots.show("bodies", data.detect, plots.byBodies);
+plots.show("parallel", data.detect, plots.parallel);
+plots.show("figure8", data.figure8, plots.figure8);

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+// Opens docs/report/index.html in headless Chromium: no errors, every chart draws its points, the player plays.
+// Usage: node test.mjs [folder for screenshots]
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import puppeteer from "puppeteer-core";
+
+const page_path = join(dirname(fileURLToPath(import.meta.url)), "../docs/report/index.html");
+const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
+assert(executablePath, "there is no Chromium: install the package chromium");
+const browser = await puppeteer.launch({
+  executablePath,
+  // Pictures without a graphics card; root may start no sandbox.
+  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+});
+let passed = 0;
+async function check(name, work) {
+  await work();
+  passed += 1;
+  console.log(`ok: ${name}`);
+}
+
+try {
+  const page = await browser.newPage();
+  await page.setViewport({ width: 1100, height: 900 });
+  await page.setOfflineMode(true);
+  const faults = [];
+  page.on("console", (message) => {
+    // Chromium itself warns where pictures are drawn without a graphics card.
+    const isFault = ["error", "warn"].includes(message.type()) && !message.text().includes("GPU stall");
+    if (isFault) faults.push(message.text());
+  });
+  page.on("pageerror", (error) => faults.push(error.message));
+  page.on("requestfailed", (request) => faults.push(request.url()));
+  await page.goto(pathToFileURL(page_path).href);
+  const data = await page.$eval("#data", (script) => JSON.parse(script.textContent));
+  const count = (name) => page.$$eval(`[data-plot="${name}"] .points > *`, (marks) => marks.length);
+  const isAbsent = (name) => page.$eval(`[data-plot="${name}"]`, (place) => place.textContent.includes("Not measured"));
+
+  await check("each scene's chart draws its points, for each error", async () => {
+    const scenes = [...new Set(data.chart.map((row) => row.scene))];
+    assert(scenes.length >= 6);
+    for (const scene of scenes) {
+      await page.select("#scene", scene);
+      for (const [measure, column] of [["force", "force_error"], ["missed", "recall"], ["direction", "direction_error"]]) {
+        await page.select("#measure", measure);
+        const wanted = data.chart.filter((row) => row.scene === scene && row[column] !== null).length;
+        assert.equal(await count("choose"), wanted, `${scene}, ${measure}`);
+      }
+    }
+    await page.select("#scene", scenes[0]);
+    await page.select("#measure", "force");
+  });
+  await check("the stability maps draw their cells, or say that they were not measured", async () => {
+    if (!data.stability) return assert(await isAbsent("stability"));
+    const scene = await page.$eval("#map-scene", (select) => select.value);
+    assert.equal(await count("stability"), data.stability.filter((row) => row.scene === scene).length);
+  });
+  await check("growth, threads and Figure 8 draw their points", async () => {
+    for (const name of ["triangles", "bodies", "parallel"]) assert((await count(name)) > 10, name);
+    assert.equal(await count("figure8"), data.figure8.length);
+  });
+  await check("the table of failures is whole", async () => {
+    const rows = await page.$$eval("#failure-table tr", (rows) => rows.length);
+    assert.equal(rows, data.failures.rows.length + 1);
+  });
+  await check("a key press on the table gives the options as C code", async () => {
+    await page.focus("#front button");
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => document.getElementById("code").textContent.length > 0);
+    const texts = await page.$$eval("#front button", (buttons) => buttons.map((button) => {
+      button.click();
+      return document.getElementById("code").textContent;
+    }));
+    assert(texts.some((text) => text.includes("rayc_default_detection_options")));
+  });
+  await check("a click on a point gives its options", async () => {
+    await page.$eval("#code", (code) => (code.textContent = ""));
+    const circle = await page.$('[data-plot="choose"] .points circle');
+    await circle.scrollIntoView();
+    const box = await circle.boundingBox();
+    await page.mouse.move(box.x + 2, box.y + 2);
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.up();
+    await page.waitForFunction(() => document.getElementById("code").textContent.length > 0, { timeout: 3000 });
+  });
+  await check("the player plays, scrubs and turns by keys", async () => {
+    await page.focus("#play");
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => Number(document.getElementById("stage").dataset.frame) >= 3);
+    await page.keyboard.press("Enter");
+    const picture = () => page.$eval("#stage canvas", (canvas) => canvas.width * canvas.height);
+    assert((await picture()) > 1000);
+    await page.focus("#frame");
+    await page.keyboard.press("Home");
+    assert.equal(await page.$eval("#stage", (stage) => stage.dataset.frame), "0");
+    assert(Number(await page.$eval("#stage", (stage) => stage.dataset.contacts)) > 10);
+    const shot = async () => (await (await page.$("#stage")).screenshot()).toString("base64");
+    const before = await shot();
+    await page.focus("#stage canvas");
+    for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowLeft");
+    assert.notEqual(await shot(), before);
+  });
+  const folder = process.argv[2];
+  if (folder) {
+    await page.screenshot({ path: join(folder, "page_light.png"), fullPage: true });
+    await page.screenshot({ path: join(folder, "top_light.png") });
+  }
+  await check("dark and light differ", async () => {
+    const colour = () => page.$eval("body", (body) => getComputedStyle(body).backgroundColor);
+    const before = await colour();
+    await page.focus("#theme");
+    await page.keyboard.press("Enter");
+    assert.notEqual(await colour(), before);
+    if (folder) await page.screenshot({ path: join(folder, "page_dark.png"), fullPage: true });
+  });
+  await check("nothing was reported on the console or asked of the network", async () => assert.deepEqual(faults, []));
+  console.log(`${passed} passed, 0 failed`);
+} finally {
+  await browser.close();
+}
