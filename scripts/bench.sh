@@ -26,41 +26,9 @@ case "${1:-quick}" in
 esac
 (($# == 0)) || shift
 
-packages=(
-    libembree-dev # Embree 3.13
-    libfcl-dev    # FCL 0.7
-    libbullet-dev # Bullet 3.24
-)
-
-install_peers() {
-    local missing=() as_root=() package
-    for package in "${packages[@]}"; do
-        [[ "$(dpkg-query --show --showformat='${Status}' "$package" 2>/dev/null)" == 'install ok installed' ]] ||
-            missing+=("$package")
-    done
-    ((${#missing[@]})) || return 0
-    if ((EUID != 0)); then
-        command -v sudo >/dev/null || fail "missing packages: ${missing[*]}. There is no sudo: run as root: \
-apt-get install ${missing[*]}"
-        as_root=(sudo)
-    fi
-    say "Installing ${missing[*]}"
-    "${as_root[@]}" apt-get --quiet update >&2 || fail "'apt-get update' failed: is there a network?"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300 install \
-        --no-install-recommends "${missing[@]}" >&2 || fail "apt-get could not install ${missing[*]}"
-}
-
-# raycontact as its users build it, the peers for this very processor: two builds, so two folders.
-target="$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/bench"
-build() {
-    cargo build --release --locked --manifest-path benches/Cargo.toml "$@" >&2 || fail 'the build failed, see above'
-}
-
 scripts/setup.sh
-install_peers
-say 'Building (release)'
-RUSTFLAGS='' build --package raycontact-bench --target-dir "$target/portable"
-bench="$target/portable/release/bench"
+source scripts/peers.sh
+bench="$(build_bench)"
 
 if [[ $measures == false ]]; then
     [[ -r out/bench/detect.csv ]] || fail "there is no out/bench/detect.csv yet: run 'scripts/bench.sh full' first"
@@ -71,7 +39,7 @@ if [[ $measures == false ]]; then
     exit 0
 fi
 
-RUSTFLAGS='-C target-cpu=native' build --package raycontact-bench-peers --target-dir "$target/native"
+peers="$(build_peers)"
 say 'Measuring'
-"$bench" "${size[@]}" --out out/bench --peers "$target/native/release/libraycontact_bench_peers.so" "$@"
+"$bench" "${size[@]}" --out out/bench --peers "$peers" "$@"
 say "Times and charts: $root/out/bench"

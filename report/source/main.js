@@ -62,9 +62,10 @@ function choose() {
   const rows = data.chart.filter((row) => row.scene === at("scene").value);
   const measure = measures.find((measure) => measure.key === at("measure").value);
   const plot = plots.show("choose", rows, (rows) => plots.speedAndAccuracy(rows, measure));
-  const svg = plot.matches("figure") ? plot.querySelector("svg:last-of-type") : plot;
-  // The row under the pointer is the plot's value.
-  svg.addEventListener("click", () => plot.value && copy(plot.value));
+  // The row under the pointer is the plot's value; pressing holds it or lets it go.
+  let pointed = null;
+  plot.addEventListener("input", () => (pointed = plot.value ?? pointed));
+  plot.addEventListener("click", () => pointed && copy(pointed));
   frontTable(rows, measure);
 }
 

@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Measures speed against accuracy: every method over its settings on six scenes.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+usage() {
+    cat <<END
+usage: scripts/chart.sh [quick|full|docs] [options of the measuring program]
+
+quick (default): one option at a time beside the default, some ten minutes after the build.
+full: each option with each other.
+docs: measures nothing; takes the last measurement over into docs/chart/.
+Writes out/chart/chart.csv and charts beside it, and prints the settings of each scene that none beats in both time and
+force. Further options go to the measuring program; with --help it lists them. Two surfaces of your own:
+  scripts/chart.sh quick --scenes given --files a.obj b.obj
+Exit status: 0 when measured, 1 when something failed, 2 for a wrong command line.
+END
+}
+
+size=()
+measures=true
+case "${1:-quick}" in
+    quick) ;;
+    full) size=(--full) ;;
+    docs) measures=false ;;
+    -h | --help) usage && exit 0 ;;
+    *) usage >&2 && fail "unknown argument '$1'" 2 ;;
+esac
+(($# == 0)) || shift
+
+scripts/setup.sh
+source scripts/peers.sh
+bench="$(build_bench)"
+if [[ $measures == false ]]; then
+    [[ -r out/chart/chart.csv ]] || fail "there is no out/chart/chart.csv yet: run 'scripts/chart.sh quick' first"
+    mkdir -p docs/chart
+    cp out/chart/chart.csv docs/chart/
+    "$bench" chart --draw --out docs/chart
+    say "Renewed: $root/docs/chart; 'scripts/report.sh' renews the page"
+    exit 0
+fi
+peers="$(build_peers)"
+say 'Measuring'
+"$bench" chart ${size[@]+"${size[@]}"} --out out/chart --peers "$peers" "$@"
+say "Figures and charts: $root/out/chart"

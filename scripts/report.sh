@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Makes the page of all measurements, docs/report/index.html, from the CSV files under docs/.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+usage() {
+    cat <<END
+usage: scripts/report.sh [--record] [--test]
+
+Writes docs/report/index.html, one file that needs no network, from docs/*/*.csv, the table of failures in
+docs/stability.md and the recorded demo. Needs Node.js 20 or newer with npm; their packages, as report/package-lock.json
+names them, are installed into report/node_modules first.
+--record: renews the recorded demo from the frames in out/two_bodies that scripts/demo.sh wrote.
+--test: then opens the page in headless Chromium, which is installed where it is missing, and tests it; screenshots go to
+out/report.
+Exit status: 0 when made (and tested), 1 when something failed, 2 for a wrong command line.
+END
+}
+
+records=false
+tests=false
+for argument in "$@"; do
+    case "$argument" in
+        --record) records=true ;;
+        --test) tests=true ;;
+        -h | --help) usage && exit 0 ;;
+        *) usage >&2 && fail "unknown argument '$argument'" 2 ;;
+    esac
+done
+
+command -v npm >/dev/null || fail 'npm is missing: install Node.js 20 or newer'
+if [[ $records == true ]]; then
+    [[ -d out/two_bodies ]] || fail "there is no out/two_bodies: run 'scripts/demo.sh' first"
+    source scripts/peers.sh
+    "$(build_bench)" record out/two_bodies
+fi
+if [[ ! -d report/node_modules || report/package-lock.json -nt report/node_modules ]]; then
+    say 'Installing the npm packages'
+    npm ci --prefix report --silent --no-audit --no-fund >&2 || fail "'npm ci' failed: is there a network?"
+    touch report/node_modules
+fi
+node report/build.mjs
+
+if [[ $tests == true ]]; then
+    source scripts/peers.sh
+    command -v chromium >/dev/null || install_packages chromium
+    mkdir -p out/report
+    node report/test.mjs out/report
+    say "Screenshots: $root/out/report"
+fi
