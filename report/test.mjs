@@ -41,7 +41,7 @@ try {
 
   await check("each scene's chart draws its points, for each error", async () => {
     const scenes = [...new Set(data.chart.map((row) => row.scene))];
-    assert(scenes.length >= 3);
+    assert(scenes.length >= 6);
     for (const scene of scenes) {
       await page.select("#scene", scene);
       for (const [measure, column] of [["force", "force_error"], ["missed", "recall"], ["direction", "direction_error"]]) {
