@@ -11,11 +11,12 @@ library, the oracle with 1e5 queries, a few sizes of the examples that measure f
 instructions of a step, the hash of all results, 2000 steps of self-collision, the C and C++ tests with the packages and
 the manual (cmake --workflow --preset test), and the command lines of all programs. Missing Debian packages are installed
 first. With --long the oracle asks 1e7 queries, self-collision takes 1e5 steps, and forces are measured at every size, as
-in docs/accuracy.md.
+in docs/accuracy.md, and the page of all measurements is made anew and tested in Chromium.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }
 
+long=false
 queries=1e5
 figure8=(--sides '10,150' --rotations 20)
 convergence=(--largest 2000)
@@ -23,6 +24,7 @@ self_collision=(--steps 2000 --sizes 40 --idle-steps 5)
 case "${1:-}" in
     '') ;;
     --long)
+        long=true
         queries=1e7
         figure8=()
         convergence=()
@@ -58,6 +60,9 @@ check 'hashes' scripts/hashes.sh
 check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
 check 'C, C++ tests' cmake --workflow --preset test
 check 'command lines' scripts/command_lines.sh
+if [[ $long == true ]]; then
+    check 'page' scripts/report.sh --test
+fi
 
 say 'Summary'
 printf '%s\n' "${passed[@]}"

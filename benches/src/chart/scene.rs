@@ -4,7 +4,7 @@ use super::Vector;
 use super::shapes::{self, Shape};
 use crate::workload::{Body, Ripple, Workload};
 use raycontact::mesh::read_obj_file;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Ripple of all scenes, in their units.
 const RIPPLE: Ripple = Ripple { height: 0.02, phase_per_step: 0.3 };
@@ -120,7 +120,7 @@ fn given(files: &[PathBuf]) -> Result<Vec<Body>, String> {
     Ok(pair(first, second, [0.6, 0.25, 0.9]))
 }
 
-fn read(path: &PathBuf) -> Result<Shape, String> {
+fn read(path: &Path) -> Result<Shape, String> {
     let (positions, triangles) = read_obj_file(path).map_err(|error| error.to_string())?;
     let bound = |axis: usize, pick: fn(f64, f64) -> f64| positions.iter().map(|p| p[axis]).reduce(pick).unwrap_or(0.0);
     let [lower, upper] = [f64::min, f64::max].map(|pick| Vector::from_fn(|axis, _| bound(axis, pick)));
