@@ -166,6 +166,11 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_THREADS_NOT_STARTED = 500,
   /**
+   * There is no memory for what the call makes. Only calls that name it among their errors say so: where memory ends
+   * within another call, the process ends, as Rust programs do.
+   */
+  RAYC_STATUS_OUT_OF_MEMORY = 501,
+  /**
    * A fault inside the library was caught. Destroy the handles of this call; please report it.
    */
   RAYC_STATUS_PANIC = 900,
@@ -357,7 +362,8 @@ typedef void (*rayc_task)(void *data, size_t index);
  * returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
  *
  * The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
- * cannot nest will do. It must not throw and must not call the scene.
+ * cannot nest will do. It must not throw (the process would end) and must not call the scene. Indices that it leaves out or
+ * calls twice do no harm.
  */
 typedef void (*rayc_parallel_for)(void *context, size_t count, rayc_task task, void *data);
 
@@ -777,7 +783,8 @@ enum rayc_status rayc_default_scene_options(size_t struct_size, struct rayc_scen
  * options: NULL for the defaults. positions: one for each vertex, finite, in metres (or any one unit of length).
  * triangles: 3 · triangle_count vertex numbers, from 0. *mesh: the new handle.
  *
- * Errors: every fault of the surface has its own status (RAYC_STATUS_MESH_…, RAYC_STATUS_NOT_FINITE).
+ * Errors: every fault of the surface has its own status (RAYC_STATUS_MESH_…, RAYC_STATUS_NOT_FINITE);
+ * RAYC_STATUS_OUT_OF_MEMORY.
  */
 enum rayc_status rayc_mesh_create(const struct rayc_mesh_options *options,
                                   const struct rayc_vectors *positions,
@@ -835,6 +842,8 @@ enum rayc_status rayc_mesh_copy_triangles(const struct rayc_mesh *mesh, size_t i
 
 /**
  * Builds the octree of `mesh` for its present positions. *octree: the new handle.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_MEMORY.
  */
 enum rayc_status rayc_octree_create(const struct rayc_mesh *mesh, struct rayc_octree **octree);
 
@@ -1032,7 +1041,7 @@ enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
 /**
  * Adds a copy of `mesh` with its present positions. *body: its number, the smallest that is free.
  *
- * Errors: RAYC_STATUS_PRECISION_MISMATCH.
+ * Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
  */
 enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene, const struct rayc_mesh *mesh, uint32_t *body);
 

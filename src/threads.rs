@@ -60,6 +60,11 @@ impl Helpers {
 
     /// Does the work for each item, with the item's place.
     pub(crate) fn for_each<I: Send>(&self, items: &mut [I], work: impl Fn(usize, &mut I) + Sync) {
+        let work = |place: usize, item: &mut I| {
+            #[cfg(test)]
+            faults::strike();
+            work(place, item);
+        };
         match self {
             Self::Pool => items.par_iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
             Self::Nobody => items.iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
@@ -74,7 +79,11 @@ impl Helpers {
         second: &mut [J],
         work: impl Fn(&mut I, &mut J) + Sync,
     ) {
-        let both = |(i, j): (&mut I, &mut J)| work(i, j);
+        let both = |(i, j): (&mut I, &mut J)| {
+            #[cfg(test)]
+            faults::strike();
+            work(i, j);
+        };
         match self {
             Self::Pool => first.par_iter_mut().zip(second).for_each(both),
             Self::Nobody => first.iter_mut().zip(second).for_each(both),
@@ -177,5 +186,30 @@ fn join(threads: impl IntoIterator<Item = JoinHandle<()>>) {
     for thread in threads {
         // A panic of a task has been passed on to whoever waited for the task.
         let _ = thread.join();
+    }
+}
+
+/// A panic on purpose on whichever thread takes the n-th item of work, for tests of this crate alone.
+#[cfg(test)]
+pub(crate) mod faults {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// How many items are done before; usize::MAX: no panic.
+    static ITEMS_BEFORE: AtomicUsize = AtomicUsize::new(usize::MAX);
+
+    pub(crate) fn strike_after(items: usize) {
+        ITEMS_BEFORE.store(items, Ordering::SeqCst);
+    }
+
+    /// Whether the panic is still to come; it does not come any more.
+    pub(crate) fn call_off() -> bool {
+        ITEMS_BEFORE.swap(usize::MAX, Ordering::SeqCst) != usize::MAX
+    }
+
+    pub(super) fn strike() {
+        let count_down = |items: usize| (items != usize::MAX).then(|| items.wrapping_sub(1));
+        if ITEMS_BEFORE.fetch_update(Ordering::SeqCst, Ordering::SeqCst, count_down) == Ok(0) {
+            panic!("an item on purpose");
+        }
     }
 }

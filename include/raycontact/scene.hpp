@@ -25,7 +25,8 @@ inline namespace with_exceptions {
 
 /**
  * Lends the host's threads to scenes made with these options. `host(count, task)` calls task(index) once for each index
- * below count and returns when all have returned, as rayc_parallel_for says; it must outlive the scenes. With oneTBB:
+ * below count and returns when all have returned, as rayc_parallel_for says; it must outlive the scenes. An exception that
+ * leaves it ends the process (std::terminate). With oneTBB:
  *
  *     auto host = [](std::size_t count, auto task) { tbb::parallel_for(std::size_t{0}, count, task); };
  */
@@ -33,7 +34,7 @@ template <class Host>
 void lend_threads(rayc_scene_options& options, Host& host) {
   options.threads = 1;
   options.parallel_context = &host;
-  options.parallel_for = [](void* context, std::size_t count, rayc_task task, void* data) {
+  options.parallel_for = [](void* context, std::size_t count, rayc_task task, void* data) noexcept {
     (*static_cast<Host*>(context))(count, [task, data](std::size_t index) { task(data, index); });
   };
 }

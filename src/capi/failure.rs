@@ -67,6 +67,9 @@ pub enum rayc_status {
 
     /// The system gave no threads.
     RAYC_STATUS_THREADS_NOT_STARTED = 500,
+    /// There is no memory for what the call makes. Only calls that name it among their errors say so: where memory ends
+    /// within another call, the process ends, as Rust programs do.
+    RAYC_STATUS_OUT_OF_MEMORY = 501,
 
     /// A fault inside the library was caught. Destroy the handles of this call; please report it.
     RAYC_STATUS_PANIC = 900,

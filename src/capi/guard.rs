@@ -12,6 +12,11 @@ thread_local! {
 /// The one door through which every export that can fail goes: no panic passes, and the outcome is recorded for
 /// rayc_last_error_message().
 pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> rayc_status {
+    let call = || {
+        #[cfg(test)]
+        super::faults::strike();
+        call()
+    };
     let outcome = catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|panic| Err(caught(&*panic)));
     let (status, message) = match outcome {
         Ok(()) => (rayc_status::RAYC_STATUS_OK, String::new()),
@@ -28,6 +33,11 @@ pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> rayc_status {
 
 /// The door for exports that return a plain value: `otherwise` stands in for it after a panic.
 pub(super) fn guard_value<V>(otherwise: V, call: impl FnOnce() -> V) -> V {
+    let call = || {
+        #[cfg(test)]
+        super::faults::strike();
+        call()
+    };
     catch_unwind(AssertUnwindSafe(call)).unwrap_or(otherwise)
 }
 

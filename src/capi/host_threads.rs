@@ -11,7 +11,8 @@ pub type rayc_task = unsafe extern "C" fn(data: *mut c_void, index: usize);
 /// returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
 ///
 /// The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
-/// cannot nest will do. It must not throw and must not call the scene.
+/// cannot nest will do. It must not throw (the process would end) and must not call the scene. Indices that it leaves out or
+/// calls twice do no harm.
 pub type rayc_parallel_for =
     Option<unsafe extern "C" fn(context: *mut c_void, count: usize, task: rayc_task, data: *mut c_void)>;
 

@@ -1,5 +1,6 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
+use super::memory;
 use super::options::{flag, rayc_mesh_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
@@ -32,6 +33,7 @@ impl AnyMesh {
             if open { Mesh::open(&positions, triangles) } else { Mesh::new(&positions, triangles) }
         }
         let open = flag("open", options.open)?;
+        memory::check(memory::of_mesh(positions.count(), triangles.len()), "a mesh")?;
         Ok(match scalar_from(options.precision, "precision")? {
             rayc_scalar::RAYC_SCALAR_F32 => Self::F32(make(open, positions, triangles)?),
             rayc_scalar::RAYC_SCALAR_F64 => Self::F64(make(open, positions, triangles)?),
@@ -66,7 +68,8 @@ pub(super) fn precision_mismatch() -> Failure {
 /// options: NULL for the defaults. positions: one for each vertex, finite, in metres (or any one unit of length).
 /// triangles: 3 · triangle_count vertex numbers, from 0. *mesh: the new handle.
 ///
-/// Errors: every fault of the surface has its own status (RAYC_STATUS_MESH_…, RAYC_STATUS_NOT_FINITE).
+/// Errors: every fault of the surface has its own status (RAYC_STATUS_MESH_…, RAYC_STATUS_NOT_FINITE);
+/// RAYC_STATUS_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_create(
     options: *const rayc_mesh_options,
@@ -105,6 +108,7 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
             Failure::new(rayc_status::RAYC_STATUS_FILE_NOT_READABLE, "path is not UTF-8; pass it encoded so")
         })?;
         let place = Output::new(mesh, "mesh")?;
+        memory::check(memory::of_file(Path::new(path)), "the file")?;
         let (positions, triangles) = read_obj_file(Path::new(path))?;
         let positions = rayc_vectors {
             data: positions.as_ptr().cast(),

@@ -6,8 +6,11 @@
 mod contacts;
 mod escape_push;
 mod failure;
+#[cfg(test)]
+mod faults;
 mod guard;
 mod host_threads;
+mod memory;
 mod mesh;
 mod octree;
 mod options;

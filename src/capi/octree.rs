@@ -1,5 +1,6 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
+use super::memory;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
 use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
 use crate::math::{Scalar, Vector3};
@@ -51,12 +52,15 @@ pub struct rayc_hit {
 }
 
 /// Builds the octree of `mesh` for its present positions. *octree: the new handle.
+///
+/// Errors: RAYC_STATUS_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_create(mesh: *const rayc_mesh, octree: *mut *mut rayc_octree) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mesh = reference(mesh, "mesh")?;
         let place = Output::new(octree, "octree")?;
+        memory::check(memory::of_octree(mesh.mesh.topology()), "an octree")?;
         let octree = match &mesh.mesh {
             AnyMesh::F32(mesh) => AnyOctree::F32(Octree::new(mesh)),
             AnyMesh::F64(mesh) => AnyOctree::F64(Octree::new(mesh)),

@@ -2,6 +2,7 @@ use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::host_threads::HostThreads;
+use super::memory;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh, renew_positions};
 use super::options::{flag, rayc_detection_options, rayc_scene_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
@@ -83,7 +84,7 @@ pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_stat
 
 /// Adds a copy of `mesh` with its present positions. *body: its number, the smallest that is free.
 ///
-/// Errors: RAYC_STATUS_PRECISION_MISMATCH.
+/// Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_add_mesh(
     scene: *mut rayc_scene,
@@ -95,6 +96,7 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
         let scene = &mut reference_mut(scene, "scene")?.scene;
         let mesh = &reference(mesh, "mesh")?.mesh;
         let place = Output::new(body, "body")?;
+        memory::check(memory::of_body(mesh.topology()), "a body")?;
         place.write(match (scene, mesh) {
             (AnyScene::F32(scene), AnyMesh::F32(mesh)) => scene.add(mesh.clone()),
             (AnyScene::F64(scene), AnyMesh::F64(mesh)) => scene.add(mesh.clone()),

@@ -185,8 +185,11 @@ fn triangles_around_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> (Ve
 fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let mut rings = Vec::with_capacity(around.len() + around_start.len());
     let mut start = Vec::with_capacity(around_start.len());
-    // The two other corners of each triangle around a vertex, in the triangle's order.
+    // The two other corners of each triangle around a vertex, in the triangle's order; and the same by their first, of
+    // which no two have the same, so that a fan of a million triangles takes no square of that.
     let mut sides: Vec<[u32; 2]> = Vec::new();
+    let mut by_first: Vec<([u32; 2], usize)> = Vec::new();
+    let mut is_done: Vec<bool> = Vec::new();
     start.push(0);
     for vertex in 0..around_start.len() - 1 {
         let own = &around[around_start[vertex] as usize..around_start[vertex + 1] as usize];
@@ -199,15 +202,26 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
             [corners[1], corners[2]]
         }));
         let ring = rings.len();
-        while !sides.is_empty() {
+        by_first.clear();
+        by_first.extend(sides.iter().enumerate().map(|(place, &side)| (side, place)));
+        by_first.sort_unstable();
+        is_done.clear();
+        is_done.resize(sides.len(), false);
+        for start in 0..sides.len() {
+            if is_done[start] {
+                continue;
+            }
             if rings.len() > ring {
                 rings.push(vertex);
             }
-            let [first, mut last] = sides.remove(0);
-            rings.extend([first, last]);
-            while let Some(next) = sides.iter().position(|side| side[0] == last) {
-                last = sides.remove(next)[1];
+            rings.push(sides[start][0]);
+            let mut next = Some(start);
+            while let Some(place) = next {
+                is_done[place] = true;
+                let last = sides[place][1];
                 rings.push(last);
+                let following = by_first.binary_search_by_key(&last, |(side, _)| side[0]);
+                next = following.ok().map(|at| by_first[at].1).filter(|&place| !is_done[place]);
             }
         }
         rings.resize(rings.len().max(ring + RING_LENGTH), vertex);

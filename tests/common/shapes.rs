@@ -210,6 +210,17 @@ pub fn star() -> Shape {
     shape
 }
 
+/// Two fans around an axis: two vertices that `count` slivers share.
+pub fn fan(count: usize) -> Shape {
+    let turn = |k: usize| TAU * k as f64 / count as f64;
+    let mut positions: Vec<Point> = (0..count).map(|k| [turn(k).cos(), turn(k).sin(), 0.0]).collect();
+    positions.extend([[0.0, 0.0, 0.5], [0.0, 0.0, -0.5]]);
+    let next = |k: usize| ((k + 1) % count) as u32;
+    let (top, bottom) = (count as u32, count as u32 + 1);
+    let triangles = (0..count).flat_map(|k| [[k as u32, next(k), top], [next(k), k as u32, bottom]]).collect();
+    Shape { positions, triangles, inside: vec![[0.0; 3]] }
+}
+
 pub fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

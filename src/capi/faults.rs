@@ -1,0 +1,230 @@
+//! Faults on purpose, for tests of this crate alone: a panic within every export, and on every thread that works.
+
+use super::options::Options;
+use super::*;
+use crate::threads::faults;
+use std::cell::Cell;
+use std::ffi::CStr;
+use std::ptr::{null, null_mut};
+use std::sync::{Mutex, PoisonError};
+
+/// Held by tests that panic on purpose, one at a time.
+static QUIET: Mutex<()> = Mutex::new(());
+
+thread_local! {
+    static STRIKES: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Called by the guard within each call.
+pub(super) fn strike() {
+    if STRIKES.get() {
+        panic!("on purpose");
+    }
+}
+
+/// The result of a call that panics.
+fn struck<V>(call: impl FnOnce() -> V) -> V {
+    STRIKES.set(true);
+    let result = call();
+    STRIKES.set(false);
+    result
+}
+
+fn last_error() -> String {
+    // SAFETY: it is never NULL, and ends in zero.
+    unsafe { CStr::from_ptr(rayc_last_error_message()) }.to_str().expect("UTF-8").to_owned()
+}
+
+/// The names of all exports, by the sources.
+fn exports() -> Vec<String> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/capi");
+    let files = std::fs::read_dir(folder).expect("the sources are there").map(|file| file.expect("readable").path());
+    let texts = files.map(|path| std::fs::read_to_string(path).expect("a readable source"));
+    let name = |after: &str| {
+        let (_, function) = after.split_once(" fn ")?;
+        function.split_once('(').map(|(name, _)| name.to_owned())
+    };
+    let of_text = |text: String| text.split("\n#[unsafe(no_mangle)]\n").skip(1).filter_map(name).collect::<Vec<_>>();
+    let mut names: Vec<String> = texts.flat_map(of_text).collect();
+    names.sort();
+    names
+}
+
+/// The same arguments as for a caller who knows nothing: a panic comes before any of them is looked at.
+#[test]
+fn a_panic_in_any_export_becomes_a_status() {
+    let (mut count, mut called) = (0, Vec::new());
+    macro_rules! check {
+        ($($name:ident($($argument:expr),*);)*) => {$(
+            let status = struck(|| {
+                // SAFETY: nothing is read or written after the panic.
+                unsafe { $name($($argument),*) }
+            });
+            assert_eq!(status, rayc_status::RAYC_STATUS_PANIC, stringify!($name));
+            assert!(last_error().contains("on purpose"), "{}: {}", stringify!($name), last_error());
+            called.push(stringify!($name).to_owned());
+            count += 1;
+        )*};
+    }
+    let _alone = QUIET.lock().unwrap_or_else(PoisonError::into_inner);
+    check! {
+        rayc_default_mesh_options(0, null_mut());
+        rayc_default_detection_options(0, null_mut());
+        rayc_default_response_options(0, null_mut());
+        rayc_default_scene_options(0, null_mut());
+        rayc_mesh_create(null(), null(), null(), 0, null_mut());
+        rayc_mesh_create_from_obj(null(), null(), null_mut());
+        rayc_mesh_destroy(null_mut());
+        rayc_mesh_set_positions(null_mut(), null());
+        rayc_mesh_vertex_count(null(), null_mut());
+        rayc_mesh_triangle_count(null(), null_mut());
+        rayc_mesh_copy_positions(null(), null());
+        rayc_mesh_copy_triangles(null(), 0, null_mut());
+        rayc_octree_create(null(), null_mut());
+        rayc_octree_destroy(null_mut());
+        rayc_octree_update(null_mut(), null());
+        rayc_octree_trace_ray(null(), null(), null(), null_mut());
+        rayc_octree_trace_rays(null(), null(), null(), 0, null_mut());
+        rayc_contacts_create(null_mut());
+        rayc_contacts_destroy(null_mut());
+        rayc_query_pair(null(), null(), null(), null(), null(), null_mut());
+        rayc_query_self(null(), null(), null(), null_mut());
+        rayc_contacts_count(null(), null_mut());
+        rayc_contacts_copy(null(), 0, 0, null_mut());
+        rayc_contacts_statistics(null(), 0, null_mut());
+        rayc_contacts_escape_push_count(null(), null_mut());
+        rayc_contacts_copy_escape_pushes(null(), 0, 0, null_mut());
+        rayc_contacts_copy_coefficients(null(), null(), 0, 0, null_mut());
+        rayc_contacts_add_forces(null(), null(), 0, null(), null(), null());
+        rayc_contacts_add_differential(null(), null(), 0.0, 0.0, 0, null(), null());
+        rayc_contacts_energy(null(), null(), 0, null(), null_mut());
+        rayc_scene_create(null(), null_mut());
+        rayc_scene_destroy(null_mut());
+        rayc_scene_add_mesh(null_mut(), null(), null_mut());
+        rayc_scene_remove_body(null_mut(), 0);
+        rayc_scene_set_positions(null_mut(), 0, null());
+        rayc_scene_set_detection_options(null_mut(), null());
+        rayc_scene_set_self_collision(null_mut(), 0, 0);
+        rayc_scene_set_pair_collision(null_mut(), 0, 0, 0);
+        rayc_scene_query(null_mut(), null_mut());
+        rayc_scene_allow_escape(null_mut(), 0, 0, 0);
+        rayc_scene_may_escape(null(), 0, 0, null_mut());
+        rayc_scene_pair_memory_count(null(), null_mut());
+        rayc_scene_copy_pair_memories(null(), 0, 0, null_mut());
+        rayc_scene_saved_length(null(), null_mut());
+        rayc_scene_save_pair_memories(null(), 0, null_mut());
+        rayc_scene_restore_pair_memories(null_mut(), 0, null());
+    }
+    // Those that give a plain value give one that harms nobody.
+    assert_eq!(struck(|| rayc_version()), 0);
+    assert_eq!(struck(|| rayc_abi_version()), 0);
+    // SAFETY: both are never NULL.
+    let texts =
+        unsafe { [struck(|| rayc_status_name(0)), struck(|| rayc_last_error_message())].map(|t| CStr::from_ptr(t)) };
+    assert_eq!(texts, [c""; 2]);
+    called
+        .extend(["rayc_version", "rayc_abi_version", "rayc_status_name", "rayc_last_error_message"].map(String::from));
+    called.sort();
+    assert_eq!(called, exports(), "exports that are not tried, or gone");
+    assert_eq!(count + 4, called.len());
+}
+
+/// Four cubes that all overlap, the k-th at 0.3 k along the diagonal.
+fn cubes(options: *const rayc_scene_options) -> *mut rayc_scene {
+    let faces: [[u32; 3]; 12] = [
+        [0, 2, 3],
+        [0, 3, 1],
+        [4, 5, 7],
+        [4, 7, 6],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 6, 7],
+        [2, 7, 3],
+        [0, 4, 6],
+        [0, 6, 2],
+        [1, 3, 7],
+        [1, 7, 5],
+    ];
+    let (mut scene, mut body) = (null_mut(), 0);
+    // SAFETY: all arrays are as they say.
+    unsafe {
+        assert_eq!(rayc_scene_create(options, &mut scene), rayc_status::RAYC_STATUS_OK);
+        // Rays from corners alone: enough, and quick in a debug build.
+        let few = rayc_detection_options { sample_spacing: 0.0, ..rayc_detection_options::defaults() };
+        assert_eq!(rayc_scene_set_detection_options(scene, &few), rayc_status::RAYC_STATUS_OK);
+        for k in 0..4 {
+            let corners: [[f64; 3]; 8] =
+                std::array::from_fn(|i| [i & 1, i >> 1 & 1, i >> 2].map(|x| x as f64 + 0.3 * k as f64));
+            let scalar = rayc_scalar::RAYC_SCALAR_F64 as u32;
+            let positions = rayc_vectors { data: corners.as_ptr().cast(), count: 8, stride: 0, scalar };
+            let mut mesh = null_mut();
+            let status = rayc_mesh_create(null(), &positions, faces.as_ptr().cast(), 12, &mut mesh);
+            assert_eq!(status, rayc_status::RAYC_STATUS_OK);
+            assert_eq!(rayc_scene_add_mesh(scene, mesh, &mut body), rayc_status::RAYC_STATUS_OK);
+            assert_eq!(rayc_mesh_destroy(mesh), rayc_status::RAYC_STATUS_OK);
+        }
+    }
+    scene
+}
+
+/// The status of one query, and how many contacts of what depth in all the list then holds.
+fn query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> (rayc_status, usize, u64) {
+    let (mut count, mut joules) = (0, 0.0);
+    // SAFETY: the handles are valid.
+    unsafe {
+        let status = rayc_scene_query(scene, contacts);
+        assert_eq!(rayc_contacts_count(contacts, &mut count), rayc_status::RAYC_STATUS_OK);
+        assert_eq!(rayc_contacts_energy(contacts, null(), 0, null(), &mut joules), rayc_status::RAYC_STATUS_OK);
+        (status, count, joules.to_bits())
+    }
+}
+
+/// A host that works alone, but by its function.
+unsafe extern "C" fn one_by_one(_: *mut libc::c_void, count: usize, task: rayc_task, data: *mut libc::c_void) {
+    for index in 0..count {
+        // SAFETY: as rayc_parallel_for says.
+        unsafe { task(data, index) };
+    }
+}
+
+#[test]
+fn a_panic_on_any_thread_becomes_a_status_and_the_next_scene_works() {
+    let _alone = QUIET.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut options = rayc_scene_options::defaults();
+    let mut contacts = null_mut();
+    // SAFETY: the place is writable.
+    assert_eq!(unsafe { rayc_contacts_create(&mut contacts) }, rayc_status::RAYC_STATUS_OK);
+    let sound = cubes(&options);
+    let expected = query(sound, contacts);
+    assert_eq!(expected.0, rayc_status::RAYC_STATUS_OK);
+    assert!(expected.1 > 0, "the cubes overlap");
+    for (threads, host) in [(1, None), (3, None), (1, Some(one_by_one as _))] {
+        (options.threads, options.parallel_for) = (threads, host);
+        let mut struck = 0;
+        loop {
+            let scene = cubes(&options);
+            faults::strike_after(struck);
+            let (status, ..) = query(scene, contacts);
+            let is_past_the_end = faults::call_off();
+            assert_eq!(status == rayc_status::RAYC_STATUS_OK, is_past_the_end, "item {struck}");
+            if !is_past_the_end {
+                assert_eq!(status, rayc_status::RAYC_STATUS_PANIC);
+            }
+            // Nothing is lost: other scenes go on with the same list, and so does even this one.
+            assert_eq!(query(sound, contacts), expected, "item {struck}, {threads} threads");
+            assert_eq!(query(scene, contacts), expected, "item {struck}, {threads} threads");
+            // SAFETY: it is not used again.
+            assert_eq!(unsafe { rayc_scene_destroy(scene) }, rayc_status::RAYC_STATUS_OK);
+            if is_past_the_end {
+                break;
+            }
+            struck += 1;
+        }
+        assert!(struck >= 10, "four bodies and six pairs, {struck} items");
+    }
+    // SAFETY: they are not used again.
+    unsafe {
+        rayc_scene_destroy(sound);
+        rayc_contacts_destroy(contacts);
+    }
+}
