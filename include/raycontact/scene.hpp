@@ -25,8 +25,8 @@ inline namespace with_exceptions {
 
 /**
  * Lends the host's threads to scenes made with these options. `host(count, task)` calls task(index) once for each index
- * below count and returns when all have returned, as rayc_parallel_for says; it must outlive the scenes. An exception that
- * leaves it ends the process (std::terminate). With oneTBB:
+ * below count and returns when all have returned, as rayc_parallel_for says; it must outlive the scenes. An exception
+ * that leaves it ends the process (std::terminate). With oneTBB:
  *
  *     auto host = [](std::size_t count, auto task) { tbb::parallel_for(std::size_t{0}, count, task); };
  */
