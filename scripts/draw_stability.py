@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """Draws a heat map of verdicts for each scene of map.csv, and counts the ok runs by method.
 
-Usage: draw_stability.py FOLDER [document.md]
+Usage: draw_stability.py [FOLDER] [document.md]
 
-FOLDER holds map.csv and gets <scene>_map.svg. In the document, the lines between "<!-- map -->" and "<!-- /map -->" are
+FOLDER (default out/stability) holds map.csv and gets <scene>_map.svg. In the document, the lines between "<!-- map -->" and "<!-- /map -->" are
 replaced by the table of counts. scripts/stability.sh runs the scenes and calls it. Needs Debian's python3-matplotlib.
 
 Exit status: 0; 1 where map.csv cannot be read; 2 for a wrong command line.
@@ -15,10 +15,13 @@ import csv
 import os
 import sys
 
-import matplotlib
+try:
+    import matplotlib
 
-matplotlib.use("svg")
-import matplotlib.pyplot as plot  # noqa: E402  (after the choice of output)
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plot  # after the choice of output
+except ModuleNotFoundError:
+    matplotlib = None  # --help works without
 
 METHODS = {
     "ours": "raycontact, implicit",
@@ -113,9 +116,11 @@ def replace_table(path, lines):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder")
+    parser.add_argument("folder", nargs="?", default="out/stability")
     parser.add_argument("document", nargs="?")
     arguments = parser.parse_args()
+    if matplotlib is None:
+        sys.exit("draw_stability: matplotlib is missing; install it with: apt-get install python3-matplotlib")
     try:
         rows = read(os.path.join(arguments.folder, "map.csv"))
         scenes = list(dict.fromkeys(row["scene"] for row in rows))
