@@ -4,8 +4,9 @@
 
 Usage: draw_stability.py [FOLDER] [document.md]
 
-FOLDER (default out/stability) holds map.csv and gets <scene>_map.svg. In the document, the lines between "<!-- map -->" and "<!-- /map -->" are
-replaced by the table of counts. scripts/stability.sh runs the scenes and calls it. Needs Debian's python3-matplotlib.
+FOLDER (default out/stability) holds map.csv and gets <scene>_map.svg. In the document, the lines between "<!-- map -->"
+and "<!-- /map -->" are replaced by the table of counts. scripts/stability.sh runs the scenes and calls it. Needs Debian's
+python3-matplotlib.
 
 Exit status: 0; 1 where map.csv cannot be read; 2 for a wrong command line.
 """
