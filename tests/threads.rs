@@ -88,7 +88,12 @@ fn threads_have_ended_when_the_scene_is_dropped() {
     for _ in 0..20 {
         let mut scene = Scene::new(17).expect("the threads start");
         assert!(!contacts_in(&mut scene, 2, false).is_empty());
-        assert_eq!(pool_threads(last), 1);
+        // A thread names itself when it first runs, which on a busy machine may be late.
+        let is_there = (0..10_000).any(|_| {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+            pool_threads(last) == 1
+        });
+        assert!(is_there, "the last thread was never seen");
         drop(scene);
         assert_eq!(pool_threads(last), 0);
     }

@@ -128,7 +128,11 @@ impl<T: Scalar> Touching<T> {
         octree.search_near(mesh, &Reach { touch, margin, part_margin }, near, |a, b| {
             // The smaller number first, so that the layout does not matter to the last bit.
             let pair = [a.min(b), a.max(b)];
-            let distance = separation(&[mesh.corners(pair[0]), mesh.corners(pair[1])], touch);
+            let corners = [mesh.corners(pair[0]), mesh.corners(pair[1])];
+            if margin == T::zero() && are_apart(&corners, touch) {
+                return T::zero();
+            }
+            let distance = separation(&corners, touch);
             if distance < touch {
                 pair.into_iter().for_each(|triangle| self.touch(triangle));
                 self.pairs.push(pair);
@@ -154,6 +158,17 @@ impl<T: Scalar> Facet<T> {
         let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
         Self { scaled_normal: (b - a).cross(&(c - a)), longest_edge: longest.sqrt() }
     }
+}
+
+/// Whether the line of centres alone parts two triangles by more than `distance`: quicker than its length.
+#[inline]
+fn are_apart<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], distance: T) -> bool {
+    let [a, b] = corners;
+    let axis = (b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2]);
+    let (gap, square) = (projected_gap(corners, &axis), axis.norm_squared());
+    // Half as much again, beyond all rounding; where squares underflow or overflow it is not known.
+    let is_safe = T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1;
+    is_safe && gap > T::zero() && gap * gap / square > distance * distance * T::of(1.5)
 }
 
 /// A lower bound of the distance of two triangles, by planes between them; 0 where no plane parts them. The search
@@ -187,10 +202,17 @@ fn separation_along_any<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], mut best: T, 
 
 /// How far the second triangle lies beyond the first along an axis; 0 where it does not.
 #[inline]
-fn gap_along<T: Scalar>([a, b]: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T {
+fn gap_along<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T {
+    let gap = projected_gap(corners, axis);
+    if gap > T::zero() { gap / length(axis) } else { T::zero() }
+}
+
+/// The same, times the axis' length; 0 or less where the second does not lie beyond the first.
+#[inline]
+fn projected_gap<T: Scalar>([a, b]: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T {
     let along = |corner: &Vector3<T>| (corner - a[0]).dot(axis);
     let beyond = |x: T, y: T| if x > y { x } else { y };
     let end = beyond(beyond(along(&a[1]), along(&a[2])), T::zero());
     let start = -beyond(beyond(-along(&b[0]), -along(&b[1])), -along(&b[2]));
-    if start > end { (start - end) / length(axis) } else { T::zero() }
+    start - end
 }
