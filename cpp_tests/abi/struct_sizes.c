@@ -64,7 +64,7 @@ int main(void) {
   CHECK_SIZES(rayc_detection_options, END_OF(rayc_detection_options, escape), rayc_default_detection_options);
   CHECK_SIZES(rayc_response_options, END_OF(rayc_response_options, whole_body_escape), rayc_default_response_options);
   CHECK_SIZES(rayc_scene_options, END_OF(rayc_scene_options, threads), rayc_default_scene_options);
-  CHECK_SIZES(rayc_statistics, END_OF(rayc_statistics, estimate_rays), statistics_of_contacts);
+  CHECK_SIZES(rayc_statistics, END_OF(rayc_statistics, escapes_forbidden), statistics_of_contacts);
   CHECK_STATUS(rayc_contacts_statistics(contacts, sizeof(rayc_statistics), NULL), RAYC_STATUS_NULL_POINTER,
                "statistics");
   older_options_are_read_as_far_as_they_go();
