@@ -20,24 +20,8 @@ case "${1:-}" in
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
-install_matplotlib() {
-    # Debian's Python, because the package belongs to it.
-    ! /usr/bin/python3 -c 'import matplotlib' 2>/dev/null || return 0
-    local as_root=()
-    command -v apt-get >/dev/null || fail 'this is not a Debian-like system: install matplotlib for /usr/bin/python3'
-    if ((EUID != 0)); then
-        command -v sudo >/dev/null || fail 'python3-matplotlib is missing, and there is no sudo. Run as root: \
-apt-get install python3-matplotlib'
-        as_root=(sudo)
-    fi
-    say 'Installing python3-matplotlib'
-    "${as_root[@]}" apt-get --quiet update >&2 || fail "'apt-get update' failed: is there a network?"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300 install \
-        --no-install-recommends python3-matplotlib >&2 || fail 'apt-get could not install python3-matplotlib'
-}
-
 command -v cargo >/dev/null || fail "'cargo' is missing: install a Rust toolchain (https://rustup.rs)"
-install_matplotlib
+install_packages python3-matplotlib
 
 say 'Building (release)'
 cargo build --release --locked --example figure8 --example convergence >&2 || fail 'the build failed, see above'

@@ -15,19 +15,11 @@ Exit status: 0 when measured, 1 when something failed, 2 for a wrong command lin
 END
 }
 
-size=()
-measures=true
-case "${1:-quick}" in
-    quick) ;;
-    full) size=(--full) ;;
-    docs) measures=false ;;
-    -h | --help) usage && exit 0 ;;
-    *) usage >&2 && fail "unknown argument '$1'" 2 ;;
-esac
+source scripts/peers.sh
+read_size "${1:-quick}"
 (($# == 0)) || shift
 
 scripts/setup.sh
-source scripts/peers.sh
 bench="$(build_bench)"
 
 if [[ $measures == false ]]; then

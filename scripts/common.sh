@@ -28,4 +28,28 @@ absolute_path() {
     esac
 }
 
+# install_packages <Debian package>...: those that are missing.
+install_packages() {
+    command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
+        fail "this is not a Debian-like system; install the equivalents of: $*"
+    local missing=() as_root=() package
+    for package in "$@"; do
+        [[ "$(dpkg-query --show --showformat='${Status}' "$package" 2>/dev/null)" == 'install ok installed' ]] ||
+            missing+=("$package")
+    done
+    ((${#missing[@]})) || return 0
+    if ((EUID != 0)); then
+        command -v sudo >/dev/null || fail "missing packages: ${missing[*]}. There is no sudo: run as root: \
+apt-get install ${missing[*]}"
+        as_root=(sudo)
+    fi
+    say "Installing ${missing[*]}"
+    # Another installation may hold the lock for a while.
+    local apt_get=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300)
+    "${apt_get[@]}" update >&2 ||
+        fail "'apt-get update' failed: is there a network, and are the package sources right?"
+    "${apt_get[@]}" install --no-install-recommends "${missing[@]}" >&2 ||
+        fail "apt-get could not install ${missing[*]}"
+}
+
 cd "$root"

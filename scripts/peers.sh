@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Installs packages, and builds the measuring program and its peers: sourced after common.sh, not run.
+# Builds the measuring program and its peers: sourced after common.sh, not run.
 
 peer_packages=(
     libembree-dev # Embree 3.13
@@ -7,23 +7,16 @@ peer_packages=(
     libbullet-dev # Bullet 3.24
 )
 
-# install_packages <Debian package>...
-install_packages() {
-    local missing=() as_root=() package
-    for package in "$@"; do
-        [[ "$(dpkg-query --show --showformat='${Status}' "$package" 2>/dev/null)" == 'install ok installed' ]] ||
-            missing+=("$package")
-    done
-    ((${#missing[@]})) || return 0
-    if ((EUID != 0)); then
-        command -v sudo >/dev/null || fail "missing packages: ${missing[*]}. There is no sudo: run as root: \
-apt-get install ${missing[*]}"
-        as_root=(sudo)
-    fi
-    say "Installing ${missing[*]}"
-    "${as_root[@]}" apt-get --quiet update >&2 || fail "'apt-get update' failed: is there a network?"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300 install \
-        --no-install-recommends "${missing[@]}" >&2 || fail "apt-get could not install ${missing[*]}"
+# read_size <quick, full or docs>: sets `size`, options of the measuring program, and whether it `measures`.
+read_size() {
+    size=() measures=true
+    case "$1" in
+        quick) ;;
+        full) size=(--full) ;;
+        docs) measures=false ;;
+        -h | --help) usage && exit 0 ;;
+        *) usage >&2 && fail "unknown argument '$1'" 2 ;;
+    esac
 }
 
 # raycontact as its users build it, the peers for this very processor: two builds, so two folders.

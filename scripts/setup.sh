@@ -41,31 +41,4 @@ for tool in cargo 'cargo fmt' 'cargo clippy'; do
 (https://rustup.rs; then 'rustup component add rustfmt clippy') and put cargo on the PATH."
 done
 
-if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-    fail "this is not a Debian-like system. Install the equivalents of: ${packages[*]}; then build with \
-'cmake --workflow --preset test'."
-fi
-
-missing=()
-for package in "${packages[@]}"; do
-    status="$(dpkg-query --show --showformat='${Status}' "$package" 2>/dev/null || true)"
-    [[ "$status" == 'install ok installed' ]] || missing+=("$package")
-done
-if ((${#missing[@]} == 0)); then
-    exit 0
-fi
-
-as_root=()
-if ((EUID != 0)); then
-    command -v sudo >/dev/null || fail "missing packages: ${missing[*]}. There is no sudo: run as root: \
-apt-get install ${missing[*]}"
-    as_root=(sudo)
-fi
-
-say "Installing ${missing[*]}"
-apt_get() {
-    # Another installation may hold the lock for a while.
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300 "$@" >&2
-}
-apt_get update || fail "'apt-get update' failed: is there a network, and are the package sources right?"
-apt_get install --no-install-recommends "${missing[@]}" || fail "apt-get could not install ${missing[*]}"
+install_packages "${packages[@]}"

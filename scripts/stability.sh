@@ -40,22 +40,7 @@ mixed_pile box_stack}"
 read -ra methods <<<"${RAYCONTACT_METHODS:-ours paper classic vf_dd_implicit vf_dd_explicit vf_ss cl_ss}"
 header=scene,method,dt,stiffness,inside_start,inside_end,inverted,peak_speed,energy_end,momentum_drift,links_kept,verdict
 
-install_matplotlib() {
-    # Debian's Python, because the package belongs to it.
-    ! /usr/bin/python3 -c 'import matplotlib' 2>/dev/null || return 0
-    local as_root=()
-    command -v apt-get >/dev/null || fail 'this is not a Debian-like system: install matplotlib for /usr/bin/python3'
-    if ((EUID != 0)); then
-        command -v sudo >/dev/null || fail 'python3-matplotlib is missing, and there is no sudo. Run as root: \
-apt-get install python3-matplotlib'
-        as_root=(sudo)
-    fi
-    "${as_root[@]}" apt-get --quiet update >&2 || fail "'apt-get update' failed: is there a network?"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --yes -o DPkg::Lock::Timeout=300 install \
-        --no-install-recommends python3-matplotlib >&2 || fail 'apt-get could not install python3-matplotlib'
-}
-
-install_matplotlib
+install_packages python3-matplotlib
 if [[ $runs == false ]]; then
     [[ -r out/stability/map.csv ]] || fail "there is no out/stability/map.csv yet: run 'scripts/stability.sh full' first"
     cp out/stability/map.csv docs/stability/
