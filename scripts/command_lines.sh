@@ -26,7 +26,7 @@ for example in "$root"/examples/*.rs "$root"/examples/*/main.rs; do
     name="$(basename "${example%/main.rs}" .rs)"
     programs+=("$root/target/release/examples/$name")
 done
-for demo in "$demos"/*; do
+for demo in "$demos"/* "$demos"/scenes/*; do
     [[ -f "$demo" && -x "$demo" ]] && programs+=("$demo")
 done
 
