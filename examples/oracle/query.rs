@@ -26,15 +26,15 @@ pub struct Answers<T: Scalar> {
     /// All crossings up to the ray's end: classic, wide.
     pub crossings: [Vec<Hit<T>>; 2],
     /// Whether anything is hit before the end: classic, wide, and by testing every triangle.
-    pub occluded: [bool; 3],
+    pub leaves: [bool; 3],
 }
 
 /// The answers that are given for many rays at once.
 struct Packets<T: Scalar> {
     nearest: [Vec<Option<Hit<T>>>; 2],
-    /// Which triangles each ray starts from, for the question whether it is occluded.
+    /// Which triangles each ray starts from, for the question whether it leaves the mesh first.
     touched: Vec<[u32; 3]>,
-    occluded: [Vec<bool>; 2],
+    leaves: [Vec<bool>; 2],
 }
 
 /// Traces the first `count` rays of a batch.
@@ -79,12 +79,12 @@ fn ask_packets<T: Scalar>(tracers: &[Tracer<'_, T>; 2], rays: &[Ray<T>], random:
         tracer.nearest_hits(rays, &mut hits);
         hits
     });
-    let occluded = tracers.map(|tracer| {
+    let leaves = tracers.map(|tracer| {
         let mut found = Vec::new();
-        tracer.are_hit_before_end(rays, &touched, &mut found);
+        tracer.leave_before_end(rays, &touched, &mut found);
         found
     });
-    Packets { nearest, touched, occluded }
+    Packets { nearest, touched, leaves }
 }
 
 /// Which triangles each ray starts from: those around the vertex where its origin is, else those around any vertex,
@@ -136,6 +136,6 @@ fn ask<T: Scalar>(
     }
     let is_own =
         |triangle: u32| packets.touched[place].iter().all(|vertex| triangles[triangle as usize].contains(vertex));
-    let is_occluded = answers.all.iter().any(|hit| hit.t < ray.t_max && !is_own(hit.triangle));
-    answers.occluded = [packets.occluded[0][place], packets.occluded[1][place], is_occluded];
+    let is_left = answers.all.iter().any(|hit| hit.is_exit && hit.t < ray.t_max && !is_own(hit.triangle));
+    answers.leaves = [packets.leaves[0][place], packets.leaves[1][place], is_left];
 }

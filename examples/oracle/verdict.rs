@@ -38,9 +38,9 @@ impl Verdict {
         if !classic.iter().map(bits).eq(wide.iter().map(bits)) {
             self.wrong(|| format!("classic finds crossings {classic:?}, wide {wide:?}"));
         }
-        let [classic, wide, every] = answers.occluded;
+        let [classic, wide, every] = answers.leaves;
         if classic != every || wide != every {
-            self.wrong(|| format!("hit before its end: {every}, but classic says {classic}, wide {wide}"));
+            self.wrong(|| format!("leaves before its end: {every}, but classic says {classic}, wide {wide}"));
         }
     }
 

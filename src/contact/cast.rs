@@ -1,8 +1,9 @@
 use super::cutter::Cutter;
 use super::direction::Direction;
-use super::load::CastSurface;
-use super::samples::{Sample, vertex_point};
-use super::{Contact, ContactKind, Statistics, SurfacePoint, past_folds};
+use super::found::{Found, Origins, vector};
+use super::load::{CastSurface, CastSurfaceLanes};
+use super::samples::Sample;
+use super::{Contact, Statistics, past_folds};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
 use crate::mesh::{Mesh, NormalLanes, Patches};
 use crate::octree::{Candidates, PacketHits, Tracer};
@@ -28,16 +29,17 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(mut self) {
         let pair = self.direction.pair;
-        let mut rays = Rays::new();
         // Small functions that fill packets, and one loop that traces them: what is inlined here is large.
         let cutter = Cutter::new(pair.options.sampling, pair.overlap, pair.region);
         let mut source = Source::new(match pair.patch_area {
             Some(area) => cutter.map(|cutter| cutter.with_patches(area)),
             None => cutter,
         });
+        let mut rays = Rays::new(source.faces.is_none());
         while self.fill::<L>(&mut source, &mut rays) {
             self.cast::<L>(&mut rays);
         }
+        *self.surface = rays.surface.total();
         if let Some(faces) = source.faces {
             self.statistics.uncut_pieces += faces.cutter.uncut;
             self.statistics.patches += faces.patch_count;
@@ -52,22 +54,18 @@ const ENOUGH: u32 = 8;
 struct Rays<T: Scalar> {
     samples: NormalLanes<T>,
     origins: Origins<T>,
+    surface: CastSurfaceLanes<T>,
     packet: RayPacket<T>,
     candidates: Candidates<T>,
     hits: PacketHits<T>,
 }
 
-/// What the rays of a packet start from.
-enum Origins<T: Scalar> {
-    Vertices([u32; LANE_COUNT]),
-    Faces { triangles: [u32; LANE_COUNT], weights: [[T; 3]; LANE_COUNT] },
-}
-
 impl<T: Scalar> Rays<T> {
-    fn new() -> Self {
+    fn new(from_vertices: bool) -> Self {
         Self {
             samples: NormalLanes::empty(),
-            origins: Origins::Vertices([0; LANE_COUNT]),
+            origins: Origins::new(from_vertices),
+            surface: CastSurfaceLanes::new(),
             packet: RayPacket::empty(),
             candidates: Candidates::new(),
             hits: PacketHits::empty(),
@@ -103,13 +101,12 @@ impl<T: Scalar> Cast<'_, T> {
             return false;
         }
         let count = vertices.count.min(LANE_COUNT);
-        let mut first = [0; LANE_COUNT];
+        let first = &mut rays.origins.indices;
         first.copy_from_slice(&vertices.waiting[..LANE_COUNT]);
         vertices.waiting.copy_within(LANE_COUNT.., 0);
         vertices.count -= count;
         own.mesh().vertex_normals::<L>(&first[..count], &mut rays.samples);
         self.statistics.without_normal += u64::from(count as u32 - rays.samples.found.count_ones());
-        rays.origins = Origins::Vertices(first);
         true
     }
 
@@ -122,14 +119,15 @@ impl<T: Scalar> Cast<'_, T> {
     ) -> bool {
         let own = self.direction.pair.tracers[self.direction.side];
         let mut count = 0;
-        let thirds = [[T::one() / T::of(3.0); 3]; LANE_COUNT];
-        let (mut triangles, mut weights) = ([0; LANE_COUNT], thirds);
+        let thirds = Vector3::repeat(T::one() / T::of(3.0));
+        let Origins { indices: triangles, weights, .. } = &mut rays.origins;
         while count < LANE_COUNT {
             if let Some(piece) = self.pieces.pop() {
                 set_lane(&mut rays.samples.position, count, &piece.point.position);
                 set_lane(&mut rays.samples.normal, count, &piece.normal);
                 rays.samples.area[count] = piece.area;
-                (triangles[count], weights[count]) = (piece.point.triangle, piece.point.weights);
+                triangles[count] = piece.point.triangle;
+                set_lane(weights, count, &piece.point.weights.into());
                 count += 1;
             } else if source.left != 0 {
                 let lane = source.left.trailing_zeros() as usize;
@@ -142,7 +140,8 @@ impl<T: Scalar> Cast<'_, T> {
                 set_lane(&mut samples.position, count, &vector(&faces.position, lane));
                 set_lane(&mut samples.normal, count, &vector(&faces.normal, lane));
                 samples.area[count] = faces.area[lane];
-                (triangles[count], weights[count]) = (source.triangles[lane], thirds[lane]);
+                triangles[count] = source.triangles[lane];
+                set_lane(weights, count, &thirds);
                 count += 1;
             } else if *next_group < self.groups.len() {
                 self.statistics.without_normal += source.next::<L>(own, self.groups[*next_group]);
@@ -151,7 +150,8 @@ impl<T: Scalar> Cast<'_, T> {
                 if count == 0 && source.left & !source.short == 0 && source.left.count_ones() >= ENOUGH {
                     rays.samples = source.lanes;
                     rays.samples.found = std::mem::take(&mut source.left);
-                    rays.origins = Origins::Faces { triangles: source.triangles, weights: thirds };
+                    *triangles = source.triangles;
+                    *weights = [[thirds.x; LANE_COUNT]; 3];
                     return true;
                 }
             } else {
@@ -159,7 +159,6 @@ impl<T: Scalar> Cast<'_, T> {
             }
         }
         rays.samples.found = ((1u32 << count) - 1) as Mask;
-        rays.origins = Origins::Faces { triangles, weights };
         count > 0
     }
 
@@ -167,15 +166,10 @@ impl<T: Scalar> Cast<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn cast<L: Lanes<T>>(&mut self, rays: &mut Rays<T>) {
         let Direction { pair, side } = *self.direction;
-        let [own, other] = [pair.tracers[side], pair.tracers[1 - side]];
-        let Rays { samples, origins, packet, candidates, hits } = rays;
-        let mut present = samples.found;
-        self.statistics.rays += u64::from(present.count_ones());
-        while present != 0 {
-            let lane = present.trailing_zeros() as usize;
-            present &= present - 1;
-            self.surface.add(&vector(&samples.normal, lane), samples.area[lane]);
-        }
+        let other = pair.tracers[1 - side];
+        let Rays { samples, origins, surface, packet, candidates, hits } = rays;
+        self.statistics.rays += u64::from(samples.found.count_ones());
+        surface.add::<L>(samples);
         packet.set_inward::<L>(samples.found, &samples.position, &samples.normal, pair.region);
         other.nearest_of_packet::<L>(packet, candidates, hits);
         let goes_past_folds = pair.options.past_folds;
@@ -188,13 +182,8 @@ impl<T: Scalar> Cast<'_, T> {
         if exits == 0 {
             return;
         }
-        let mut touched = [[0; 3]; LANE_COUNT];
-        for (lane, touched) in touched.iter_mut().enumerate() {
-            *touched = match origins {
-                Origins::Vertices(vertices) => [vertices[lane]; 3],
-                Origins::Faces { triangles, .. } => own.mesh().topology().triangles()[triangles[lane] as usize],
-            };
-        }
+        let own = pair.tracers[side];
+        let touched = origins.touched(own.mesh());
         let mut hidden = own.hidden_of_packet::<L>(packet, exits, &hits.t, &touched, candidates);
         if goes_past_folds && hidden != 0 {
             let uncovered = past_folds::uncovered(own, packet, hidden, &hits.t, &touched, self.crossings);
@@ -202,54 +191,9 @@ impl<T: Scalar> Cast<'_, T> {
             hidden &= !uncovered;
         }
         self.statistics.own_surface_hits += u64::from(hidden.count_ones());
-        let mut left = exits & !hidden;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
-            self.add_contact(rays, lane);
-        }
+        let found = Found { packet, samples, origins, hits };
+        found.accept::<L>(exits & !hidden, self.direction, self.contacts);
     }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add_contact(&mut self, rays: &Rays<T>, lane: usize) {
-        let Direction { pair, side } = *self.direction;
-        let [own, collided] = [pair.tracers[side].mesh(), pair.tracers[1 - side].mesh()];
-        let Rays { samples, origins, packet, hits, .. } = rays;
-        let p1 = match origins {
-            Origins::Vertices(vertices) => vertex_point(own, vertices[lane]),
-            Origins::Faces { triangles, weights } => SurfacePoint {
-                triangle: triangles[lane],
-                vertices: own.topology().triangles()[triangles[lane] as usize],
-                weights: weights[lane],
-                position: vector(&samples.position, lane),
-            },
-        };
-        let (origin, ray_direction, t) = (p1.position, vector(&packet.direction, lane), hits.t[lane]);
-        let triangle = hits.triangle[lane];
-        let normal = direction(&collided.scaled_normal(triangle));
-        let cos_alpha = normal.map_or(T::zero(), |n| n.dot(&ray_direction).clamp(T::zero(), T::one()));
-        self.contacts.push(Contact {
-            kind: ContactKind::Ray,
-            colliding: pair.bodies[side],
-            collided: pair.bodies[1 - side],
-            p1,
-            p2: SurfacePoint {
-                triangle,
-                vertices: collided.topology().triangles()[triangle as usize],
-                weights: [hits.weights[0][lane], hits.weights[1][lane], hits.weights[2][lane]],
-                position: origin + ray_direction * t,
-            },
-            direction: ray_direction,
-            depth: t,
-            cos_alpha,
-            area: samples.area[lane],
-        });
-    }
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn vector<T: Scalar>([x, y, z]: &[[T; LANE_COUNT]; 3], lane: usize) -> Vector3<T> {
-    Vector3::new(x[lane], y[lane], z[lane])
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]

@@ -50,7 +50,7 @@ impl<T: Scalar> Direction<'_, T> {
             }
         });
         workspace.cut_at_hits();
-        own.are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
+        own.leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
         if self.pair.options.past_folds {
             statistics.past_folds += workspace.uncover_past_folds(own);
         }

@@ -1,5 +1,6 @@
 use super::Contact;
-use crate::math::{Scalar, Vector3, length};
+use crate::math::{LANE_COUNT, Lanes, Scalar, Vector3, Vectors, length};
+use crate::mesh::NormalLanes;
 
 /// How much surface one direction of a pair casts from, and how much of it cancels out.
 #[derive(Clone, Copy, Debug)]
@@ -14,8 +15,37 @@ impl<T: Scalar> Default for CastSurface<T> {
     }
 }
 
-impl<T: Scalar> CastSurface<T> {
+/// [`CastSurface`] in sixteen sums.
+#[repr(C, align(64))]
+pub(super) struct CastSurfaceLanes<T: Scalar> {
+    area: [T; LANE_COUNT],
+    vector: [[T; LANE_COUNT]; 3],
+}
+
+impl<T: Scalar> CastSurfaceLanes<T> {
+    pub(super) fn new() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { area: zeros, vector: [zeros; 3] }
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn add<L: Lanes<T>>(&mut self, samples: &NormalLanes<T>) {
+        let zero = L::splat(T::zero());
+        let area = L::select(samples.found, L::load(&samples.area), zero);
+        // What has no area may have no normal either.
+        let normal = Vectors::select(samples.found, Vectors::load(&samples.normal), Vectors::zeros());
+        L::load(&self.area).add(area).store(&mut self.area);
+        Vectors::load(&self.vector).add(normal.scaled(area)).store(&mut self.vector);
+    }
+
+    pub(super) fn total(&self) -> CastSurface<T> {
+        let sum = |lanes: &[T; LANE_COUNT]| lanes.iter().fold(T::zero(), |sum, &part| sum + part);
+        let [x, y, z] = &self.vector;
+        CastSurface { area: sum(&self.area), vector: Vector3::new(sum(x), sum(y), sum(z)) }
+    }
+}
+
+impl<T: Scalar> CastSurface<T> {
     pub(super) fn add(&mut self, normal: &Vector3<T>, area: T) {
         self.area += area;
         self.vector += normal * area;

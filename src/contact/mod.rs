@@ -6,6 +6,7 @@ mod cutter;
 mod direction;
 mod edges;
 mod escape;
+mod found;
 mod list;
 mod load;
 mod memory;

@@ -268,7 +268,7 @@ impl<T: Scalar> Pair<'_, T> {
             workspace.rays.extend(own().map(twice));
             workspace.touched.clear();
             workspace.touched.extend(own().map(|contact| contact.p1.touched()));
-            self.tracers[side].are_hit_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
+            self.tracers[side].leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
             workspace.hidden.contains(&true)
         })
     }

@@ -85,13 +85,13 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         }
     }
 
-    /// For each ray whether it meets a triangle strictly before its `t_max`; into `found`, which is cleared first. The
-    /// triangles that have all three vertices in `touched` do not count: those a ray starts from. For a ray from a vertex
+    /// For each ray whether it leaves the mesh, meets a triangle from inside, strictly before its `t_max`; into `found`,
+    /// which is cleared first. The triangles that have all three vertices in `touched` do not count: those a ray starts from. For a ray from a vertex
     /// it names that one three times, from an edge its two vertices, from a face its three.
-    pub fn are_hit_before_end(&self, rays: &[Ray<T>], touched: &[[u32; 3]], found: &mut Vec<bool>) {
+    pub fn leave_before_end(&self, rays: &[Ray<T>], touched: &[[u32; 3]], found: &mut Vec<bool>) {
         found.clear();
         found.resize(rays.len(), false);
-        dispatch::<T, _>(HitBeforeEnd { tracer: self, rays, touched, found });
+        dispatch::<T, _>(LeaveBeforeEnd { tracer: self, rays, touched, found });
     }
 
     /// [`nearest_hit`](Self::nearest_hit) of each ray of a packet.
@@ -117,7 +117,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         }
     }
 
-    /// [`are_hit_before_end`](Self::are_hit_before_end) of the rays in `asked`, given their ends.
+    /// [`leave_before_end`](Self::leave_before_end) of the rays in `asked`, given their ends.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn hidden_of_packet<L: Lanes<T>>(
         &self,
@@ -151,7 +151,9 @@ impl<'a, T: Scalar> Tracer<'a, T> {
             self.visit(&ray, &prepared, &mut |triangle| {
                 let corners = triangles[triangle as usize];
                 is_hidden |= !touched[lane].iter().all(|vertex| corners.contains(vertex))
-                    && prepared.intersect(&self.mesh.corners(triangle), triangle).is_some_and(|hit| hit.t < ray.t_max);
+                    && prepared
+                        .intersect(&self.mesh.corners(triangle), triangle)
+                        .is_some_and(|hit| hit.is_exit && hit.t < ray.t_max);
                 if is_hidden { -T::INFINITY } else { ray.t_max }
             });
             hidden |= Mask::from(is_hidden) << lane;
@@ -191,15 +193,15 @@ impl<T: Scalar> Kernel<T> for NearestHits<'_, '_, T> {
     }
 }
 
-/// [`Tracer::are_hit_before_end`].
-struct HitBeforeEnd<'a, 'b, T: Scalar> {
+/// [`Tracer::leave_before_end`].
+struct LeaveBeforeEnd<'a, 'b, T: Scalar> {
     tracer: &'a Tracer<'b, T>,
     rays: &'a [Ray<T>],
     touched: &'a [[u32; 3]],
     found: &'a mut [bool],
 }
 
-impl<T: Scalar> Kernel<T> for HitBeforeEnd<'_, '_, T> {
+impl<T: Scalar> Kernel<T> for LeaveBeforeEnd<'_, '_, T> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]

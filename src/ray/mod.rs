@@ -1,5 +1,6 @@
 //! Rays, hits, and the tests of one ray against one triangle.
 
+mod main_axis;
 mod moller_trumbore;
 mod packet;
 mod watertight;

@@ -1,3 +1,4 @@
+use super::main_axis::AXES;
 use super::{Hit, Ray};
 use crate::math::{Scalar, Vector3};
 
@@ -8,8 +9,8 @@ use crate::math::{Scalar, Vector3};
 pub struct ShearedRay<T: Scalar> {
     /// Along the ray's own axes.
     pub(super) origin: Vector3<T>,
-    /// Which of the world's axes these are.
-    pub(super) axes: [u8; 3],
+    /// Which of [`AXES`] these are.
+    pub(super) axes: u8,
     pub(super) shear: Vector3<T>,
 }
 
@@ -18,30 +19,16 @@ impl<T: Scalar> ShearedRay<T> {
     pub fn new(ray: &Ray<T>) -> Self {
         // Zero makes the shear NaN; an infinite component would make it, and all t, zero.
         let d = if ray.direction.iter().all(|x| x.is_finite()) { ray.direction } else { Vector3::zeros() };
-        let z = d.iamax();
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        // Keeps the winding of the projected triangles.
-        if d[z] < T::zero() {
-            std::mem::swap(&mut x, &mut y);
-        }
+        let main = d.iamax();
+        let axes = if d[main] < T::zero() { main + 3 } else { main };
+        let [x, y, z] = AXES[axes].map(usize::from);
         let shear = Vector3::new(d[x] / d[z], d[y] / d[z], T::one() / d[z]);
         let origin = Vector3::new(ray.origin[x], ray.origin[y], ray.origin[z]);
-        Self { origin, axes: [x as u8, y as u8, z as u8], shear }
-    }
-
-    /// For whoever has computed the parts.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn from_parts(origin: Vector3<T>, axes: [u8; 3], shear: Vector3<T>) -> Self {
-        Self { origin, axes, shear }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn axes(&self) -> [usize; 3] {
-        self.axes.map(usize::from)
+        Self { origin, axes: axes as u8, shear }
     }
 
     fn project(&self, corner: &Vector3<T>) -> Vector3<T> {
-        let [x, y, z] = self.axes();
+        let [x, y, z] = AXES[usize::from(self.axes)].map(usize::from);
         let from_origin = Vector3::new(corner[x], corner[y], corner[z]) - self.origin;
         Vector3::new(
             from_origin.x - self.shear.x * from_origin.z,

@@ -1,7 +1,8 @@
 // Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
 
-use super::ShearedRay;
+use super::main_axis::{AXES, MainAxes};
+use super::{RayPacket, ShearedRay};
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
 
 /// The corners of sixteen triangles, each with the ray to be tested against it: coordinate by coordinate, in the order
@@ -41,17 +42,20 @@ impl<T: Scalar> TriangleLanes<T> {
         Self { corners: [zeros; 3], origin: zeros, shear: zeros }
     }
 
-    /// Puts a triangle and its ray into a lane.
+    /// Takes the rays of a packet, given by their lanes, and a triangle for each.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn set(&mut self, lane: usize, ray: &ShearedRay<T>, corners: [&Vector3<T>; 3]) {
-        let axes = ray.axes();
-        for place in 0..3 {
-            let axis = axes[place];
-            self.origin[place][lane] = ray.origin[place];
-            self.shear[place][lane] = ray.shear[place];
-            for corner in 0..3 {
-                self.corners[corner][place][lane] = corners[corner][axis];
-            }
+    pub(crate) fn set<L: Lanes<T>>(
+        &mut self,
+        packet: &RayPacket<T>,
+        rays: &[u8; LANE_COUNT],
+        positions: &[Vector3<T>],
+        corners: &[[u32; LANE_COUNT]; 3],
+    ) {
+        let axes = MainAxes::new(Vectors::<T, L>::load(&packet.direction).permuted(rays));
+        Vectors::<T, L>::load(&packet.turned_origin).permuted(rays).store(&mut self.origin);
+        Vectors::<T, L>::load(&packet.shear).permuted(rays).store(&mut self.shear);
+        for corner in 0..3 {
+            axes.turned(Vectors::<T, L>::gather(positions, &corners[corner])).store(&mut self.corners[corner]);
         }
     }
 
@@ -101,30 +105,59 @@ fn edge_function<T: Scalar, L: Lanes<T>>(p: Vectors<T, L>, q: Vectors<T, L>) -> 
     p.x.mul_add(q.y, right.negate()).add(right_error)
 }
 
+impl<T: Scalar> RayPacket<T> {
+    /// [`ShearedRay::sides`] of one of the rays.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn sides<L: Lanes<T>>(
+        &self,
+        ray: usize,
+        positions: &[[T; LANE_COUNT]; 3],
+        corners: &[[u8; LANE_COUNT]; 3],
+    ) -> [Mask; 2] {
+        let origin = Vectors::new(
+            L::splat(self.turned_origin[0][ray]),
+            L::splat(self.turned_origin[1][ray]),
+            L::splat(self.turned_origin[2][ray]),
+        );
+        let shear = [L::splat(self.shear[0][ray]), L::splat(self.shear[1][ray])];
+        sides(self.axes[ray], origin, shear, positions, corners)
+    }
+}
+
 impl<T: Scalar> ShearedRay<T> {
     /// Of a group of up to sixteen triangles with up to sixteen vertices, given axis by axis and by the places of
-    /// their corners, those that the ray may meet: that have no two edge functions of opposite signs. A rounded edge
-    /// function that is not zero has the exact one's sign, so none that [`intersect`](Self::intersect) accepts is left
-    /// out.
+    /// their corners, those with any edge function above zero, and those with any below. The ray meets none that is among
+    /// both, and only enters those that are among the first. A rounded edge function that is not zero has the exact one's
+    /// sign, so none that [`intersect`](Self::intersect) accepts is left out.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn may_meet<L: Lanes<T>>(
+    pub(crate) fn sides<L: Lanes<T>>(
         &self,
         positions: &[[T; LANE_COUNT]; 3],
         corners: &[[u8; LANE_COUNT]; 3],
-    ) -> Mask {
-        let [x, y, z] = self.axes();
-        let along = L::load(&positions[z]).sub(L::splat(self.origin.z));
-        let right = L::load(&positions[x]).sub(L::splat(self.origin.x)).sub(L::splat(self.shear.x).mul(along));
-        let up = L::load(&positions[y]).sub(L::splat(self.origin.y)).sub(L::splat(self.shear.y).mul(along));
-        let (ax, ay) = (right.permute(&corners[0]), up.permute(&corners[0]));
-        let (bx, by) = (right.permute(&corners[1]), up.permute(&corners[1]));
-        let (cx, cy) = (right.permute(&corners[2]), up.permute(&corners[2]));
-        let u = cx.mul(by).sub(cy.mul(bx));
-        let v = ax.mul(cy).sub(ay.mul(cx));
-        let w = bx.mul(ay).sub(by.mul(ax));
-        let zero = L::splat(T::zero());
-        let any_right = zero.is_less(u.larger(v).larger(w));
-        let any_left = u.smaller(v).smaller(w).is_less(zero);
-        !(any_right & any_left)
+    ) -> [Mask; 2] {
+        let shear = [L::splat(self.shear.x), L::splat(self.shear.y)];
+        sides(self.axes, Vectors::splat(&self.origin), shear, positions, corners)
     }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn sides<T: Scalar, L: Lanes<T>>(
+    axes: u8,
+    origin: Vectors<T, L>,
+    shear: [L; 2],
+    positions: &[[T; LANE_COUNT]; 3],
+    corners: &[[u8; LANE_COUNT]; 3],
+) -> [Mask; 2] {
+    let [x, y, z] = AXES[usize::from(axes)].map(usize::from);
+    let along = L::load(&positions[z]).sub(origin.z);
+    let right = L::load(&positions[x]).sub(origin.x).sub(shear[0].mul(along));
+    let up = L::load(&positions[y]).sub(origin.y).sub(shear[1].mul(along));
+    let (ax, ay) = (right.permute(&corners[0]), up.permute(&corners[0]));
+    let (bx, by) = (right.permute(&corners[1]), up.permute(&corners[1]));
+    let (cx, cy) = (right.permute(&corners[2]), up.permute(&corners[2]));
+    let u = cx.mul(by).sub(cy.mul(bx));
+    let v = ax.mul(cy).sub(ay.mul(cx));
+    let w = bx.mul(ay).sub(by.mul(ax));
+    let zero = L::splat(T::zero());
+    [zero.is_less(u.larger(v).larger(w)), u.smaller(v).smaller(w).is_less(zero)]
 }

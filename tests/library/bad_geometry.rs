@@ -51,7 +51,7 @@ fn question<T: Scalar>(mesh: &Mesh<T>, exact: bool) {
         let tracer = octree.tracer(mesh).expect("the octree is fresh");
         let (rays, mut hits, mut found, mut crossings) = (rays(mesh), Vec::new(), Vec::new(), Vec::new());
         tracer.nearest_hits(&rays, &mut hits);
-        tracer.are_hit_before_end(&rays, &vec![[0; 3]; rays.len()], &mut found);
+        tracer.leave_before_end(&rays, &vec![[0; 3]; rays.len()], &mut found);
         for (ray, hit) in rays.iter().zip(&hits) {
             if let Some(hit) = hit {
                 assert!(hit.t.is_finite() && hit.t >= T::zero(), "{ray:?}: {hit:?}");
@@ -310,7 +310,7 @@ fn expect_nothing<T: Scalar>(tracer: &raycontact::octree::Tracer<'_, T>, ray: &R
         assert_eq!(tracer.nearest_hit_of_all(ray), None, "{ray:?}, {test:?}");
         tracer.nearest_hits(&[*ray; 20], &mut hits);
         assert!(hits.iter().all(Option::is_none), "{ray:?}, {test:?}");
-        tracer.are_hit_before_end(&[*ray; 20], &[[0; 3]; 20], &mut found);
+        tracer.leave_before_end(&[*ray; 20], &[[0; 3]; 20], &mut found);
         assert!(!found.contains(&true), "{ray:?}, {test:?}");
         tracer.crossings(ray, &mut crossings);
         assert!(crossings.is_empty(), "{ray:?}, {test:?}");

@@ -80,6 +80,11 @@ macro_rules! register_by_register {
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
+        fn times_add(self, factor: Self, term: Self) -> Self {
+            self.mul_add(factor, term)
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn negate(self) -> Self {
             // SAFETY: the kernel that runs this checked for AVX2.
             unsafe { Self([$($xor(self.0[$i], $splat(-0.0))),*]) }

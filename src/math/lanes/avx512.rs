@@ -77,6 +77,11 @@ impl Lanes<f32> for SinglesAvx512 {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn times_add(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn negate(self) -> Self {
         // SAFETY: the kernel that runs this checked for AVX-512.
         Self(unsafe { _mm512_xor_ps(self.0, _mm512_set1_ps(-0.0)) })
@@ -244,6 +249,11 @@ impl Lanes<f64> for DoublesAvx512 {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         // SAFETY: the kernel that runs this checked for AVX-512.
         unsafe { Self(_mm512_fmadd_pd(self.0, factor.0, term.0), _mm512_fmadd_pd(self.1, factor.1, term.1)) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn times_add(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -37,6 +37,9 @@ pub(crate) trait Lanes<T>: Copy {
     fn sqrt(self) -> Self;
     /// self · factor + term, rounded once.
     fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// self · factor + term, rounded once or twice, whichever the processor does sooner: for bounds only, since paths
+    /// differ.
+    fn times_add(self, factor: Self, term: Self) -> Self;
     fn negate(self) -> Self;
     /// `if self < other { self } else { other }`.
     fn smaller(self, other: Self) -> Self;

@@ -77,6 +77,11 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn times_add(self, factor: Self, term: Self) -> Self {
+        self.mul(factor).add(term)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn negate(self) -> Self {
         self.zip(self, |a, _| -a)
     }

@@ -76,6 +76,28 @@ impl<T: Scalar, L: Lanes<T>> Vectors<T, L> {
         Self::new(self.x.sub(other.x), self.y.sub(other.y), self.z.sub(other.z))
     }
 
+    /// The products of the coordinates.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn times(self, other: Self) -> Self {
+        Self::new(self.x.mul(other.x), self.y.mul(other.y), self.z.mul(other.z))
+    }
+
+    /// The products of the coordinates and what is added to them, rounded once or twice.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn times_add(self, factor: Self, term: Self) -> Self {
+        Self::new(
+            self.x.times_add(factor.x, term.x),
+            self.y.times_add(factor.y, term.y),
+            self.z.times_add(factor.z, term.z),
+        )
+    }
+
+    /// Lane i of the result is lane `places[i]`, each below 16.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn permuted(self, places: &[u8; LANE_COUNT]) -> Self {
+        Self::new(self.x.permute(places), self.y.permute(places), self.z.permute(places))
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn scaled(self, factor: L) -> Self {
         Self::new(self.x.mul(factor), self.y.mul(factor), self.z.mul(factor))

@@ -4,6 +4,7 @@
 
 mod cluster;
 mod group;
+mod leaving;
 mod near;
 mod node;
 mod packet;
@@ -77,8 +78,8 @@ impl<T: Scalar> Wide<T> {
         packet::nearest::<T, L>(self, mesh, packet, list, hits);
     }
 
-    /// Which of the rays in `asked` meet a triangle strictly before `end`, those apart that have all their ray's
-    /// `touched` vertices.
+    /// Which of the rays in `asked` leave the mesh strictly before `end`, through other triangles than those that have all
+    /// their ray's `touched` vertices.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn hidden<L: Lanes<T>>(
         &self,

@@ -1,3 +1,4 @@
+use super::leaving::Directions;
 use super::node::BoxLanes;
 use super::trace::STACK_SIZE;
 use super::{CHILD_COUNT, Wide};
@@ -86,6 +87,9 @@ impl<T: Scalar> Candidates<T> {
 
 /// What is wanted of the hits.
 trait Answer<T> {
+    /// Whether only hits from inside count.
+    const EXITS_ONLY: bool;
+
     /// Which of a tile's triangles do not count for a ray, given the tile's vertices and each triangle's set of them.
     fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask;
 
@@ -102,6 +106,8 @@ struct Nearest<'a, T: Scalar> {
 }
 
 impl<T: Scalar> Answer<T> for Nearest<'_, T> {
+    const EXITS_ONLY: bool = false;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn excluded<L: Lanes<T>>(&self, _: usize, _: &[u32; LANE_COUNT], _: &[Mask; LANE_COUNT]) -> Mask {
         0
@@ -124,7 +130,7 @@ impl<T: Scalar> Answer<T> for Nearest<'_, T> {
     }
 }
 
-/// Which rays meet anything before their end.
+/// Which rays leave the mesh before their end.
 struct Hidden<'a, T: Scalar> {
     end: &'a [T; LANE_COUNT],
     touched: &'a [[u32; 3]; LANE_COUNT],
@@ -132,6 +138,8 @@ struct Hidden<'a, T: Scalar> {
 }
 
 impl<T: Scalar> Answer<T> for Hidden<'_, T> {
+    const EXITS_ONLY: bool = true;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask {
         let [a, b, c] = self.touched[ray];
@@ -148,7 +156,8 @@ impl<T: Scalar> Answer<T> for Hidden<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add(&mut self, ray: usize, _: u32, found: &HitLanes<T>, lane: usize) {
-        self.hidden |= Mask::from(found.t[lane] < self.end[ray]) << ray;
+        let leaves = found.exits >> lane & 1 == 1 && found.t[lane] < self.end[ray];
+        self.hidden |= Mask::from(leaves) << ray;
     }
 }
 
@@ -202,7 +211,9 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         return;
     }
     let slabs = PacketSlabs::<T, L>::new(packet, end, mesh.aabb());
-    let around = BoxLanes::new(&slabs.box_around(packet, asked, mesh.aabb()));
+    let around = slabs.box_around(packet, asked, mesh.aabb());
+    let directions = Directions::<T, L>::new(packet, asked, &around);
+    let around = BoxLanes::new(&around);
     let mut stack = [0u32; STACK_SIZE];
     let mut waiting = 1;
     while waiting > 0 {
@@ -219,7 +230,11 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         }
         let mut pair_count = 0;
         for (place, &tile) in list.tiles[..tile_count].iter().enumerate() {
-            let rays = slabs.meeting(&cells.tiles[tile as usize].aabb) & asked;
+            let tile = &cells.tiles[tile as usize];
+            if A::EXITS_ONLY && !directions.may_leave(tile, mesh, &mut list.room) {
+                continue;
+            }
+            let rays = slabs.meeting(&tile.aabb) & asked;
             pair_count = L::append(&mut list.pairs, pair_count, (place * LANE_COUNT) as u32, rays);
         }
         let (mut next, mut listed) = (0, 0);
@@ -229,7 +244,8 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
                 next += 1;
                 let (tile, ray) = (&cells.tiles[list.tiles[pair / LANE_COUNT] as usize], pair % LANE_COUNT);
                 let positions = tile.positions::<L>(mesh, &mut list.room);
-                let mut met = packet.sheared[ray].may_meet::<L>(positions, &tile.corners)
+                let [right, left] = packet.sides::<L>(ray, positions, &tile.corners);
+                let mut met = !(if A::EXITS_ONLY { right } else { right & left })
                     & tile.present
                     & !answer.excluded::<L>(ray, &tile.vertices, &tile.vertex_sets);
                 // None or one, nearly always: no branch for that.
@@ -262,11 +278,16 @@ fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     let Candidates { lanes, hits, triangles: list, .. } = list;
     let (triangles, positions) = (mesh.topology().triangles(), mesh.positions());
     for candidates in list[..count].chunks(LANE_COUNT) {
-        for (lane, candidate) in candidates.iter().enumerate() {
-            let [a, b, c] = triangles[candidate.triangle as usize];
-            let corners = [&positions[a as usize], &positions[b as usize], &positions[c as usize]];
-            lanes.set(lane, &packet.sheared[candidate.ray as usize % LANE_COUNT], corners);
+        // Lanes behind the last repeat the first.
+        let (mut rays, mut corners) = ([0; LANE_COUNT], [[0; LANE_COUNT]; 3]);
+        for lane in 0..LANE_COUNT {
+            let Candidate { triangle, ray } = *candidates.get(lane).unwrap_or(&candidates[0]);
+            rays[lane] = ray as u8 % LANE_COUNT as u8;
+            for (corner, vertex) in triangles[triangle as usize].into_iter().enumerate() {
+                corners[corner][lane] = vertex;
+            }
         }
+        lanes.set::<L>(packet, &rays, positions, &corners);
         lanes.intersect::<L>(hits);
         let mut found = hits.found & ((1u32 << candidates.len()) - 1) as Mask;
         while found != 0 {
@@ -278,43 +299,50 @@ fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     }
 }
 
-/// [`Slabs`](crate::octree::slabs::Slabs) of sixteen rays.
+/// The planes of boxes as sixteen rays meet them: a face at `x` is met at t = x · inverse + offset.
 struct PacketSlabs<T: Scalar, L: Lanes<T>> {
     origin: Vectors<T, L>,
     inverse: Vectors<T, L>,
-    margin: L,
+    /// For the lower and for the upper faces, each moved outward a little.
+    offsets: [Vectors<T, L>; 2],
     end: L,
+    /// How coarsely distances from the origins to the mesh are rounded, and a little more.
+    margin: L,
+    /// Rays so short that what follows would overflow: taken to meet every box.
+    meet_all: Mask,
 }
 
 impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(packet: &RayPacket<T>, end: &[T; LANE_COUNT], mesh_box: &Aabb<T>) -> Self {
-        let origin = Vectors::<T, L>::load(&packet.origin);
+        let (origin, inverse) = (Vectors::<T, L>::load(&packet.origin), Vectors::load(&packet.inverse));
         let below = Vectors::splat(&mesh_box.lower).sub(origin).magnitude();
         let above = Vectors::splat(&mesh_box.upper).sub(origin).magnitude();
-        let margin = below.larger(above).largest().mul(L::splat(T::ROUNDING_UNIT * T::of(16.0)));
-        Self { origin, inverse: Vectors::load(&packet.inverse), margin, end: L::load(end) }
+        let reach = below.larger(above).largest();
+        let rounding = L::splat(T::ROUNDING_UNIT * T::of(16.0));
+        // Products with a coordinate are rounded as coarsely as it is far from zero.
+        let coordinates = reach.add(origin.magnitude().largest());
+        let moved = coordinates.mul(rounding);
+        let moved = Vectors::new(moved, moved, moved);
+        // Where a direction has no part along an axis, the face lies far behind every end; but finitely far.
+        let limit = L::splat(T::LARGEST * T::of(0.5)).div(coordinates.larger(L::splat(T::one())));
+        let limit = Vectors::new(limit, limit, limit);
+        let inverse = inverse.smaller(limit).larger(limit.negate());
+        let offsets = [origin.add(moved).times(inverse).negate(), origin.sub(moved).times(inverse).negate()];
+        let longest = Vectors::<T, L>::load(&packet.direction).magnitude().largest();
+        let is_long = coordinates.is_at_most(longest.mul(L::splat(T::LARGEST * T::of(0.25))));
+        Self { origin, inverse, offsets, end: L::load(end), margin: reach.mul(rounding), meet_all: !is_long }
     }
 
     /// Bit i: ray i meets this box, not beyond its end.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meeting(&self, aabb: &Aabb<T>) -> Mask {
-        // The margin after the difference: far from the world's origin it would vanish in the face's own rounding.
-        let lower = Vectors::splat(&aabb.lower).sub(self.origin);
-        let upper = Vectors::splat(&aabb.upper).sub(self.origin);
-        let interval = (L::splat(-T::INFINITY), self.end);
-        let interval = self.clip(interval, lower.x, upper.x, self.inverse.x);
-        let interval = self.clip(interval, lower.y, upper.y, self.inverse.y);
-        let (enters, leaves) = self.clip(interval, lower.z, upper.z, self.inverse.z);
-        enters.is_at_most(leaves) & L::splat(T::zero()).is_at_most(leaves)
-    }
-
-    /// What is left of an interval of `t` between two faces.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn clip(&self, (enters, leaves): (L, L), lower: L, upper: L, inverse: L) -> (L, L) {
-        let at_lower = lower.sub(self.margin).mul(inverse);
-        let at_upper = upper.add(self.margin).mul(inverse);
-        (at_lower.smaller(at_upper).larger(enters), at_upper.larger(at_lower).smaller(leaves))
+        let at_lower = Vectors::splat(&aabb.lower).times_add(self.inverse, self.offsets[0]);
+        let at_upper = Vectors::splat(&aabb.upper).times_add(self.inverse, self.offsets[1]);
+        let (enters, leaves) = (at_lower.smaller(at_upper), at_lower.larger(at_upper));
+        let enters = enters.largest().larger(L::splat(T::zero()));
+        let leaves = leaves.x.smaller(leaves.y).smaller(leaves.z).smaller(self.end);
+        enters.is_at_most(leaves) | self.meet_all
     }
 
     /// A box that holds all of the rays that may count, and what triangles near them the tests may accept.

@@ -64,7 +64,8 @@ impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let mut met = match self.prepared {
             PreparedRay::Watertight(ray) => {
-                ray.may_meet::<L>(tile.positions::<L>(self.mesh, &mut room), &tile.corners) & tile.present
+                let [right, left] = ray.sides::<L>(tile.positions::<L>(self.mesh, &mut room), &tile.corners);
+                !(right & left) & tile.present
             }
             PreparedRay::MollerTrumbore(_) => tile.present,
         };
