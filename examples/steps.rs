@@ -2,7 +2,7 @@
 
 mod support;
 
-use raycontact::contact::{ContactList, DetectionOptions};
+use raycontact::contact::{ContactList, DetectionOptions, Sampling};
 use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 use std::error::Error;
@@ -16,7 +16,8 @@ Runs steps of detection on a workload of moving tori, for tools that count what 
 
   --workload NAME   stackN: N tori 40x20 in a pile; pairMxN: two tori MxN (default stack2)
   --steps N         how many steps (default 10)
-  --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults (default paper)
+  --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults; spacing:LENGTH and
+                    tolerance:PART: the defaults with such a sampling (default paper)
   --help            this text
 
 Prints steps=N contacts=N, the contacts of the last step.
@@ -64,6 +65,18 @@ fn parse(workload: &str) -> Option<(u32, u32, u32)> {
     Some((2, rows.parse().ok()?, columns.parse().ok()?))
 }
 
+fn options(mode: &str) -> Option<DetectionOptions<f32>> {
+    let with = |sampling| DetectionOptions { sampling, ..DetectionOptions::default() };
+    let positive = |number: &str| number.parse().ok().filter(|&number: &f32| number > 0.0 && number.is_finite());
+    match mode.split_once(':') {
+        None if mode == "paper" => Some(DetectionOptions::paper()),
+        None if mode == "default" => Some(DetectionOptions::default()),
+        Some(("spacing", length)) => Some(with(Sampling::Spacing(positive(length)?))),
+        Some(("tolerance", part)) => Some(with(Sampling::Tolerance(positive(part)?))),
+        _ => None,
+    }
+}
+
 /// Positions of all bodies at some steps, which repeat: only the library is to be counted.
 const FRAMES: u32 = 4;
 
@@ -71,10 +84,9 @@ fn main() -> ExitCode {
     let mut arguments = Arguments::new(HELP);
     let workload = arguments.value("--workload", "stack2".to_owned());
     let steps = arguments.value("--steps", 10);
-    let options = match arguments.value("--mode", "paper".to_owned()).as_str() {
-        "paper" => DetectionOptions::paper(),
-        "default" => DetectionOptions::default(),
-        other => arguments.fail(&format!("unknown mode '{other}': paper or default")),
+    let mode = arguments.value("--mode", "paper".to_owned());
+    let Some(options) = options(&mode) else {
+        arguments.fail(&format!("unknown mode '{mode}': paper, default, spacing:LENGTH or tolerance:PART"))
     };
     let Some((count, rows, columns)) = parse(&workload) else {
         arguments.fail(&format!("unknown workload '{workload}': stackN or pairMxN"))

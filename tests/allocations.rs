@@ -4,7 +4,7 @@ mod common;
 
 use allocation_counter::measure;
 use common::shapes;
-use raycontact::contact::{ContactList, DetectionOptions, query_pair};
+use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::octree::{Layout, Octree};
 use raycontact::scene::Scene;
 use raycontact::threads::ParallelFor;
@@ -22,7 +22,9 @@ fn a_steady_step_allocates_nothing() {
         let mut a = shapes::torus(16, 8, 0.4).mesh::<f64>();
         let b = shapes::torus(16, 8, 0.4).turned(0.4, 0.9).moved([0.25, 0.1, 0.3]).mesh::<f64>();
         let (mut octree_a, octree_b) = (Octree::with_layout(&a, layout), Octree::with_layout(&b, layout));
-        for options in [DetectionOptions::paper(), DetectionOptions::default()] {
+        let with = |sampling| DetectionOptions { sampling, ..DetectionOptions::default() };
+        let patches = [Sampling::Spacing(0.6), Sampling::Tolerance(0.5)].map(with);
+        for options in [DetectionOptions::paper(), DetectionOptions::default()].into_iter().chain(patches) {
             let mut contacts = ContactList::default();
             for step in 0..12 {
                 let positions = moved(step);
@@ -38,6 +40,8 @@ fn a_steady_step_allocates_nothing() {
                 );
             }
             assert!(!contacts.is_empty());
+            let has_patches = matches!(options.sampling, Sampling::Spacing(_));
+            assert_eq!(contacts.statistics.patches > 0, has_patches);
         }
     }
 }

@@ -51,7 +51,8 @@ pub struct rayc_detection_options {
     pub reserved: u32,
     /// How far the net force of each pair may be from that of all rays, as a part of it, 0 to 1, and its torque as a part
     /// of the force times half the overlap box's diagonal: triangles are joined to patches as large as that leaves. It is
-    /// an estimate: patches get smaller until two tries agree so well. 0: no triangles are joined. With
+    /// an estimate: patches get smaller until two tries agree clearly better than that; where two tries would take more
+    /// than a third of the triangles, or leave no hope to agree, all cast. 0: no triangles are joined. With
     /// RAYC_SPACING_AUTOMATIC alone. Default 0.
     pub force_tolerance: f64,
 }

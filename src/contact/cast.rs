@@ -5,7 +5,7 @@ use super::load::{CastSurface, CastSurfaceLanes};
 use super::samples::Sample;
 use super::{Contact, Statistics, past_folds};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
-use crate::mesh::{Mesh, NormalLanes, Patches};
+use crate::mesh::{Mesh, NormalLanes, Standing};
 use crate::octree::{Candidates, PacketHits, Tracer};
 use crate::ray::{Hit, RayPacket};
 
@@ -13,7 +13,7 @@ use crate::ray::{Hit, RayPacket};
 /// both filters of the paper.
 pub(super) struct Cast<'a, T: Scalar> {
     pub(super) direction: &'a Direction<'a, T>,
-    pub(super) groups: &'a [u32],
+    pub(super) starts: Starts<'a>,
     pub(super) surface: &'a mut CastSurface<T>,
     pub(super) statistics: &'a mut Statistics,
     pub(super) contacts: &'a mut Vec<Contact<T>>,
@@ -21,6 +21,25 @@ pub(super) struct Cast<'a, T: Scalar> {
     pub(super) pieces: &'a mut Vec<Sample<T>>, // must be empty
     /// Room for the crossings of a ray.
     pub(super) crossings: &'a mut Vec<Hit<T>>,
+}
+
+/// Where rays start.
+#[derive(Clone, Copy)]
+pub(super) enum Starts<'a> {
+    /// From the vertices or triangles of these groups.
+    Groups(&'a [u32]),
+    /// From the triangles at these places, each for its patch.
+    Patches(&'a Standing, &'a [u32]),
+}
+
+impl Starts<'_> {
+    /// How many packets, or parts of one, there are.
+    fn len(&self) -> usize {
+        match self {
+            Self::Groups(groups) => groups.len(),
+            Self::Patches(_, places) => places.len().div_ceil(LANE_COUNT),
+        }
+    }
 }
 
 impl<T: Scalar> Kernel<T> for Cast<'_, T> {
@@ -92,8 +111,9 @@ impl<T: Scalar> Cast<'_, T> {
     ) -> bool {
         let Direction { pair, side } = *self.direction;
         let own = pair.tracers[side];
-        while vertices.count < LANE_COUNT && *next_group < self.groups.len() {
-            let group = self.groups[*next_group];
+        let Starts::Groups(groups) = self.starts else { return false };
+        while vertices.count < LANE_COUNT && *next_group < groups.len() {
+            let group = groups[*next_group];
             *next_group += 1;
             vertices.count = own.vertices_in::<L>(group, pair.region, &mut vertices.waiting, vertices.count);
         }
@@ -143,8 +163,8 @@ impl<T: Scalar> Cast<'_, T> {
                 triangles[count] = source.triangles[lane];
                 set_lane(weights, count, &thirds);
                 count += 1;
-            } else if *next_group < self.groups.len() {
-                self.statistics.without_normal += source.next::<L>(own, self.groups[*next_group]);
+            } else if *next_group < self.starts.len() {
+                self.statistics.without_normal += source.next::<L>(own, self.starts, *next_group);
                 *next_group += 1;
                 // A group that nearly fills a packet goes as it is.
                 if count == 0 && source.left & !source.short == 0 && source.left.count_ones() >= ENOUGH {
@@ -240,19 +260,22 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
         Self { cutter, triangles: [0; LANE_COUNT], lanes: NormalLanes::empty(), left: 0, short: 0, patch_count: 0 }
     }
 
-    /// Turns to another group; gives how many of its triangles in the region have no normal.
+    /// Turns to another group, or the next sixteen patches; gives how many of the triangles in the region have no normal.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn next<L: Lanes<T>>(&mut self, own: &Tracer<'_, T>, group: u32) -> u64 {
+    fn next<L: Lanes<T>>(&mut self, own: &Tracer<'_, T>, starts: Starts<'_>, number: usize) -> u64 {
         let mut count = 0;
-        let patches = self.cutter.patch_area.map(|area| (own.mesh().patches(), area));
-        own.triangles_of(group, |triangle| {
-            if patches.is_none_or(|(patches, area)| patches.of(triangle, area).is_some()) {
-                self.triangles[count] = triangle;
-                count += 1;
+        let mut add = |triangle| {
+            self.triangles[count] = triangle;
+            count += 1;
+        };
+        let mut patches = None;
+        match starts {
+            Starts::Groups(groups) => own.triangles_of(groups[number], add),
+            Starts::Patches(standing, places) => {
+                let places = &places[number * LANE_COUNT..places.len().min((number + 1) * LANE_COUNT)];
+                places.iter().for_each(|&place| add(standing.triangle(place)));
+                patches = Some((standing, places));
             }
-        });
-        if count == 0 {
-            return 0;
         }
         let mut corners = [[[T::zero(); LANE_COUNT]; 3]; 3];
         own.mesh().face_normals::<L>(&self.triangles[..count], &mut corners, &mut self.lanes);
@@ -267,8 +290,8 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
         let middle = Vectors::load(&self.lanes.position);
         let middles_inside = lower.are_at_most(middle) & middle.are_at_most(upper);
         self.short = !L::splat(self.cutter.longest_allowed).is_less(longest);
-        if let Some((patches, area)) = patches {
-            self.stand_for_patches::<L>(own.mesh(), patches, area, middles_inside & touching);
+        if let Some((standing, places)) = patches {
+            self.stand_for_patches::<L>(own.mesh(), standing, places, middles_inside & touching);
         }
         self.left = touching & self.lanes.found & (middles_inside | !self.short);
         u64::from((touching & !self.lanes.found).count_ones())
@@ -277,14 +300,23 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
     /// Gives the triangles the normals and areas of the patches that they stand for: of the sum of area · normal, so that
     /// an even pressure pushes a patch just as its triangles.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn stand_for_patches<L: Lanes<T>>(&mut self, mesh: &Mesh<T>, patches: &Patches<T>, area: T, mut wanted: Mask) {
+    fn stand_for_patches<L: Lanes<T>>(
+        &mut self,
+        mesh: &Mesh<T>,
+        standing: &Standing,
+        places: &[u32],
+        mut wanted: Mask,
+    ) {
         while wanted != 0 {
             let lane = wanted.trailing_zeros() as usize;
             wanted &= wanted - 1;
-            let Some(patch @ [_, _, ..]) = patches.of(self.triangles[lane], area) else { continue };
+            let border = standing.border(places[lane]);
+            if border.is_empty() {
+                continue;
+            }
             self.patch_count += 1;
             self.short |= 1 << lane;
-            let vector = mesh.sum_of_scaled_normals::<L>(patch) * T::of(0.5);
+            let vector = mesh.doubled_area_within::<L>(border) * T::of(0.5);
             match direction(&vector) {
                 Some(normal) => {
                     set_lane(&mut self.lanes.normal, lane, &normal);

@@ -8,8 +8,6 @@ pub(super) struct Cutter<'a, T: Scalar> {
     pub(super) region: &'a Aabb<T>,
     /// The square of the longest edge that a piece may have.
     pub(super) longest_allowed: T,
-    /// Triangles are joined to patches of at most this area; `None`: each casts for itself.
-    pub(super) patch_area: Option<T>,
     /// Pieces left larger than asked.
     pub(super) uncut: u64,
     halvings_left: u32,
@@ -21,7 +19,7 @@ const MOST_HALVINGS_AUTOMATIC: u32 = 1 << 13;
 const MOST_HALVINGS: u32 = 1 << 20;
 
 /// How many rays stand on the largest face of the overlap box where the sampling is automatic.
-pub(super) const RAYS_ON_LARGEST_FACE: f64 = 128.0;
+const RAYS_ON_LARGEST_FACE: f64 = 128.0;
 
 /// The area of the largest face of a box.
 pub(super) fn largest_face<T: Scalar>(aabb: &Aabb<T>) -> T {
@@ -64,21 +62,20 @@ impl<T: Scalar> Piece<T> {
 impl<'a, T: Scalar> Cutter<'a, T> {
     /// The one for this sampling; `None` where rays start at vertices.
     pub(super) fn new(sampling: Sampling<T>, overlap: &Aabb<T>, region: &'a Aabb<T>) -> Option<Self> {
-        let (squared_spacing, patch_area, halvings_left) = match sampling {
+        let (squared_spacing, halvings_left) = match sampling {
             Sampling::Vertices => return None,
             Sampling::Automatic | Sampling::Tolerance(_) => {
-                (largest_face(overlap) / T::of(RAYS_ON_LARGEST_FACE), None, MOST_HALVINGS_AUTOMATIC)
+                (largest_face(overlap) / T::of(RAYS_ON_LARGEST_FACE), MOST_HALVINGS_AUTOMATIC)
             }
-            Sampling::Spacing(spacing) => (spacing * spacing, Some(spacing * spacing), MOST_HALVINGS),
+            Sampling::Spacing(spacing) => (spacing * spacing, MOST_HALVINGS),
         };
         // A region that is no more than a line or a point gives no measure: one ray for each triangle then.
         let longest_allowed = if squared_spacing > T::zero() { squared_spacing * T::of(2.0) } else { T::INFINITY };
-        Some(Self { region, longest_allowed, patch_area, uncut: 0, halvings_left })
+        Some(Self { region, longest_allowed, uncut: 0, halvings_left })
     }
 
-    /// The same with triangles joined to patches of at most `area`, and no piece smaller than that.
+    /// The same with no piece smaller than patches of this area.
     pub(super) fn with_patches(mut self, area: T) -> Self {
-        self.patch_area = Some(area);
         self.longest_allowed = self.longest_allowed.max(area * T::of(2.0));
         self
     }

@@ -85,7 +85,8 @@ pub fn detect_pair<T: Scalar>(
         [false, true] => overlap_region(boxes[0], boxes[0]),
         [true, true] => return,
     };
-    let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options, may_escape, patch_area: None };
+    let patch_area = options.sampling.patch_area();
+    let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options, may_escape, patch_area };
     match memory {
         _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
         Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
@@ -115,7 +116,7 @@ pub(super) struct Pair<'a, T: Scalar> {
     pub(super) region: &'a Aabb<T>,
     pub(super) options: &'a DetectionOptions<T>,
     pub(super) may_escape: bool,
-    /// Where a tolerance is asked for: triangles are joined to patches of at most this area.
+    /// Triangles are joined to patches of at most this area; `None`: each casts for itself.
     pub(super) patch_area: Option<T>,
 }
 
@@ -217,6 +218,9 @@ impl<T: Scalar> Pair<'_, T> {
     }
 
     fn cast_both_ways(&self, contacts: &mut ContactList<T>) {
+        for (tracer, groups) in self.tracers.iter().zip(&mut contacts.workspace.groups) {
+            tracer.groups_in(self.region, groups);
+        }
         match self.options.sampling {
             Sampling::Tolerance(tolerance) => self.cast_to_tolerance(tolerance, contacts),
             _ => self.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts)),

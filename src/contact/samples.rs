@@ -14,15 +14,26 @@ pub enum Sampling<T: Scalar> {
     /// each piece casts from its middle. Smaller ones are joined to patches of at most the length's square, connected and
     /// nearly flat, of which one triangle casts from its middle along their mean normal, with their areas added as
     /// vectors. The patches are those of the mesh as it is when they are first asked for; of a larger spacing's triangles
-    /// all cast at smaller ones too. Contacts of a body with itself know no patches.
+    /// all cast at smaller ones too. Their sizes go in steps, four to each doubling of the area. Contacts of a body with itself know no patches.
     Spacing(T),
     /// As automatic, but with triangles joined to patches as large as leave the net force of each pair, and its torque over
     /// the overlap box's half diagonal, within this part of the force, > 0, of that of all triangles. Patches get smaller,
-    /// from about 32 on the overlap box's largest face, until two tries agree so well; so it is an estimate, not a bound.
-    /// Where the overlap box meets fewer than about 4096 triangles, all cast.
+    /// from about 32 on the overlap box's largest face, until two tries agree clearly better than that; so it is an
+    /// estimate, not a bound. Where two tries would take more than a third of the triangles, or leave no hope to agree, all
+    /// cast.
     Tolerance(T),
     /// At each vertex, along the mean of the surrounding normals: the paper's.
     Vertices,
+}
+
+impl<T: Scalar> Sampling<T> {
+    /// The largest area of patches that triangles are joined to, where it is known beforehand.
+    pub(crate) fn patch_area(&self) -> Option<T> {
+        match *self {
+            Self::Spacing(spacing) => Some(spacing * spacing),
+            _ => None,
+        }
+    }
 }
 
 /// A surface point that casts a ray.

@@ -14,8 +14,10 @@ pub(super) struct Workspace<T: Scalar> {
     /// Who helps to cast the rays of one pair.
     pub(super) helpers: Helpers,
     pub(super) chunks: Vec<Chunk<T>>,
-    /// The groups of vertices or triangles that cast.
-    pub(super) groups: Vec<u32>,
+    /// The groups of vertices or triangles in the overlap box, of either body.
+    pub(super) groups: [Vec<u32>; 2],
+    /// The places of the triangles that cast for patches.
+    pub(super) places: Vec<u32>,
     pub(super) samples: Vec<Sample<T>>,
     pub(super) rays: Vec<Ray<T>>,
     pub(super) hits: Vec<Option<Hit<T>>>,

@@ -4,6 +4,7 @@ mod error;
 mod normals;
 mod obj_file;
 mod patches;
+mod standing;
 mod survey;
 mod topology;
 
@@ -11,6 +12,7 @@ pub use error::MeshError;
 pub(crate) use normals::NormalLanes;
 pub use obj_file::{ObjFileError, read_obj_file};
 pub(crate) use patches::Patches;
+pub(crate) use standing::Standing;
 use survey::Survey;
 use topology::RING_LENGTH;
 pub use topology::{Border, Edge, Topology};
@@ -29,8 +31,8 @@ pub struct Mesh<T: Scalar> {
     positions: Vec<Vector3<T>>,
     aabb: Aabb<T>,
     stamp: u64,
-    /// Found when first asked for.
-    patches: OnceLock<Arc<Patches<T>>>,
+    /// Found when first asked for, the same for clones.
+    patches: Arc<OnceLock<Patches<T>>>,
 }
 
 /// A vertex normal and the surface its vertex stands for.
@@ -75,7 +77,7 @@ impl<T: Scalar> Mesh<T> {
             positions: vec![Vector3::zeros(); positions.len()],
             aabb: Aabb::empty(),
             stamp: 0,
-            patches: OnceLock::new(),
+            patches: Arc::default(),
         };
         mesh.set_positions(positions)?;
         mesh.check_areas()?;
@@ -142,7 +144,7 @@ impl<T: Scalar> Mesh<T> {
 
     /// Its patches, found at the positions it has when they are first asked for.
     pub(crate) fn patches(&self) -> &Patches<T> {
-        self.patches.get_or_init(|| Arc::new(Patches::new(self)))
+        self.patches.get_or_init(|| Patches::new(self))
     }
 
     /// Triangles, neighbourhoods and vertices.

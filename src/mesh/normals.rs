@@ -137,21 +137,21 @@ impl<T: Scalar> Mesh<T> {
         }
     }
 
-    /// The sum of [`scaled_normal`](Self::scaled_normal) over triangles.
+    /// The sum of [`scaled_normal`](Self::scaled_normal) over a part of the surface, given all sides at which it ends, as
+    /// its triangles have them; there must be one. By Stokes' theorem the rest cancels out.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn sum_of_scaled_normals<L: Lanes<T>>(&self, triangles: &[u32]) -> Vector3<T> {
+    pub(crate) fn doubled_area_within<L: Lanes<T>>(&self, border: &[[u32; 2]]) -> Vector3<T> {
+        let first = border[0][0];
+        let base = Vectors::<T, L>::splat(&self.positions()[first as usize]);
         let mut sum = Vectors::<T, L>::zeros();
-        for some in triangles.chunks(LANE_COUNT) {
-            let mut vertices = [[0; LANE_COUNT]; 3];
-            for (lane, &triangle) in some.iter().enumerate() {
-                let [a, b, c] = self.topology().triangles()[triangle as usize];
-                (vertices[0][lane], vertices[1][lane], vertices[2][lane]) = (a, b, c);
+        for some in border.chunks(LANE_COUNT) {
+            // Lanes beyond the last are sides of no length at the base.
+            let mut ends = [[first; LANE_COUNT]; 2];
+            for (lane, &[from, to]) in some.iter().enumerate() {
+                (ends[0][lane], ends[1][lane]) = (from, to);
             }
-            // Lanes beyond the last are a triangle of no size.
-            let a = Vectors::gather(self.positions(), &vertices[0]);
-            let b = Vectors::gather(self.positions(), &vertices[1]);
-            let c = Vectors::gather(self.positions(), &vertices[2]);
-            sum = sum.add(b.sub(a).cross(c.sub(a)));
+            let [from, to] = ends.map(|ends| Vectors::gather(self.positions(), &ends).sub(base));
+            sum = sum.add(from.cross(to));
         }
         let mut lanes = [[T::zero(); LANE_COUNT]; 3];
         sum.store(&mut lanes);

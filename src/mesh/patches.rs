@@ -14,6 +14,8 @@ pub(crate) struct Patches<T: Scalar> {
     patches: Vec<Patch<T>>,
     /// By triangle: the largest patch that it stands for.
     largest: Vec<u32>,
+    /// The areas of the smallest and the largest patch of several triangles.
+    bounds: Option<[T; 2]>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +35,13 @@ struct Patch<T: Scalar> {
 /// of its middle has so much.
 const FLAT: f64 = 0.9;
 
+/// Of an area's digits two behind the first tell its level, so that there are four levels for each doubling.
+const LEVEL_SHIFT: u32 = f64::MANTISSA_DIGITS - 3;
+
+fn level_of<T: Scalar>(area: T) -> u64 {
+    area.to_f64().to_bits() >> LEVEL_SHIFT
+}
+
 impl<T: Scalar> Patches<T> {
     /// Those of the mesh at its present positions.
     pub(super) fn new(mesh: &Mesh<T>) -> Self {
@@ -40,7 +49,7 @@ impl<T: Scalar> Patches<T> {
         let count = mesh.topology().triangles().len();
         let (ranges, order) = tree.ranges(count);
         let standing = tree.standing(&ranges, &order);
-        let mut largest = vec![0; count];
+        let (mut largest, mut bounds) = (vec![0; count], None);
         let mut patches: Vec<Patch<T>> = ranges
             .iter()
             .map(|&[start, end]| Patch { start, end, area: T::zero(), next_area: T::INFINITY, smaller: 0 })
@@ -52,10 +61,30 @@ impl<T: Scalar> Patches<T> {
             let of_parts = parts.map(|part| patches[part as usize].area);
             let area = T::of(tree.moments[patch].area).max(of_parts[0]).max(of_parts[1]);
             patches[patch].area = area;
+            bounds = Some(bounds.map_or([area; 2], |[least, most]: [T; 2]| [least.min(area), most.max(area)]));
             parts.iter().for_each(|&part| patches[part as usize].next_area = area);
             patches[patch].smaller = parts[usize::from(standing[parts[0] as usize] != triangle)];
         }
-        Self { order, patches, largest }
+        Self { order, patches, largest, bounds }
+    }
+
+    /// The level of patches of at most `area`: its number, below [`level_count`](Self::level_count), and the area rounded
+    /// down to it. `None` where there is no patch of several triangles as small.
+    pub(crate) fn level(&self, area: T) -> Option<(usize, T)> {
+        let [least, most] = self.bounds?;
+        // In this form NaN has none.
+        (area >= least).then(|| {
+            if area >= most {
+                return (self.level_count() - 1, most);
+            }
+            let level = level_of(area);
+            ((level - level_of(least)) as usize, T::of(f64::from_bits(level << LEVEL_SHIFT)).max(least))
+        })
+    }
+
+    /// How many levels there are.
+    pub(crate) fn level_count(&self) -> usize {
+        self.bounds.map_or(0, |[least, most]| (level_of(most) - level_of(least)) as usize + 2)
     }
 
     /// The triangles of the largest patch of at most this area that `triangle` stands for; `None` where it stands for

@@ -6,11 +6,11 @@ use crate::math::{Aabb, LANE_COUNT, Lanes, Scalar};
 impl<T: Scalar> Tracer<'_, T> {
     /// All groups that may have something in the region, in ascending order, into `groups`, which is cleared first.
     pub(crate) fn groups_in(&self, region: &Aabb<T>, groups: &mut Vec<u32>) {
-        groups.clear();
         match self.cells {
             Cells::Wide(cells) => cells.tiles_in(region, groups),
             Cells::Classic(_) => {
                 let topology = self.mesh().topology();
+                groups.clear();
                 let largest = topology.surface_vertices().len().max(topology.triangles().len());
                 groups.extend(0..largest.div_ceil(LANE_COUNT) as u32);
             }
@@ -37,6 +37,13 @@ impl<T: Scalar> Tracer<'_, T> {
                 count += 1;
             }
         }
+        count
+    }
+
+    /// How many triangles a group has.
+    pub(crate) fn triangle_count_of(&self, group: u32) -> usize {
+        let mut count = 0;
+        self.triangles_of(group, |_| count += 1);
         count
     }
 

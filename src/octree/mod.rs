@@ -6,6 +6,7 @@ mod classic;
 mod groups;
 mod near;
 mod slabs;
+mod standing;
 mod tracer;
 mod wide;
 
@@ -14,8 +15,9 @@ pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};
 
 use crate::math::{Aabb, Scalar};
-use crate::mesh::{Mesh, Topology};
+use crate::mesh::{Mesh, Standing, Topology};
 use classic::Classic;
+use standing::StandingByLevel;
 use std::fmt;
 use std::sync::Arc;
 use wide::Wide;
@@ -26,7 +28,12 @@ pub struct Octree<T: Scalar> {
     topology: Arc<Topology>,
     stamp: u64,
     cells: Cells<T>,
+    /// Clones have the same groups.
+    standing: Arc<StandingByLevel>,
 }
+
+/// A ray passes a few tiles: where there is not one ray for so many, loading all takes longer than those rays do without.
+const RAYS_TO_LOAD: usize = 4;
 
 /// How an octree keeps its triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,7 +87,7 @@ impl<T: Scalar> Octree<T> {
             Layout::Wide => Cells::Wide(Wide::new(mesh)),
             Layout::Classic => Cells::Classic(Classic::new(mesh)),
         };
-        Self { topology: Arc::clone(mesh.shared_topology()), stamp: mesh.stamp(), cells }
+        Self { topology: Arc::clone(mesh.shared_topology()), stamp: mesh.stamp(), cells, standing: Arc::default() }
     }
 
     /// Follows the mesh to its present positions; memory is reused.
@@ -110,17 +117,22 @@ impl<T: Scalar> Octree<T> {
     }
 
     /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and
-    /// rays there take longer. `tiles` is room for a list.
+    /// rays there take longer. Nothing is where triangles are joined to patches of an area, so that tiles outnumber rays.
+    /// `tiles` is room for a list.
     pub(crate) fn update_in(
         &mut self,
         mesh: &Mesh<T>,
         regions: impl Iterator<Item = Aabb<T>>,
+        patch_area: Option<T>,
         tiles: &mut Vec<u32>,
     ) -> Result<(), OctreeError> {
         self.update_boxes(mesh)?;
-        if let Cells::Wide(cells) = &mut self.cells {
+        let standing = patch_area.and_then(|area| Tracer::new(self, mesh).standing(area));
+        let ray_count = standing.map_or(usize::MAX, Standing::len);
+        if let Cells::Wide(cells) = &mut self.cells
+            && ray_count > cells.tile_count() as usize / RAYS_TO_LOAD
+        {
             for region in regions {
-                tiles.clear();
                 cells.tiles_in(&region, tiles);
                 cells.load(mesh, Some(tiles));
             }
@@ -139,7 +151,7 @@ impl<T: Scalar> Octree<T> {
         if self.stamp != mesh.stamp() {
             return Err(OctreeError::Stale);
         }
-        Ok(Tracer::new(&self.cells, mesh))
+        Ok(Tracer::new(self, mesh))
     }
 
     /// Checks every promise of the structure against the mesh: all triangles are there, as often as they should be;

@@ -1,5 +1,6 @@
-use super::Cells;
+use super::standing::StandingByLevel;
 use super::wide::{Candidates, PacketHits};
+use super::{Cells, Octree};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, dispatch};
 use crate::mesh::Mesh;
 use crate::ray::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
@@ -9,13 +10,14 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, T: Scalar> {
     pub(super) cells: &'a Cells<T>,
+    pub(super) standing: &'a StandingByLevel,
     mesh: &'a Mesh<T>,
     test: TriangleTest,
 }
 
 impl<'a, T: Scalar> Tracer<'a, T> {
-    pub(super) fn new(cells: &'a Cells<T>, mesh: &'a Mesh<T>) -> Self {
-        Self { cells, mesh, test: TriangleTest::default() }
+    pub(super) fn new(octree: &'a Octree<T>, mesh: &'a Mesh<T>) -> Self {
+        Self { cells: &octree.cells, standing: &octree.standing, mesh, test: TriangleTest::default() }
     }
 
     /// The same, deciding with another triangle test.

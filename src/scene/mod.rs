@@ -293,7 +293,7 @@ impl<T: Scalar> Body<T> {
         let mut others = others.peekable();
         if others.peek().is_some() {
             let regions = others.map(|other| overlap_region(mesh.aabb(), other).1);
-            octree.update_in(mesh, regions, tiles).expect("a body keeps its own octree");
+            octree.update_in(mesh, regions, options.sampling.patch_area(), tiles).expect("a body keeps its own octree");
         }
     }
 }

@@ -18,5 +18,6 @@ mod pair_memory;
 mod response;
 mod self_and_others;
 mod self_collision;
+mod tolerance;
 mod underflow;
 mod winding;

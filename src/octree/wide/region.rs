@@ -41,7 +41,9 @@ impl<T: Scalar> Kernel<T> for TilesInRegion<'_, T> {
 }
 
 impl<T: Scalar> Wide<T> {
+    /// The tiles that may have something in the region, in ascending order, into `tiles`, which is cleared first.
     pub(in crate::octree) fn tiles_in(&self, region: &Aabb<T>, tiles: &mut Vec<u32>) {
+        tiles.clear();
         crate::math::dispatch::<T, _>(TilesInRegion { cells: self, region, tiles });
         debug_assert!(tiles.is_sorted());
     }
@@ -68,6 +70,10 @@ impl<T: Scalar> Wide<T> {
             left &= left - 1;
         }
         count
+    }
+
+    pub(in crate::octree) fn tile_count(&self) -> u32 {
+        self.tiles.len() as u32
     }
 
     pub(in crate::octree) fn triangles_of(&self, tile: u32) -> &[u32] {
