@@ -36,8 +36,11 @@ double momentum_share(const std::vector<btSoftBody*>& bodies) {
   return motion > 0 ? double(momentum.length()) / motion : 0;
 }
 
-void parts(const char* scene, const bullet::Cage& first, const bullet::Cage& second, std::size_t least_contacts) {
+// Gives the number of contacts at the start.
+std::size_t parts(const char* scene, const bullet::Cage& first, const bullet::Cage& second, std::size_t least_contacts,
+                  double force_tolerance = 0) {
   bullet::ContactOptions options;
+  options.force_tolerance = force_tolerance;
   options.stiffness = bullet::suggested_stiffness(youngs_modulus, first.cell_edge);
   demo::SoftWorld world(youngs_modulus, poisson_ratio, options);
   const std::vector<btSoftBody*> bodies{&world.add(first, 1), &world.add(second, 1)};
@@ -58,6 +61,7 @@ void parts(const char* scene, const bullet::Cage& first, const bullet::Cage& sec
   expect(world.contact().contact_count() == 0, scene, "no contact after 100 steps");
   expect(inverted == 0, scene, "no tetrahedron is inverted");
   expect(share < 0.01, scene, "momentum is kept");
+  return contacts_at_start;
 }
 
 void skins_in_cages() {
@@ -65,6 +69,16 @@ void skins_in_cages() {
   demo::move(second, {0.25, 0.1, 0.3});
   parts("skins in cages", bullet::make_cage(first.positions, first.triangles, {6, 5, 2}),
         bullet::make_cage(second.positions, second.triangles, {6, 5, 2}), 100);
+}
+
+void fine_skins_with_few_rays() {
+  demo::Surface first = demo::torus(96, 48), second = first;
+  demo::move(second, {0.9, 0.2, 0.3});
+  const bullet::Cage cages[] = {bullet::make_cage(first.positions, first.triangles, {6, 5, 2}),
+                                bullet::make_cage(second.positions, second.triangles, {6, 5, 2})};
+  const std::size_t all = parts("fine skins", cages[0], cages[1], 1000);
+  const std::size_t few = parts("fine skins, few rays", cages[0], cages[1], 50, 0.1);
+  expect(few * 2 < all, "fine skins, few rays", "half of the contacts is enough");
 }
 
 // Lattices of tetrahedra with their own boundary as the collision surface.
@@ -92,6 +106,7 @@ void own_faces() {
 int main() {
   std::printf("Bullet in %s precision\n", bullet::double_precision ? "double" : "float");
   skins_in_cages();
+  fine_skins_with_few_rays();
   own_faces();
   return failures == 0 ? 0 : 1;
 }

@@ -239,6 +239,9 @@ void bad_bodies() {
   options.damping_time = 0;
   options.depth_cap = 0;
   expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "depth_cap");
+  options.depth_cap = 1;
+  options.force_tolerance = -0.1;
+  expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "force_tolerance");
 
   const bullet::Cage cage = torus_at(0, 0, 0);
   demo::SoftWorld world(2000, 0.3, contact_for(cage));

@@ -38,7 +38,8 @@ struct Body {
 std::vector<Body> make_bodies(const Options& options) {
   std::vector<Body> bodies(2);
   if (options.surfaces.empty()) {
-    for (Body& body : bodies) body.surface = demo::torus();
+    const auto around = static_cast<uint32_t>(options.around);
+    for (Body& body : bodies) body.surface = demo::torus(around, around / 2);
     demo::move(bodies[1].surface, {{0.25, 0.1, 0.3}});
     // 6 x 5 x 2 nodes for each torus, as in the paper; the torus is flat along y.
     for (Body& body : bodies) body.cage = rb::make_cage(body.surface.positions, body.surface.triangles, {{5, 1, 4}});
@@ -102,7 +103,7 @@ struct Result {
   int steps = 0;           // until no vertex was inside any more
   int steps_in_all = 0;
   int inverted_start = 0, inverted = 0, inverted_most = 0;
-  double detect_ms = 0, step_ms = 0;  // medians over the steps with contact
+  double detect_ms = 0, solve_ms = 0, step_ms = 0, contacts = 0;  // medians over the steps with contact
 
   double percent(std::size_t count) const { return 100.0 * static_cast<double>(count) / static_cast<double>(vertices); }
 };
@@ -114,7 +115,7 @@ Result run(const Options& options, std::vector<Body>& bodies, demo::SoftWorld& w
   result.inverted_start = result.inverted = inverted_tetrahedra(bodies);
   series.add(0, frame(bodies));
 
-  std::vector<double> detect_ms, step_ms;
+  std::vector<double> detect_ms, solve_ms, step_ms, contact_counts;
   const demo::ProgressBar progress;
   const int most = static_cast<int>(options.steps), every = static_cast<int>(options.every);
   const int rest = static_cast<int>(std::max(5.0, 0.5 / options.dt));  // must stay apart so long
@@ -126,7 +127,9 @@ Result run(const Options& options, std::vector<Body>& bodies, demo::SoftWorld& w
     const std::size_t contacts = world.contact().contact_count();
     if (contacts > 0) {
       detect_ms.push_back(world.contact().last_detection_ms());
+      solve_ms.push_back(ms - detect_ms.back());
       step_ms.push_back(ms);
+      contact_counts.push_back(static_cast<double>(contacts));
     }
     if (step == 0) result.contacts_start = contacts;
     result.contacts_end = contacts;
@@ -148,7 +151,9 @@ Result run(const Options& options, std::vector<Body>& bodies, demo::SoftWorld& w
   result.steps_in_all = step;
   result.inside_end = inside;
   result.detect_ms = median(detect_ms);
+  result.solve_ms = median(solve_ms);
   result.step_ms = median(step_ms);
+  result.contacts = median(contact_counts);
   return result;
 }
 
@@ -181,7 +186,8 @@ int simulate(const Options& options) {
   contact.stiffness = rb::suggested_stiffness(options.youngs_modulus, edge, options.stiffness);
   contact.damping_time = options.damping;
   contact.depth_cap = options.depth_cap * edge;
-  contact.sample_spacing = 0;  // the skins are much finer than the cages: their vertices are enough
+  contact.sample_spacing = options.spacing;  // the skins are much finer than the cages: their vertices are enough
+  contact.force_tolerance = options.tolerance;
   contact.threads = static_cast<uint32_t>(options.threads);
 
   demo::SoftWorld world(options.youngs_modulus, 0.3, contact);
@@ -190,6 +196,8 @@ int simulate(const Options& options) {
   const Result result = run(options, bodies, world, series);
   print_table(options, bodies, result, contact.stiffness, series);
   const bool separated = result.inside_end == 0;
+  std::printf("medians over the steps with contact: %g contacts, %.2f ms of detection, %.2f ms of the rest of a step\n",
+              result.contacts, result.detect_ms, result.solve_ms);
   std::printf("%s inside_start=%.1f%% inside_end=%.1f%% steps=%d inverted=%d detect_ms=%.2f step_ms=%.2f\n",
               separated ? "separated" : "not separated", result.percent(result.inside_start),
               result.percent(result.inside_end), result.steps, result.inverted, result.detect_ms, result.step_ms);

@@ -23,6 +23,9 @@ struct Options {
   double youngs_modulus = 2000;  // Pa
   double density = 30;       // kg/m^3
   double cells = 5;          // along the longest side
+  double around = 40;        // quads around each torus
+  double spacing = 0;        // of the rays, m; 0 = at the vertices, -1 = automatic
+  double tolerance = 0;      // of the net force; 0 = no triangles are joined
   double threads = 1;
   double every = 2;          // steps between frames
   bool help = false;
@@ -44,6 +47,9 @@ inline const char* usage() {
          "  --young PASCAL        Young's modulus E of both bodies (2000)\n"
          "  --density KG_PER_M3   (30)\n"
          "  --cells N             cage cells along the longest side of an .obj surface (5)\n"
+         "  --around N            quads around each torus, half as many across (40)\n"
+         "  --spacing METRES      of the rays; 0 = at the vertices of the skins, -1 = automatic (0)\n"
+         "  --tolerance PART      of the net force, with --spacing -1: as few rays as that allows; 0 = all (0)\n"
          "  --threads N           for detection; 0 = one for each core (1)\n"
          "  --help                this text\n"
          "\n"
@@ -78,6 +84,8 @@ inline Options parse_options(int argc, char** argv) {
       {"--damping", {&options.damping, false, 0}},  {"--depth-cap", {&options.depth_cap, false, tiny}},
       {"--young", {&options.youngs_modulus, false, tiny}}, {"--density", {&options.density, false, tiny}},
       {"--cells", {&options.cells, true, 1}},       {"--threads", {&options.threads, true, 0}},
+      {"--around", {&options.around, true, 6}},     {"--spacing", {&options.spacing, false, -1}},
+      {"--tolerance", {&options.tolerance, false, 0}},
   };
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];

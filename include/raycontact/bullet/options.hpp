@@ -48,6 +48,9 @@ struct ContactOptions {
   double depth_cap = std::numeric_limits<double>::infinity();
   /// m; where rays start: 0 = at each vertex of the skins, the least that a skin finer than its cage needs.
   double sample_spacing = RAYC_SPACING_AUTOMATIC;
+  /// 0 to 1; with RAYC_SPACING_AUTOMATIC, as few rays as keep each pair's net force within that part of itself, and so
+  /// as few rows for the solver; 0 = all rays. See rayc_detection_options.
+  double force_tolerance = 0;
   /// Detect where the bodies will be at the end of the step if nothing stops them, so that an impact is met in the step
   /// in which it happens; false: where they are at its start, as in the paper.
   bool look_ahead = true;
@@ -90,6 +93,7 @@ inline void check_options(const ContactOptions& options) {
   at_least_zero("stiffness", options.stiffness);
   at_least_zero("damping_time", options.damping_time);
   at_least_zero("friction", options.friction);
+  at_least_zero("force_tolerance", options.force_tolerance);
   if (!(options.friction_speed > 0)) refuse("friction_speed", options.friction_speed, "above 0");
   if (!(options.depth_cap > 0)) refuse("depth_cap", options.depth_cap, "above 0");
 }

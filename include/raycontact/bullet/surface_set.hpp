@@ -49,6 +49,7 @@ class SurfaceSet {
     rayc_detection_options detection{};
     check(rayc_default_detection_options(sizeof detection, &detection));
     detection.sample_spacing = options.sample_spacing;
+    detection.force_tolerance = options.force_tolerance;
     detection.edges = options.edges ? 1 : 0;
     detection.escape = options.escape ? 1 : 0;
     check(rayc_scene_set_detection_options(scene_.get(), &detection));
