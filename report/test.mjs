@@ -105,17 +105,33 @@ try {
     assert.notEqual(await shot(), before);
   });
   const folder = process.argv[2];
-  if (folder) {
-    await page.screenshot({ path: join(folder, "page_light.png"), fullPage: true });
-    await page.screenshot({ path: join(folder, "top_light.png") });
-  }
+  const shoot = async (name, height) => {
+    if (!folder) return;
+    await page.evaluate(() => document.activeElement.blur());
+    const { width } = page.viewport();
+    await page.screenshot({ path: join(folder, `${name}.png`), clip: { x: 0, y: 0, width, height } });
+    await page.screenshot({ path: join(folder, `${name}_whole.png`), fullPage: true });
+  };
+  await shoot("report_light", 1700);
   await check("dark and light differ", async () => {
     const colour = () => page.$eval("body", (body) => getComputedStyle(body).backgroundColor);
     const before = await colour();
     await page.focus("#theme");
     await page.keyboard.press("Enter");
     assert.notEqual(await colour(), before);
-    if (folder) await page.screenshot({ path: join(folder, "page_dark.png"), fullPage: true });
+    await shoot("report_dark", 1700);
+    await page.focus("#theme");
+    await page.keyboard.press("Enter");
+  });
+  await check("on a narrow screen nothing runs out of the page, and charts are drawn anew", async () => {
+    await page.setViewport({ width: 390, height: 844 });
+    await page.waitForFunction(() => {
+      const wide = [...document.querySelectorAll(".plot svg")].filter((svg) => !svg.closest("#stability"));
+      return wide.every((svg) => svg.getBoundingClientRect().right <= innerWidth);
+    });
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+    assert((await count("choose")) > 50);
+    await shoot("report_narrow", 1700);
   });
   await check("nothing was reported on the console or asked of the network", async () => assert.deepEqual(faults, []));
   console.log(`${passed} passed, 0 failed`);

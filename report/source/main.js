@@ -1,6 +1,6 @@
 // The page: charts, tables and the player, from the data in the page itself.
 import * as plots from "./plots.js";
-import { code, front, isDefault, measures } from "./settings.js";
+import { code, front, isDefault, measures, short } from "./settings.js";
 import { start } from "./player.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -31,7 +31,7 @@ async function copy(row) {
 function frontTable(rows, measure) {
   const table = at("front");
   const head = element("tr");
-  for (const name of ["× floor", "force error", "recall", "direction", "contacts", "setting", ""]) {
+  for (const name of ["setting", "× floor", "force error", "contacts", "recall", "direction", ""]) {
     head.append(element("th", name));
   }
   const shown = front(rows, measure);
@@ -39,10 +39,11 @@ function frontTable(rows, measure) {
   const percent = (part) => (part === null ? "–" : `${(part * 100).toFixed(2)} %`);
   const lines = shown.map((row) => {
     const line = element("tr");
-    const numbers = [row.time_floor_multiple.toFixed(1), percent(row.force_error), percent(row.recall),
-      `${row.direction_error.toFixed(3)}°`, row.contacts];
-    for (const number of numbers) line.append(element("td", number, "number"));
-    line.append(element("td", `${row.method} ${row.settings}${isDefault(row) ? " (default)" : ""}`));
+    const numbers = [row.time_floor_multiple.toFixed(1), percent(row.force_error), row.contacts, percent(row.recall),
+      `${row.direction_error.toFixed(3)}°`];
+    const setting = element("td", `${short(row)}${isDefault(row) ? " (default)" : ""}`);
+    setting.title = `${row.method} ${row.settings}`;
+    line.append(setting, ...numbers.map((number) => element("td", number, "number")));
     const button = element("button", "Copy C");
     button.type = "button";
     button.addEventListener("click", () => copy(row));
@@ -61,7 +62,7 @@ function choose() {
   }
   const rows = data.chart.filter((row) => row.scene === at("scene").value);
   const measure = measures.find((measure) => measure.key === at("measure").value);
-  const plot = plots.show("choose", rows, (rows) => plots.speedAndAccuracy(rows, measure));
+  const plot = plots.show("choose", rows, (rows, width) => plots.speedAndAccuracy(rows, measure, width));
   // The row under the pointer is the plot's value; pressing holds it or lets it go.
   let pointed = null;
   plot.addEventListener("input", () => (pointed = plot.value ?? pointed));
@@ -101,6 +102,7 @@ function stability() {
 fill(at("scene"), [...new Set((data.chart ?? []).map((row) => row.scene))].map((scene) => [scene, scene]));
 fill(at("measure"), measures.map((measure) => [measure.key, measure.name]));
 fill(at("map-scene"), [...new Set((data.stability ?? []).map((row) => row.scene))].map((s) => [s, s.replaceAll("_", " ")]));
+if (data.stability?.some((row) => row.scene === "two_tori")) at("map-scene").value = "two_tori";
 for (const id of ["scene", "measure"]) at(id).addEventListener("change", choose);
 at("map-scene").addEventListener("change", stability);
 at("theme").addEventListener("click", () => {
@@ -108,11 +110,21 @@ at("theme").addEventListener("click", () => {
   const isDark = (root.dataset.theme ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light")) === "dark";
   root.dataset.theme = isDark ? "light" : "dark";
 });
-choose();
+function drawAll() {
+  choose();
+  stability();
+  plots.show("triangles", data.detect, plots.byTriangles);
+  plots.show("bodies", data.detect, plots.byBodies);
+  plots.show("parallel", data.detect, plots.parallel);
+  plots.show("figure8", data.figure8, plots.figure8);
+}
+
 start(data.recording);
-stability();
 failures();
-plots.show("triangles", data.detect, plots.byTriangles);
-plots.show("bodies", data.detect, plots.byBodies);
-plots.show("parallel", data.detect, plots.parallel);
-plots.show("figure8", data.figure8, plots.figure8);
+let width = 0;
+new ResizeObserver(([{ contentRect }]) => {
+  if (contentRect.width === width) return;
+  width = contentRect.width;
+  drawAll();
+}).observe(document.querySelector("main"));
+drawAll();

@@ -161,6 +161,7 @@ export function start(recording) {
     return;
   }
   at("frame").max = player.count - 1;
+  at("deepest").textContent = `${player.deepest.toFixed(2)} m`;
   const show = (frame) => {
     player.show(frame);
     at("frame").value = frame;

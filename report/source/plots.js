@@ -1,38 +1,50 @@
 // The charts, drawn with Observable Plot from the rows.
 import * as Plot from "@observablehq/plot";
-import { families, family, front, isDefault } from "./settings.js";
+import { families, family, front, isDefault, short } from "./settings.js";
 
 const style = { background: "transparent", fontSize: "13px" };
 
-/** Puts a chart in its place, or says that there is nothing to draw. */
+/** Puts a chart in its place, as wide as that, or says that there is nothing to draw. */
 export function show(name, rows, draw) {
   const place = document.querySelector(`[data-plot="${name}"]`);
   if (!rows || rows.length === 0) {
     place.innerHTML = '<p class="absent">Not measured.</p>';
     return null;
   }
-  const plot = draw(rows);
+  const plot = draw(rows, Math.max(place.clientWidth, 300));
   plot.setAttribute("aria-label", place.closest("section").querySelector("h2").textContent);
   place.replaceChildren(plot);
   return plot;
 }
 
-export function speedAndAccuracy(rows, measure) {
+export function speedAndAccuracy(rows, measure, width) {
   const known = rows.filter((row) => measure.of(row) !== null);
   // Nothing wrong at all has no place on a logarithmic axis: it stands at the lower end.
   const error = (row) => Math.max(measure.of(row), measure.least);
   const x = "time_floor_multiple";
+  const best = front(known, measure);
+  // One line of text for each height, first that of the default.
+  const heights = known.map((row) => Math.log(error(row)));
+  const line = 0.035 * (Math.max(...heights) - Math.min(...heights));
+  const written = known.filter(isDefault).map((row) => Math.log(error(row)));
+  const labelled = best.filter((row) => {
+    const height = Math.log(error(row));
+    return written.every((other) => Math.abs(other - height) > line) && written.push(height);
+  });
+  // Below and to the left of the front there is no point.
+  const beside = { textAnchor: "end", dx: -9, dy: 9, fill: "currentColor", fontSize: 12 };
   const title = (row) => `${row.method}\n${row.settings.replaceAll(" ", "\n")}\n${figures(row)}`;
   return Plot.plot({
-    style, width: 960, height: 520, marginLeft: 60, grid: true,
-    x: { type: "log", label: "time of a step, times the floor's →", tickFormat: "~g" },
+    style, width, height: 540, marginLeft: 60, marginBottom: 48, marginRight: 30, insetLeft: Math.min(110, width / 6), insetBottom: 16, grid: true,
+    x: { type: "log", label: "time of a step, times the floor's →", labelOffset: 42, tickFormat: "~g" },
     y: { type: "log", label: `↑ ${measure.unit}`, tickFormat: "~g" },
     color: { legend: true, domain: families.map((f) => f.name), range: families.map((f) => f.colour) },
     marks: [
-      Plot.line(front(known, measure), { x, y: error, stroke: "currentColor", strokeOpacity: 0.5 }),
+      Plot.line(best, { x, y: error, stroke: "currentColor", strokeOpacity: 0.5 }),
       Plot.dot(known, { x, y: error, fill: family, r: 5, fillOpacity: 0.75, className: "points" }),
       Plot.dot(known.filter(isDefault), { x, y: error, r: 10, stroke: "currentColor", strokeWidth: 2 }),
-      Plot.text(known.filter(isDefault), { x, y: error, text: () => "default", dy: -18, fill: "currentColor" }),
+      Plot.text(labelled, { x, y: error, text: short, ...beside }),
+      Plot.text(known.filter(isDefault), { x, y: error, text: () => "default", ...beside, dx: -14, fontWeight: "bold" }),
       Plot.tip(known, Plot.pointer({ x, y: error, title, maxRadius: 30 })),
     ],
   });
@@ -48,17 +60,25 @@ export function figures(row) {
 const verdicts = ["ok", "unfinished", "overlapping", "passed_through", "inverted", "exploded"];
 const verdictColours = ["#3a9d5d", "#c9b037", "#e08a2c", "#b05fb5", "#7a5c3e", "#c22f3c"];
 
-export function stability(rows) {
+/** As the scenes call them, and as people do. */
+const contactMethods = {
+  ours: "raycontact", paper: "the paper's mode", classic: "raycontact, classic", vf_dd_implicit: "Bullet VF, implicit",
+  vf_dd_explicit: "Bullet VF, explicit", vf_ss: "Bullet VF, classic", cl_ss: "Bullet CL, classic",
+};
+
+export function stability(rows, width) {
   const known = [...new Set([...verdicts, ...rows.map((row) => row.verdict)])];
   return Plot.plot({
-    style, width: 960, height: 420, marginLeft: 80, marginBottom: 50, padding: 0.06,
-    x: { label: "time step, s", type: "band" },
-    y: { label: "stiffness", type: "band", reverse: true },
-    fx: { label: null },
-    color: { legend: true, domain: known, range: known.map((_, i) => verdictColours[i] ?? "#888888") },
+    style, width: Math.max(width, 640), height: 400, marginLeft: 140, marginTop: 40, marginBottom: 70, padding: 0.06,
+    x: { label: "time step, s", type: "band", tickRotate: -45, labelOffset: 60 },
+    y: { label: null, type: "band", domain: Object.keys(contactMethods), tickFormat: (method) => contactMethods[method] },
+    fx: { label: "stiffness of the contact, N/m for each vertex" },
+    color: { legend: true, domain: known, range: known.map((_, i) => verdictColours[i] ?? "#888888"),
+      tickFormat: (verdict) => verdict.replaceAll("_", " ") },
     marks: [
-      Plot.cell(rows, { fx: "method", x: "dt", y: "stiffness", fill: "verdict", className: "points", inset: 0.5 }),
-      Plot.tip(rows, Plot.pointer({ fx: "method", x: "dt", y: "stiffness", title: describe })),
+      Plot.frame({ strokeOpacity: 0.2 }),
+      Plot.cell(rows, { fx: "stiffness", x: "dt", y: "method", fill: "verdict", className: "points", inset: 0.5 }),
+      Plot.tip(rows, Plot.pointer({ fx: "stiffness", x: "dt", y: "method", title: describe })),
     ],
   });
 }
@@ -71,15 +91,22 @@ function label(row) {
   return row.method + (row.precision === "f64" ? " f64" : "") + (row.threads > 1 ? `, ${row.threads} threads` : "");
 }
 
-function growth(rows, size, unit) {
-  const sized = rows.filter((row) => row.threads === 1).map((row) => ({ ...row, size: size(row), label: label(row) }));
+/** Other instructions than the processor's best are left to the tables. */
+const isDrawn = (row) => row.threads === 1 && !/-(avx2|baseline)$/.test(row.method);
+const lineColours = ["#2b7fd4", "#7fb2e5", "#17a398", "#dd4422", "#c2489c", "#ee8833", "#7766cc", "#a3a33a", "#b0703a", "#808890", "#50a050",
+  "#20b8cc"];
+
+function growth(rows, size, unit, width) {
+  const sized = rows.filter(isDrawn).map((row) => ({ ...row, size: size(row), label: label(row) }));
   const known = sized.filter((row) => row.size > 0).sort((a, b) => a.size - b.size);
+  const own = ["raycontact", "raycontact f64", "raycontact-default"];
+  const labels = [...new Set([...own, ...known.map((row) => row.label).sort()])];
   const marks = { x: "size", y: "total_us", stroke: "label" };
   return Plot.plot({
-    style, width: 960, height: 480, marginLeft: 70, marginRight: 150, grid: true,
-    x: { type: "log", label: `${unit} →`, tickFormat: "~s" },
+    style, width, height: 480, marginLeft: 70, marginBottom: 48, marginRight: 30, grid: true,
+    x: { type: "log", label: `${unit} →`, labelOffset: 42, tickFormat: "~s" },
     y: { type: "log", label: "↑ µs per step", tickFormat: "~s" },
-    color: { scheme: "spectral", legend: true },
+    color: { domain: labels, range: labels.map((_, i) => lineColours[i % lineColours.length]), legend: true },
     marks: [
       Plot.line(known, { ...marks, strokeWidth: (row) => (row.label === "raycontact" ? 3 : 1.5) }),
       Plot.dot(known, { ...marks, fill: "label", r: 3, className: "points" }),
@@ -88,22 +115,22 @@ function growth(rows, size, unit) {
   });
 }
 
-export function byTriangles(rows) {
+export function byTriangles(rows, width) {
   const isPair = (row) => row.workload.startsWith("pair") || row.workload === "stack2";
-  return growth(rows, (row) => (isPair(row) ? row.triangles / 2 : 0), "triangles of each of two bodies");
+  return growth(rows, (row) => (isPair(row) ? row.triangles / 2 : 0), "triangles of each of two bodies", width);
 }
 
-export function byBodies(rows) {
-  return growth(rows, (row) => Number(/^stack(\d+)$/.exec(row.workload)?.[1] ?? 0), "bodies of 1600 triangles");
+export function byBodies(rows, width) {
+  return growth(rows, (row) => Number(/^stack(\d+)$/.exec(row.workload)?.[1] ?? 0), "bodies of 1600 triangles", width);
 }
 
-export function parallel(rows) {
+export function parallel(rows, width) {
   const of = (row, threads) => rows.find((other) => other.workload === row.workload && other.method === row.method &&
     other.precision === row.precision && other.threads === threads);
   const pairs = rows.filter((row) => row.threads === 2 && of(row, 1))
     .map((row) => ({ workload: row.workload, method: row.method, speedup: of(row, 1).total_us / row.total_us }));
   return Plot.plot({
-    style, width: 960, height: 340, marginBottom: 60,
+    style, width, height: 340, marginBottom: 60,
     x: { axis: null }, y: { label: "↑ times as fast as one thread", grid: true, domain: [0, 2.1] },
     fx: { label: null, tickRotate: -25 },
     color: { legend: true, scheme: "tableau10" },
@@ -115,12 +142,12 @@ export function parallel(rows) {
   });
 }
 
-export function figure8(rows) {
+export function figure8(rows, width) {
   const known = rows.map((row) => ({ ...row, percent: row.worst * 100 }));
   const marks = { x: "sides", y: "percent", stroke: "mode" };
   return Plot.plot({
-    style, width: 960, height: 400, marginLeft: 60, grid: true,
-    x: { type: "log", label: "sides of the cylinder →", tickFormat: "~g", ticks: [10, 20, 50, 100, 150] },
+    style, width, height: 400, marginLeft: 60, marginBottom: 48, marginRight: 30, grid: true,
+    x: { type: "log", label: "sides of the cylinder →", labelOffset: 42, tickFormat: "~g", ticks: [10, 20, 50, 100, 150] },
     y: { type: "log", label: "↑ tangential / normal force, %", tickFormat: "~g" },
     color: { legend: true, scheme: "tableau10" },
     marks: [

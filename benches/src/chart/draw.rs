@@ -3,6 +3,7 @@
 use super::row::{Measure, Row, front};
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
 
 type Failure = Box<dyn std::error::Error>;
@@ -83,7 +84,11 @@ fn panel(rows: &[&Row], measure: Measure, name: &str, unit: &str, area: &Area) -
         .margin(8)
         .x_label_area_size(36)
         .y_label_area_size(52)
-        .build_cartesian_2d((left / 1.3..right * 1.3).log_scale(), (low / 1.5..high * 1.5).log_scale())?;
+        // Room for what is written to the left of the front.
+        .build_cartesian_2d(
+            (left / (right / left).powf(0.4)..right * 1.3).log_scale(),
+            (low / 1.5..high * 1.5).log_scale(),
+        )?;
     let number = |x: &f64| format!("{x}");
     chart
         .configure_mesh()
@@ -97,12 +102,24 @@ fn panel(rows: &[&Row], measure: Measure, name: &str, unit: &str, area: &Area) -
         .draw()?;
     let best = front(rows, measure);
     chart.draw_series(LineSeries::new(best.iter().filter_map(|row| point(row)), BLACK.mix(0.5).stroke_width(2)))?;
+    let beside = |size: i32| ("sans-serif", size).into_text_style(area).pos(Pos::new(HPos::Right, VPos::Top));
+    // One line of text for each height, first that of the default.
+    let line = (high / low * 2.25).powf(0.045);
+    let mut written: Vec<f64> =
+        rows.iter().filter(|row| row.is_default()).filter_map(|row| Some(point(row)?.1)).collect();
+    for row in best.iter().filter(|row| !row.is_default()) {
+        let Some((x, y)) = point(row) else { continue };
+        if written.iter().all(|other| y * line < *other || *other * line < y) {
+            written.push(y);
+            chart.draw_series([Text::new(row.short(), (x / 1.12, y / 1.05), beside(10))])?;
+        }
+    }
     for row in rows {
         let Some(place) = point(row) else { continue };
         chart.draw_series([Circle::new(place, 4, colour(row).mix(0.75).filled())])?;
         if row.is_default() {
             chart.draw_series([Circle::new(place, 8, BLACK.stroke_width(2))])?;
-            chart.draw_series([Text::new("default", (place.0 * 1.15, place.1 * 1.15), ("sans-serif", 12))])?;
+            chart.draw_series([Text::new("default", (place.0 / 1.25, place.1 / 1.05), beside(12))])?;
         }
     }
     Ok(())

@@ -46,21 +46,56 @@ impl Row {
     pub fn is_default(&self) -> bool {
         self.method == "raycontact" && self.settings == DEFAULT
     }
+
+    /// The settings in a few words: what is not said is as in the defaults.
+    pub fn short(&self) -> String {
+        let value = |name: &str| {
+            let mut pairs = self.settings.split(' ').filter_map(|pair| pair.split_once('='));
+            pairs.find(|(found, _)| *found == name).map_or("", |(_, value)| value)
+        };
+        let mut words = match self.method.as_str() {
+            "raycontact" => vec![value("sampling").replace(':', " ")],
+            "paper" => vec!["the paper's mode".to_owned()],
+            other => return other.to_owned(),
+        };
+        let also = [
+            ("precision", "f64", "f64"),
+            ("layout", "classic", "classic"),
+            ("edges", "off", "no edges"),
+            ("weights", "paper", "paper's weights"),
+        ];
+        // The paper's mode knows no edges and no other weights.
+        let known = if self.method == "paper" { &also[..2] } else { &also[..] };
+        words.extend(known.iter().filter(|(name, other, _)| value(name) == *other).map(|also| also.2.to_owned()));
+        words.join(", ")
+    }
 }
 
-/// The rows that none beats in time without being worse, by time.
+/// Errors that differ by less than a hundredth are alike, and so are times by less than three.
+const ALIKE: [f64; 2] = [0.99, 1.03];
+
+/// The rows that none beats in time without being worse, by time. Of rows alike in both, that with the fewest words.
 pub fn front<'a>(rows: &[&'a Row], measure: Measure) -> Vec<&'a Row> {
     let mut by_time: Vec<_> = rows.iter().filter_map(|row| Some((*row, measure.of(row)?))).collect();
     let time = |row: &Row| row.time_floor_multiple;
     by_time.sort_by(|(a, x), (b, y)| time(a).total_cmp(&time(b)).then(x.total_cmp(y)));
-    let mut best = f64::INFINITY;
-    by_time.retain(|(_, value)| {
-        *value < best && {
-            best = *value;
-            true
+    let mut best: Vec<(&Row, f64)> = Vec::new();
+    for (row, value) in by_time {
+        let Some(&(last, last_value)) = best.last() else {
+            best.push((row, value));
+            continue;
+        };
+        let is_as_fast = time(row) <= time(last) * ALIKE[1];
+        let is_better = value < last_value * ALIKE[0];
+        let is_simpler = value * ALIKE[0] <= last_value && row.short().len() < last.short().len();
+        if is_as_fast && (is_better || is_simpler) {
+            best.pop();
         }
-    });
-    by_time.into_iter().map(|(row, _)| row).collect()
+        if is_better || (is_as_fast && is_simpler) {
+            best.push((row, value));
+        }
+    }
+    best.into_iter().map(|(row, _)| row).collect()
 }
 
 pub fn read(path: &Path) -> Result<Vec<Row>, String> {
@@ -83,6 +118,14 @@ mod tests {
             direction_error: error,
             contacts: 0,
         }
+    }
+
+    #[test]
+    fn settings_in_short_say_what_is_not_as_in_the_defaults() {
+        let short = |settings: &str| Row { settings: settings.to_owned(), ..row(1.0, 1.0) }.short();
+        assert_eq!(short(DEFAULT), "automatic");
+        let other = "sampling=spacing:0.1 precision=f64 layout=classic edges=off weights=paper";
+        assert_eq!(short(other), "spacing 0.1, f64, classic, no edges, paper's weights");
     }
 
     #[test]
