@@ -27,7 +27,6 @@ bullet::ContactOptions stiff_contact(double friction = 0) {
   bullet::ContactOptions options;
   options.stiffness = 1e5;
   options.friction = friction;
-  options.friction_speed = 1e-3;
   return options;
 }
 
@@ -162,6 +161,56 @@ void friction_on_a_slope() {
   }
 }
 
+double farthest(const btSoftBody& body, const std::vector<btVector3>& from) {
+  double way = 0;
+  for (int n = 0; n < body.m_nodes.size(); ++n)
+    way = std::max(way, double((body.m_nodes[n].m_x - from[std::size_t(n)]).length()));
+  return way;
+}
+
+std::vector<btVector3> places(const btSoftBody& body) {
+  std::vector<btVector3> x;
+  for (int n = 0; n < body.m_nodes.size(); ++n) x.push_back(body.m_nodes[n].m_x);
+  return x;
+}
+
+// Friction that holds does so for ever: two cubes, one on the other on a slope, and a static hull below or a
+// half-space.
+void no_creep_on_a_slope() {
+  const double angle = 0.3, g = 10;
+  btBoxShape slab(btVector3(3, btScalar(0.5), 3));
+  for (const bool has_hull : {false, true}) {
+    const char* test = has_hull ? "no creep on a hull" : "no creep on a half-space";
+    bullet::ContactOptions options = stiff_contact(0.6);
+    options.stiffness = 3e5;
+    options.sample_spacing = 0.3;
+    demo::SoftWorld world(1e5, 0.3, options,
+                          btVector3(btScalar(g * std::sin(angle)), btScalar(-g * std::cos(angle)), 0));
+    btSoftBody* bodies[2] = {&world.add(cube_at(-0.5, 0, -0.5), 3), &world.add(cube_at(-0.4, 1, -0.45), 3)};
+    std::unique_ptr<btRigidBody> support;
+    if (has_hull) {
+      support = rigid(slab, 0, btVector3(0, btScalar(-0.5), 0));
+      world.world().addRigidBody(support.get(), 0, 0);
+      world.contact().add_rigid_body(*support);
+    } else {
+      world.contact().add_half_space({btVector3(0, 1, 0), 0, btScalar(3e5)});
+    }
+    for (int step = 0; step < 150; ++step) world.step(0.02);
+    const std::vector<btVector3> settled[2] = {places(*bodies[0]), places(*bodies[1])};
+    for (int step = 0; step < 300; ++step) world.step(0.02);
+    for (std::size_t b = 0; b < 2; ++b)
+      expect(farthest(*bodies[b], settled[b]) < 5e-6, test,
+             "way in 300 steps at rest: " + std::to_string(farthest(*bodies[b], settled[b])));
+    const btVector3 force = world.contact().pair_force(*bodies[1], *bodies[0]);
+    expect_near(double(force.x()), -3 * g * std::sin(angle), 0.1, test, "friction carries the upper cube's pull");
+    expect_near(double(force.y()), 3 * g * std::cos(angle), 0.1, test, "the lower cube carries its weight");
+    if (support) {
+      world.contact().remove_rigid_body(*support);
+      world.world().removeRigidBody(support.get());
+    }
+  }
+}
+
 void bad_rigid_bodies() {
   const char* test = "bad rigid bodies";
   demo::SoftWorld world(2e4, 0.3, stiff_contact());
@@ -188,6 +237,7 @@ int main() {
   light_ball_between_cubes();
   static_supports();
   friction_on_a_slope();
+  no_creep_on_a_slope();
   bad_rigid_bodies();
   return failures == 0 ? 0 : 1;
 }

@@ -62,6 +62,17 @@ Motion motion_of(const Engine& engine) {
   return m;
 }
 
+// Of motion and height.
+double energy_of(const Engine& engine, const btVector3& gravity) {
+  double energy = motion_of(engine).energy;
+  for (const btSoftBody* body : engine.bodies())
+    for (int n = 0; n < body->m_nodes.size(); ++n)
+      if (body->m_nodes[n].m_im > 0)
+        for (int a = 0; a < 3; ++a)
+          energy -= double(gravity[a]) * double(body->m_nodes[n].m_x[a]) / double(body->m_nodes[n].m_im);
+  return energy;
+}
+
 double share(const std::vector<std::vector<uint8_t>>& flags) {
   double count = 0, sum = 0;
   for (const auto& body : flags) {
@@ -134,7 +145,22 @@ bool Measurement::observe(const Engine& engine, double dt, double step_ms) {
   if (!result_.is_finite) return false;
   result_.peak_speed = std::max(result_.peak_speed, m.peak_speed);
   motion_most_ = std::max(motion_most_, m.motion);
+  if (scene_.settling_steps > 0 && result_.steps >= scene_.settling_steps) watch_rest(engine);
   return m.peak_speed < 1e3 * scene_.speed_limit;
+}
+
+void Measurement::watch_rest(const Engine& engine) {
+  const Positions now = skin_positions(scene_, engine);
+  const double energy = energy_of(engine, scene_.gravity);
+  if (settled_.empty()) {
+    settled_ = now;
+    energy_settled_ = energy;
+  }
+  for (std::size_t b = 0; b < now.size(); ++b)
+    for (std::size_t i = 0; i < now[b].size(); i += 3)
+      result_.drift = std::max(result_.drift, std::hypot(now[b][i] - settled_[b][i], now[b][i + 1] - settled_[b][i + 1],
+                                                         now[b][i + 2] - settled_[b][i + 2]));
+  result_.energy_gained = std::max(result_.energy_gained, energy - energy_settled_);
 }
 
 Result Measurement::result(const Engine& engine) {
@@ -175,6 +201,8 @@ void Measurement::judge(const Engine& engine) {
     result_.verdict = "overlapping";
   else if (600 * result_.inverted > result_.elements)
     result_.verdict = "inverted";
+  else if (result_.drift > scene_.drift_tolerance)
+    result_.verdict = "drifting";
   else
     result_.verdict = "ok";
 }

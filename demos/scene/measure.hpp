@@ -27,10 +27,12 @@ struct Result {
   double momentum_drift = 0;                // |change of the momentum| / sum of m |v| at its most; NaN where not kept
   int links_kept = 0;
   int steps = 0;
+  double drift = 0;                      // m: the longest way of a skin vertex since the bodies had settled
+  double energy_gained = 0;              // J: of motion and height, at its most since then
   double step_ms = 0, detection_ms = 0;  // medians
   double most_contacts = 0;
   bool is_finite = true, passed_through = false;
-  std::string verdict;  // ok, overlapping, inverted, exploded, passed_through
+  std::string verdict;  // ok, overlapping, inverted, exploded, passed_through, drifting
 };
 
 /** Keeps the running sums while a scene is stepped, and judges it at the end. */
@@ -45,11 +47,12 @@ class Measurement {
 
  private:
   void judge(const Engine& engine);
+  void watch_rest(const Engine& engine);
 
   const Scene& scene_;
-  Positions start_;
+  Positions start_, settled_;
   Result result_;
-  double momentum_start_[3], motion_most_ = 0, time_ = 0;
+  double momentum_start_[3], motion_most_ = 0, time_ = 0, energy_settled_ = 0;
   std::vector<double> step_ms_, detection_ms_;
 };
 

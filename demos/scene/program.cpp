@@ -183,6 +183,9 @@ int run(const Scene& scene, const ProgramOptions& o) {
       "%.2f detection\n",
       scene.name.c_str(), method.c_str(), scene.bodies.size(), r.elements, r.steps, dt, r.most_contacts, r.step_ms,
       r.detection_ms);
+  if (r.steps > scene.settling_steps && scene.settling_steps > 0)
+    std::fprintf(stderr, "since step %d: drift %.2g m, energy gained %.2g J\n", scene.settling_steps, r.drift,
+                 r.energy_gained);
   std::printf("%s,%s,%s,%s,%s,%s,%d,%s,%s,%s,%s,%s\n", scene.name.c_str(), method.c_str(), number(dt).c_str(),
               number(stiffness).c_str(), number(r.inside_start).c_str(), number(r.inside_end).c_str(), r.inverted,
               number(r.peak_speed).c_str(), number(r.energy_end).c_str(), number(r.momentum_drift).c_str(),

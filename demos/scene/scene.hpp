@@ -50,6 +50,11 @@ struct Scene {
   double duration = 5;          // s, unless --steps says otherwise
   double time_step = 0.02;      // s, unless --dt says otherwise
   double speed_limit = 100;     // m/s; faster is an explosion
+  // Where rays start on skins finer than their cages, in cell edges. 0 = at the vertices, right for round bodies; at a
+  // sharp edge a vertex's ray is askew and pushes boxes off their stack.
+  double sample_spacing = 0;
+  int settling_steps = 0;       // after so many nothing may move; 0 = bodies need not come to rest
+  double drift_tolerance = 0;   // m, from then on
   double depth_tolerance = 0;   // m; a vertex no deeper than this inside another body is at rest on it
   double inside_tolerance = 0;  // the share of vertices that may be deeper at the end
   std::function<bool(const State&)> passed_through;  // did a body go where only a passage brings it?

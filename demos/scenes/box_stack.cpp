@@ -17,6 +17,9 @@ int main(int argc, char** argv) {
                              scene.youngs_modulus = 2e4;
                              scene.friction = 0.5;
                              scene.duration = 200;
+                             scene.sample_spacing = 0.4;
+                             scene.settling_steps = 1000;
+                             scene.drift_tolerance = 1e-4;
                              scene.depth_tolerance = 0.05;
                              scene.inside_tolerance = 0.01;
                              scene.passed_through = [](const demo::State& state) {

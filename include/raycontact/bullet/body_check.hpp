@@ -67,8 +67,9 @@ inline void check_body(const btSoftBody& body) {
   if (body.m_tetraScratches.size() < tetra_count || body.m_tetraScratchesTn.size() < tetra_count)
     refuse("m_tetraScratches and m_tetraScratchesTn are shorter than m_tetras; resize both to its size");
   if ((body.m_cfg.collisions & btSoftBody::fCollision::VF_DD) != 0)
-    refuse("m_cfg.collisions has VF_DD, Bullet's own contact between soft bodies; use 0, or SDF_RD | SDF_RDN for rigid "
-           "bodies");
+    refuse(
+        "m_cfg.collisions has VF_DD, Bullet's own contact between soft bodies; use 0, or SDF_RD | SDF_RDN for rigid "
+        "bodies");
   if (body.getActivationState() != DISABLE_DEACTIVATION)
     refuse("it may fall asleep and then ignores forces; call setActivationState(DISABLE_DEACTIVATION)");
 }

@@ -41,8 +41,9 @@ class Lattice {
   Lattice(const std::vector<double>& positions, const std::vector<uint32_t>& triangles, const Cell& cells,
           const std::array<double, 3>& origin, const std::array<double, 3>& edges)
       : positions_(positions), triangles_(triangles), cells_(cells), origin_(origin), edges_(edges) {
-    used_.assign(static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
-                     static_cast<std::size_t>(cells[2]), 0);
+    used_.assign(
+        static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) * static_cast<std::size_t>(cells[2]),
+        0);
     fill_.assign(used_.size(), 0);
     mark_surface();
     mark_inside();
@@ -65,7 +66,9 @@ class Lattice {
  private:
   using Axes = std::array<int, 3>;
 
-  std::size_t number(const Cell& c) const { return static_cast<std::size_t>((c[2] * cells_[1] + c[1]) * cells_[0] + c[0]); }
+  std::size_t number(const Cell& c) const {
+    return static_cast<std::size_t>((c[2] * cells_[1] + c[1]) * cells_[0] + c[0]);
+  }
 
   // Clamped: the surface often lies exactly on the border of the lattice.
   Cell cell_of(const double* x) const {
@@ -123,7 +126,8 @@ class Lattice {
     const int fresh = static_cast<int>(cage.nodes.size());
     node_of_corner_[corner] = fresh;
     btVector3 x(0, 0, 0);
-    for (std::size_t a = 0; a < 3; ++a) x[static_cast<int>(a)] = static_cast<btScalar>(origin_[a] + edges_[a] * corner[a]);
+    for (std::size_t a = 0; a < 3; ++a)
+      x[static_cast<int>(a)] = static_cast<btScalar>(origin_[a] + edges_[a] * corner[a]);
     cage.nodes.push_back(x);
     cage.fill.push_back(0);
     return fresh;
@@ -150,8 +154,10 @@ class Lattice {
       if (!even) std::swap(tetrahedron[1], tetrahedron[2]);
       cage.tetrahedra.push_back(tetrahedron);
       // Exchanging the last two and the first two in turn visits all six orders and flips the parity each time.
-      if (k % 2 == 0) std::swap(order[1], order[2]);
-      else std::swap(order[0], order[1]);
+      if (k % 2 == 0)
+        std::swap(order[1], order[2]);
+      else
+        std::swap(order[0], order[1]);
       even = !even;
     }
     // Cells that the surface barely enters would make nodes so light that the solver does not converge.
@@ -165,8 +171,7 @@ class Lattice {
   SkinPoint carry(const double* x) const {
     const Cell c = cell_of(x);
     std::array<double, 3> local{};
-    for (std::size_t a = 0; a < 3; ++a)
-      local[a] = std::clamp((x[a] - origin_[a]) / edges_[a] - c[a], 0.0, 1.0);
+    for (std::size_t a = 0; a < 3; ++a) local[a] = std::clamp((x[a] - origin_[a]) / edges_[a] - c[a], 0.0, 1.0);
     Axes order{{0, 1, 2}};
     const auto along = [&](int axis) { return local[static_cast<std::size_t>(axis)]; };
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return along(a) > along(b); });
@@ -208,7 +213,8 @@ inline Extent extent(const std::vector<double>& positions) {
 
 }  // namespace detail
 
-/** A cage of `cells` along x, y and z of the surface's box. `positions`: x, y, z packed; `triangles`: closed, outward. */
+/** A cage of `cells` along x, y and z of the surface's box. `positions`: x, y, z packed; `triangles`: closed, outward.
+ */
 inline Cage make_cage(const std::vector<double>& positions, const std::vector<uint32_t>& triangles,
                       const std::array<int, 3>& cells) {
   const detail::Extent box = detail::extent(positions);
@@ -236,16 +242,19 @@ inline Cage make_cage(const std::vector<double>& positions, const std::vector<ui
   return detail::Lattice(positions, triangles, counts, origin, {{edge, edge, edge}}).cage();
 }
 
-/** A soft body made of the cage, with everything Bullet's deformable world needs of one; `mass` in kg, spread by fill. */
+/** A soft body made of the cage, with everything Bullet's deformable world needs of one; `mass` in kg, spread by fill.
+ */
 inline std::unique_ptr<btSoftBody> make_soft_body(btSoftBodyWorldInfo& info, const Cage& cage, btScalar mass) {
-  auto body = std::make_unique<btSoftBody>(&info, static_cast<int>(cage.nodes.size()), cage.nodes.data(), cage.fill.data());
+  auto body =
+      std::make_unique<btSoftBody>(&info, static_cast<int>(cage.nodes.size()), cage.nodes.data(), cage.fill.data());
   std::set<std::pair<int, int>> edges;
   std::map<std::array<int, 3>, std::array<int, 3>> boundary;  // sorted corners -> outward order
   for (const std::array<int, 4>& t : cage.tetrahedra) {
     body->appendTetra(t[0], t[1], t[2], t[3]);
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j) edges.insert(std::minmax(t[i], t[j]));
-    const std::array<int, 3> faces[4] = {{{t[0], t[2], t[1]}}, {{t[0], t[1], t[3]}}, {{t[0], t[3], t[2]}}, {{t[1], t[2], t[3]}}};
+    const std::array<int, 3> faces[4] = {
+        {{t[0], t[2], t[1]}}, {{t[0], t[1], t[3]}}, {{t[0], t[3], t[2]}}, {{t[1], t[2], t[3]}}};
     for (const std::array<int, 3>& face : faces) {
       std::array<int, 3> corners = face;
       std::sort(corners.begin(), corners.end());

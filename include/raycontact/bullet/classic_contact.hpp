@@ -62,7 +62,7 @@ class ClassicContact {
     detail::ContactFolding folding(surfaces_, rows_, 0);
     folding.fold_contacts(surfaces_);
     folding.fold_pushes(surfaces_, options_);
-    for (const HalfSpace& half_space : half_spaces_) folding.fold_half_space(half_space);
+    for (std::size_t h = 0; h < half_spaces_.size(); ++h) folding.fold_half_space(half_spaces_[h], h);
     collect_corrections();
     correct(static_cast<btScalar>(time_step));
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "raycontact/bullet/contact_rows.hpp"
+#include "raycontact/bullet/friction_anchors.hpp"
 #include "raycontact/bullet/surface_set.hpp"
 
 namespace raycontact::bullet::detail {
@@ -15,8 +16,11 @@ namespace raycontact::bullet::detail {
  */
 class ContactFolding {
  public:
-  ContactFolding(const SurfaceSet& surfaces, ContactRows& rows, btScalar time_ahead)
-      : bodies_(surfaces.bodies()), rows_(rows), time_ahead_(time_ahead) {}
+  /** `anchors`: for friction, or nullptr. */
+  ContactFolding(const SurfaceSet& surfaces, ContactRows& rows, btScalar time_ahead, FrictionAnchors* anchors = nullptr)
+      : bodies_(surfaces.bodies()), rows_(rows), time_ahead_(time_ahead), anchors_(anchors) {
+    if (anchors_ != nullptr) anchors_->start_step();
+  }
 
   void fold_contacts(const SurfaceSet& surfaces) {
     for (std::size_t i = 0; i < surfaces.contacts().size(); ++i) {
@@ -26,8 +30,11 @@ class ContactFolding {
       if (!collide(colliding, collided) || !(coefficient > 0)) continue;
       add_surface_point(colliding, contact.p1, -1);
       add_surface_point(collided, contact.p2, 1);
+      btVector3 offset;
+      const bool holds = anchors_ != nullptr && anchors_->find(bodies_, contact, offset);
       rows_.finish_row(vector(contact.direction), btScalar(contact.depth), btScalar(coefficient),
-                       static_cast<int>(contact.colliding), static_cast<int>(contact.collided));
+                       static_cast<int>(contact.colliding), static_cast<int>(contact.collided),
+                       holds ? &offset : nullptr);
     }
   }
 
@@ -38,13 +45,14 @@ class ContactFolding {
       if (!collide(first, second)) continue;
       add_whole_body(first, -1);
       add_whole_body(second, 1);
+      if (anchors_ != nullptr) anchors_->skip();
       const double weight = options.weighting == RAYC_WEIGHTING_AREA ? push.area : push.contact_count;
       rows_.finish_row(vector(push.direction), btScalar(push.depth), btScalar(options.stiffness * weight),
                        static_cast<int>(push.first), static_cast<int>(push.second));
     }
   }
 
-  void fold_half_space(const HalfSpace& half_space) {
+  void fold_half_space(const HalfSpace& half_space, std::size_t number) {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       const ContactBody& body = bodies_[b];
       if (!body.in_world || body.soft == nullptr) continue;
@@ -53,7 +61,10 @@ class ContactFolding {
         const btScalar depth = half_space.offset - half_space.normal.dot(btVector3(x[0], x[1], x[2]));
         if (!(depth > 0) || !(body.areas[p] > 0)) continue;
         add_skin_point(body, p, -1);
-        rows_.finish_row(half_space.normal, depth, half_space.stiffness * body.areas[p], static_cast<int>(b), -1);
+        btVector3 offset;
+        const bool holds = anchors_ != nullptr && anchors_->find(bodies_, b, p, number, offset);
+        rows_.finish_row(half_space.normal, depth, half_space.stiffness * body.areas[p], static_cast<int>(b), -1,
+                         holds ? &offset : nullptr);
       }
     }
   }
@@ -111,6 +122,7 @@ class ContactFolding {
   const std::vector<ContactBody>& bodies_;
   ContactRows& rows_;
   btScalar time_ahead_;
+  FrictionAnchors* anchors_;
 };
 
 }  // namespace raycontact::bullet::detail

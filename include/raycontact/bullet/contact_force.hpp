@@ -82,7 +82,7 @@ class ContactForce : public btDeformableLagrangianForce {
   /** Needed for rigid bodies only: soft ones leave when they leave the world. */
   void remove_rigid_body(btRigidBody& body) {
     surfaces_.remove(&body);
-    rows_.forget();
+    forget();
   }
 
   void add_half_space(const HalfSpace& half_space) {
@@ -118,15 +118,14 @@ class ContactForce : public btDeformableLagrangianForce {
   void removeSoftBody(btSoftBody* body) override {
     m_softBodies.remove(body);
     surfaces_.remove(body);
-    rows_.forget();
+    forget();
   }
 
   void reinitialize(bool) override {
     if (m_nodes == nullptr)
       throw std::logic_error("raycontact: call ContactForce::register_with before the first step");
-    if (static_cast<std::size_t>(m_nodes->size()) != start_velocities_.size())
-      rows_.forget();  // nodes have new numbers
-    if (options_.friction > 0) rows_.remember_loads(*m_nodes);
+    if (static_cast<std::size_t>(m_nodes->size()) != free_velocities_.size()) forget();  // nodes have new numbers
+    finish_step();
     for (detail::ContactBody& body : surfaces_.bodies()) {
       body.in_world = body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->isInWorld();
       if (!body.in_world || body.soft == nullptr) continue;
@@ -136,17 +135,17 @@ class ContactForce : public btDeformableLagrangianForce {
     // Bullet sets the step of the objective before it reinitialises the forces.
     LookAhead ahead;
     if (options_.look_ahead) ahead = {solver_->m_objective->m_dt, solver_->m_objective->m_dt * gravity()};
-    collect_start_velocities(ahead);
+    collect_velocities(ahead);
     surfaces_.detect(ahead);
     rows_.clear();
-    detail::ContactFolding folding(surfaces_, rows_, ahead.time);
+    detail::ContactFolding folding(surfaces_, rows_, ahead.time, options_.friction > 0 ? &anchors_ : nullptr);
     folding.fold_contacts(surfaces_);
     folding.fold_pushes(surfaces_, options_);
-    for (const HalfSpace& half_space : half_spaces_) folding.fold_half_space(half_space);
+    for (std::size_t h = 0; h < half_spaces_.size(); ++h) folding.fold_half_space(half_spaces_[h], h);
   }
 
   void addScaledForces(btScalar scale, TVStack& force) override {
-    rows_.update(*m_nodes, start_velocities_, inverse_masses_, scale, law());
+    rows_.update(*m_nodes, velocities_, free_velocities_, inverse_masses_, scale, law());
     rows_.add_forces(scale, force);
   }
 
@@ -183,12 +182,26 @@ class ContactForce : public btDeformableLagrangianForce {
   };
 
   detail::RowLaw law() const {
-    return {btScalar(options_.damping_time),
-            btScalar(options_.depth_cap),
-            btScalar(options_.friction),
-            btScalar(options_.friction_speed),
-            options_.directions == Stiffness::isotropic,
-            options_.look_ahead};
+    return {btScalar(options_.damping_time), btScalar(options_.depth_cap), btScalar(options_.friction),
+            options_.directions == Stiffness::isotropic, options_.look_ahead};
+  }
+
+  // Surfaces are still where detection had them.
+  void finish_step() {
+    rows_.remember_loads(*m_nodes);
+    if (!(options_.friction > 0)) return;
+    rows_.anchors([&](std::size_t row, bool is_dragged, const btVector3& offset) {
+      if (is_dragged)
+        anchors_.drag(surfaces_.bodies(), row, offset);
+      else
+        anchors_.keep(row);
+    });
+    anchors_.finish_step();
+  }
+
+  void forget() {
+    rows_.forget();
+    anchors_.forget();
   }
 
   bool is_in_world(const btSoftBody& body) const {
@@ -212,8 +225,9 @@ class ContactForce : public btDeformableLagrangianForce {
     return {0, 0, 0};
   }
 
-  void collect_start_velocities(const LookAhead& ahead) {
-    start_velocities_.resize(static_cast<std::size_t>(m_nodes->size()));
+  void collect_velocities(const LookAhead& ahead) {
+    velocities_.resize(static_cast<std::size_t>(m_nodes->size()));
+    free_velocities_.resize(velocities_.size());
     inverse_masses_.clear();
     for (const detail::ContactBody& body : surfaces_.bodies()) {
       const double mass = body.soft != nullptr ? double(body.soft->getTotalMass()) : 0;
@@ -221,8 +235,11 @@ class ContactForce : public btDeformableLagrangianForce {
       if (body.soft == nullptr || !body.in_world) continue;
       LookAhead own = ahead;
       own.gained *= body.soft->m_gravityFactor;
-      for (int n = 0; n < body.soft->m_nodes.size(); ++n)
-        start_velocities_[static_cast<std::size_t>(body.first_node + n)] = own.velocity(body.soft->m_nodes[n]);
+      for (int n = 0; n < body.soft->m_nodes.size(); ++n) {
+        const btSoftBody::Node& node = body.soft->m_nodes[n];
+        velocities_[static_cast<std::size_t>(body.first_node + n)] = LookAhead().velocity(node);
+        free_velocities_[static_cast<std::size_t>(body.first_node + n)] = own.velocity(node);
+      }
     }
   }
 
@@ -245,7 +262,8 @@ class ContactForce : public btDeformableLagrangianForce {
   std::vector<HalfSpace> half_spaces_;
   detail::ContactRows rows_;
   Reaction reaction_;
-  std::vector<btVector3> start_velocities_;
+  detail::FrictionAnchors anchors_;
+  std::vector<btVector3> velocities_, free_velocities_;  // of the nodes: before the step, and after it if unstopped
   std::vector<double> inverse_masses_;
   btDeformableBodySolver* solver_ = nullptr;
   btDynamicsWorld* world_ = nullptr;

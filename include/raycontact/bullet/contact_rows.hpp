@@ -17,7 +17,7 @@ namespace raycontact::bullet::detail {
 
 /** How the rows of one step push. */
 struct RowLaw {
-  btScalar damping_time, depth_cap, friction, friction_speed;
+  btScalar damping_time, depth_cap, friction;
   bool isotropic, look_ahead;
 };
 
@@ -57,10 +57,31 @@ class ContactRows {
   std::size_t size() const { return rows_.size(); }
   RigidCoupling& rigids() { return rigids_; }
 
-  /** The entries added since the last call become a row between two bodies (the second: -1 for a half-space). */
-  void finish_row(const btVector3& direction, btScalar depth, btScalar stiffness, int first, int second) {
-    rows_.push_back({direction, depth, stiffness, first, second, point_, {}, {}, 0, 0, 0, false, nodes_.size()});
+  /**
+   * The entries added since the last call become a row between two bodies (the second: -1 for a half-space).
+   * `offset`: from its point to its anchor, where detection had both, or nullptr where it has taken no hold yet.
+   */
+  void finish_row(const btVector3& direction, btScalar depth, btScalar stiffness, int first, int second,
+                  const btVector3* offset = nullptr) {
+    Row row{};
+    row.direction = direction;
+    row.depth = depth;
+    row.stiffness = stiffness;
+    row.first = first;
+    row.second = second;
+    row.point = point_;
+    row.is_anchored = offset != nullptr;
+    if (offset != nullptr) row.offset = *offset;
+    row.end = nodes_.size();
+    rows_.push_back(row);
     point_ = {};
+  }
+
+  /** Calls `use(row number, is dragged, offset)` for each row that pushes: from its point to where it now holds on. */
+  template <class Use>
+  void anchors(Use use) const {
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+      if (rows_[i].pushes) use(i, rows_[i].is_dragged, rows_[i].kept_offset);
   }
 
   /** Adds a node to the row under way; a node that is already in it gets the sum. */
@@ -85,24 +106,30 @@ class ContactRows {
    * Which rows push, and how: by where the bodies would be at the end of the step if nothing stopped them, since
    * contact never pulls. At most the cap of the depth found is asked for, or as much as the bodies close in this step,
    * so that deep starts do not crush elements. The forces are linear from there to the velocities m_v, around which the
-   * engine solves. `start`: the nodes' velocities if nothing stopped them; `inverse_masses`: of the bodies, 1/kg.
+   * engine solves. `before`: the nodes' velocities at the start of the step, `free`: at its end if nothing stopped
+   * them; `inverse_masses`: of the bodies, 1/kg.
    */
-  void update(const Nodes& nodes, const std::vector<btVector3>& start, const std::vector<double>& inverse_masses,
-              btScalar time_step, const RowLaw& law) {
+  void update(const Nodes& nodes, const std::vector<btVector3>& before, const std::vector<btVector3>& free,
+              const std::vector<double>& inverse_masses, btScalar time_step, const RowLaw& law) {
     time_step_ = time_step;
     rigids_.start_systems();
     for_each_row([&](Row& row, std::size_t begin) {
-      btVector3 rate(0, 0, 0);
-      for (std::size_t e = begin; e < row.end; ++e) rate += weights_[e] * start[static_cast<std::size_t>(nodes_[e])];
+      btVector3 rate(0, 0, 0), now(0, 0, 0);
+      for (std::size_t e = begin; e < row.end; ++e) {
+        rate += weights_[e] * free[static_cast<std::size_t>(nodes_[e])];
+        now += weights_[e] * before[static_cast<std::size_t>(nodes_[e])];
+      }
       row.motion = rate;
       btVector3 unseen = law.look_ahead ? btVector3(0, 0, 0) : rate;  // motion that detection did not know of
       if (row.point.rigid >= 0) {
         const CoupledRigid& rigid = rigids_[row.point.rigid];
         const btVector3 v = row.point.velocity(RigidCoupling::velocity(*rigid.body));
         rate += v;
+        now += row.point.velocity(rigid.before);
         unseen += v - row.point.velocity(rigid.ahead);
       }
-      row.pull = rate - row.direction.dot(rate) * row.direction;  // the sliding, until friction is known
+      row.pull = row.across(rate);  // the sliding, until friction is known
+      row.sliding = row.across(now);
       set_push(row, time_step * unseen.dot(row.direction), rate.dot(row.direction), law);
     });
     loads_.start_prediction();
@@ -207,10 +234,14 @@ class ContactRows {
     RigidPoint point;
     btVector3 motion;  // u of the nodes, at the update
     btVector3 pull;
-    btScalar push;                // predicted
-    btScalar normal, tangential;  // D
-    bool pushes;
+    btVector3 offset, kept_offset;  // from the point to its anchor, where detection had them: as found, and as kept
+    btVector3 sliding;              // at the start of the step
+    btScalar push;                  // predicted
+    btScalar normal, tangential;    // D
+    bool pushes, is_anchored, is_dragged;
     std::size_t end;  // its entries run from the end of the row before
+
+    btVector3 across(const btVector3& u) const { return u - direction.dot(u) * direction; }
 
     btVector3 stiffened(const btVector3& u) const {
       return tangential * u + ((normal - tangential) * direction.dot(u)) * direction;
@@ -218,22 +249,45 @@ class ContactRows {
   };
 
   void set_push(Row& row, btScalar deepening, btScalar along, const RowLaw& law) const {
-    const btScalar asked = std::min(row.depth, std::max(law.depth_cap, time_step_ * along));
-    row.push = row.stiffness * (asked + deepening + law.damping_time * along);
+    const btScalar asked = std::min(row.depth, std::max(law.depth_cap, time_step_ * along)) + deepening;
+    btScalar damping_time = law.damping_time;
+    row.push = row.stiffness * (asked + damping_time * along);
     row.pushes = row.push > 0;
-    row.normal = row.stiffness * (time_step_ + law.damping_time);
+    // What rests on a body that its own support holds up seems to be left by it: no reason to let go. Such a row says
+    // nothing yet, and pushes if the solve brings the two together.
+    if (!row.pushes && asked > 0 && loads_.is_loaded(row.first, row.second)) {
+      damping_time = -asked / along;
+      row.push = 0;
+      row.pushes = true;
+    }
+    row.normal = row.stiffness * (time_step_ + damping_time);
     row.tangential = law.isotropic ? row.stiffness * time_step_ : 0;
   }
 
-  // Coulomb's force as a viscosity that is held within the step: friction * push at the speed found.
+  // Coulomb's force: a spring from the anchor, as stiff as the contact, which is held within the step. Where it would
+  // bear more than friction allows at the speed the bodies have, the spring is softer, and the anchor is dragged along.
   void set_pull(Row& row, const std::vector<double>& inverse_masses, const RowLaw& law) const {
     const btVector3 sliding = row.pull;
     row.pull = row.push * row.direction;
     if (!(law.friction > 0)) return;
-    const btScalar push = row.push * loads_.share(row.first, row.second, inverse_masses, time_step_);
-    const btScalar viscosity = law.friction * push / std::max(sliding.length(), law.friction_speed);
-    row.pull += viscosity * sliding;
-    row.tangential += viscosity;
+    const btScalar most =
+        law.friction * loads_.normal_force(row.first, row.second, row.push, row.normal, inverse_masses, time_step_);
+    const btVector3 ahead = law.look_ahead ? time_step_ * sliding : btVector3(0, 0, 0);
+    btVector3 stretch = row.is_anchored ? row.across(row.offset) - ahead : btVector3(0, 0, 0);
+    const btScalar stretched = row.stiffness * stretch.length();
+    row.is_dragged = !row.is_anchored || stretched > most;
+    if (stretched > most) stretch *= most / stretched;
+    const btScalar time = time_step_ + law.damping_time;
+    btScalar expected = (stretch + time * row.sliding).length();
+    // One that begins to slide is as fast at the end of the step as friction alone leaves it.
+    if (stretched >= most) {
+      const btScalar lost = law.friction * loads_.speed_lost(row.first, row.second, inverse_masses, time_step_);
+      expected = std::max(expected, stretch.length() + time * (sliding.length() - lost));
+    }
+    const btScalar stiffness = row.stiffness * expected > most ? most / expected : row.stiffness;
+    row.pull += stiffness * (stretch + time * sliding);
+    row.tangential += stiffness * time;
+    row.kept_offset = stretch + ahead;
   }
 
   void load_system(Row& row) {

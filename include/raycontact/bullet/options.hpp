@@ -42,8 +42,7 @@ struct ContactOptions {
   double damping_time = 0.05;  ///< s, >= 0; damping along the ray = stiffness * damping_time
   uint32_t weighting = RAYC_WEIGHTING_AREA;
   Stiffness directions = Stiffness::along_normal;
-  double friction = 0;           ///< Coulomb's coefficient, >= 0; 0 = none
-  double friction_speed = 0.01;  ///< m/s, > 0; below it friction grows with the speed instead of being constant
+  double friction = 0;  ///< Coulomb's coefficient, >= 0; 0 = none. Bodies at rest hold on to one another
   /// m, > 0; asked of one step, or what the bodies close in it if that is more: a tenth to half an element edge.
   double depth_cap = std::numeric_limits<double>::infinity();
   /// m; where rays start: 0 = at each vertex of the skins, the least that a skin finer than its cage needs.
@@ -74,7 +73,7 @@ struct BodyOptions {
   bool self_collision = false;  ///< also contacts of the body with itself
 };
 
-/** A frictionless floor: pushes along `normal` where normal . x < offset. */
+/** A floor: pushes along `normal` where normal . x < offset, with the friction of ContactOptions. */
 struct HalfSpace {
   btVector3 normal;    ///< unit, out of the solid
   btScalar offset;     ///< m
@@ -94,7 +93,6 @@ inline void check_options(const ContactOptions& options) {
   at_least_zero("damping_time", options.damping_time);
   at_least_zero("friction", options.friction);
   at_least_zero("force_tolerance", options.force_tolerance);
-  if (!(options.friction_speed > 0)) refuse("friction_speed", options.friction_speed, "above 0");
   if (!(options.depth_cap > 0)) refuse("depth_cap", options.depth_cap, "above 0");
 }
 

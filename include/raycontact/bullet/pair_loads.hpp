@@ -39,15 +39,33 @@ class PairLoads {
 
   void add_solved(int first, int second, btScalar push) { find_or_add(first, second).solved += double(push); }
 
-  /** `inverse_masses`: of each body; a second body of -1 does not give way. */
-  btScalar share(int first, int second, const std::vector<double>& inverse_masses, btScalar time_step) const {
+  /** Did the pair bear anything in the step before? */
+  bool is_loaded(int first, int second) const {
     const Load* then = find(before_, first, second);
-    if (then != nullptr && then->predicted > 0)
-      return static_cast<btScalar>(std::clamp(then->solved / then->predicted, 0.0, 1.0));
+    return then != nullptr && then->solved > 0;
+  }
+
+  /**
+   * What a row that predicts this push will bear: its part of the pair's, of stiffness `normal`. `inverse_masses`: of
+   * each body; a second body of -1 does not give way.
+   */
+  btScalar normal_force(int first, int second, btScalar push, btScalar normal,
+                        const std::vector<double>& inverse_masses, btScalar time_step) const {
+    const Load* then = find(before_, first, second);
     const Load* now = find(now_, first, second);
-    double give = inverse_masses[static_cast<std::size_t>(first)];
-    if (second >= 0) give += inverse_masses[static_cast<std::size_t>(second)];
-    return static_cast<btScalar>(1 / (1 + double(time_step) * (now != nullptr ? now->normal : 0) * give));
+    if (then != nullptr && now != nullptr && !(now->predicted > 0))
+      return static_cast<btScalar>(then->solved * double(normal) / now->normal);
+    if (then != nullptr && then->predicted > 0)
+      return push * static_cast<btScalar>(std::clamp(then->solved / then->predicted, 0.0, 1.0));
+    const double give = inverse_mass(first, second, inverse_masses);
+    return push * static_cast<btScalar>(1 / (1 + double(time_step) * (now != nullptr ? now->normal : 0) * give));
+  }
+
+  /** By what two bodies would slow one another down in a step if their load acted along their motion, m/s. */
+  btScalar speed_lost(int first, int second, const std::vector<double>& inverse_masses, btScalar time_step) const {
+    const Load* then = find(before_, first, second);
+    if (then == nullptr) return 0;
+    return static_cast<btScalar>(then->solved * inverse_mass(first, second, inverse_masses)) * time_step;
   }
 
  private:
@@ -55,6 +73,10 @@ class PairLoads {
     int first, second;
     double predicted, normal, solved;
   };
+
+  static double inverse_mass(int first, int second, const std::vector<double>& of_bodies) {
+    return of_bodies[static_cast<std::size_t>(first)] + (second >= 0 ? of_bodies[static_cast<std::size_t>(second)] : 0);
+  }
 
   static const Load* find(const std::vector<Load>& loads, int first, int second) {
     const auto found =

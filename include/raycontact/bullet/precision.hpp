@@ -10,10 +10,12 @@
 
 // A build system that knows which library it links says so with RAYCONTACT_BULLET_PRECISION=32 or =64.
 #if defined(RAYCONTACT_BULLET_PRECISION) && RAYCONTACT_BULLET_PRECISION == 64 && !defined(BT_USE_DOUBLE_PRECISION)
-#error "The double build of Bullet is linked but BT_USE_DOUBLE_PRECISION is not defined: compile with `pkg-config --cflags bullet-float64`."
+#error \
+    "The double build of Bullet is linked but BT_USE_DOUBLE_PRECISION is not defined: compile with `pkg-config --cflags bullet-float64`."
 #endif
 #if defined(RAYCONTACT_BULLET_PRECISION) && RAYCONTACT_BULLET_PRECISION == 32 && defined(BT_USE_DOUBLE_PRECISION)
-#error "The float build of Bullet is linked but BT_USE_DOUBLE_PRECISION is defined: compile with `pkg-config --cflags bullet`."
+#error \
+    "The float build of Bullet is linked but BT_USE_DOUBLE_PRECISION is defined: compile with `pkg-config --cflags bullet`."
 #endif
 
 namespace raycontact::bullet {

@@ -59,6 +59,7 @@ struct CoupledRigid {
   Twist load;          // work array
   Twist change;        // of the velocity, as of the last solve
   Twist first_change;  // the same, at the start of the nodes' solve
+  Twist before;        // the velocity at the start of the step
   Twist ahead;         // the velocity with which it was taken ahead for detection
 };
 
@@ -87,7 +88,8 @@ class RigidCoupling {
   int add(btRigidBody& body, const Twist& ahead) {
     for (std::size_t i = 0; i < rigids_.size(); ++i)
       if (rigids_[i].body == &body) return static_cast<int>(i);
-    rigids_.push_back({&body, !body.isStaticOrKinematicObject() && body.getInvMass() > 0, {}, {}, {}, {}, {}});
+    rigids_.push_back({&body, !body.isStaticOrKinematicObject() && body.getInvMass() > 0, {}, {}, {}, {}, {}, {}});
+    rigids_.back().before = velocity(body);
     rigids_.back().ahead = ahead;
     return static_cast<int>(rigids_.size()) - 1;
   }
