@@ -39,6 +39,7 @@ VERDICTS = {
     "overlapping": ("#f4b860", "o"),
     "inverted": ("#c08bd0", "i"),
     "passed_through": ("#d95f3b", "p"),
+    "drifting": ("#7fbf7b", "d"),
     "exploded": ("#333333", "x"),
     "unfinished": ("#999999", "u"),
 }

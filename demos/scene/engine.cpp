@@ -102,6 +102,7 @@ class DeformableEngine : public Base {
     elasticity_->setDamping(scalar(scene.damping_alpha), scalar(0.01));
     gravity_ = std::make_unique<btDeformableGravityForce>(scene.gravity);
     if (is_ours_) contact_.register_with(solver_, world_);
+    if (setting.method == Method::ours) solver_.detect_again(contact_, setting.passes);
     for (const SceneBody& description : scene.bodies) add(scene, description, setting);
     if (scene.has_floor && is_ours_) contact_.add_half_space(floor_of(scene, setting));
     if (scene.has_floor && !is_ours_) add_floor(world_);

@@ -25,7 +25,7 @@ class UsageError : public std::runtime_error {
 };
 
 struct ProgramOptions {
-  double dt = 0, steps = 0, most_steps = 0, frames = 60, iterations = 0, threads = 1;
+  double dt = 0, steps = 0, most_steps = 0, frames = 60, iterations = 0, threads = 1, passes = 6;
   Setting setting;
   std::string out;
   std::vector<std::string> arguments;
@@ -46,6 +46,7 @@ void print_usage(FILE* file, const char* program, const char* description) {
                "  --friction MU      Coulomb's coefficient; by default the scene's\n"
                "  --depth-cap EDGES  depth that one step asks for, in cell edges, ours only (0.25)\n"
                "  --iterations N     of the linear solver at most; by default Bullet's 300\n"
+               "  --passes N         detections and solves in a step at most, ours only (6)\n"
                "  --threads N        for detection; 0 = one for each core (1)\n"
                "  --stock            Bullet's own elasticity instead of the same one with a faster matrix product\n"
                "  --out FOLDER       writes ParaView files there, about 60 frames\n"
@@ -89,6 +90,7 @@ ProgramOptions parse(int argc, char** argv) {
       {"--depth-cap", {&o.setting.depth_cap, false, 1e-6}},
       {"--iterations", {&o.iterations, true, 1}},
       {"--threads", {&o.threads, true, 0}},
+      {"--passes", {&o.passes, true, 1}},
   };
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
@@ -113,6 +115,7 @@ ProgramOptions parse(int argc, char** argv) {
       o.arguments.push_back(argument);
   }
   o.setting.iterations = static_cast<int>(o.iterations);
+  o.setting.passes = static_cast<int>(o.passes);
   o.setting.threads = static_cast<uint32_t>(o.threads);
   return o;
 }

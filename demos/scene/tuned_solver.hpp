@@ -10,16 +10,52 @@
 #include <cstddef>
 #include <vector>
 
+#include "raycontact/bullet/contact_force.hpp"
 #include "stiffness_matrix.hpp"
 
 namespace demo {
 
-/** Bullet's solver with another limit of iterations; 0 keeps its own 300. */
+/** Bullet's solver with another limit of iterations (0 keeps its own 300), and contacts sought again within a step. */
 class TunedSolver : public btDeformableBodySolver {
  public:
   explicit TunedSolver(int iterations) {
     if (iterations > 0) m_cg.m_maxIterations = m_cr.m_maxIterations = iterations;
   }
+
+  /** At most so many detections and solves in a step. */
+  void detect_again(raycontact::bullet::ContactForce& contact, int passes) {
+    contact_ = &contact;
+    passes_ = passes;
+  }
+
+  // As in the class below, but for the question after each Newton step whether there is more in the way.
+  void solveDeformableConstraints(btScalar time_step) override {
+    if (contact_ == nullptr || !m_implicit || m_lineSearch) {
+      btDeformableBodySolver::solveDeformableConstraints(time_step);
+      return;
+    }
+    for (int pass = 1;; ++pass) {
+      updateState();
+      for (int n = 0; n < m_residual.size(); ++n) {
+        const btSoftBody::Node& node = *m_objective->m_nodes[n];
+        m_residual[n] = node.m_im > 0 ? m_dv[n] / -node.m_im : btVector3(0, 0, 0);
+      }
+      m_objective->computeResidual(time_step, m_residual);
+      m_objective->applyDynamicFriction(m_residual);
+      computeStep(m_ddv, m_residual);
+      updateDv();
+      for (int n = 0; n < m_ddv.size(); ++n) {
+        m_ddv[n].setZero();
+        m_residual[n].setZero();
+      }
+      updateVelocity();
+      if (pass >= passes_ || !contact_->detect_again()) return;
+    }
+  }
+
+ private:
+  raycontact::bullet::ContactForce* contact_ = nullptr;
+  int passes_ = 1;
 };
 
 /**

@@ -60,7 +60,7 @@ class ClassicContact {
     surfaces_.detect({});
     rows_.clear();
     detail::ContactFolding folding(surfaces_, rows_, 0);
-    folding.fold_contacts(surfaces_);
+    folding.fold_contacts(surfaces_, [](int, int) { return true; });
     folding.fold_pushes(surfaces_, options_);
     for (std::size_t h = 0; h < half_spaces_.size(); ++h) folding.fold_half_space(half_spaces_[h], h);
     collect_corrections();

@@ -18,23 +18,22 @@ class ContactFolding {
  public:
   /** `anchors`: for friction, or nullptr. */
   ContactFolding(const SurfaceSet& surfaces, ContactRows& rows, btScalar time_ahead, FrictionAnchors* anchors = nullptr)
-      : bodies_(surfaces.bodies()), rows_(rows), time_ahead_(time_ahead), anchors_(anchors) {
-    if (anchors_ != nullptr) anchors_->start_step();
-  }
+      : bodies_(surfaces.bodies()), rows_(rows), time_ahead_(time_ahead), anchors_(anchors) {}
 
-  void fold_contacts(const SurfaceSet& surfaces) {
+  /** `is_wanted(first, second)`: whether to take contacts of this pair of bodies. */
+  template <class IsWanted>
+  void fold_contacts(const SurfaceSet& surfaces, IsWanted is_wanted) {
     for (std::size_t i = 0; i < surfaces.contacts().size(); ++i) {
       const rayc_contact& contact = surfaces.contacts()[i];
       const ContactBody &colliding = bodies_[contact.colliding], &collided = bodies_[contact.collided];
       const double coefficient = surfaces.coefficients()[i];
-      if (!collide(colliding, collided) || !(coefficient > 0)) continue;
+      const int first = static_cast<int>(contact.colliding), second = static_cast<int>(contact.collided);
+      if (!collide(colliding, collided) || !(coefficient > 0) || !is_wanted(first, second)) continue;
       add_surface_point(colliding, contact.p1, -1);
       add_surface_point(collided, contact.p2, 1);
-      btVector3 offset;
-      const bool holds = anchors_ != nullptr && anchors_->find(bodies_, contact, offset);
-      rows_.finish_row(vector(contact.direction), btScalar(contact.depth), btScalar(coefficient),
-                       static_cast<int>(contact.colliding), static_cast<int>(contact.collided),
-                       holds ? &offset : nullptr);
+      const Hold hold = anchors_ != nullptr ? anchors_->find(bodies_, contact) : Hold{};
+      rows_.finish_row(vector(contact.direction), btScalar(contact.depth), btScalar(coefficient), first, second,
+                       anchors_ != nullptr ? &hold : nullptr);
     }
   }
 
@@ -45,7 +44,6 @@ class ContactFolding {
       if (!collide(first, second)) continue;
       add_whole_body(first, -1);
       add_whole_body(second, 1);
-      if (anchors_ != nullptr) anchors_->skip();
       const double weight = options.weighting == RAYC_WEIGHTING_AREA ? push.area : push.contact_count;
       rows_.finish_row(vector(push.direction), btScalar(push.depth), btScalar(options.stiffness * weight),
                        static_cast<int>(push.first), static_cast<int>(push.second));
@@ -61,10 +59,9 @@ class ContactFolding {
         const btScalar depth = half_space.offset - half_space.normal.dot(btVector3(x[0], x[1], x[2]));
         if (!(depth > 0) || !(body.areas[p] > 0)) continue;
         add_skin_point(body, p, -1);
-        btVector3 offset;
-        const bool holds = anchors_ != nullptr && anchors_->find(bodies_, b, p, number, offset);
+        const Hold hold = anchors_ != nullptr ? anchors_->find(bodies_, b, p, number) : Hold{};
         rows_.finish_row(half_space.normal, depth, half_space.stiffness * body.areas[p], static_cast<int>(b), -1,
-                         holds ? &offset : nullptr);
+                         anchors_ != nullptr ? &hold : nullptr);
       }
     }
   }

@@ -10,7 +10,10 @@
 #include <BulletSoftBody/btDeformableLagrangianForce.h>
 #include <LinearMath/btTransformUtil.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <iterator>
+#include <map>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -111,6 +114,27 @@ class ContactForce : public btDeformableLagrangianForce {
     return sum;
   }
 
+  /**
+   * For a solver of the host's own that takes Newton steps: to be called after each, with its result in the nodes' m_v.
+   * One body that is stopped may be in the way of the next, which detection took to be moving on. Looks for contacts
+   * where the bodies would end now, if that is further than the depth cap from where they were sought before, and takes
+   * those of pairs that had none, or less than half as many; true if there are such: another step is due.
+   */
+  bool detect_again() {
+    LookAhead ahead = look_ahead();
+    ahead.gained.setZero();
+    if (!options_.look_ahead) return false;
+    const bool is_far = ends_elsewhere(ahead.time);
+    if (!is_far && free_velocities_.size() == 1) return false;
+    const bool has_changed = rows_.has_changed(*m_nodes);
+    std::vector<btVector3> velocities(velocities_.size());
+    for (std::size_t n = 0; n < velocities.size(); ++n)
+      velocities[n] = ahead.velocity(*(*m_nodes)[static_cast<int>(n)]);
+    free_velocities_.push_back(std::move(velocities));
+    rows_.start_pass();
+    return (is_far && add_contacts(ahead)) || has_changed;
+  }
+
   // What Bullet calls.
 
   void addSoftBody(btSoftBody* body) override { add_body(*body); }
@@ -124,7 +148,7 @@ class ContactForce : public btDeformableLagrangianForce {
   void reinitialize(bool) override {
     if (m_nodes == nullptr)
       throw std::logic_error("raycontact: call ContactForce::register_with before the first step");
-    if (static_cast<std::size_t>(m_nodes->size()) != free_velocities_.size()) forget();  // nodes have new numbers
+    if (static_cast<std::size_t>(m_nodes->size()) != velocities_.size()) forget();  // nodes have new numbers
     finish_step();
     for (detail::ContactBody& body : surfaces_.bodies()) {
       body.in_world = body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->isInWorld();
@@ -132,14 +156,13 @@ class ContactForce : public btDeformableLagrangianForce {
       body.first_node = body.soft->m_nodes[0].index;
       switch_off_continuous_collision(*body.soft);
     }
-    // Bullet sets the step of the objective before it reinitialises the forces.
-    LookAhead ahead;
-    if (options_.look_ahead) ahead = {solver_->m_objective->m_dt, solver_->m_objective->m_dt * gravity()};
+    anchors_.start_step();
+    const LookAhead ahead = look_ahead();
     collect_velocities(ahead);
     surfaces_.detect(ahead);
     rows_.clear();
     detail::ContactFolding folding(surfaces_, rows_, ahead.time, options_.friction > 0 ? &anchors_ : nullptr);
-    folding.fold_contacts(surfaces_);
+    folding.fold_contacts(surfaces_, [](int, int) { return true; });
     folding.fold_pushes(surfaces_, options_);
     for (std::size_t h = 0; h < half_spaces_.size(); ++h) folding.fold_half_space(half_spaces_[h], h);
   }
@@ -186,15 +209,50 @@ class ContactForce : public btDeformableLagrangianForce {
             options_.directions == Stiffness::isotropic, options_.look_ahead};
   }
 
+  // Bullet sets the step of the objective before it reinitialises the forces.
+  LookAhead look_ahead() const {
+    if (!options_.look_ahead) return {};
+    return {solver_->m_objective->m_dt, solver_->m_objective->m_dt * gravity()};
+  }
+
+  // Contacts where nodes would be with the velocities they have, of pairs that have more there than they had.
+  bool add_contacts(const LookAhead& ahead) {
+    surfaces_.keep_positions();
+    surfaces_.detect(ahead);
+    std::map<std::pair<int, int>, std::size_t> found;
+    for (const rayc_contact& contact : surfaces_.contacts())
+      ++found[std::minmax(static_cast<int>(contact.colliding), static_cast<int>(contact.collided))];
+    for (auto pair = found.begin(); pair != found.end();) {
+      const bool is_news = pair->second > 2 * rows_.count(pair->first.first, pair->first.second);
+      if (is_news) rows_.drop(pair->first.first, pair->first.second);
+      pair = is_news ? std::next(pair) : found.erase(pair);
+    }
+    detail::ContactFolding(surfaces_, rows_, ahead.time).fold_contacts(surfaces_, [&](int first, int second) {
+      return found.count(std::minmax(first, second)) > 0;
+    });
+    surfaces_.restore_positions();
+    return !found.empty();
+  }
+
+  bool ends_elsewhere(btScalar time) const {
+    const btScalar cap = static_cast<btScalar>(options_.depth_cap) / time;
+    for (int n = 0; n < m_nodes->size(); ++n) {
+      const btSoftBody::Node& node = *(*m_nodes)[n];
+      if (node.m_im > 0 && (node.m_v - free_velocities_.back()[static_cast<std::size_t>(n)]).length2() > cap * cap)
+        return true;
+    }
+    return false;
+  }
+
   // Surfaces are still where detection had them.
   void finish_step() {
     rows_.remember_loads(*m_nodes);
     if (!(options_.friction > 0)) return;
-    rows_.anchors([&](std::size_t row, bool is_dragged, const btVector3& offset) {
+    rows_.holds([&](std::size_t hold, bool is_dragged, const btVector3& offset) {
       if (is_dragged)
-        anchors_.drag(surfaces_.bodies(), row, offset);
+        anchors_.drag(surfaces_.bodies(), hold, offset);
       else
-        anchors_.keep(row);
+        anchors_.keep(hold);
     });
     anchors_.finish_step();
   }
@@ -227,7 +285,8 @@ class ContactForce : public btDeformableLagrangianForce {
 
   void collect_velocities(const LookAhead& ahead) {
     velocities_.resize(static_cast<std::size_t>(m_nodes->size()));
-    free_velocities_.resize(velocities_.size());
+    free_velocities_.resize(1);
+    free_velocities_[0].resize(velocities_.size());
     inverse_masses_.clear();
     for (const detail::ContactBody& body : surfaces_.bodies()) {
       const double mass = body.soft != nullptr ? double(body.soft->getTotalMass()) : 0;
@@ -238,7 +297,7 @@ class ContactForce : public btDeformableLagrangianForce {
       for (int n = 0; n < body.soft->m_nodes.size(); ++n) {
         const btSoftBody::Node& node = body.soft->m_nodes[n];
         velocities_[static_cast<std::size_t>(body.first_node + n)] = LookAhead().velocity(node);
-        free_velocities_[static_cast<std::size_t>(body.first_node + n)] = own.velocity(node);
+        free_velocities_[0][static_cast<std::size_t>(body.first_node + n)] = own.velocity(node);
       }
     }
   }
@@ -263,7 +322,8 @@ class ContactForce : public btDeformableLagrangianForce {
   detail::ContactRows rows_;
   Reaction reaction_;
   detail::FrictionAnchors anchors_;
-  std::vector<btVector3> velocities_, free_velocities_;  // of the nodes: before the step, and after it if unstopped
+  std::vector<btVector3> velocities_;                    // of the nodes, before the step
+  std::vector<std::vector<btVector3>> free_velocities_;  // after it if nothing more stopped them, for each detection
   std::vector<double> inverse_masses_;
   btDeformableBodySolver* solver_ = nullptr;
   btDynamicsWorld* world_ = nullptr;

@@ -15,6 +15,13 @@
 
 namespace raycontact::bullet::detail {
 
+/** What friction holds on to. */
+struct Hold {
+  std::size_t number;  // among the holds of this step
+  bool is_old;         // from the step before
+  btVector3 offset;    // of an old one: from the contact's point to it, where detection had both
+};
+
 /** How the rows of one step push. */
 struct RowLaw {
   btScalar damping_time, depth_cap, friction;
@@ -36,6 +43,7 @@ class ContactRows {
   void clear() {
     rows_.clear();
     products_.clear();
+    passes_ = 0;
     nodes_.clear();
     weights_.clear();
     rigids_.clear();
@@ -60,10 +68,10 @@ class ContactRows {
 
   /**
    * The entries added since the last call become a row between two bodies (the second: -1 for a half-space).
-   * `offset`: from its point to its anchor, where detection had both, or nullptr where it has taken no hold yet.
+   * `hold`: for friction, or nullptr.
    */
   void finish_row(const btVector3& direction, btScalar depth, btScalar stiffness, int first, int second,
-                  const btVector3* offset = nullptr) {
+                  const Hold* hold = nullptr) {
     Row row{};
     row.direction = direction;
     row.depth = depth;
@@ -71,18 +79,47 @@ class ContactRows {
     row.first = first;
     row.second = second;
     row.point = point_;
-    row.is_anchored = offset != nullptr;
-    if (offset != nullptr) row.offset = *offset;
+    row.pass = passes_;
+    row.holds = hold != nullptr;
+    if (hold != nullptr) row.hold = *hold;
     row.end = nodes_.size();
     rows_.push_back(row);
     point_ = {};
   }
 
-  /** Calls `use(row number, is dragged, offset)` for each row that pushes: from its point to where it now holds on. */
+  /** Rows from now on are of another detection in the same step. */
+  void start_pass() { ++passes_; }
+
+  /** How many rows there are between two bodies, whichever comes first. */
+  std::size_t count(int first, int second) const {
+    return static_cast<std::size_t>(
+        std::count_if(rows_.begin(), rows_.end(), [&](const Row& row) { return row.is_between(first, second); }));
+  }
+
+  /**
+   * Would other rows push at the nodes' velocities m_v than those that did in this step's solve? Prediction takes rows
+   * for pushing that end up without contact, and would then pull. A twentieth of all force may be wrong.
+   */
+  bool has_changed(const Nodes& nodes) const {
+    btScalar right = 0, wrong = 0;
+    for_each_row([&](const Row& row, std::size_t begin) {
+      const btScalar push = expected_push(row, begin, nodes);
+      ((push > 0) == row.pushes ? right : wrong) += row.pushes || push > 0 ? btFabs(push) : 0;
+    });
+    return 20 * wrong > right;
+  }
+
+  /** Rows between the two bodies push no longer. */
+  void drop(int first, int second) {
+    for (Row& row : rows_)
+      if (row.is_between(first, second)) row.stiffness = 0;
+  }
+
+  /** Calls `use(hold number, is dragged, offset)` for each row that pushes: from its point to where it now holds on. */
   template <class Use>
-  void anchors(Use use) const {
-    for (std::size_t i = 0; i < rows_.size(); ++i)
-      if (rows_[i].pushes) use(i, rows_[i].is_dragged, rows_[i].kept_offset);
+  void holds(Use use) const {
+    for (const Row& row : rows_)
+      if (row.pushes && row.holds) use(row.hold.number, row.is_dragged, row.kept_offset);
   }
 
   /** Adds a node to the row under way; a node that is already in it gets the sum. */
@@ -110,17 +147,17 @@ class ContactRows {
    * engine solves. `before`: the nodes' velocities at the start of the step, `free`: at its end if nothing stopped
    * them; `inverse_masses`: of the bodies, 1/kg.
    */
-  void update(const Nodes& nodes, const std::vector<btVector3>& before, const std::vector<btVector3>& free,
+  void update(const Nodes& nodes, const std::vector<btVector3>& before, const std::vector<std::vector<btVector3>>& free,
               const std::vector<double>& inverse_masses, btScalar time_step, const RowLaw& law) {
     time_step_ = time_step;
     rigids_.start_systems();
     for_each_row([&](Row& row, std::size_t begin) {
       btVector3 rate(0, 0, 0), now(0, 0, 0);
       for (std::size_t e = begin; e < row.end; ++e) {
-        rate += weights_[e] * free[static_cast<std::size_t>(nodes_[e])];
+        rate += weights_[e] * free[row.pass][static_cast<std::size_t>(nodes_[e])];
         now += weights_[e] * before[static_cast<std::size_t>(nodes_[e])];
       }
-      row.motion = rate;
+      row.motion = row.free = rate;
       btVector3 unseen = law.look_ahead ? btVector3(0, 0, 0) : rate;  // motion that detection did not know of
       if (row.point.rigid >= 0) {
         const CoupledRigid& rigid = rigids_[row.point.rigid];
@@ -132,6 +169,7 @@ class ContactRows {
       row.pull = row.across(rate);  // the sliding, until friction is known
       row.sliding = row.across(now);
       set_push(row, time_step * unseen.dot(row.direction), rate.dot(row.direction), law);
+      if (row.pass < passes_) row.pushes = expected_push(row, begin, nodes) > 0;
     });
     loads_.start_prediction();
     if (law.friction > 0)
@@ -233,14 +271,20 @@ class ContactRows {
     btScalar stiffness;
     int first, second;  // bodies
     RigidPoint point;
-    btVector3 motion;  // u of the nodes, at the update
+    btVector3 motion, free;  // u of the nodes: at the update, and if nothing more stopped them
     btVector3 pull;
-    btVector3 offset, kept_offset;  // from the point to its anchor, where detection had them: as found, and as kept
-    btVector3 sliding;              // at the start of the step
-    btScalar push;                  // predicted
-    btScalar normal, tangential;    // D
-    bool pushes, is_anchored, is_dragged;
+    btVector3 kept_offset;        // as Hold::offset, from now on
+    btVector3 sliding;            // at the start of the step
+    btScalar push;                // predicted
+    btScalar normal, tangential;  // D
+    bool pushes, holds, is_dragged;
+    Hold hold;
+    std::size_t pass;
     std::size_t end;  // its entries run from the end of the row before
+
+    bool is_between(int a, int b) const {
+      return stiffness > 0 && ((first == a && second == b) || (first == b && second == a));
+    }
 
     btVector3 across(const btVector3& u) const { return u - direction.dot(u) * direction; }
 
@@ -249,14 +293,21 @@ class ContactRows {
     }
   };
 
+  btScalar expected_push(const Row& row, std::size_t begin, const Nodes& nodes) const {
+    return row.push + row.normal * row.direction.dot(motion_of(row, begin, nodes) - row.free);
+  }
+
   void set_push(Row& row, btScalar deepening, btScalar along, const RowLaw& law) const {
-    const btScalar asked = std::min(row.depth, std::max(law.depth_cap, time_step_ * along)) + deepening;
+    // The cap is for what there was at the start of the step: what bodies at rest fall within it must be met in full.
+    const btScalar closing = time_step_ * std::max(btScalar(0), along);
+    const btScalar most = law.look_ahead ? law.depth_cap + closing : std::max(law.depth_cap, closing);
+    const btScalar asked = std::min(row.depth, most) + deepening;
     btScalar damping_time = law.damping_time;
     row.push = row.stiffness * (asked + damping_time * along);
     row.pushes = row.push > 0;
     // What rests on a body that its own support holds up seems to be left by it: no reason to let go. Such a row says
     // nothing yet, and pushes if the solve brings the two together.
-    if (!row.pushes && asked > 0 && loads_.is_loaded(row.first, row.second)) {
+    if (!row.pushes && asked > 0 && row.stiffness > 0 && loads_.is_loaded(row.first, row.second)) {
       damping_time = -asked / along;
       row.push = 0;
       row.pushes = true;
@@ -271,12 +322,12 @@ class ContactRows {
     const btVector3 sliding = row.pull;
     row.pull = row.push * row.direction;
     if (!(law.friction > 0)) return;
-    const btScalar most =
-        law.friction * loads_.normal_force(row.first, row.second, row.push, row.normal, inverse_masses, time_step_);
+    const btScalar most = law.friction * loads_.normal_force(row.first, row.second, std::max(btScalar(0), row.push),
+                                                             row.normal, inverse_masses, time_step_);
     const btVector3 ahead = law.look_ahead ? time_step_ * sliding : btVector3(0, 0, 0);
-    btVector3 stretch = row.is_anchored ? row.across(row.offset) - ahead : btVector3(0, 0, 0);
+    btVector3 stretch = row.hold.is_old ? row.across(row.hold.offset) - ahead : btVector3(0, 0, 0);
     const btScalar stretched = row.stiffness * stretch.length();
-    row.is_dragged = !row.is_anchored || stretched > most;
+    row.is_dragged = !row.hold.is_old || stretched > most;
     if (stretched > most) stretch *= most / stretched;
     const btScalar time = time_step_ + law.damping_time;
     btScalar expected = (stretch + time * row.sliding).length();
@@ -335,10 +386,14 @@ class ContactRows {
     }
   }
 
-  btVector3 motion_change(const Row& row, std::size_t begin, const Nodes& nodes) const {
+  btVector3 motion_of(const Row& row, std::size_t begin, const Nodes& nodes) const {
     btVector3 now(0, 0, 0);
     for (std::size_t e = begin; e < row.end; ++e) now += weights_[e] * nodes[nodes_[e]]->m_v;
-    return now - row.motion;
+    return now;
+  }
+
+  btVector3 motion_change(const Row& row, std::size_t begin, const Nodes& nodes) const {
+    return motion_of(row, begin, nodes) - row.motion;
   }
 
   template <class Function>
@@ -374,6 +429,7 @@ class ContactRows {
   bool is_coupled_ = false;
   std::vector<int> nodes_;
   std::vector<btScalar> weights_;
+  std::size_t passes_ = 0;
   RigidPoint point_;
   RigidCoupling rigids_;
   PairLoads loads_;

@@ -31,35 +31,28 @@ class FrictionAnchors {
     found_.clear();
   }
 
-  /** To be called for each row in turn. The way from the contact's point to its anchor; false where it has none. */
-  bool find(const std::vector<ContactBody>& bodies, const rayc_contact& contact, btVector3& offset) {
+  /** What a contact holds on to; a new one in the step, which lets go unless keep() or drag() is called for it. */
+  Hold find(const std::vector<ContactBody>& bodies, const rayc_contact& contact) {
     Anchor anchor{contact.colliding, contact.collided, false, contact.p1.triangle, {}, {}, {0, 0, 0}};
     anchor.from = corners(contact.p1);
     anchor.to = corners(contact.p2);
-    return find(bodies, anchor, offset);
+    return find(bodies, anchor);
   }
 
   /** The same for a point of a skin on the half-space of this number: anchors then are points in space. */
-  bool find(const std::vector<ContactBody>& bodies, std::size_t body, std::size_t point, std::size_t half_space,
-            btVector3& offset) {
+  Hold find(const std::vector<ContactBody>& bodies, std::size_t body, std::size_t point, std::size_t half_space) {
     const uint32_t p = static_cast<uint32_t>(point);
     Anchor anchor{static_cast<uint32_t>(body), static_cast<uint32_t>(half_space), true, p, {}, {}, {0, 0, 0}};
     anchor.from = {{{p, p, p}}, {{1, 0, 0}}};
-    return find(bodies, anchor, offset);
+    return find(bodies, anchor);
   }
 
-  /** For a row that holds no anchor. */
-  void skip() {
-    pending_.push_back({0, 0, false, 0, {}, {}, {0, 0, 0}});
-    found_.push_back(none);
-  }
+  /** The hold of this number stays where it is: to the bit, so that rounding does not add up to a way. */
+  void keep(std::size_t number) { next_.push_back(kept_[found_[number]]); }
 
-  /** The row of this number holds on where it did: to the bit, so that rounding does not add up to a way. */
-  void keep(std::size_t row) { next_.push_back(kept_[found_[row]]); }
-
-  /** The row of this number holds on at `offset` from its point, both where detection had them. */
-  void drag(const std::vector<ContactBody>& bodies, std::size_t row, const btVector3& offset) {
-    Anchor anchor = pending_[row];
+  /** It is now at `offset` from its point, both where detection had them. */
+  void drag(const std::vector<ContactBody>& bodies, std::size_t number, const btVector3& offset) {
+    Anchor anchor = pending_[number];
     const btVector3 at = position(bodies[anchor.first], anchor.from) + offset;
     if (anchor.in_space)
       anchor.point = at;
@@ -124,7 +117,8 @@ class FrictionAnchors {
     return {{1 - b - c, b, c}};
   }
 
-  bool find(const std::vector<ContactBody>& bodies, const Anchor& wanted, btVector3& offset) {
+  Hold find(const std::vector<ContactBody>& bodies, const Anchor& wanted) {
+    Hold hold{pending_.size(), false, {0, 0, 0}};
     pending_.push_back(wanted);
     found_.push_back(none);
     const Anchor* nearest = nullptr;
@@ -139,17 +133,18 @@ class FrictionAnchors {
       nearest = &*a;
       least = distance;
     }
-    if (nearest == nullptr) return false;
+    if (nearest == nullptr) return hold;
     found_.back() = static_cast<std::size_t>(nearest - kept_.data());
     const btVector3 anchor = wanted.in_space ? nearest->point : position(bodies[nearest->second], nearest->to);
-    offset = anchor - position(bodies[nearest->first], nearest->from);
-    return true;
+    hold.offset = anchor - position(bodies[nearest->first], nearest->from);
+    hold.is_old = true;
+    return hold;
   }
 
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
-  std::vector<Anchor> kept_, next_, pending_;  // of the step before, of this one, and what each row would begin with
-  std::vector<std::size_t> found_;             // for each row, its own of those kept
+  std::vector<Anchor> kept_, next_, pending_;  // of the step before, of this one, and new ones
+  std::vector<std::size_t> found_;             // for each new one, its own of those kept
 };
 
 }  // namespace raycontact::bullet::detail

@@ -34,6 +34,7 @@ struct ContactBody {
   int first_node;                   // the number its first node has in the rows
   std::vector<btScalar> positions;  // of the surface's points, in the world
   std::vector<btScalar> areas;      // of a skin, at rest
+  std::vector<btScalar> kept_positions{};
 };
 
 /** The velocity that gravity adds to a rigid body in a step. */
@@ -108,6 +109,15 @@ class SurfaceSet {
       contact.collided = static_cast<uint32_t>(index_of_number_[contact.collided]);
     }
     detection_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  }
+
+  /** Positions as they are now, for restore_positions() after another detection in the same step. */
+  void keep_positions() {
+    for (ContactBody& body : bodies_) body.kept_positions = body.positions;
+  }
+
+  void restore_positions() {
+    for (ContactBody& body : bodies_) std::swap(body.positions, body.kept_positions);
   }
 
   std::vector<ContactBody>& bodies() { return bodies_; }
