@@ -8,35 +8,18 @@
 #include <cstdint>
 #include <vector>
 
-#include "raycontact/bullet/options.hpp"
+#include "raycontact/bullet/contact_row.hpp"
 #include "raycontact/bullet/pair_loads.hpp"
 #include "raycontact/bullet/precision.hpp"
 #include "raycontact/bullet/rigid_coupling.hpp"
 
 namespace raycontact::bullet::detail {
 
-/** What friction holds on to. */
-struct Hold {
-  std::size_t number;  // among the holds of this step
-  bool is_old;         // from the step before
-  btVector3 offset;    // of an old one: from the contact's point to it, where detection had both
-};
-
-/** How the rows of one step push. */
-struct RowLaw {
-  btScalar damping_time, depth_cap, friction;
-  bool isotropic, look_ahead;
-};
-
-/**
- * One row for each contact. Its motion is u = sum of weight * velocity over its nodes, and the velocity of a rigid body
- * where one takes part; the force on a node is -weight * pull, pull = push * direction + friction. Within a step
- * everything is linear in the change of u: pull + D du, D = normal part along the direction, tangential part across it.
- *
- * Rows live in flat arrays that grow: a fixed number of nodes for a contact would drop weights and freeze bodies.
- */
+/** One row for each contact, and the products over all of them. Rows live in flat arrays that grow: a fixed number of
+ * nodes for a contact would drop weights and freeze bodies. */
 class ContactRows {
  public:
+  using Row = ContactRow;
   using Vectors = btAlignedObjectArray<btVector3>;
   using Nodes = btAlignedObjectArray<btSoftBody::Node*>;
 
@@ -103,6 +86,7 @@ class ContactRows {
   bool has_changed(const Nodes& nodes) const {
     btScalar right = 0, wrong = 0;
     for_each_row([&](const Row& row, std::size_t begin) {
+      if (!is_judged(row)) return;
       const btScalar push = expected_push(row, begin, nodes);
       ((push > 0) == row.pushes ? right : wrong) += row.pushes || push > 0 ? btFabs(push) : 0;
     });
@@ -168,8 +152,9 @@ class ContactRows {
       }
       row.pull = row.across(rate);  // the sliding, until friction is known
       row.sliding = row.across(now);
-      set_push(row, time_step * unseen.dot(row.direction), rate.dot(row.direction), law);
-      if (row.pass < passes_) row.pushes = expected_push(row, begin, nodes) > 0;
+      row.set_push(time_step * unseen.dot(row.direction), rate.dot(row.direction), time_step, law,
+                   loads_.is_loaded(row.first, row.second));
+      if (row.pass < passes_ && is_judged(row)) row.pushes = expected_push(row, begin, nodes) > 0;
     });
     loads_.start_prediction();
     if (law.friction > 0)
@@ -178,7 +163,12 @@ class ContactRows {
       });
     for_each_row([&](Row& row, std::size_t begin) {
       if (!row.pushes) return;
-      set_pull(row, inverse_masses, law);
+      row.set_pull(
+          time_step, law,
+          [&](btScalar push) {
+            return loads_.normal_force(row.first, row.second, push, row.normal, inverse_masses, time_step);
+          },
+          [&] { return loads_.speed_lost(row.first, row.second, inverse_masses, time_step); });
       const btVector3 guessed = motion_change(row, begin, nodes);
       row.motion += guessed;
       row.pull += row.stiffened(guessed);
@@ -265,81 +255,11 @@ class ContactRows {
   }
 
  private:
-  struct Row {
-    btVector3 direction;
-    btScalar depth;
-    btScalar stiffness;
-    int first, second;  // bodies
-    RigidPoint point;
-    btVector3 motion, free;  // u of the nodes: at the update, and if nothing more stopped them
-    btVector3 pull;
-    btVector3 kept_offset;        // as Hold::offset, from now on
-    btVector3 sliding;            // at the start of the step
-    btScalar push;                // predicted
-    btScalar normal, tangential;  // D
-    bool pushes, holds, is_dragged;
-    Hold hold;
-    std::size_t pass;
-    std::size_t end;  // its entries run from the end of the row before
-
-    bool is_between(int a, int b) const {
-      return stiffness > 0 && ((first == a && second == b) || (first == b && second == a));
-    }
-
-    btVector3 across(const btVector3& u) const { return u - direction.dot(u) * direction; }
-
-    btVector3 stiffened(const btVector3& u) const {
-      return tangential * u + ((normal - tangential) * direction.dot(u)) * direction;
-    }
-  };
+  // What a movable rigid body does is known only once the solve is over.
+  bool is_judged(const Row& row) const { return !rigids_.is_movable(row.point.rigid); }
 
   btScalar expected_push(const Row& row, std::size_t begin, const Nodes& nodes) const {
     return row.push + row.normal * row.direction.dot(motion_of(row, begin, nodes) - row.free);
-  }
-
-  void set_push(Row& row, btScalar deepening, btScalar along, const RowLaw& law) const {
-    // The cap is for what there was at the start of the step: what bodies at rest fall within it must be met in full.
-    const btScalar closing = time_step_ * std::max(btScalar(0), along);
-    const btScalar most = law.look_ahead ? law.depth_cap + closing : std::max(law.depth_cap, closing);
-    const btScalar asked = std::min(row.depth, most) + deepening;
-    btScalar damping_time = law.damping_time;
-    row.push = row.stiffness * (asked + damping_time * along);
-    row.pushes = row.push > 0;
-    // What rests on a body that its own support holds up seems to be left by it: no reason to let go. Such a row says
-    // nothing yet, and pushes if the solve brings the two together.
-    if (!row.pushes && asked > 0 && row.stiffness > 0 && loads_.is_loaded(row.first, row.second)) {
-      damping_time = -asked / along;
-      row.push = 0;
-      row.pushes = true;
-    }
-    row.normal = row.stiffness * (time_step_ + damping_time);
-    row.tangential = law.isotropic ? row.stiffness * time_step_ : 0;
-  }
-
-  // Coulomb's force: a spring from the anchor, as stiff as the contact, which is held within the step. Where it would
-  // bear more than friction allows at the speed the bodies have, the spring is softer, and the anchor is dragged along.
-  void set_pull(Row& row, const std::vector<double>& inverse_masses, const RowLaw& law) const {
-    const btVector3 sliding = row.pull;
-    row.pull = row.push * row.direction;
-    if (!(law.friction > 0)) return;
-    const btScalar most = law.friction * loads_.normal_force(row.first, row.second, std::max(btScalar(0), row.push),
-                                                             row.normal, inverse_masses, time_step_);
-    const btVector3 ahead = law.look_ahead ? time_step_ * sliding : btVector3(0, 0, 0);
-    btVector3 stretch = row.hold.is_old ? row.across(row.hold.offset) - ahead : btVector3(0, 0, 0);
-    const btScalar stretched = row.stiffness * stretch.length();
-    row.is_dragged = !row.hold.is_old || stretched > most;
-    if (stretched > most) stretch *= most / stretched;
-    const btScalar time = time_step_ + law.damping_time;
-    btScalar expected = (stretch + time * row.sliding).length();
-    // One that begins to slide is as fast at the end of the step as friction alone leaves it.
-    if (stretched >= most) {
-      const btScalar lost = law.friction * loads_.speed_lost(row.first, row.second, inverse_masses, time_step_);
-      expected = std::max(expected, stretch.length() + time * (sliding.length() - lost));
-    }
-    const btScalar stiffness = row.stiffness * expected > most ? most / expected : row.stiffness;
-    row.pull += stiffness * (stretch + time * sliding);
-    row.tangential += stiffness * time;
-    row.kept_offset = stretch + ahead;
   }
 
   /** The part of a row that a product needs, so that the solve's iterations read little memory. */
