@@ -195,12 +195,12 @@ void no_creep_on_a_slope() {
     } else {
       world.contact().add_half_space({btVector3(0, 1, 0), 0, btScalar(3e5)});
     }
-    for (int step = 0; step < 150; ++step) world.step(0.02);
+    for (int step = 0; step < 100; ++step) world.step(0.02);
     const std::vector<btVector3> settled[2] = {places(*bodies[0]), places(*bodies[1])};
-    for (int step = 0; step < 300; ++step) world.step(0.02);
+    for (int step = 0; step < 150; ++step) world.step(0.02);
     for (std::size_t b = 0; b < 2; ++b)
       expect(farthest(*bodies[b], settled[b]) < 5e-6, test,
-             "way in 300 steps at rest: " + std::to_string(farthest(*bodies[b], settled[b])));
+             "way in 150 steps at rest: " + std::to_string(farthest(*bodies[b], settled[b])));
     const btVector3 force = world.contact().pair_force(*bodies[1], *bodies[0]);
     expect_near(double(force.x()), -3 * g * std::sin(angle), 0.1, test, "friction carries the upper cube's pull");
     expect_near(double(force.y()), 3 * g * std::cos(angle), 0.1, test, "the lower cube carries its weight");

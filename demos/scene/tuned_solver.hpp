@@ -122,6 +122,7 @@ class MergedElasticity : public btDeformableLinearElasticityForce {
         matrix_.add_element(number++, gradients, tetra.m_element_measure, m_mu, m_lambda);
       }
     }
+    matrix_.finish();
   }
 
   StiffnessMatrix matrix_;

@@ -23,12 +23,13 @@
 
 namespace raycontact::bullet {
 
+/** Tetrahedra and the surface that they carry. */
 struct Cage {
-  std::vector<btVector3> nodes;
-  std::vector<btScalar> fill;  ///< for each node, its part of the volume inside the skin, m^3; masses follow it
+  std::vector<btVector3> nodes;  ///< at rest, m
+  std::vector<btScalar> fill;    ///< for each node, its part of the volume inside the skin, m^3; masses follow it
   std::vector<std::array<int, 4>> tetrahedra;  ///< positive volume
-  Skin skin;
-  double cell_edge = 0;  ///< the shortest edge of a cell, m
+  Skin skin;                                   ///< the surface, over those nodes
+  double cell_edge = 0;                        ///< the shortest edge of a cell, m
 };
 
 namespace detail {

@@ -23,34 +23,43 @@ namespace raycontact::bullet {
  */
 class ClassicContact {
  public:
+  /** `relaxation`: the part of a correction that one call of apply() makes, above 0 and at most 1. */
   explicit ClassicContact(const ContactOptions& options = {}, double relaxation = 0.2)
       : options_(with_stiffness(options)), relaxation_(static_cast<btScalar>(relaxation)), surfaces_(options_) {
     if (!(relaxation > 0 && relaxation <= 1)) throw std::invalid_argument("relaxation must be above 0 and at most 1");
   }
 
+  /** The body's own faces are its collision surface. */
   void add_body(btSoftBody& body, const BodyOptions& options = {}) {
     if (body.m_faces.size() == 0)
       throw std::invalid_argument("soft body: it has no faces; appendFace its boundary, outward, or give it a skin");
     add_body(body, skin_from_faces(body), options);
   }
 
+  /** A finer surface carried by the body's nodes. */
   void add_body(btSoftBody& body, Skin skin, const BodyOptions& options = {}) {
     surfaces_.add_soft(body, std::move(skin), options);
   }
 
+  /** Soft bodies collide with the surface of the body's shape; see surface_of_shape. Rigid bodies pass each other. */
   void add_rigid_body(btRigidBody& body) { add_rigid_body(body, surface_of_shape(*body.getCollisionShape())); }
+  /** The same with a surface of its own. */
   void add_rigid_body(btRigidBody& body, RigidSurface surface) { surfaces_.add_rigid(body, std::move(surface)); }
 
   /** Before the body leaves the world or is destroyed. */
   void remove_body(const btCollisionObject& body) { surfaces_.remove(&body); }
 
+  /** Refuses a normal that is no unit vector, and a negative stiffness. */
   void add_half_space(const HalfSpace& half_space) {
     check_half_space(half_space);
     half_spaces_.push_back(half_space);
   }
 
+  /** Contacts of the last apply(). */
   std::size_t contact_count() const { return surfaces_.contacts().size(); }
+  /** They themselves; `colliding` and `collided` count bodies in the order of `add_...`. */
   const std::vector<rayc_contact>& contacts() const { return surfaces_.contacts(); }
+  /** Positions of the skins, search structures, rays: everything up to the list of contacts. */
   double last_detection_ms() const { return surfaces_.detection_ms(); }
 
   /** Detects, and moves every node by a part of what its contacts ask for: x += d, v += d / dt. */

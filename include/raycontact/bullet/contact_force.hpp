@@ -33,6 +33,7 @@ namespace raycontact::bullet {
  */
 class ContactForce : public btDeformableLagrangianForce {
  public:
+  /** Refuses options out of range. */
   explicit ContactForce(const ContactOptions& options = {}) : options_(options), surfaces_(options), reaction_(*this) {
     m_nodes = nullptr;
   }
@@ -88,11 +89,13 @@ class ContactForce : public btDeformableLagrangianForce {
     forget();
   }
 
+  /** Refuses a normal that is no unit vector, and a negative stiffness. */
   void add_half_space(const HalfSpace& half_space) {
     check_half_space(half_space);
     half_spaces_.push_back(half_space);
   }
 
+  /** Contacts of the last detection; of those, only what ends up pushing bears any load. */
   std::size_t contact_count() const { return surfaces_.contacts().size(); }
   /** The contacts of the last detection; `colliding` and `collided` count bodies in the order of `add_...`. */
   const std::vector<rayc_contact>& contacts() const { return surfaces_.contacts(); }
@@ -135,7 +138,7 @@ class ContactForce : public btDeformableLagrangianForce {
     return (is_far && add_contacts(ahead)) || has_changed;
   }
 
-  // What Bullet calls.
+  /** @cond What Bullet calls, as it describes it. */
 
   void addSoftBody(btSoftBody* body) override { add_body(*body); }
 
@@ -191,6 +194,8 @@ class ContactForce : public btDeformableLagrangianForce {
 
   // No enumerator is meant for forces from outside; 7 is free and fits the enumeration's three bits.
   btDeformableLagrangianForceType getForceType() override { return static_cast<btDeformableLagrangianForceType>(7); }
+
+  /** @endcond */
 
  private:
   /** Runs when Bullet has moved everything: rigid bodies then get what the solve found for them. */

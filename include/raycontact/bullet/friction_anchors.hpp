@@ -7,7 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "raycontact/bullet/surface_set.hpp"
@@ -23,6 +23,7 @@ class FrictionAnchors {
  public:
   void forget() {
     kept_.clear();
+    sorted_.clear();
     start_step();
   }
 
@@ -64,7 +65,9 @@ class FrictionAnchors {
   void finish_step() {
     std::swap(kept_, next_);
     next_.clear();
-    std::sort(kept_.begin(), kept_.end(), [](const Anchor& a, const Anchor& b) { return a.key() < b.key(); });
+    sorted_.clear();
+    for (std::size_t i = 0; i < kept_.size(); ++i) sorted_.push_back({kept_[i].key(), i});
+    std::sort(sorted_.begin(), sorted_.end());
   }
 
  private:
@@ -73,6 +76,8 @@ class FrictionAnchors {
     std::array<double, 3> weights;
   };
 
+  using Key = std::pair<uint64_t, uint64_t>;
+
   struct Anchor {
     uint32_t first, second;  // bodies, or a body and a half-space
     bool in_space;
@@ -80,7 +85,7 @@ class FrictionAnchors {
     Corners from, to;
     btVector3 point;  // in space
 
-    std::tuple<uint32_t, uint32_t, bool, uint32_t> key() const { return {first, second, in_space, triangle}; }
+    Key key() const { return {uint64_t(first) << 32 | second, uint64_t(in_space ? 1 : 0) << 32 | triangle}; }
   };
 
   // By rising vertex number: a contact that starts from a vertex has that one first.
@@ -123,14 +128,15 @@ class FrictionAnchors {
     found_.push_back(none);
     const Anchor* nearest = nullptr;
     double least = 0;
-    for (auto a = std::lower_bound(kept_.begin(), kept_.end(), wanted.key(),
-                                   [](const Anchor&kept, const auto&key) { return kept.key() < key; });
-         a != kept_.end() && a->key() == wanted.key(); ++a) {
+    const Key key = wanted.key();
+    for (auto found = std::lower_bound(sorted_.begin(), sorted_.end(), std::make_pair(key, std::size_t(0)));
+         found != sorted_.end() && found->first == key; ++found) {
+      const Anchor& a = kept_[found->second];
       double distance = 0;
       for (std::size_t k = 0; k < 3; ++k)
-        distance += (a->from.weights[k] - wanted.from.weights[k]) * (a->from.weights[k] - wanted.from.weights[k]);
+        distance += (a.from.weights[k] - wanted.from.weights[k]) * (a.from.weights[k] - wanted.from.weights[k]);
       if (nearest != nullptr && !(distance < least)) continue;
-      nearest = &*a;
+      nearest = &a;
       least = distance;
     }
     if (nearest == nullptr) return hold;
@@ -143,8 +149,9 @@ class FrictionAnchors {
 
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
-  std::vector<Anchor> kept_, next_, pending_;  // of the step before, of this one, and new ones
-  std::vector<std::size_t> found_;             // for each new one, its own of those kept
+  std::vector<Anchor> kept_, next_, pending_;        // of the step before, of this one, and new ones
+  std::vector<std::pair<Key, std::size_t>> sorted_;  // those kept, by key
+  std::vector<std::size_t> found_;                   // for each new one, its own of those kept
 };
 
 }  // namespace raycontact::bullet::detail

@@ -48,6 +48,7 @@ class InsideTest {
     return winding;
   }
 
+  /** Whether the surface winds around x, y, z at `position`. */
   bool contains(const double* position) const { return winding_number(position) > 0; }
 
  private:

@@ -37,11 +37,12 @@ enum class Stiffness {
   isotropic,     ///< all three alike, as if the ray turned with the bodies: sliding is damped within the step
 };
 
+/** How bodies touch; the constructors of ContactForce and ClassicContact refuse values out of range. */
 struct ContactOptions {
-  double stiffness = 1000;     ///< N/m^3 (N/m with RAYC_WEIGHTING_VERTEX), >= 0; see suggested_stiffness
-  double damping_time = 0.05;  ///< s, >= 0; damping along the ray = stiffness * damping_time
-  uint32_t weighting = RAYC_WEIGHTING_AREA;
-  Stiffness directions = Stiffness::along_normal;
+  double stiffness = 1000;                   ///< N/m^3 (N/m with RAYC_WEIGHTING_VERTEX), >= 0; see suggested_stiffness
+  double damping_time = 0.05;                ///< s, >= 0; damping along the ray = stiffness * damping_time
+  uint32_t weighting = RAYC_WEIGHTING_AREA;  ///< a rayc_weighting: what a contact's stiffness is multiplied by
+  Stiffness directions = Stiffness::along_normal;  ///< which directions the solve knows
   double friction = 0;  ///< Coulomb's coefficient, >= 0; 0 = none. Bodies at rest hold on to one another
   /// m, > 0; asked of one step, or what the bodies close in it if that is more: a tenth to half an element edge.
   double depth_cap = std::numeric_limits<double>::infinity();
@@ -69,6 +70,7 @@ struct ContactOptions {
   }
 };
 
+/** What may differ from body to body. */
 struct BodyOptions {
   bool self_collision = false;  ///< also contacts of the body with itself
 };

@@ -21,10 +21,13 @@
 namespace raycontact::bullet {
 
 #ifdef BT_USE_DOUBLE_PRECISION
-inline constexpr bool double_precision = true;
+#define RAYCONTACT_BULLET_IS_DOUBLE true
 #else
-inline constexpr bool double_precision = false;
+#define RAYCONTACT_BULLET_IS_DOUBLE false
 #endif
+/** Whether Bullet's scalar is double. */
+inline constexpr bool double_precision = RAYCONTACT_BULLET_IS_DOUBLE;
+#undef RAYCONTACT_BULLET_IS_DOUBLE
 
 static_assert(std::is_same<btScalar, double>::value == double_precision,
               "BT_USE_DOUBLE_PRECISION changed after Bullet's headers were read: define it on the command line, as "

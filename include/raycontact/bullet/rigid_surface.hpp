@@ -26,7 +26,7 @@ namespace raycontact::bullet {
 
 /** In the body's own coordinates, outward. */
 struct RigidSurface {
-  std::vector<btVector3> points;
+  std::vector<btVector3> points;    ///< its vertices, m
   std::vector<uint32_t> triangles;  ///< three point numbers each
 };
 

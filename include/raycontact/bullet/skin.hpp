@@ -16,13 +16,13 @@ namespace raycontact::bullet {
 
 /** A point of the skin: a weighted mean of at most four nodes of the soft body that carries it. */
 struct SkinPoint {
-  std::array<int, 4> nodes{{0, 0, 0, 0}};
+  std::array<int, 4> nodes{{0, 0, 0, 0}};         ///< their numbers in the body
   std::array<btScalar, 4> weights{{1, 0, 0, 0}};  ///< sum 1; barycentric in one tetrahedron, or one node alone
 };
 
 /** A closed, outward-oriented surface over such points. */
 struct Skin {
-  std::vector<SkinPoint> points;
+  std::vector<SkinPoint> points;    ///< the surface's vertices
   std::vector<uint32_t> triangles;  ///< three point numbers each
 };
 
@@ -43,6 +43,7 @@ struct LookAhead {
   btScalar time = 0;          ///< s
   btVector3 gained{0, 0, 0};  ///< m/s: what gravity adds to the velocities within the step
 
+  /** The velocity with which a node is taken ahead, m/s. */
   btVector3 velocity(const btSoftBody::Node& node) const {
     return node.m_im > 0 ? node.m_v + gained : btVector3(0, 0, 0);
   }

@@ -1,0 +1,130 @@
+// What one implicit step does with one contact, against the step's closed form: nearly rigid cubes on half-spaces.
+#include <cmath>
+#include <vector>
+
+#include "expect.hpp"
+#include "raycontact/bullet.hpp"
+#include "shapes.hpp"
+#include "soft_world.hpp"
+
+namespace bullet = raycontact::bullet;
+
+namespace {
+
+constexpr double mass = 2, dt = 0.02, stiffness = 500;  // kg, s, N/m^3
+
+const demo::Surface cube{
+    "cube",
+    {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1},
+    {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5}};
+
+bullet::ContactOptions options_with(double damping_time) {
+  bullet::ContactOptions options;
+  options.stiffness = stiffness;
+  options.damping_time = damping_time;
+  return options;
+}
+
+// A cube between a floor and a ceiling that it overlaps by `depth` each, so that nothing turns it.
+class Squeezed {
+ public:
+  Squeezed(const bullet::ContactOptions& options, double floor_depth, double ceiling_depth,
+           const btVector3& gravity = btVector3(0, 0, 0))
+      : world_(1e6, 0.3, options, gravity),
+        body_(world_.add(bullet::make_cage(cube.positions, cube.triangles, 1), mass)) {
+    const std::vector<btScalar> areas =
+        bullet::skin_areas(std::vector<btScalar>(cube.positions.begin(), cube.positions.end()), cube.triangles);
+    for (std::size_t v = 0; v < areas.size(); ++v)
+      (cube.positions[3 * v + 1] < 0.5 ? floor_ : ceiling_) += double(areas[v]);
+    floor_ *= stiffness;
+    ceiling_ *= stiffness;
+    if (floor_depth > 0)
+      world_.contact().add_half_space({btVector3(0, 1, 0), btScalar(floor_depth), btScalar(stiffness)});
+    if (ceiling_depth > 0)
+      world_.contact().add_half_space({btVector3(0, -1, 0), btScalar(ceiling_depth - 1), btScalar(stiffness)});
+  }
+
+  btVector3 velocity_after_step() {
+    world_.step(dt);
+    btVector3 momentum(0, 0, 0);
+    for (int n = 0; n < body_.m_nodes.size(); ++n) momentum += body_.m_nodes[n].m_v / body_.m_nodes[n].m_im;
+    return momentum / btScalar(mass);
+  }
+
+  double floor() const { return floor_; }      // N/m
+  double ceiling() const { return ceiling_; }  // N/m
+
+ private:
+  demo::SoftWorld world_;
+  btSoftBody& body_;
+  double floor_ = 0, ceiling_ = 0;
+};
+
+// m v = dt K (depth - (dt + damping time) v): pushed out of the floor.
+void along_the_normal() {
+  for (const double damping_time : {0.0, 0.05, 0.5}) {
+    Squeezed cube_on_floor(options_with(damping_time), 0.05, 0);
+    const double k = cube_on_floor.floor(), v = dt * k * 0.05 / (mass + dt * k * (dt + damping_time));
+    expect_near(double(cube_on_floor.velocity_after_step().y()), v, 0.01 * v, "normal",
+                "velocity with a damping time of " + std::to_string(damping_time));
+  }
+}
+
+// The same with the depth capped.
+void depth_cap() {
+  bullet::ContactOptions options = options_with(0.05);
+  options.depth_cap = 0.01;
+  Squeezed capped(options, 0.05, 0);
+  const double k = capped.floor(), v = dt * k * 0.01 / (mass + dt * k * (dt + 0.05));
+  expect_near(double(capped.velocity_after_step().y()), v, 0.01 * v, "depth cap", "velocity");
+  // A body at rest must be held however deep the cap lets it lie: what it would fall within the step is no depth.
+  Squeezed falling(options, 0.01, 0, btVector3(0, -10, 0));
+  const double held = (dt * k * 0.01 - dt * mass * 10) / (mass + dt * k * (dt + 0.05));
+  expect_near(double(falling.velocity_after_step().y()), held, 0.01 * dt * 10, "depth cap", "velocity under gravity");
+}
+
+// Isotropic springs resist what the step adds to the motion along the surface: m (v - v0) = dt m g - dt^2 K (v - v0).
+// With the bodies taken ahead, gravity's part is in their motion already; along the normal only, nothing resists.
+void across_the_normal() {
+  const btVector3 gravity(3, 0, 0);
+  for (const bool isotropic : {false, true})
+    for (const bool look_ahead : {false, true}) {
+      bullet::ContactOptions options = options_with(0);
+      options.directions = isotropic ? bullet::Stiffness::isotropic : bullet::Stiffness::along_normal;
+      options.look_ahead = look_ahead;
+      Squeezed squeezed(options, 0.05, 0.05, gravity);
+      const double k = isotropic && !look_ahead ? squeezed.floor() + squeezed.ceiling() : 0;
+      const double v = dt * mass * double(gravity.x()) / (mass + dt * dt * k);
+      expect_near(double(squeezed.velocity_after_step().x()), v, 0.01 * v, isotropic ? "isotropic" : "along the normal",
+                  look_ahead ? "velocity, ahead" : "velocity");
+    }
+}
+
+// Friction that holds is a spring with the contact's stiffness and damping time: m v = dt (m g - K (dt + damping time)
+// v).
+void friction_that_holds() {
+  bullet::ContactOptions options = options_with(0.05);
+  options.friction = 100;
+  Squeezed held(options, 0.05, 0.05, btVector3(3, 0, 0));
+  const double k = held.floor() + held.ceiling(), v = dt * mass * 3 / (mass + dt * k * (dt + 0.05));
+  expect_near(double(held.velocity_after_step().x()), v, 0.01 * v, "friction", "velocity");
+}
+
+void suggestions() {
+  const char* test = "suggestions";
+  expect_near(bullet::suggested_stiffness(2000, 0.25), 8000, 1e-9, test, "stiffness E / h");
+  expect_near(bullet::suggested_stiffness(2000, 0.25, 3), 24000, 1e-9, test, "stiffness 3 E / h");
+  expect_near(bullet::suggested_depth_cap(2000, 0.2, 1e4), 0.05, 1e-12, test, "cap of a stiff contact, h / 4");
+  expect_near(bullet::suggested_depth_cap(2000, 0.2, 4000, 0.1), 0.05, 1e-12, test, "cap of a soft one, E / k / 10");
+}
+
+}  // namespace
+
+int main() {
+  along_the_normal();
+  depth_cap();
+  across_the_normal();
+  friction_that_holds();
+  suggestions();
+  return failures == 0 ? 0 : 1;
+}
