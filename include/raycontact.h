@@ -166,8 +166,9 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_THREADS_NOT_STARTED = 500,
   /**
-   * There is no memory for what the call makes. Only calls that name it among their errors say so: where memory ends
-   * within another call, the process ends, as Rust programs do.
+   * There is no memory for what the call makes. Any call may say so. A contact list that it was to fill is as before or
+   * empty. What still ends the process, where memory ends within them: reading a file, and starting the threads of a
+   * pool or handing them work.
    */
   RAYC_STATUS_OUT_OF_MEMORY = 501,
   /**

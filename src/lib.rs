@@ -17,6 +17,7 @@
 //! | [`ray`] | rays, hits, ray–triangle tests |
 //! | [`math`] | scalars, boxes |
 //! | [`threads`] | whose threads work: the caller's, a pool's, the host's |
+//! | [`memory`] | memory that ends |
 //!
 //! # Example
 //! Two unit cubes, one shifted by (0.8, 0.1, 0.2): with rays from the vertices alone, as in the paper, the corner of each
@@ -46,6 +47,7 @@
 pub mod capi;
 pub mod contact;
 pub mod math;
+pub mod memory;
 pub mod mesh;
 pub mod octree;
 pub mod ray;

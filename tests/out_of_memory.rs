@@ -1,38 +1,50 @@
-//! Memory that ends: creation says so before it begins and can be asked again; a steady step asks for none; and where an
-//! allocation fails within any other call, the process ends by abort and in no other way.
+//! Memory that ends: whichever allocation of whole steps fails, and whether or not memory stays short, the call says so,
+//! nothing is lost, and the same call then does what it should. Of a pool's own allocations some end the process, by abort
+//! and in no other way.
 #![cfg(unix)]
-#![allow(unsafe_code)] // an allocator that fails
+#![allow(unsafe_code)] // an allocator that fails, and the C interface
 
 mod common;
 
-use common::c::{Contacts, Mesh, Octree, RAYC_STATUS_OK, RAYC_STATUS_OUT_OF_MEMORY, Scene, vectors};
-use common::shapes::{self, Shape};
-use raycontact::capi::rayc_status;
+use common::shapes::{self, Point, Shape};
+use raycontact::capi::rayc_status::{self, *};
+use raycontact::capi::*;
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::ffi::CStr;
 use std::os::unix::process::ExitStatusExt;
 use std::process::Command;
+use std::ptr::{null, null_mut};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
 
-/// Counts what lives, and fails beyond a limit or at the n-th allocation.
+/// Counts what lives, and fails at the n-th allocation; if asked, no more memory is given from there on.
 struct Failing;
 
+static IS_ARMED: AtomicBool = AtomicBool::new(false);
+static STAYS_SHORT: AtomicBool = AtomicBool::new(false);
+static BEFORE: AtomicUsize = AtomicUsize::new(usize::MAX);
 static LIVE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
 static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
-static ALLOCATIONS_BEFORE: AtomicUsize = AtomicUsize::new(usize::MAX);
-static HAS_FAILED: AtomicBool = AtomicBool::new(false);
+/// How much the last call gave back, if the next one may have it.
+static GIVEN_BACK: AtomicUsize = AtomicUsize::new(0);
 
 impl Failing {
     fn refuses(&self, bytes: usize) -> bool {
-        let count_down = |before: usize| (before != usize::MAX).then(|| before.wrapping_sub(1));
-        let is_nth = ALLOCATIONS_BEFORE.fetch_update(SeqCst, SeqCst, count_down) == Ok(0);
-        let fails = is_nth || LIVE.load(SeqCst).saturating_add(bytes) > LIMIT.load(SeqCst);
-        if fails {
-            HAS_FAILED.store(true, SeqCst);
-        } else {
-            PEAK.fetch_max(LIVE.fetch_add(bytes, SeqCst) + bytes, SeqCst);
+        // What has just been given back is there.
+        let is_there = bytes <= GIVEN_BACK.swap(0, SeqCst);
+        if IS_ARMED.load(SeqCst) && !is_there {
+            let count_down = |before: usize| (before != usize::MAX).then(|| before.wrapping_sub(1));
+            if BEFORE.fetch_update(SeqCst, SeqCst, count_down) == Ok(0) {
+                if STAYS_SHORT.load(SeqCst) {
+                    LIMIT.store(LIVE.load(SeqCst), SeqCst);
+                }
+                return true;
+            }
+            if LIVE.load(SeqCst) + bytes > LIMIT.load(SeqCst) {
+                return true;
+            }
         }
-        fails
+        LIVE.fetch_add(bytes, SeqCst);
+        false
     }
 }
 
@@ -40,11 +52,12 @@ impl Failing {
 unsafe impl GlobalAlloc for Failing {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: by the trait's contract.
-        if self.refuses(layout.size()) { std::ptr::null_mut() } else { unsafe { System.alloc(layout) } }
+        if self.refuses(layout.size()) { null_mut() } else { unsafe { System.alloc(layout) } }
     }
 
     unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
         LIVE.fetch_sub(layout.size(), SeqCst);
+        GIVEN_BACK.store(layout.size(), SeqCst);
         // SAFETY: by the trait's contract.
         unsafe { System.dealloc(place, layout) }
     }
@@ -53,92 +66,273 @@ unsafe impl GlobalAlloc for Failing {
 #[global_allocator]
 static ALLOCATOR: Failing = Failing;
 
-/// Two bodies that overlap, from shapes to contacts.
-fn step(shapes: &[Shape; 2], precision: u32) -> Result<Contacts, rayc_status> {
-    let mut contacts = Contacts::new();
-    let make = |shape: &Shape| Mesh::new(precision, false, &vectors(&shape.positions), &shape.triangles);
-    let meshes = [make(&shapes[0])?, make(&shapes[1])?];
-    let octrees = [Octree::new(&meshes[0])?, Octree::new(&meshes[1])?];
-    let mut scene = Scene::new(precision, 1)?;
-    for mesh in &meshes {
-        scene.add(mesh)?;
+/// What a run is to survive, and what it did.
+struct Run {
+    expected_failure: Option<usize>,
+    reported: usize,
+    digest: Vec<u64>,
+}
+
+impl Run {
+    fn new(expected_failure: Option<usize>, stays_short: bool) -> Self {
+        BEFORE.store(expected_failure.unwrap_or(usize::MAX), SeqCst);
+        STAYS_SHORT.store(stays_short, SeqCst);
+        Self { expected_failure, reported: 0, digest: Vec::new() }
     }
-    assert_eq!(scene.query(&mut contacts), RAYC_STATUS_OK);
-    let status = contacts.query_pair((&meshes[0], &octrees[0]), (&meshes[1], &octrees[1]));
-    assert_eq!(status, RAYC_STATUS_OK);
-    Ok(contacts)
-}
 
-/// Work with no more than so many bytes beyond those that live now.
-fn within<R>(bytes: usize, work: impl FnOnce() -> R) -> R {
-    LIMIT.store(LIVE.load(SeqCst) + bytes, SeqCst);
-    let result = work();
-    LIMIT.store(usize::MAX, SeqCst);
-    result
-}
+    fn has_failed(&self) -> bool {
+        self.expected_failure.is_some() && BEFORE.load(SeqCst) == usize::MAX
+    }
 
-/// Creation with any amount of memory, from none: a status or a handle, and the next try with enough works.
-fn creation_is_refused_or_works() -> (usize, usize) {
-    let (mut refused, mut worked) = (0, 0);
-    let mut shapes = vec![shapes::tetrahedron(), shapes::cube(4), shapes::star(), shapes::torus(24, 12, 0.4)];
-    // Vertices that no triangle uses, and one vertex that hundreds of triangles share.
-    shapes[0].positions.extend([[0.0; 3]; 5000]);
-    shapes.push(shapes::fan(600));
-    for (shape, precision) in shapes.iter().flat_map(|shape| [(shape, 32), (shape, 64)]) {
-        let positions = vectors(&shape.positions);
-        let make = || Mesh::new(precision, false, &positions, &shape.triangles);
-        let mesh = make().expect("enough memory");
-        let mut scene = Scene::new(precision, 1).expect("no threads");
-        let mut sweep = |make: &mut dyn FnMut() -> Result<(), rayc_status>| {
-            let mut bytes = 1 << 12;
-            loop {
-                // No allocation but the one that is asked for beforehand fails: that would end this process.
-                let result = within(bytes, &mut *make);
-                assert_eq!(make(), Ok(()), "the next try, with enough memory");
-                if result.is_ok() {
-                    worked += 1;
-                    break;
-                }
-                assert_eq!(result, Err(RAYC_STATUS_OUT_OF_MEMORY));
-                refused += 1;
-                bytes += bytes / 4;
+    /// A call that ends as expected, if need be after it has said once that there is no memory.
+    fn call(&mut self, expected: rayc_status, mut call: impl FnMut() -> rayc_status) {
+        loop {
+            IS_ARMED.store(self.expected_failure.is_some(), SeqCst);
+            let status = call();
+            IS_ARMED.store(false, SeqCst);
+            LIMIT.store(usize::MAX, SeqCst);
+            if status == expected {
+                return;
             }
-        };
-        sweep(&mut || make().map(drop));
-        sweep(&mut || Octree::new(&mesh).map(drop));
-        sweep(&mut || scene.add(&mesh).map(drop));
+            assert_eq!(status, RAYC_STATUS_OUT_OF_MEMORY, "allocation {:?}", self.expected_failure);
+            assert!(self.has_failed() && self.reported == 0, "one failure only");
+            // SAFETY: it is never NULL.
+            let message = unsafe { CStr::from_ptr(rayc_last_error_message()) };
+            assert!(message.to_str().expect("UTF-8").contains("no memory"));
+            self.reported += 1;
+        }
     }
-    (refused, worked)
+
+    fn ok(&mut self, call: impl FnMut() -> rayc_status) {
+        self.call(RAYC_STATUS_OK, call);
+    }
+
+    /// A handle or number that a call gives.
+    fn given<V: Copy>(&mut self, nothing: V, mut call: impl FnMut(&mut V) -> rayc_status) -> V {
+        let mut given = nothing;
+        self.ok(|| call(&mut given));
+        given
+    }
+
+    fn read(&mut self, contacts: *const rayc_contacts) -> usize {
+        let mut count = 0;
+        // SAFETY: the array is as long as is said, and numbers alone may be anything.
+        unsafe {
+            self.ok(|| rayc_contacts_count(contacts, &mut count));
+            let mut all: Vec<rayc_contact> = vec![std::mem::zeroed(); count];
+            self.ok(|| rayc_contacts_copy(contacts, 0, count, all.as_mut_ptr()));
+            self.digest.push(count as u64);
+            for contact in &all {
+                self.digest.extend([contact.depth, contact.area, contact.cos_alpha].map(f64::to_bits));
+                self.digest.extend([contact.p1.triangle, contact.p2.triangle].map(u64::from));
+            }
+        }
+        count
+    }
+}
+
+const F64: u32 = rayc_scalar::RAYC_SCALAR_F64 as u32;
+
+fn vectors(points: &[Point]) -> rayc_vectors {
+    rayc_vectors { data: points.as_ptr().cast(), count: points.len(), stride: 0, scalar: F64 }
+}
+
+unsafe extern "C" fn one_by_one(_: *mut libc::c_void, count: usize, task: rayc_task, data: *mut libc::c_void) {
+    // SAFETY: as rayc_parallel_for says.
+    (0..count).for_each(|index| unsafe { task(data, index) });
+}
+
+fn mesh(run: &mut Run, shape: &Shape) -> *mut rayc_mesh {
+    let positions = vectors(&shape.positions);
+    let (indices, count) = (shape.triangles.as_ptr().cast(), shape.triangles.len());
+    // SAFETY: the arrays are as they say.
+    run.given(null_mut(), |mesh| unsafe { rayc_mesh_create(null(), &positions, indices, count, mesh) })
+}
+
+/// Two bodies that overlap, one within another, one that overlaps itself.
+fn bodies() -> [Shape; 4] {
+    let folded = shapes::octahedron().joined(&shapes::octahedron().moved([0.7, 0.2, 0.1])).moved([0.0, 3.0, 0.0]);
+    let small = shapes::octahedron().scaled(0.25).moved([0.1, 0.1, 0.1]);
+    [shapes::octahedron(), shapes::octahedron().moved([0.9, 0.1, 0.2]), small, folded]
+}
+
+/// Handles of their own: pairs, rays, forces.
+fn without_a_scene(run: &mut Run) {
+    let shapes = bodies();
+    let meshes = [0, 1, 3].map(|k| mesh(run, &shapes[k]));
+    // SAFETY: the handles are valid, the arrays are as they say.
+    unsafe {
+        let octrees = meshes.map(|mesh| run.given(null_mut(), |octree| rayc_octree_create(mesh, octree)));
+        let contacts = run.given(null_mut(), |contacts| rayc_contacts_create(contacts));
+        let mut options: rayc_detection_options = std::mem::zeroed();
+        run.ok(|| rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options));
+        for (spacing, tolerance) in
+            [(RAYC_SPACING_AUTOMATIC, 0.0), (0.0, 0.0), (0.5, 0.0), (RAYC_SPACING_AUTOMATIC, 0.1)]
+        {
+            (options.sample_spacing, options.force_tolerance, options.past_folds) = (spacing, tolerance, 1);
+            run.ok(|| rayc_query_pair(&options, meshes[0], octrees[0], meshes[1], octrees[1], contacts));
+            assert!(run.read(contacts) > 0);
+        }
+        let arrays = [0, 1].map(|k| vectors(&shapes[k].positions));
+        let mut forces = [0, 1].map(|k| vec![[0.0f64; 3]; shapes[k].positions.len()]);
+        let outputs = forces.each_mut().map(|forces| rayc_vectors_mut {
+            data: forces.as_mut_ptr().cast(),
+            count: forces.len(),
+            stride: 0,
+            scalar: F64,
+        });
+        run.ok(|| rayc_contacts_add_forces(contacts, null(), 2, arrays.as_ptr(), arrays.as_ptr(), outputs.as_ptr()));
+        run.ok(|| rayc_contacts_add_differential(contacts, null(), 1.0, 1.0, 2, arrays.as_ptr(), outputs.as_ptr()));
+        run.digest.extend(forces.iter().flatten().flatten().map(|x| x.to_bits()));
+        let joules = run.given(0.0, |joules| rayc_contacts_energy(contacts, null(), 2, arrays.as_ptr(), joules));
+        run.digest.push(joules.to_bits());
+        run.ok(|| rayc_query_self(null(), meshes[2], octrees[2], contacts));
+        assert!(run.read(contacts) > 0);
+        let moved = shapes[1].moved([0.01, 0.0, 0.0]).positions;
+        run.ok(|| rayc_mesh_set_positions(meshes[1], &vectors(&moved)));
+        run.call(RAYC_STATUS_OCTREE_STALE, || {
+            rayc_query_pair(null(), meshes[0], octrees[0], meshes[1], octrees[1], contacts)
+        });
+        run.ok(|| rayc_octree_update(octrees[1], meshes[1]));
+        run.call(RAYC_STATUS_MESH_OPEN, || {
+            let positions = vectors(&shapes[0].positions);
+            rayc_mesh_create(null(), &positions, shapes[0].triangles.as_ptr().cast(), 3, &mut null_mut())
+        });
+        octrees.into_iter().for_each(|octree| run.ok(|| rayc_octree_destroy(octree)));
+        meshes.into_iter().for_each(|mesh| run.ok(|| rayc_mesh_destroy(mesh)));
+        run.ok(|| rayc_contacts_destroy(contacts));
+    }
+}
+
+/// Steps of a scene, in which bodies move, escape, overlap themselves, are left out, saved, removed and added again.
+fn steps(run: &mut Run, scene: *mut rayc_scene) {
+    let shapes = bodies();
+    // SAFETY: the handles are valid, the arrays are as they say.
+    unsafe {
+        let contacts = run.given(null_mut(), |contacts| rayc_contacts_create(contacts));
+        let meshes = shapes.each_ref().map(|shape| mesh(run, shape));
+        let numbers = meshes.map(|mesh| run.given(u32::MAX, |body| rayc_scene_add_mesh(scene, mesh, body)));
+        assert_eq!(numbers, [0, 1, 2, 3]);
+        let mut options: rayc_detection_options = std::mem::zeroed();
+        run.ok(|| rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options));
+        // Few rays, so that there is time for many steps.
+        options.sample_spacing = 0.0;
+        run.ok(|| rayc_scene_set_detection_options(scene, &options));
+        run.ok(|| rayc_scene_set_self_collision(scene, 3, 1));
+        run.ok(|| rayc_scene_allow_escape(scene, 0, 1, 0));
+        let mut total = 0;
+        for step in 0..6 {
+            let shift = 0.02 * f64::from(step);
+            let positions = shapes[3].map(|[x, y, z]| [x * (1.0 - shift), y, z]).positions;
+            run.ok(|| rayc_scene_set_positions(scene, 3, &vectors(&positions)));
+            let positions = shapes[1].moved([-shift, 0.0, 0.0]).positions;
+            run.ok(|| rayc_scene_set_positions(scene, 1, &vectors(&positions)));
+            if step == 3 {
+                run.ok(|| rayc_scene_set_pair_collision(scene, 1, 2, 0));
+                run.ok(|| rayc_scene_remove_body(scene, 0));
+                run.ok(|| rayc_scene_add_mesh(scene, meshes[0], &mut 0));
+                let length = run.given(0, |length| rayc_scene_saved_length(scene, length));
+                let mut saved = vec![0; length];
+                run.ok(|| rayc_scene_save_pair_memories(scene, length, saved.as_mut_ptr()));
+                run.ok(|| rayc_scene_restore_pair_memories(scene, length, saved.as_ptr()));
+            }
+            run.ok(|| rayc_scene_query(scene, contacts));
+            total += run.read(contacts);
+        }
+        assert!(total > 20, "{total}");
+        let count = run.given(0, |count| rayc_scene_pair_memory_count(scene, count));
+        let mut memories: Vec<rayc_pair_memory> = vec![std::mem::zeroed(); count];
+        run.ok(|| rayc_scene_copy_pair_memories(scene, 0, count, memories.as_mut_ptr()));
+        assert!(memories.iter().any(|memory| memory.escaping == 1), "the small body is on its way out");
+        run.digest.extend(memories.iter().flat_map(|memory| [memory.lowest.to_bits(), memory.halved_steps.into()]));
+        meshes.into_iter().for_each(|mesh| run.ok(|| rayc_mesh_destroy(mesh)));
+        run.ok(|| rayc_contacts_destroy(contacts));
+        run.ok(|| rayc_scene_destroy(scene));
+    }
+}
+
+fn scene(run: &mut Run, threads: u32, host: rayc_parallel_for) -> *mut rayc_scene {
+    // SAFETY: the places are writable.
+    unsafe {
+        let mut options = std::mem::zeroed();
+        run.ok(|| rayc_default_scene_options(size_of::<rayc_scene_options>(), &mut options));
+        (options.threads, options.parallel_for) = (threads, host);
+        run.given(null_mut(), |scene| rayc_scene_create(&options, scene))
+    }
+}
+
+fn on_one_thread(run: &mut Run) {
+    without_a_scene(run);
+    let scene = scene(run, 1, None);
+    steps(run, scene);
+}
+
+/// The pointer by which a scene knows its host is one of the standard library's, which cannot say that there is no memory.
+fn on_host_threads(run: &mut Run) {
+    let scene = scene(&mut Run { expected_failure: None, reported: 0, digest: Vec::new() }, 1, Some(one_by_one));
+    steps(run, scene);
+}
+
+fn on_a_pool(run: &mut Run) {
+    let scene = scene(run, 2, None);
+    steps(run, scene);
+}
+
+/// Each allocation of the work fails once; gives how many there are. The thread is a new one each time.
+fn every_allocation(work: fn(&mut Run), stays_short: bool) -> usize {
+    let run = |failing: Option<usize>| {
+        let own = move || {
+            let mut run = Run::new(failing, stays_short);
+            work(&mut run);
+            let has_failed = run.has_failed();
+            BEFORE.store(usize::MAX, SeqCst);
+            (run, has_failed)
+        };
+        std::thread::spawn(own).join().expect("no panic passes")
+    };
+    let (undisturbed, _) = run(None);
+    let mut n = 0;
+    loop {
+        let before = LIVE.load(SeqCst);
+        let (disturbed, has_failed) = run(Some(n));
+        assert_eq!(disturbed.digest, undisturbed.digest, "allocation {n}");
+        drop(disturbed);
+        assert_eq!(LIVE.load(SeqCst), before, "allocation {n}: nothing is left");
+        if !has_failed {
+            return n;
+        }
+        n += common::STRIDE;
+    }
+}
+
+#[test]
+fn any_failing_allocation_is_reported_and_the_call_can_be_made_again() {
+    if let Ok(n) = std::env::var(CHILD) {
+        child(n.parse().expect("a number"));
+    }
+    for (name, work) in [("one thread", on_one_thread as fn(&mut Run)), ("the host's threads", on_host_threads)] {
+        for stays_short in [false, true] {
+            let count = every_allocation(work, stays_short);
+            let then = if stays_short { "and all after it" } else { "alone" };
+            println!("{name}: each of {count} allocations failed {then}; every one reported");
+            assert!(count > 200, "{count}");
+        }
+    }
+    pool();
 }
 
 const CHILD: &str = "RAYCONTACT_TEST_FAILING_ALLOCATION";
 const NONE_FAILED: i32 = 10;
 const REPORTED: i32 = 11;
 
-/// In a process of its own: the n-th allocation fails; afterwards the same step, whole, gives what it should.
+/// In a process of its own.
 fn child(n: usize) {
-    let shapes = [shapes::octahedron(), shapes::octahedron().moved([0.9, 0.1, 0.2])];
-    ALLOCATIONS_BEFORE.store(n, SeqCst);
-    let result = step(&shapes, 64);
-    ALLOCATIONS_BEFORE.store(usize::MAX, SeqCst);
-    let expected = step(&shapes, 64).expect("enough memory").digest();
-    assert!(!expected.is_empty());
-    match result {
-        Ok(contacts) => assert_eq!(contacts.digest(), expected),
-        Err(status) => assert_eq!(status, RAYC_STATUS_OUT_OF_MEMORY),
-    }
-    std::process::exit(if HAS_FAILED.load(SeqCst) { REPORTED } else { NONE_FAILED });
+    let mut run = Run::new(Some(n), false);
+    on_a_pool(&mut run);
+    std::process::exit(if run.has_failed() { REPORTED } else { NONE_FAILED });
 }
 
-#[test]
-fn memory_that_ends_is_reported_or_ends_the_process() {
-    if let Ok(n) = std::env::var(CHILD) {
-        child(n.parse().expect("a number"));
-    }
-    let (refused, worked) = creation_is_refused_or_works();
-    println!("creation: {refused} times too little memory, refused; {worked} times enough");
-    assert!(refused > 30 * 5);
-
+fn pool() {
     let program = std::env::current_exe().expect("the test knows itself");
     let (mut reported, mut aborted, mut n) = (0, 0, 0);
     loop {
@@ -149,8 +343,8 @@ fn memory_that_ends_is_reported_or_ends_the_process() {
             (_, Some(libc::SIGABRT)) => aborted += 1,
             _ => panic!("allocation {n}: {output:?}"),
         }
-        n += 1;
+        n += common::STRIDE;
     }
-    println!("one failing allocation of {n}: {reported} reported by a status, {aborted} ended the process");
+    println!("a pool of two: {n} allocations, of those tried {reported} reported, {aborted} ended the process");
     assert!(reported > 0);
 }

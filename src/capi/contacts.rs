@@ -1,11 +1,12 @@
 use super::failure::{Failure, rayc_status};
-use super::guard::guard;
+use super::guard::{guard, guard_end};
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
 use super::options::{Growing, rayc_detection_options, read_options, write_known};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
 use crate::contact::{Contact, ContactKind, ContactList, Statistics, SurfacePoint, query_pair, query_self};
 use crate::math::Scalar;
+use crate::memory::text;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
@@ -56,10 +57,8 @@ impl AnyContacts {
         if first.checked_add(count).is_some_and(|end| end <= self.len()) {
             return Ok(());
         }
-        let message = format!(
-            "contacts {first} to {first} + {count} were asked for, but there are {}; ask for fewer",
-            self.len()
-        );
+        let message =
+            text!("contacts {first} to {first} + {count} were asked for, but there are {}; ask for fewer", self.len());
         Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
     }
 }
@@ -220,7 +219,7 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
 /// Frees the contacts; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_destroy(contacts: *mut rayc_contacts) -> rayc_status {
-    guard(|| {
+    guard_end(|| {
         // SAFETY: the handle is the caller's, and is not used again.
         unsafe { take_back(contacts) };
         Ok(())

@@ -4,6 +4,7 @@ use super::guard::guard;
 use super::pointers::{Output, reference};
 use crate::contact::EscapePush;
 use crate::math::Scalar;
+use crate::memory::text;
 
 /// How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
 /// whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
@@ -72,7 +73,7 @@ pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
         let present = push_count(list);
         if first.checked_add(count).is_none_or(|end| end > present) {
             let message =
-                format!("pushes {first} to {first} + {count} were asked for, but there are {present}; ask for fewer");
+                text!("pushes {first} to {first} + {count} were asked for, but there are {present}; ask for fewer");
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
         }
         let out = Output::array(out, count, "out")?;

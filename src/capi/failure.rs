@@ -1,7 +1,9 @@
+use crate::memory::text;
 use crate::mesh::{MeshError, ObjFileError};
 use crate::octree::OctreeError;
 use crate::response::LawError;
 use crate::scene::{SavedStateError, SceneError};
+use std::borrow::Cow;
 
 /// How a call ended. The numbers never change; new ones may be added.
 ///
@@ -67,8 +69,9 @@ pub enum rayc_status {
 
     /// The system gave no threads.
     RAYC_STATUS_THREADS_NOT_STARTED = 500,
-    /// There is no memory for what the call makes. Only calls that name it among their errors say so: where memory ends
-    /// within another call, the process ends, as Rust programs do.
+    /// There is no memory for what the call makes. Any call may say so. A contact list that it was to fill is as before or
+    /// empty. What still ends the process, where memory ends within them: reading a file, and starting the threads of a
+    /// pool or handing them work.
     RAYC_STATUS_OUT_OF_MEMORY = 501,
 
     /// A fault inside the library was caught. Destroy the handles of this call; please report it.
@@ -81,11 +84,11 @@ use rayc_status::*;
 #[derive(Debug)]
 pub(super) struct Failure {
     pub(super) status: rayc_status,
-    pub(super) message: String,
+    pub(super) message: Cow<'static, str>,
 }
 
 impl Failure {
-    pub(super) fn new(status: rayc_status, message: impl Into<String>) -> Self {
+    pub(super) fn new(status: rayc_status, message: impl Into<Cow<'static, str>>) -> Self {
         Self { status, message: message.into() }
     }
 }
@@ -104,7 +107,7 @@ impl From<MeshError> for Failure {
             MeshError::WrongCount { .. } => RAYC_STATUS_WRONG_COUNT,
             MeshError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
         };
-        Self::new(status, error.to_string())
+        Self::new(status, text!("{error}"))
     }
 }
 
@@ -114,7 +117,7 @@ impl From<ObjFileError> for Failure {
             ObjFileError::NotReadable { .. } => RAYC_STATUS_FILE_NOT_READABLE,
             ObjFileError::Broken { .. } => RAYC_STATUS_FILE_BROKEN,
         };
-        Self::new(status, error.to_string())
+        Self::new(status, text!("{error}"))
     }
 }
 
@@ -124,19 +127,19 @@ impl From<OctreeError> for Failure {
             OctreeError::Stale => RAYC_STATUS_OCTREE_STALE,
             OctreeError::OtherMesh => RAYC_STATUS_OCTREE_OF_OTHER_MESH,
         };
-        Self::new(status, error.to_string())
+        Self::new(status, text!("{error}"))
     }
 }
 
 impl From<LawError> for Failure {
     fn from(error: LawError) -> Self {
-        Self::new(RAYC_STATUS_INVALID_OPTION, error.to_string())
+        Self::new(RAYC_STATUS_INVALID_OPTION, text!("{error}"))
     }
 }
 
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
-        let message = error.to_string();
+        let message = text!("{error}");
         match error {
             SceneError::UnknownBody { .. } => Self::new(RAYC_STATUS_UNKNOWN_BODY, message),
             SceneError::SameBody { .. } => Self::new(RAYC_STATUS_INVALID_OPTION, message),

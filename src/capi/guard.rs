@@ -1,34 +1,65 @@
 use super::failure::{Failure, rayc_status};
+use crate::memory::{self, OutOfMemory, text};
 use libc::c_char;
 use std::any::Any;
+use std::borrow::Cow;
 use std::cell::RefCell;
-use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 thread_local! {
-    static LAST_ERROR: RefCell<CString> = RefCell::default();
+    /// Ends with its only zero byte.
+    static LAST_ERROR: RefCell<Cow<'static, [u8]>> = const { RefCell::new(Cow::Borrowed(b"\0")) };
 }
+
+/// A status and its message.
+type Outcome = (rayc_status, Cow<'static, [u8]>);
 
 /// The one door through which every export that can fail goes: no panic passes, and the outcome is recorded for
 /// rayc_last_error_message().
 pub(super) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> rayc_status {
+    record(if memory::keep_reserve().is_ok() { outcome(call) } else { out_of_memory() })
+}
+
+/// The same for calls that take no memory: what they give back is given back even where there is none.
+pub(super) fn guard_end(call: impl FnOnce() -> Result<(), Failure>) -> rayc_status {
+    record(outcome(call))
+}
+
+fn record((status, message): Outcome) -> rayc_status {
+    // A thread that is ending has no place for the message; the status still arrives.
+    let _ = LAST_ERROR.try_with(|last| *last.borrow_mut() = message);
+    status
+}
+
+fn outcome(call: impl FnOnce() -> Result<(), Failure>) -> Outcome {
     let call = || {
         #[cfg(test)]
         super::faults::strike();
         call()
     };
-    let outcome = catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|panic| Err(caught(&*panic)));
-    let (status, message) = match outcome {
-        Ok(()) => (rayc_status::RAYC_STATUS_OK, String::new()),
-        Err(failure) => (failure.status, failure.message),
-    };
-    // A thread that is ending has no place for the message; the status still arrives.
-    let _ = LAST_ERROR.try_with(|last| {
-        if !(message.is_empty() && last.borrow().is_empty()) {
-            *last.borrow_mut() = CString::new(message.replace('\0', "?")).unwrap_or_default();
-        }
-    });
-    status
+    let outcome = catch_unwind(AssertUnwindSafe(call));
+    // The message too takes memory.
+    let told = catch_unwind(AssertUnwindSafe(|| match outcome {
+        Ok(Ok(())) => (rayc_status::RAYC_STATUS_OK, Cow::Borrowed(&b"\0"[..])),
+        Ok(Err(failure)) => (failure.status, ended(&failure.message)),
+        Err(panic) if panic.is::<OutOfMemory>() => out_of_memory(),
+        Err(panic) => (rayc_status::RAYC_STATUS_PANIC, ended(&description(&*panic))),
+    }));
+    told.unwrap_or_else(|_| out_of_memory())
+}
+
+/// Where there is no memory there is none for words either.
+fn out_of_memory() -> Outcome {
+    let message = b"there is no memory for what the call makes; nothing has changed: free some and call again\0";
+    (rayc_status::RAYC_STATUS_OUT_OF_MEMORY, Cow::Borrowed(message))
+}
+
+/// A message as C reads it.
+fn ended(message: &str) -> Cow<'static, [u8]> {
+    let mut text = memory::with_room(message.len() + 1);
+    memory::append(&mut text, message.bytes().map(|byte| if byte == 0 { b'?' } else { byte }));
+    text.push(0);
+    Cow::Owned(text)
 }
 
 /// The door for exports that return a plain value: `otherwise` stands in for it after a panic.
@@ -41,15 +72,10 @@ pub(super) fn guard_value<V>(otherwise: V, call: impl FnOnce() -> V) -> V {
     catch_unwind(AssertUnwindSafe(call)).unwrap_or(otherwise)
 }
 
-fn caught(panic: &(dyn Any + Send)) -> Failure {
-    let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
-    let text = text.unwrap_or("no description");
-    Failure::new(
-        rayc_status::RAYC_STATUS_PANIC,
-        format!(
-            "a fault inside the library was caught: {text}; destroy the handles of this call, and please report it"
-        ),
-    )
+fn description(panic: &(dyn Any + Send)) -> String {
+    let what = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+    let what = what.unwrap_or("no description");
+    text!("a fault inside the library was caught: {what}; destroy the handles of this call, and please report it")
 }
 
 /// What was wrong with this thread's last call, where, and what to do; "" after a success. UTF-8.
@@ -57,5 +83,5 @@ fn caught(panic: &(dyn Any + Send)) -> Failure {
 /// The text belongs to the library and stays until this thread's next call. Never NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn rayc_last_error_message() -> *const c_char {
-    guard_value(c"".as_ptr(), || LAST_ERROR.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr()))
+    guard_value(c"".as_ptr(), || LAST_ERROR.try_with(|last| last.borrow().as_ptr().cast()).unwrap_or(c"".as_ptr()))
 }

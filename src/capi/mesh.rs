@@ -1,10 +1,10 @@
 use super::failure::{Failure, rayc_status};
-use super::guard::guard;
-use super::memory;
+use super::guard::{guard, guard_end};
 use super::options::{flag, rayc_mesh_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
 use crate::math::Scalar;
+use crate::memory::{self, text};
 use crate::mesh::{Mesh, MeshError, read_obj_file};
 use libc::c_char;
 use std::ffi::CStr;
@@ -33,7 +33,6 @@ impl AnyMesh {
             if open { Mesh::open(&positions, triangles) } else { Mesh::new(&positions, triangles) }
         }
         let open = flag("open", options.open)?;
-        memory::check(memory::of_mesh(positions.count(), triangles.len()), "a mesh")?;
         Ok(match scalar_from(options.precision, "precision")? {
             rayc_scalar::RAYC_SCALAR_F32 => Self::F32(make(open, positions, triangles)?),
             rayc_scalar::RAYC_SCALAR_F64 => Self::F64(make(open, positions, triangles)?),
@@ -49,7 +48,7 @@ impl AnyMesh {
 }
 
 fn read_all<T: Scalar>(vectors: &Strided) -> Vec<[T; 3]> {
-    (0..vectors.count()).map(|index| vectors.read::<T>(index).into()).collect()
+    memory::listed((0..vectors.count()).map(|index| vectors.read::<T>(index).into()))
 }
 
 pub(super) fn renew_positions<T: Scalar>(mesh: &mut Mesh<T>, positions: &Strided) -> Result<(), Failure> {
@@ -108,7 +107,6 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
             Failure::new(rayc_status::RAYC_STATUS_FILE_NOT_READABLE, "path is not UTF-8; pass it encoded so")
         })?;
         let place = Output::new(mesh, "mesh")?;
-        memory::check(memory::of_file(Path::new(path)), "the file")?;
         let (positions, triangles) = read_obj_file(Path::new(path))?;
         let positions = rayc_vectors {
             data: positions.as_ptr().cast(),
@@ -120,7 +118,8 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
         give(
             place,
             rayc_mesh {
-                mesh: mesh.map_err(|failure| Failure { message: format!("{path}: {}", failure.message), ..failure })?,
+                mesh: mesh
+                    .map_err(|failure| Failure { message: text!("{path}: {}", failure.message).into(), ..failure })?,
             },
         );
         Ok(())
@@ -130,7 +129,7 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
 /// Frees a mesh; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_destroy(mesh: *mut rayc_mesh) -> rayc_status {
-    guard(|| {
+    guard_end(|| {
         // SAFETY: the handle is the caller's, and is not used again.
         unsafe { take_back(mesh) };
         Ok(())
@@ -219,6 +218,6 @@ fn check_count(name: &str, given: usize, expected: usize) -> Result<(), Failure>
     if given == expected {
         return Ok(());
     }
-    let message = format!("{name} has room for {given}, but the mesh has {expected}; give an array of that length");
+    let message = text!("{name} has room for {given}, but the mesh has {expected}; give an array of that length");
     Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
 }

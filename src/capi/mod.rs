@@ -10,7 +10,6 @@ mod failure;
 mod faults;
 mod guard;
 mod host_threads;
-mod memory;
 mod mesh;
 mod octree;
 mod options;

@@ -1,9 +1,9 @@
 use super::failure::{Failure, rayc_status};
-use super::guard::guard;
-use super::memory;
+use super::guard::{guard, guard_end};
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
 use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
 use crate::math::{Scalar, Vector3};
+use crate::memory::text;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
 use crate::ray::Ray;
@@ -60,7 +60,6 @@ pub unsafe extern "C" fn rayc_octree_create(mesh: *const rayc_mesh, octree: *mut
     guard(|| unsafe {
         let mesh = reference(mesh, "mesh")?;
         let place = Output::new(octree, "octree")?;
-        memory::check(memory::of_octree(mesh.mesh.topology()), "an octree")?;
         let octree = match &mesh.mesh {
             AnyMesh::F32(mesh) => AnyOctree::F32(Octree::new(mesh)),
             AnyMesh::F64(mesh) => AnyOctree::F64(Octree::new(mesh)),
@@ -73,7 +72,7 @@ pub unsafe extern "C" fn rayc_octree_create(mesh: *const rayc_mesh, octree: *mut
 /// Frees an octree; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_destroy(octree: *mut rayc_octree) -> rayc_status {
-    guard(|| {
+    guard_end(|| {
         // SAFETY: the handle is the caller's, and is not used again.
         unsafe { take_back(octree) };
         Ok(())
@@ -172,7 +171,7 @@ unsafe fn trace_into<T: Scalar>(
 }
 
 fn check_ray(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
-    let failure = |status, what: &str| Err(Failure::new(status, format!("ray {index}: {what}")));
+    let failure = |status, what: &str| Err(Failure::new(status, text!("ray {index}: {what}")));
     if !ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite()) {
         return failure(
             rayc_status::RAYC_STATUS_NOT_FINITE,

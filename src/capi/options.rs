@@ -5,8 +5,10 @@ use super::vectors::rayc_scalar;
 use super::{guard::guard, response::rayc_weighting};
 use crate::contact::{DetectionOptions, Sampling};
 use crate::math::Scalar;
+use crate::memory::text;
 use crate::response::{PenaltyLaw, Weighting};
 use libc::c_void;
+use std::fmt::Display;
 
 /// How a mesh is kept. Fill with rayc_default_mesh_options(), then change what you need.
 #[repr(C)]
@@ -100,12 +102,12 @@ impl rayc_detection_options {
         if self.reserved != 0 {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_INVALID_OPTION,
-                format!("reserved is {}; fill the struct with rayc_default_detection_options() first", self.reserved),
+                text!("reserved is {}; fill the struct with rayc_default_detection_options() first", self.reserved),
             ));
         }
         let (spacing, tolerance) = (self.sample_spacing, self.force_tolerance);
         if !(0.0..=1.0).contains(&tolerance) || (tolerance > 0.0 && spacing != RAYC_SPACING_AUTOMATIC) {
-            let message = format!(
+            let message = text!(
                 "force_tolerance is {tolerance}, with sample_spacing {spacing}; give 0, or a part up to 1 with \
                  RAYC_SPACING_AUTOMATIC"
             );
@@ -119,7 +121,7 @@ impl rayc_detection_options {
             _ => {
                 return Err(Failure::new(
                     rayc_status::RAYC_STATUS_INVALID_OPTION,
-                    format!("sample_spacing is {spacing}; give 0, a finite length > 0, or RAYC_SPACING_AUTOMATIC"),
+                    text!("sample_spacing is {spacing}; give 0, a finite length > 0, or RAYC_SPACING_AUTOMATIC"),
                 ));
             }
         };
@@ -211,10 +213,10 @@ impl rayc_response_options {
     }
 }
 
-pub(super) fn unknown_enum(field: &str, value: u32, name: &str) -> Failure {
+pub(super) fn unknown_enum(field: impl Display, value: u32, name: &str) -> Failure {
     Failure::new(
         rayc_status::RAYC_STATUS_UNKNOWN_ENUM,
-        format!("{field} is {value}, which is no member of {name}; use one of its names"),
+        text!("{field} is {value}, which is no member of {name}; use one of its names"),
     )
 }
 
@@ -223,7 +225,7 @@ pub(super) fn flag(field: &str, value: u32) -> Result<bool, Failure> {
         0 => Ok(false),
         1 => Ok(true),
         _ => {
-            let message = format!("{field} is {value}; give 0 for no or 1 for yes");
+            let message = text!("{field} is {value}; give 0 for no or 1 for yes");
             Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message))
         }
     }
@@ -238,7 +240,7 @@ fn check_size<O: Growing>(struct_size: usize) -> Result<(), Failure> {
     }
     Err(Failure::new(
         rayc_status::RAYC_STATUS_INVALID_STRUCT_SIZE,
-        format!(
+        text!(
             "struct_size of {name} is {struct_size}, not {smallest} to {largest}; fill the struct with its default \
              function first, pass sizeof, and link the library your header belongs to"
         ),

@@ -5,6 +5,7 @@ use super::pointers::{Output, reference, reference_mut, slice};
 use super::scene::{AnyScene, rayc_scene};
 use crate::contact::PairMemory;
 use crate::math::Scalar;
+use crate::memory::text;
 
 /// What a pair of bodies of a scene remembers from query to query while their boxes overlap.
 #[repr(C)]
@@ -116,7 +117,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
         let scene = &reference(scene, "scene")?.scene;
         let present = memory_count(scene);
         if first.checked_add(count).is_none_or(|end| end > present) {
-            let message = format!(
+            let message = text!(
                 "pair memories {first} to {first} + {count} were asked for, but there are {present}; ask for fewer"
             );
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
@@ -165,7 +166,7 @@ pub unsafe extern "C" fn rayc_scene_save_pair_memories(
             AnyScene::F64(scene) => scene.save_pair_memories(&mut saved),
         }
         if saved.len() != length {
-            let message = format!("bytes has room for {length}, but {} are to be saved; give that many", saved.len());
+            let message = text!("bytes has room for {length}, but {} are to be saved; give that many", saved.len());
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
         }
         Output::array(bytes, length, "bytes")?.write_all(saved.into_iter());

@@ -1,7 +1,8 @@
 use super::failure::{Failure, rayc_status};
+use crate::memory::{self, text};
 
 fn null(name: &str) -> Failure {
-    Failure::new(rayc_status::RAYC_STATUS_NULL_POINTER, format!("{name} is NULL; pass a valid pointer"))
+    Failure::new(rayc_status::RAYC_STATUS_NULL_POINTER, text!("{name} is NULL; pass a valid pointer"))
 }
 
 /// # Safety
@@ -59,13 +60,13 @@ impl<V> Output<V> {
     }
 }
 
-/// Gives a new handle to the caller.
+/// Gives a new handle to the caller: a box of one value, which is laid out as the value itself.
 ///
 /// # Safety
 /// `place` is writable.
 pub(super) unsafe fn give<V>(place: Output<*mut V>, value: V) {
     // SAFETY: by this function's contract.
-    unsafe { place.write(Box::into_raw(Box::new(value))) }
+    unsafe { place.write(Box::into_raw(memory::boxed(value)).cast()) }
 }
 
 /// Takes a handle back and drops it; NULL does nothing.

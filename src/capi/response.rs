@@ -6,6 +6,7 @@ use super::pointers::{Output, reference, slice};
 use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
 use crate::contact::ContactList;
 use crate::math::Scalar;
+use crate::memory::{self, text};
 use crate::response::{
     PenaltyLaw, add_differential, add_forces, add_push_differential, add_push_forces, energy, push_energy,
 };
@@ -111,7 +112,7 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
         if !(stiffness_factor.is_finite() && damping_factor.is_finite()) {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_INVALID_OPTION,
-                format!("the factors are {stiffness_factor} and {damping_factor}; give finite numbers"),
+                text!("the factors are {stiffness_factor} and {damping_factor}; give finite numbers"),
             ));
         }
         let displacements = arrays(displacements, body_count, "displacements")?;
@@ -185,7 +186,7 @@ unsafe fn arrays(bodies: *const rayc_vectors, count: usize, name: &str) -> Resul
     // SAFETY: by this function's contract.
     unsafe {
         let bodies = slice(bodies, count, name)?.iter().enumerate();
-        bodies.map(|(body, vectors)| Strided::new(vectors, &format!("{name}[{body}]"))).collect()
+        memory::tried(bodies.map(|(body, vectors)| Strided::new(vectors, format_args!("{name}[{body}]"))))
     }
 }
 
@@ -206,7 +207,7 @@ unsafe fn arrays_mut(bodies: *const rayc_vectors_mut, count: usize, name: &str) 
     // SAFETY: by this function's contract.
     unsafe {
         let bodies = slice(bodies, count, name)?.iter().enumerate();
-        bodies.map(|(body, vectors)| Strided::new_mut(vectors, &format!("{name}[{body}]"))).collect()
+        memory::tried(bodies.map(|(body, vectors)| Strided::new_mut(vectors, format_args!("{name}[{body}]"))))
     }
 }
 
@@ -240,8 +241,8 @@ fn check_reach(body: u32, vertex: u32, bodies: &[Strided]) -> Result<(), Failure
     if count.is_some_and(|count| (vertex as usize) < count) {
         return Ok(());
     }
-    let reach = count.map_or("no array".to_owned(), |count| format!("an array of {count} vectors"));
-    let message = format!(
+    let reach = count.map_or(text!("no array"), |count| text!("an array of {count} vectors"));
+    let message = text!(
         "a contact needs vertex {vertex} of body {body}, which has {reach}; give one vector for each vertex of each body"
     );
     Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))

@@ -1,13 +1,13 @@
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
-use super::guard::guard;
+use super::guard::{guard, guard_end};
 use super::host_threads::HostThreads;
-use super::memory;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh, renew_positions};
 use super::options::{flag, rayc_detection_options, rayc_scene_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, take_back};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
 use crate::math::Scalar;
+use crate::memory::{self, text};
 use crate::scene::Scene;
 use std::sync::Arc;
 
@@ -46,13 +46,13 @@ pub unsafe extern "C" fn rayc_scene_create(
         if options.threads > MOST_THREADS {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_INVALID_OPTION,
-                format!("threads is {}; give 0 to {MOST_THREADS}", options.threads),
+                text!("threads is {}; give 0 to {MOST_THREADS}", options.threads),
             ));
         }
         if options.parallel_for.is_some() && options.threads != 1 {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_INVALID_OPTION,
-                format!("threads is {} beside a parallel_for; give 1, or no parallel_for", options.threads),
+                text!("threads is {} beside a parallel_for; give 1, or no parallel_for", options.threads),
             ));
         }
         let scene = match precision {
@@ -67,7 +67,11 @@ pub unsafe extern "C" fn rayc_scene_create(
 fn new_scene<T: Scalar>(options: &rayc_scene_options) -> Result<Scene<T>, Failure> {
     let context = options.parallel_context;
     Ok(match options.parallel_for {
-        Some(parallel_for) => Scene::with_host_threads(Arc::new(HostThreads { parallel_for, context })),
+        Some(parallel_for) => {
+            // For the pointer and its counts.
+            memory::ask(size_of::<HostThreads>() + 2 * size_of::<usize>());
+            Scene::with_host_threads(Arc::new(HostThreads { parallel_for, context }))
+        }
         None => Scene::new(options.threads as usize)?,
     })
 }
@@ -75,7 +79,7 @@ fn new_scene<T: Scalar>(options: &rayc_scene_options) -> Result<Scene<T>, Failur
 /// Frees a scene and ends its threads, which have ended when it returns; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_status {
-    guard(|| {
+    guard_end(|| {
         // SAFETY: the handle is the caller's, and is not used again.
         unsafe { take_back(scene) };
         Ok(())
@@ -96,7 +100,6 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
         let scene = &mut reference_mut(scene, "scene")?.scene;
         let mesh = &reference(mesh, "mesh")?.mesh;
         let place = Output::new(body, "body")?;
-        memory::check(memory::of_body(mesh.topology()), "a body")?;
         place.write(match (scene, mesh) {
             (AnyScene::F32(scene), AnyMesh::F32(mesh)) => scene.add(mesh.clone()),
             (AnyScene::F64(scene), AnyMesh::F64(mesh)) => scene.add(mesh.clone()),
@@ -132,7 +135,7 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
 ) -> rayc_status {
     fn set<T: Scalar>(scene: &mut Scene<T>, body: u32, positions: &Strided) -> Result<(), Failure> {
         renew_positions(scene.mesh_mut(body)?, positions)
-            .map_err(|failure| Failure { message: format!("body {body}: {}", failure.message), ..failure })
+            .map_err(|failure| Failure { message: text!("body {body}: {}", failure.message).into(), ..failure })
     }
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {

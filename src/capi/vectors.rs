@@ -1,8 +1,10 @@
 use super::failure::{Failure, rayc_status};
 use super::options::unknown_enum;
 use crate::math::{Scalar, Vector3};
+use crate::memory::text;
 use crate::response::{Vectors, VectorsMut};
 use libc::c_void;
+use std::fmt::Display;
 
 /// The type of a number. In structs it stands as a uint32_t and is checked.
 #[repr(C)]
@@ -44,7 +46,7 @@ pub struct rayc_vectors_mut {
     pub scalar: u32,
 }
 
-pub(super) fn scalar_from(value: u32, field: &str) -> Result<rayc_scalar, Failure> {
+pub(super) fn scalar_from(value: u32, field: impl Display) -> Result<rayc_scalar, Failure> {
     match value {
         v if v == rayc_scalar::RAYC_SCALAR_F32 as u32 => Ok(rayc_scalar::RAYC_SCALAR_F32),
         v if v == rayc_scalar::RAYC_SCALAR_F64 as u32 => Ok(rayc_scalar::RAYC_SCALAR_F64),
@@ -64,18 +66,24 @@ pub(super) struct Strided {
 impl Strided {
     /// # Safety
     /// The array is as it says, and stays so while the result is used.
-    pub(super) unsafe fn new(vectors: &rayc_vectors, name: &str) -> Result<Self, Failure> {
+    pub(super) unsafe fn new(vectors: &rayc_vectors, name: impl Display) -> Result<Self, Failure> {
         Self::checked(vectors.data.cast_mut(), vectors.count, vectors.stride, vectors.scalar, name)
     }
 
     /// # Safety
     /// The array is as it says, and nobody else uses it while the result is used.
-    pub(super) unsafe fn new_mut(vectors: &rayc_vectors_mut, name: &str) -> Result<Self, Failure> {
+    pub(super) unsafe fn new_mut(vectors: &rayc_vectors_mut, name: impl Display) -> Result<Self, Failure> {
         Self::checked(vectors.data, vectors.count, vectors.stride, vectors.scalar, name)
     }
 
-    fn checked(data: *mut c_void, count: usize, stride: usize, scalar: u32, name: &str) -> Result<Self, Failure> {
-        let scalar = scalar_from(scalar, &format!("{name}.scalar"))?;
+    fn checked(
+        data: *mut c_void,
+        count: usize,
+        stride: usize,
+        scalar: u32,
+        name: impl Display,
+    ) -> Result<Self, Failure> {
+        let scalar = scalar_from(scalar, format_args!("{name}.scalar"))?;
         let packed = 3 * match scalar {
             rayc_scalar::RAYC_SCALAR_F32 => size_of::<f32>(),
             rayc_scalar::RAYC_SCALAR_F64 => size_of::<f64>(),
@@ -84,20 +92,20 @@ impl Strided {
         if stride < packed {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_INVALID_STRIDE,
-                format!("{name}.stride is {stride} bytes, but three numbers take {packed}; give at least that, or 0"),
+                text!("{name}.stride is {stride} bytes, but three numbers take {packed}; give at least that, or 0"),
             ));
         }
         // No array reaches so far; unchecked, the product would wrap and point anywhere.
         if count.checked_mul(stride).is_none_or(|bytes| bytes > isize::MAX as usize) {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_INVALID_STRIDE,
-                format!("{name}: {count} vectors with a stride of {stride} bytes exceed any memory; check both"),
+                text!("{name}: {count} vectors with a stride of {stride} bytes exceed any memory; check both"),
             ));
         }
         if count > 0 && data.is_null() {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_NULL_POINTER,
-                format!("{name}.data is NULL, but {name}.count is {count}; pass the array"),
+                text!("{name}.data is NULL, but {name}.count is {count}; pass the array"),
             ));
         }
         Ok(Self { data: data.cast(), count, stride, scalar })

@@ -5,6 +5,7 @@ use super::load::{CastSurface, CastSurfaceLanes};
 use super::samples::Sample;
 use super::{Contact, Statistics, past_folds};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
+use crate::memory::Room;
 use crate::mesh::{Mesh, NormalLanes, Standing};
 use crate::octree::{Candidates, PacketHits, Tracer};
 use crate::ray::{Hit, RayPacket};
@@ -331,7 +332,7 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
     /// The pieces of one triangle, the last first.
     fn cut(&mut self, mesh: &Mesh<T>, lane: usize, pieces: &mut Vec<Sample<T>>) {
         let (normal, area) = (vector(&self.lanes.normal, lane), self.lanes.area[lane]);
-        self.cutter.cut(mesh, self.triangles[lane], normal, area, &mut |piece| pieces.push(piece));
+        self.cutter.cut(mesh, self.triangles[lane], normal, area, &mut |piece| pieces.room_for(1).push(piece));
         pieces.reverse();
     }
 }

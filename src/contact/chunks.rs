@@ -5,6 +5,7 @@ use super::samples::Sample;
 use super::workspace::Workspace;
 use super::{Contact, ContactList, Statistics};
 use crate::math::{LANE_COUNT, Scalar, dispatch};
+use crate::memory::{self, Room};
 use crate::ray::Hit;
 
 /// So many groups of vertices or triangles are cast from together. Chunks do not depend on the number of threads, and so
@@ -61,12 +62,12 @@ impl<T: Scalar> Direction<'_, T> {
         let count = starts.chunk_count();
         if helpers.are_there() && count > 1 {
             if chunks.len() < count {
-                chunks.resize_with(count, Chunk::default);
+                chunks.room_for(count - chunks.len()).resize_with(count, Chunk::default);
             }
             let chunks = &mut chunks[..count];
             helpers.for_each(chunks, |number, chunk| self.cast_chunk(starts.chunk(number), chunk));
             for chunk in chunks {
-                contacts.extend_from_slice(&chunk.contacts);
+                memory::append(contacts, chunk.contacts.iter().copied());
                 *statistics += chunk.statistics;
                 surface.merge(&chunk.surface);
             }

@@ -3,6 +3,7 @@ use super::pair::Pair;
 use super::samples::Sample;
 use super::{Contact, ContactKind, ContactList, SurfacePoint};
 use crate::math::{Scalar, direction};
+use crate::memory::Room;
 use crate::ray::{Hit, Ray};
 
 /// One direction of a pair: the rays of one body through the other. Algorithm 1 of the paper.
@@ -22,8 +23,8 @@ impl<T: Scalar> Direction<'_, T> {
         let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
         for_each_inside_stretch(tracers, self.pair.region, &mut workspace.crossings, |sample| {
             surface.add(&sample.normal, sample.area);
-            rays.push(self.inward_ray(&sample));
-            samples.push(sample);
+            rays.room_for(1).push(self.inward_ray(&sample));
+            samples.room_for(1).push(sample);
         });
         let stretches = contacts.workspace.samples.len();
         self.filter(ContactKind::Edge, contacts);
@@ -57,7 +58,12 @@ impl<T: Scalar> Direction<'_, T> {
         for (place, hit) in workspace.hits.iter().enumerate() {
             match hit {
                 Some(hit) if !workspace.hidden[place] => {
-                    contacts.push(self.contact(kind, &workspace.samples[place], &workspace.rays[place], hit));
+                    contacts.room_for(1).push(self.contact(
+                        kind,
+                        &workspace.samples[place],
+                        &workspace.rays[place],
+                        hit,
+                    ));
                 }
                 _ => statistics.own_surface_hits += 1,
             }

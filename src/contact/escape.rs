@@ -8,6 +8,7 @@ use super::samples::{Sample, for_each_sample};
 use super::workspace::Workspace;
 use super::{Contact, ContactKind, ContactList, EscapePush, SurfacePoint};
 use crate::math::{Scalar, Vector3, direction};
+use crate::memory::{self, Room};
 use crate::ray::Ray;
 
 /// Points that judge a direction; more hardly change the choice.
@@ -40,7 +41,7 @@ pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     if added.is_empty() {
         return None;
     }
-    pushes.push(EscapePush::new(pair, *away, depth, added));
+    pushes.room_for(1).push(EscapePush::new(pair, *away, depth, added));
     Some(depth)
 }
 
@@ -73,16 +74,16 @@ fn judges<T: Scalar>(pair: &Pair<'_, T>, workspace: &mut Workspace<T>) -> Vec<(u
     let probe = Vector3::z();
     for side in [0, 1] {
         inside_samples(pair, side, &probe, workspace);
-        judges.extend(workspace.samples.iter().map(|sample| (side, sample.point.position)));
+        memory::append(&mut judges, workspace.samples.iter().map(|sample| (side, sample.point.position)));
     }
     if judges.is_empty() {
         for side in [0, 1] {
             inside_stretches(pair, side, &probe, workspace);
-            judges.extend(workspace.samples.iter().map(|sample| (side, sample.point.position)));
+            memory::append(&mut judges, workspace.samples.iter().map(|sample| (side, sample.point.position)));
         }
     }
     let step = judges.len().div_ceil(MOST_JUDGES).max(1);
-    judges.into_iter().step_by(step).collect()
+    memory::listed(judges.into_iter().step_by(step))
 }
 
 /// The 26 directions to a cube's faces, edges and corners, before the line of centres, which differs from pair to pair.
@@ -101,8 +102,8 @@ fn inside_samples<T: Scalar>(pair: &Pair<'_, T>, side: usize, away: &Vector3<T>,
     rays.clear();
     let mesh = pair.tracers[side].mesh();
     for_each_sample(mesh, pair.overlap, pair.region, pair.options.sampling, |sample| {
-        rays.push(pair.ray_out(side, sample.point.position, away));
-        samples.push(sample);
+        rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
+        samples.room_for(1).push(sample);
     });
     keep_inside(pair, side, workspace);
 }
@@ -114,8 +115,8 @@ fn inside_stretches<T: Scalar>(pair: &Pair<'_, T>, side: usize, away: &Vector3<T
     rays.clear();
     let tracers = [pair.tracers[side], pair.tracers[1 - side]];
     for_each_inside_stretch(tracers, pair.region, crossings, |sample: Sample<T>| {
-        rays.push(pair.ray_out(side, sample.point.position, away));
-        samples.push(sample);
+        rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
+        samples.room_for(1).push(sample);
     });
     keep_inside(pair, side, workspace);
 }
@@ -130,7 +131,7 @@ fn add_contacts<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &Workspac
     let collided = pair.tracers[1 - side].mesh();
     for (place, sample) in workspace.samples.iter().enumerate() {
         let (Some(hit), ray): (_, &Ray<T>) = (&workspace.hits[place], &workspace.rays[place]) else { continue };
-        contacts.push(Contact {
+        contacts.room_for(1).push(Contact {
             kind: ContactKind::Escape,
             colliding: pair.bodies[side],
             collided: pair.bodies[1 - side],

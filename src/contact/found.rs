@@ -5,6 +5,7 @@ use super::direction::Direction;
 use super::samples::vertex_point;
 use super::{Contact, ContactKind, SurfacePoint};
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction};
+use crate::memory::Room;
 use crate::mesh::{Mesh, NormalLanes};
 use crate::octree::PacketHits;
 use crate::ray::RayPacket;
@@ -60,7 +61,7 @@ impl<T: Scalar> Found<'_, T> {
         let mut ends = [[T::zero(); LANE_COUNT]; 3];
         Vectors::load(&self.packet.origin).add(directions.scaled(L::load(&self.hits.t))).store(&mut ends);
         let hit_weights = &self.hits.weights;
-        contacts.reserve(accepted.count_ones() as usize);
+        contacts.room_for(accepted.count_ones() as usize);
         while accepted != 0 {
             let lane = accepted.trailing_zeros() as usize;
             accepted &= accepted - 1;

@@ -1,9 +1,11 @@
 use super::EscapePush;
 use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::ray::{Hit, Ray};
 use crate::threads::Helpers;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 /// A point on a mesh's surface. It moves with its triangle: its position is the weighted sum of the three vertices'.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -187,10 +189,29 @@ impl<T: Scalar> ContactList<T> {
         self.statistics = Statistics::default();
     }
 
+    /// Fills the list anew; where memory ends on the way it is empty.
+    pub(super) fn refill<R>(&mut self, fill: impl FnOnce(&mut Self) -> R) -> R {
+        self.clear();
+        catch_unwind(AssertUnwindSafe(|| fill(self))).unwrap_or_else(|panic| {
+            self.clear();
+            resume_unwind(panic)
+        })
+    }
+
+    /// Replaces what it holds by other lists; where there is no memory for them it is as before.
+    pub(crate) fn join<'a>(&mut self, others: impl Iterator<Item = &'a Self> + Clone) {
+        let counts = others.clone().map(|other| [other.contacts.len(), other.pushes.len()]);
+        let [contacts, pushes] = counts.fold([0; 2], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
+        self.contacts.room_for(contacts.saturating_sub(self.contacts.len()));
+        self.pushes.room_for(pushes.saturating_sub(self.pushes.len()));
+        self.clear();
+        others.for_each(|other| self.append(other));
+    }
+
     /// Adds the contacts and counts of `other` after its own.
     pub fn append(&mut self, other: &Self) {
-        self.contacts.extend_from_slice(&other.contacts);
-        self.pushes.extend_from_slice(&other.pushes);
+        memory::append(&mut self.contacts, other.contacts.iter().copied());
+        memory::append(&mut self.pushes, other.pushes.iter().copied());
         self.statistics += other.statistics;
     }
 }

@@ -5,6 +5,7 @@ use super::memory::{PairMemory, Progress};
 use super::samples::Sampling;
 use super::{Contact, ContactList};
 use crate::math::{Aabb, Scalar, Vector3, direction};
+use crate::memory;
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
 use crate::ray::Ray;
@@ -54,8 +55,7 @@ pub fn query_pair<T: Scalar>(
     contacts: &mut ContactList<T>,
 ) -> Result<(), OctreeError> {
     let (a, b) = (octree_a.tracer(a)?, octree_b.tracer(b)?);
-    contacts.clear();
-    detect_pair([0, 1], [&a, &b], options, None, true, contacts);
+    contacts.refill(|contacts| detect_pair([0, 1], [&a, &b], options, None, true, contacts));
     Ok(())
 }
 
@@ -269,9 +269,9 @@ impl<T: Scalar> Pair<'_, T> {
         [0, 1].into_iter().any(|side| {
             let own = || contacts[start..].iter().filter(|contact| contact.colliding == self.bodies[side]);
             workspace.rays.clear();
-            workspace.rays.extend(own().map(twice));
+            memory::append(&mut workspace.rays, own().map(twice));
             workspace.touched.clear();
-            workspace.touched.extend(own().map(|contact| contact.p1.touched()));
+            memory::append(&mut workspace.touched, own().map(|contact| contact.p1.touched()));
             self.tracers[side].leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
             workspace.hidden.contains(&true)
         })

@@ -3,6 +3,7 @@ use super::load::CastSurface;
 use super::samples::Sample;
 use super::self_contact::{SelfWorkspace, leaves_body_before_end, way_out_past_folds};
 use crate::math::Scalar;
+use crate::memory::{self, Room};
 use crate::octree::Tracer;
 use crate::ray::{Hit, Ray};
 use crate::threads::Helpers;
@@ -43,11 +44,11 @@ impl<T: Scalar> Workspace<T> {
     /// Makes room for so many rays from contacts.
     pub(super) fn reserve(&mut self, count: usize) {
         self.rays.clear();
-        self.rays.reserve(count);
+        self.rays.room_for(count);
         self.touched.clear();
-        self.touched.reserve(count);
+        self.touched.room_for(count);
         self.hidden.clear();
-        self.hidden.reserve(count);
+        self.hidden.room_for(count);
     }
 
     /// Keeps the rays whose hit is wanted.
@@ -69,7 +70,7 @@ impl<T: Scalar> Workspace<T> {
     /// Ends each ray at its hit, and notes where it starts, for the test against its own mesh.
     pub(super) fn cut_at_hits(&mut self) {
         self.touched.clear();
-        self.touched.extend(self.samples.iter().map(|sample| sample.point.touched()));
+        memory::append(&mut self.touched, self.samples.iter().map(|sample| sample.point.touched()));
         for (ray, hit) in self.rays.iter_mut().zip(&self.hits) {
             *ray = ray.until(hit.map_or(ray.t_max, |hit| hit.t));
         }

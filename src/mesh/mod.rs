@@ -18,6 +18,7 @@ use topology::RING_LENGTH;
 pub use topology::{Border, Edge, Topology};
 
 use crate::math::{Aabb, Scalar, Vector3, dispatch};
+use crate::memory;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -25,7 +26,7 @@ use std::sync::{Arc, OnceLock};
 /// [`open`](Self::open), one with a border.
 ///
 /// A clone shares the topology and has positions of its own.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Mesh<T: Scalar> {
     topology: Arc<Topology>,
     positions: Vec<Vector3<T>>,
@@ -33,6 +34,19 @@ pub struct Mesh<T: Scalar> {
     stamp: u64,
     /// Found when first asked for, the same for clones.
     patches: Arc<OnceLock<Patches<T>>>,
+}
+
+impl<T: Scalar> Clone for Mesh<T> {
+    fn clone(&self) -> Self {
+        let Self { topology, positions, aabb, stamp, patches } = self;
+        Self {
+            topology: topology.clone(),
+            positions: memory::listed(positions.iter().copied()),
+            aabb: *aabb,
+            stamp: *stamp,
+            patches: patches.clone(),
+        }
+    }
 }
 
 /// A vertex normal and the surface its vertex stands for.
@@ -73,11 +87,11 @@ impl<T: Scalar> Mesh<T> {
 
     fn checked(positions: &[[T; 3]], triangles: &[[u32; 3]], border: Border) -> Result<Self, MeshError> {
         let mut mesh = Self {
-            topology: Arc::new(Topology::new(positions.len(), triangles, border)?),
-            positions: vec![Vector3::zeros(); positions.len()],
+            topology: memory::shared(Topology::new(positions.len(), triangles, border)?),
+            positions: memory::filled(Vector3::zeros(), positions.len()),
             aabb: Aabb::empty(),
             stamp: 0,
-            patches: Arc::default(),
+            patches: memory::shared(OnceLock::new()),
         };
         mesh.set_positions(positions)?;
         mesh.check_areas()?;

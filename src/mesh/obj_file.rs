@@ -1,3 +1,4 @@
+use crate::memory;
 use obj::{ObjData, ObjError};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -46,6 +47,7 @@ impl std::error::Error for ObjFileError {}
 /// [`ObjFileError`]; whether the surface is closed and so on is checked later, by [`Mesh::new`](super::Mesh::new).
 pub fn read_obj_file(path: &Path) -> Result<Surface, ObjFileError> {
     let broken = |reason| ObjFileError::Broken { path: path.to_owned(), reason };
+    ask_for_memory(path);
     let text = std::fs::read(path).map_err(|source| ObjFileError::NotReadable { path: path.to_owned(), source })?;
     let data = ObjData::load_buf(text.as_slice()).map_err(|error| broken(reason(&error)))?;
 
@@ -72,6 +74,12 @@ pub fn read_obj_file(path: &Path) -> Result<Surface, ObjFileError> {
 }
 
 /// What the reader found; it counts lines from 0, people from 1.
+/// The reader cannot say that there is none. A file's shortest line is four bytes long; what cannot be read says so later.
+fn ask_for_memory(path: &Path) {
+    let length = std::fs::metadata(path).map_or(0, |file| file.len());
+    memory::ask(usize::try_from(length).unwrap_or(usize::MAX).saturating_mul(64));
+}
+
 fn reason(error: &ObjError) -> String {
     match error {
         ObjError::Io(error) => format!("it is not text ({error})"),

@@ -3,6 +3,7 @@
 
 use super::Mesh;
 use crate::math::{Scalar, Vector3};
+use crate::memory::{self, Room};
 
 /// The patches of a mesh, from its triangles up to the largest that are nearly flat. Each patch has one of its triangles
 /// stand for it; of the two that it was merged from, one has the same. So the triangles that stand for large patches are
@@ -49,11 +50,10 @@ impl<T: Scalar> Patches<T> {
         let count = mesh.topology().triangles().len();
         let (ranges, order) = tree.ranges(count);
         let standing = tree.standing(&ranges, &order);
-        let (mut largest, mut bounds) = (vec![0; count], None);
-        let mut patches: Vec<Patch<T>> = ranges
-            .iter()
-            .map(|&[start, end]| Patch { start, end, area: T::zero(), next_area: T::INFINITY, smaller: 0 })
-            .collect();
+        let (mut largest, mut bounds) = (memory::filled(0, count), None);
+        let patch_of =
+            |&[start, end]: &[u32; 2]| Patch { start, end, area: T::zero(), next_area: T::INFINITY, smaller: 0 };
+        let mut patches = memory::listed(ranges.iter().map(patch_of));
         for (patch, &triangle) in standing.iter().enumerate() {
             // Later ones are larger.
             largest[triangle as usize] = patch as u32;
@@ -159,12 +159,12 @@ impl Tree {
             let [a, b, c] = mesh.corners(triangle).map(|corner| (corner - centre).map(T::to_f64));
             (a + b + c) / 3.0
         };
-        let middles: Vec<_> = (0..count).map(middle).collect();
+        let middles = memory::listed((0..count).map(middle));
         let normal = |triangle: u32| mesh.scaled_normal(triangle).map(T::to_f64);
-        let moments = (0..count).map(|t| Moments::of_triangle(normal(t), middles[t as usize])).collect();
+        let moments = memory::listed((0..count).map(|t| Moments::of_triangle(normal(t), middles[t as usize])));
         let mut tree = Self { moments, middles, parts: Vec::new() };
         let inner = mesh.topology().edges().iter().filter(|edge| edge.triangles[0] != edge.triangles[1]);
-        let mut neighbours: Vec<[u32; 2]> = inner.map(|edge| edge.triangles).collect();
+        let mut neighbours: Vec<[u32; 2]> = memory::listed(inner.map(|edge| edge.triangles));
         while !neighbours.is_empty() {
             let merged_into = tree.merge(&neighbours);
             for pair in &mut neighbours {
@@ -185,19 +185,17 @@ impl Tree {
 
     /// One round; gives into which patch each went, if only itself.
     fn merge(&mut self, neighbours: &[[u32; 2]]) -> Vec<u32> {
-        let mut merged_into: Vec<u32> = (0..self.moments.len() as u32).collect();
-        let mut best_first: Vec<(f64, [u32; 2])> = neighbours
-            .iter()
-            .map(|&pair| (self.together(pair), pair))
-            .filter(|(together, _)| together.is_flat())
-            .map(|(together, pair)| (together.cost(), pair))
-            .collect();
+        let mut merged_into = memory::listed(0..self.moments.len() as u32);
+        let together = neighbours.iter().map(|&pair| (self.together(pair), pair));
+        let flat = together.filter(|(together, _)| together.is_flat());
+        let mut best_first: Vec<(f64, [u32; 2])> = memory::listed(flat.map(|(together, pair)| (together.cost(), pair)));
         best_first.sort_unstable_by(|(a, first), (b, second)| a.total_cmp(b).then(first.cmp(second)));
         for (_, [a, b]) in best_first {
             if merged_into[a as usize] == a && merged_into[b as usize] == b {
                 let patch = self.moments.len() as u32;
-                self.moments.push(self.together([a, b]));
-                self.parts.push([a, b]);
+                let together = self.together([a, b]);
+                self.moments.room_for(1).push(together);
+                self.parts.room_for(1).push([a, b]);
                 (merged_into[a as usize], merged_into[b as usize]) = (patch, patch);
             }
         }
@@ -210,13 +208,13 @@ impl Tree {
 
     /// An order of the triangles in which each patch is a range, and these ranges.
     fn ranges(&self, triangle_count: usize) -> (Vec<[u32; 2]>, Vec<u32>) {
-        let mut sizes = vec![1u32; self.moments.len()];
+        let mut sizes = memory::filled(1u32, self.moments.len());
         for (place, parts) in self.parts.iter().enumerate() {
             sizes[triangle_count + place] = parts.iter().map(|&part| sizes[part as usize]).sum();
         }
         const UNKNOWN: u32 = u32::MAX;
-        let mut starts = vec![UNKNOWN; sizes.len()];
-        let (mut end, mut order) = (0, vec![0; triangle_count]);
+        let mut starts = memory::filled(UNKNOWN, sizes.len());
+        let (mut end, mut order) = (0, memory::filled(0, triangle_count));
         for patch in (0..sizes.len()).rev() {
             if starts[patch] == UNKNOWN {
                 starts[patch] = end;
@@ -230,16 +228,16 @@ impl Tree {
                 None => order[starts[patch] as usize] = patch as u32,
             }
         }
-        (starts.iter().zip(sizes).map(|(&start, size)| [start, start + size]).collect(), order)
+        (memory::listed(starts.iter().zip(sizes).map(|(&start, size)| [start, start + size])), order)
     }
 
     /// Which triangle stands for each patch: the one nearest to its middle, or that of the larger patch around it where
     /// this lies within.
     fn standing(&self, ranges: &[[u32; 2]], order: &[u32]) -> Vec<u32> {
         const UNKNOWN: u32 = u32::MAX;
-        let mut places = vec![0; order.len()];
+        let mut places = memory::filled(0, order.len());
         (0..).zip(order).for_each(|(place, &triangle)| places[triangle as usize] = place);
-        let mut standing = vec![UNKNOWN; ranges.len()];
+        let mut standing = memory::filled(UNKNOWN, ranges.len());
         for patch in (0..ranges.len()).rev() {
             let [start, end] = ranges[patch];
             if standing[patch] == UNKNOWN {

@@ -1,5 +1,6 @@
 use super::{Mesh, Patches};
 use crate::math::Scalar;
+use crate::memory::{self, Room};
 
 /// The triangles that stand for the patches of at most one area, group by group, so that what casts fewer rays than there
 /// are triangles looks at fewer too.
@@ -26,22 +27,23 @@ impl Standing {
         let patches = mesh.patches();
         let is_inner = inner_sides(mesh, patches, area);
         let corners = mesh.topology().triangles();
-        let (mut triangles, mut starts) = (Vec::new(), vec![0]);
-        let (mut border, mut border_starts) = (Vec::new(), vec![0]);
+        let (mut triangles, mut starts) = (Vec::new(), memory::filled(0, 1));
+        let (mut border, mut border_starts) = (Vec::new(), memory::filled(0, 1));
         for number in 0..group_count {
             group(number, &mut |triangle| {
                 let Some(patch) = patches.of(triangle, area) else { return };
-                triangles.push(triangle);
+                triangles.room_for(1).push(triangle);
                 let sides =
                     patch.iter().filter(|_| patch.len() > 1).flat_map(|&part| (0..3).map(move |side| (part, side)));
                 let outer = sides.filter(|&(part, side)| !is_inner[part as usize][side]);
-                border.extend(outer.map(|(part, side)| {
+                let edges = outer.map(|(part, side)| {
                     let corners = corners[part as usize];
                     [corners[side], corners[(side + 1) % 3]]
-                }));
-                border_starts.push(border.len() as u32);
+                });
+                memory::append(&mut border, edges);
+                border_starts.room_for(1).push(border.len() as u32);
             });
-            starts.push(triangles.len() as u32);
+            starts.room_for(1).push(triangles.len() as u32);
         }
         Self { triangles, starts, border, border_starts }
     }
@@ -60,7 +62,7 @@ impl Standing {
     /// Adds the places of a group's triangles.
     pub(crate) fn add_places_in(&self, group: u32, places: &mut Vec<u32>) {
         let group = group as usize;
-        places.extend(self.starts[group]..self.starts[group + 1]);
+        memory::append(places, self.starts[group]..self.starts[group + 1]);
     }
 
     /// The triangle at a place.
@@ -80,13 +82,13 @@ impl Standing {
 /// By triangle and side, from each corner to the next: whether the same patch lies beyond.
 fn inner_sides<T: Scalar>(mesh: &Mesh<T>, patches: &Patches<T>, area: T) -> Vec<[bool; 3]> {
     let corners = mesh.topology().triangles();
-    let mut stands_for = vec![0; corners.len()];
+    let mut stands_for = memory::filled(0, corners.len());
     for triangle in 0..corners.len() as u32 {
         for &part in patches.of(triangle, area).unwrap_or_default() {
             stands_for[part as usize] = triangle;
         }
     }
-    let mut is_inner = vec![[false; 3]; corners.len()];
+    let mut is_inner = memory::filled([false; 3], corners.len());
     for edge in mesh.topology().edges() {
         let [a, b] = edge.triangles;
         if stands_for[a as usize] != stands_for[b as usize] {

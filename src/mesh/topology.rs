@@ -1,4 +1,5 @@
 use super::MeshError;
+use crate::memory::{self, Room};
 
 /// Which vertices form which triangles, checked once: closed unless that is not asked for, manifold and consistently
 /// oriented.
@@ -50,12 +51,12 @@ impl Topology {
         let (rings, ring_start) = rings(triangles, &around, &around_start);
         Ok(Self {
             vertex_count,
-            triangles: triangles.to_vec(),
+            triangles: memory::listed(triangles.iter().copied()),
             rings,
             ring_start,
-            surface_vertices: (0..vertex_count as u32)
-                .filter(|&v| around_start[v as usize] < around_start[v as usize + 1])
-                .collect(),
+            surface_vertices: memory::listed(
+                (0..vertex_count as u32).filter(|&v| around_start[v as usize] < around_start[v as usize + 1]),
+            ),
             around,
             around_start,
             components: first_of_components(triangles.len(), &edges),
@@ -139,8 +140,8 @@ fn check_indices(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<(), Mesh
 /// whether there is a border.
 fn find_edges(triangles: &[[u32; 3]], border: Border) -> Result<(Vec<Edge>, bool), MeshError> {
     let mut is_open = false;
-    let mut edges = Vec::with_capacity(triangles.len() * 3 / 2);
-    let mut halves: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(triangles.len() * 3);
+    let mut edges = memory::with_room(triangles.len() * 3 / 2);
+    let mut halves: Vec<(u32, u32, bool, usize)> = memory::with_room(triangles.len() * 3);
     for (triangle, corners) in triangles.iter().enumerate() {
         for i in 0..3 {
             let (from, to) = (corners[i], corners[(i + 1) % 3]);
@@ -154,7 +155,7 @@ fn find_edges(triangles: &[[u32; 3]], border: Border) -> Result<(Vec<Edge>, bool
             [(.., backward, s), (.., forward, t)] if backward == forward => {
                 return Err(MeshError::InconsistentOrientation { triangles: [s, t], edge });
             }
-            [(.., s), (.., t)] => edges.push(Edge { vertices: edge, triangles: [s as u32, t as u32] }),
+            [(.., s), (.., t)] => edges.room_for(1).push(Edge { vertices: edge, triangles: [s as u32, t as u32] }),
             [_] if border == Border::Allowed => is_open = true,
             [(.., triangle)] => return Err(MeshError::Open { triangle, edge }),
             _ => return Err(MeshError::NonManifold { edge, triangle_count: shared.len() }),
@@ -164,15 +165,15 @@ fn find_edges(triangles: &[[u32; 3]], border: Border) -> Result<(Vec<Edge>, bool
 }
 
 fn triangles_around_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
-    let mut start = vec![0u32; vertex_count + 1];
+    let mut start = memory::filled(0u32, vertex_count + 1);
     for &vertex in triangles.as_flattened() {
         start[vertex as usize + 1] += 1;
     }
     for vertex in 0..vertex_count {
         start[vertex + 1] += start[vertex];
     }
-    let mut around = vec![0u32; triangles.len() * 3];
-    let mut next = start.clone();
+    let mut around = memory::filled(0u32, triangles.len() * 3);
+    let mut next = memory::listed(start.iter().copied());
     for (triangle, corners) in triangles.iter().enumerate() {
         for &vertex in corners {
             around[next[vertex as usize] as usize] = triangle as u32;
@@ -183,8 +184,8 @@ fn triangles_around_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> (Ve
 }
 
 fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let mut rings = Vec::with_capacity(around.len() + around_start.len());
-    let mut start = Vec::with_capacity(around_start.len());
+    let mut rings = memory::with_room(around.len() + around_start.len());
+    let mut start = memory::with_room(around_start.len());
     // The two other corners of each triangle around a vertex, in the triangle's order; and the same by their first, of
     // which no two have the same, so that a fan of a million triangles takes no square of that.
     let mut sides: Vec<[u32; 2]> = Vec::new();
@@ -195,43 +196,45 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
         let own = &around[around_start[vertex] as usize..around_start[vertex + 1] as usize];
         let vertex = vertex as u32;
         sides.clear();
-        sides.extend(own.iter().map(|&triangle| {
+        let others = |&triangle: &u32| {
             let mut corners = triangles[triangle as usize];
             let place = corners.iter().position(|&corner| corner == vertex).expect("it lies around the vertex");
             corners.rotate_left(place);
             [corners[1], corners[2]]
-        }));
+        };
+        memory::append(&mut sides, own.iter().map(others));
         let ring = rings.len();
         by_first.clear();
-        by_first.extend(sides.iter().enumerate().map(|(place, &side)| (side, place)));
+        memory::append(&mut by_first, sides.iter().enumerate().map(|(place, &side)| (side, place)));
         by_first.sort_unstable();
         is_done.clear();
-        is_done.resize(sides.len(), false);
+        is_done.room_for(sides.len()).resize(sides.len(), false);
         for start in 0..sides.len() {
             if is_done[start] {
                 continue;
             }
             if rings.len() > ring {
-                rings.push(vertex);
+                rings.room_for(1).push(vertex);
             }
-            rings.push(sides[start][0]);
+            rings.room_for(1).push(sides[start][0]);
             let mut next = Some(start);
             while let Some(place) = next {
                 is_done[place] = true;
                 let last = sides[place][1];
-                rings.push(last);
+                rings.room_for(1).push(last);
                 let following = by_first.binary_search_by_key(&last, |(side, _)| side[0]);
                 next = following.ok().map(|at| by_first[at].1).filter(|&place| !is_done[place]);
             }
         }
-        rings.resize(rings.len().max(ring + RING_LENGTH), vertex);
+        let length = rings.len().max(ring + RING_LENGTH);
+        rings.room_for(length - rings.len()).resize(length, vertex);
         start.push(rings.len() as u32);
     }
     (rings, start)
 }
 
 fn first_of_components(triangle_count: usize, edges: &[Edge]) -> Vec<u32> {
-    let mut neighbours = vec![[u32::MAX; 3]; triangle_count];
+    let mut neighbours = memory::filled([u32::MAX; 3], triangle_count);
     for [a, b] in edges.iter().map(|edge| edge.triangles) {
         for (from, to) in [(a, b), (b, a)] {
             let of_from = &mut neighbours[from as usize];
@@ -239,21 +242,21 @@ fn first_of_components(triangle_count: usize, edges: &[Edge]) -> Vec<u32> {
             of_from[free] = to;
         }
     }
-    let mut is_reached = vec![false; triangle_count];
+    let mut is_reached = memory::filled(false, triangle_count);
     let mut components = Vec::new();
     let mut waiting = Vec::new();
     for first in 0..triangle_count as u32 {
         if is_reached[first as usize] {
             continue;
         }
-        components.push(first);
+        components.room_for(1).push(first);
         is_reached[first as usize] = true;
-        waiting.push(first);
+        waiting.room_for(1).push(first);
         while let Some(triangle) = waiting.pop() {
             // At a border there is no neighbour.
             for neighbour in neighbours[triangle as usize].into_iter().filter(|&neighbour| neighbour != u32::MAX) {
                 if !std::mem::replace(&mut is_reached[neighbour as usize], true) {
-                    waiting.push(neighbour);
+                    waiting.room_for(1).push(neighbour);
                 }
             }
         }

@@ -1,5 +1,6 @@
 use super::{Cells, Tracer};
 use crate::math::{Aabb, LANE_COUNT, Lanes, Scalar};
+use crate::memory;
 
 /// The surface in groups of neighbouring vertices and triangles, at most sixteen of each: where rays start, group by
 /// group. Each vertex and each triangle belongs to one of them.
@@ -12,7 +13,7 @@ impl<T: Scalar> Tracer<'_, T> {
                 let topology = self.mesh().topology();
                 groups.clear();
                 let largest = topology.surface_vertices().len().max(topology.triangles().len());
-                groups.extend(0..largest.div_ceil(LANE_COUNT) as u32);
+                memory::append(groups, 0..largest.div_ceil(LANE_COUNT) as u32);
             }
         }
     }

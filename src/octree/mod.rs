@@ -15,6 +15,7 @@ pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};
 
 use crate::math::{Aabb, Scalar};
+use crate::memory;
 use crate::mesh::{Mesh, Standing, Topology};
 use classic::Classic;
 use standing::StandingByLevel;
@@ -87,7 +88,8 @@ impl<T: Scalar> Octree<T> {
             Layout::Wide => Cells::Wide(Wide::new(mesh)),
             Layout::Classic => Cells::Classic(Classic::new(mesh)),
         };
-        Self { topology: Arc::clone(mesh.shared_topology()), stamp: mesh.stamp(), cells, standing: Arc::default() }
+        let standing = memory::shared(StandingByLevel::default());
+        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, standing }
     }
 
     /// Follows the mesh to its present positions; memory is reused.

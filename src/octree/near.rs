@@ -1,5 +1,6 @@
 use super::{Cells, Octree, wide};
 use crate::math::{Aabb, Scalar, Vector3};
+use crate::memory;
 use crate::mesh::Mesh;
 
 /// Which parts of a mesh are near each other, and by how much they may come nearer; kept by the caller, so that a steady
@@ -71,7 +72,8 @@ fn sweep<T: Scalar>(mesh: &Mesh<T>, distance: T, sorted: &mut Vec<(Aabb<T>, u32)
     let axis = (mesh.aabb().upper - mesh.aabb().lower).imax();
     let triangles = mesh.topology().triangles();
     sorted.clear();
-    sorted.extend((0..triangles.len() as u32).map(|triangle| (Aabb::of_triangle(&mesh.corners(triangle)), triangle)));
+    let boxed = |triangle: u32| (Aabb::of_triangle(&mesh.corners(triangle)), triangle);
+    memory::append(sorted, (0..triangles.len() as u32).map(boxed));
     sorted.sort_unstable_by(|(a, i), (b, j)| {
         a.lower[axis].partial_cmp(&b.lower[axis]).expect("positions are finite").then(i.cmp(j))
     });

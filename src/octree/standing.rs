@@ -1,11 +1,12 @@
 use super::{Cells, Tracer};
 use crate::math::{LANE_COUNT, Scalar};
+use crate::memory;
 use crate::mesh::Standing;
 use std::sync::OnceLock;
 
 /// For each level of patches the triangles that stand for them in the groups of one octree, found when first asked for.
 #[derive(Debug, Default)]
-pub(super) struct StandingByLevel(OnceLock<Box<[OnceLock<Box<Standing>>]>>);
+pub(super) struct StandingByLevel(OnceLock<Vec<OnceLock<Standing>>>);
 
 impl<'a, T: Scalar> Tracer<'a, T> {
     /// The triangles that stand for patches of at most about this area; `None` where each stands for itself. The area is
@@ -15,10 +16,9 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         let (number, area) = mesh.patches().level(area)?;
         let levels = self.standing.0.get_or_init(|| {
             let count = mesh.patches().level_count();
-            (0..count).map(|_| OnceLock::new()).collect()
+            memory::listed((0..count).map(|_| OnceLock::new()))
         });
-        let find =
-            || Box::new(Standing::new(mesh, area, self.group_count(), |group, offer| self.triangles_of(group, offer)));
+        let find = || Standing::new(mesh, area, self.group_count(), |group, offer| self.triangles_of(group, offer));
         Some(levels[number].get_or_init(find))
     }
 

@@ -2,6 +2,7 @@ use super::standing::StandingByLevel;
 use super::wide::{Candidates, PacketHits};
 use super::{Cells, Octree};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, dispatch};
+use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::ray::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
 use std::cmp::Ordering;
@@ -62,7 +63,9 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         let prepared = PreparedRay::Watertight(sheared);
         self.visit(ray, &prepared, &mut |triangle| {
             let crossing = sheared.crossing(&self.mesh.corners(triangle), triangle);
-            crossings.extend(crossing.filter(|hit| hit.t <= ray.t_max));
+            if let Some(hit) = crossing.filter(|hit| hit.t <= ray.t_max) {
+                crossings.room_for(1).push(hit);
+            }
             ray.t_max
         });
         crossings.sort_unstable_by(|a, b| {
@@ -76,7 +79,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// each 16 rays are neighbours.
     pub fn nearest_hits(&self, rays: &[Ray<T>], hits: &mut Vec<Option<Hit<T>>>) {
         hits.clear();
-        hits.resize(rays.len(), None);
+        hits.room_for(rays.len()).resize(rays.len(), None);
         dispatch::<T, _>(NearestHits { tracer: self, rays, hits });
     }
 
@@ -92,7 +95,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// it names that one three times, from an edge its two vertices, from a face its three.
     pub fn leave_before_end(&self, rays: &[Ray<T>], touched: &[[u32; 3]], found: &mut Vec<bool>) {
         found.clear();
-        found.resize(rays.len(), false);
+        found.room_for(rays.len()).resize(rays.len(), false);
         dispatch::<T, _>(LeaveBeforeEnd { tracer: self, rays, touched, found });
     }
 

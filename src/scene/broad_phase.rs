@@ -1,4 +1,5 @@
 use crate::math::{Aabb, Scalar};
+use crate::memory::{self, Room};
 
 /// Finds the pairs of bodies whose boxes overlap: sorts the boxes along one axis and compares those whose intervals
 /// meet.
@@ -28,8 +29,8 @@ impl<T: Scalar> BroadPhase<T> {
         self.sorted.clear();
         self.boxes.clear();
         for (body, aabb) in boxes.enumerate() {
-            self.boxes.push(aabb.unwrap_or_else(Aabb::empty));
-            self.sorted.extend(aabb.map(|aabb| (aabb, body as u32)));
+            self.boxes.room_for(1).push(aabb.unwrap_or_else(Aabb::empty));
+            memory::append(&mut self.sorted, aabb.map(|aabb| (aabb, body as u32)));
         }
         let axis = self.longest_axis();
         self.sorted.sort_unstable_by(|(a, i), (b, j)| {
@@ -42,13 +43,13 @@ impl<T: Scalar> BroadPhase<T> {
             for (other_box, other) in later.take_while(|(other, _)| other.lower[axis] <= aabb.upper[axis]) {
                 let pair = [*body.min(other), *body.max(other)];
                 if aabb.overlaps(other_box) && is_wanted(&pair) {
-                    self.pairs.push(pair);
+                    self.pairs.room_for(1).push(pair);
                 }
             }
         }
         self.pairs.sort_unstable();
         self.meetings.clear();
-        self.meetings.extend(self.pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]));
+        self.meetings.room_for(2 * self.pairs.len()).extend(self.pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]));
         self.meetings.sort_unstable();
     }
 

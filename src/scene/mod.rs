@@ -10,11 +10,13 @@ pub use saved::SavedStateError;
 
 use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory, detect_pair, detect_self, overlap_region};
 use crate::math::{Aabb, Scalar};
+use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
 use crate::threads::{ParallelFor, Threads};
 use broad_phase::BroadPhase;
 use pairs::{Pairs, Remembered};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 
 /// Bodies, and what is needed to find all contacts among them.
@@ -93,7 +95,7 @@ impl<T: Scalar> Scene<T> {
                 free as u32
             }
             None => {
-                self.bodies.push(body);
+                self.bodies.room_for(1).push(body);
                 (self.bodies.len() - 1) as u32
             }
         }
@@ -187,7 +189,7 @@ impl<T: Scalar> Scene<T> {
         if is_on {
             self.pairs.ignored.remove(&pair);
         } else {
-            self.pairs.ignored.insert(pair);
+            self.pairs.ignored.room_for(1).insert(pair);
         }
         Ok(())
     }
@@ -217,17 +219,29 @@ impl<T: Scalar> Scene<T> {
     /// which that is switched on. Replaces what `contacts` held; their order is by pair (smaller body number first, then
     /// the other; a body with itself first of all), then the colliding body, then along its surface.
     pub fn query(&mut self, contacts: &mut ContactList<T>) {
-        self.detect();
-        contacts.clear();
-        let mut pairs = self.broad_phase.pairs().iter().zip(&self.pair_contacts).peekable();
-        for (number, body) in self.bodies.iter().enumerate() {
-            if let Some(own) = body.as_ref().and_then(|body| body.own.as_ref()) {
-                contacts.append(&own.contacts);
-            }
-            while let Some((_, found)) = pairs.next_if(|([first, _], _)| *first as usize == number) {
-                contacts.append(found);
-            }
+        self.pairs.keep();
+        let found = catch_unwind(AssertUnwindSafe(|| {
+            self.detect();
+            contacts.join(self.found());
+        }));
+        if let Err(panic) = found {
+            // As if the step had not been: what bodies know of themselves saves time only.
+            self.pairs.go_back();
+            let owns = self.bodies.iter_mut().flatten().filter_map(|body| body.own.as_mut());
+            owns.for_each(|own| *own = OwnContacts::default());
+            resume_unwind(panic);
         }
+    }
+
+    /// What the last detection found, in the order of the contacts.
+    fn found(&self) -> impl Iterator<Item = &ContactList<T>> + Clone {
+        let pairs = self.broad_phase.pairs();
+        self.bodies.iter().enumerate().flat_map(move |(number, body)| {
+            let own = body.as_ref().and_then(|body| body.own.as_ref()).map(|own| &own.contacts);
+            let start = pairs.partition_point(|[first, _]| (*first as usize) < number);
+            let of_body = pairs[start..].iter().take_while(move |[first, _]| *first as usize == number);
+            own.into_iter().chain(of_body.zip(&self.pair_contacts[start..]).map(|(_, found)| found))
+        })
     }
 
     fn detect(&mut self) {
@@ -237,7 +251,9 @@ impl<T: Scalar> Scene<T> {
         let broad_phase = &self.broad_phase;
         let pairs = broad_phase.pairs();
         if self.pair_contacts.len() < pairs.len() {
-            self.pair_contacts.resize_with(pairs.len(), ContactList::default);
+            self.pair_contacts
+                .room_for(pairs.len() - self.pair_contacts.len())
+                .resize_with(pairs.len(), ContactList::default);
         }
         self.pairs.remember(pairs);
         let helpers = self.threads.helpers();

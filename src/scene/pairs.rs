@@ -1,5 +1,6 @@
 use crate::contact::PairMemory;
 use crate::math::Scalar;
+use crate::memory::{self, Room};
 use std::collections::HashSet;
 
 /// A pair, its smaller number first, and what it remembers.
@@ -10,6 +11,8 @@ pub(super) type Remembered<T> = ([u32; 2], PairMemory<T>);
 pub(super) struct Pairs<T: Scalar> {
     /// What each overlapping pair remembers.
     pub(super) memories: Vec<Remembered<T>>,
+    /// The same before the step that is under way.
+    before: Vec<Remembered<T>>,
     /// The pairs that may not escape, overlapping or not.
     pub(super) without_escape: Vec<[u32; 2]>,
     /// The pairs that do not collide; in no order, as there may be very many.
@@ -18,11 +21,22 @@ pub(super) struct Pairs<T: Scalar> {
 
 impl<T: Scalar> Default for Pairs<T> {
     fn default() -> Self {
-        Self { memories: Vec::new(), without_escape: Vec::new(), ignored: HashSet::new() }
+        Self { memories: Vec::new(), before: Vec::new(), without_escape: Vec::new(), ignored: HashSet::new() }
     }
 }
 
 impl<T: Scalar> Pairs<T> {
+    /// Starts a step that can be taken back.
+    pub(super) fn keep(&mut self) {
+        self.before.clear();
+        memory::append(&mut self.before, self.memories.iter().cloned());
+    }
+
+    /// Takes the step back.
+    pub(super) fn go_back(&mut self) {
+        std::mem::swap(&mut self.memories, &mut self.before);
+    }
+
     /// Makes the memories those of `pairs`: keeps what is known, and forgets pairs that have parted.
     pub(super) fn remember(&mut self, pairs: &[[u32; 2]]) {
         let memories = &mut self.memories;
@@ -30,7 +44,7 @@ impl<T: Scalar> Pairs<T> {
         let known = memories.len();
         for pair in pairs {
             if memories[..known].binary_search_by_key(pair, |(pair, _)| *pair).is_err() {
-                memories.push((*pair, PairMemory::default()));
+                memories.room_for(1).push((*pair, PairMemory::default()));
             }
         }
         memories.sort_unstable_by_key(|(pair, _)| *pair);
@@ -49,7 +63,7 @@ impl<T: Scalar> Pairs<T> {
                 self.without_escape.remove(place);
             }
             (Err(place), false) => {
-                self.without_escape.insert(place, pair);
+                self.without_escape.room_for(1).insert(place, pair);
                 // Also what led to an escape is not to start the next one.
                 self.memories.retain(|(known, _)| *known != pair);
             }

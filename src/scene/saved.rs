@@ -4,6 +4,7 @@ use super::SceneError;
 use super::pairs::Remembered;
 use crate::contact::{PairMemory, Record};
 use crate::math::{Scalar, Vector3};
+use crate::memory::{self, Room};
 use std::fmt;
 
 /// Why saved bytes were refused.
@@ -63,6 +64,7 @@ pub(super) fn saved_length(count: usize) -> usize {
 /// Appends the memories, numbers little-endian on every machine.
 pub(super) fn save<T: Scalar>(memories: &[Remembered<T>], bytes: &mut Vec<u8>) {
     let start = bytes.len();
+    bytes.room_for(saved_length(memories.len()));
     bytes.extend(MARK);
     bytes.extend(VERSION.to_le_bytes());
     bytes.extend((size_of::<T>() as u32).to_le_bytes());
@@ -104,8 +106,10 @@ pub(super) fn restore<T: Scalar>(bytes: &[u8]) -> Result<Vec<Remembered<T>>, Sce
     if number_size as usize != size_of::<T>() {
         return Err(SavedStateError::OtherPrecision { bytes: number_size }.into());
     }
-    let read: Option<Vec<_>> = (0..count).map(|_| entry(&mut head)).collect();
-    let memories = read.ok_or(SavedStateError::Damaged)?;
+    let mut memories = memory::with_room(count as usize);
+    for _ in 0..count {
+        memories.push(entry(&mut head).ok_or(SavedStateError::Damaged)?);
+    }
     // Nothing that was saved is otherwise; bytes made up with a fitting checksum may be.
     let in_order = memories.windows(2).all(|pair| pair[0].0 < pair[1].0);
     if in_order && memories.iter().all(|([first, second], memory)| first < second && is_possible(memory)) {

@@ -6,6 +6,7 @@ use super::touching::Touching;
 use super::winding::winding_under;
 use crate::contact::Statistics;
 use crate::math::Scalar;
+use crate::memory;
 use crate::octree::Tracer;
 use crate::ray::Hit;
 
@@ -51,7 +52,7 @@ impl Culling {
             }
         }
         self.is_wanted.clear();
-        self.is_wanted.extend_from_slice(&touching.touched);
+        memory::append(&mut self.is_wanted, touching.touched.iter().copied());
         for triangle in 0..count as u32 {
             let (first, _) = self.regions.find(triangle);
             // The smallest number of a region stands for it, and comes first.

@@ -1,5 +1,6 @@
 use super::touching::{Touching, rounding};
 use crate::math::{Aabb, Scalar, Vector3, length};
+use crate::memory;
 use crate::mesh::Mesh;
 use crate::octree::{NearParts, Octree};
 
@@ -111,7 +112,7 @@ impl<T: Scalar> Certificate<T> {
         // Coordinates may double before what was kept for rounding is used up.
         (self.is_valid, self.allowed, self.rounding) = (is_valid, allowed, rounding(mesh) * T::of(2.0));
         self.positions.clear();
-        self.positions.extend_from_slice(mesh.positions());
+        memory::append(&mut self.positions, mesh.positions().iter().copied());
     }
 
     fn is_known(&self, mesh: &Mesh<T>) -> bool {

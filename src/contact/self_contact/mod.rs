@@ -18,6 +18,7 @@ pub(super) use winding::{leaves_body_before_end, way_out_past_folds};
 use super::samples::{Sample, Sampling, for_each_sample};
 use super::{Contact, ContactKind, ContactList, DetectionOptions, SurfacePoint};
 use crate::math::{Aabb, Scalar, direction};
+use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
 use crate::ray::{Hit, Ray};
@@ -50,8 +51,7 @@ pub fn query_self<T: Scalar>(
     contacts: &mut ContactList<T>,
 ) -> Result<(), OctreeError> {
     octree.tracer(mesh)?;
-    contacts.clear();
-    detect_self(0, mesh, octree, options, None, contacts).map(drop)
+    contacts.refill(|contacts| detect_self(0, mesh, octree, options, None, contacts).map(drop))
 }
 
 /// [`query_self`] by casting every ray: slow, and the standard it is held to. The contacts are the same to the bit.
@@ -159,9 +159,9 @@ impl<T: Scalar> Body<'_, T> {
             let number = winding_number(&self.tracer, &ray, sample.point.touched(), crossings);
             match way_out(crossings).filter(|_| number > 1) {
                 Some(&hit) => {
-                    samples.push(sample);
-                    rays.push(ray);
-                    hits.push(Some(hit));
+                    samples.room_for(1).push(sample);
+                    rays.room_for(1).push(ray);
+                    hits.room_for(1).push(Some(hit));
                 }
                 None => statistics.misses += 1,
             }
@@ -192,7 +192,7 @@ impl<T: Scalar> Body<'_, T> {
                 statistics.own_surface_hits += 1;
             } else {
                 statistics.self_contacts += 1;
-                contacts.push(self.contact(sample, ray, hit));
+                contacts.room_for(1).push(self.contact(sample, ray, hit));
             }
         }
     }

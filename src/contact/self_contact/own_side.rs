@@ -8,6 +8,7 @@
 use super::sets::Sets;
 use super::touching::Touching;
 use crate::math::Scalar;
+use crate::memory::Room;
 use crate::mesh::Topology;
 
 /// The folds that overlap, by vertex.
@@ -28,11 +29,11 @@ impl Folds {
     pub(super) fn reset(&mut self, topology: &Topology) {
         let count = topology.vertex_count();
         self.is_inside.clear();
-        self.is_inside.resize(count, false);
+        self.is_inside.room_for(count).resize(count, false);
         self.parts.reset(count);
         self.folds.reset(count);
         self.is_mixed.clear();
-        self.is_mixed.resize(count, false);
+        self.is_mixed.room_for(count).resize(count, false);
     }
 
     /// Takes note that the surface between these vertices lies inside.

@@ -1,3 +1,5 @@
+use crate::memory::{self, Room};
+
 /// Sets of numbers, joined two by two (Tarjan 1975), each with its parity in its set.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sets {
@@ -9,9 +11,9 @@ impl Sets {
     /// `count` sets of one number each.
     pub(super) fn reset(&mut self, count: usize) {
         self.parents.clear();
-        self.parents.extend(0..count as u32);
+        memory::append(&mut self.parents, 0..count as u32);
         self.parities.clear();
-        self.parities.resize(count, false);
+        self.parities.room_for(count).resize(count, false);
     }
 
     /// The number that stands for the set of `number`, and the parity of `number` beside it.

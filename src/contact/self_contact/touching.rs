@@ -2,6 +2,7 @@
 //! over, and no ray need be traced to know it.
 
 use crate::math::{Scalar, Vector3, direction, length};
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::octree::{NearParts, Octree, Reach};
 
@@ -48,7 +49,8 @@ impl<T: Scalar> Touching<T> {
         self.touched.clear();
         let square = rounding * rounding;
         self.any = !(T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1);
-        self.touched.resize(mesh.topology().triangles().len(), self.any);
+        let count = mesh.topology().triangles().len();
+        self.touched.room_for(count).resize(count, self.any);
     }
 
     /// Looks at the whole surface.
@@ -69,7 +71,7 @@ impl<T: Scalar> Touching<T> {
     pub(super) fn search_fans(&mut self, mesh: &Mesh<T>) -> Fans<T> {
         let count = mesh.topology().triangles().len();
         self.facets.clear();
-        self.facets.extend((0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
+        memory::append(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
         let altitudes = self.facets.iter().map(|facet| length(&facet.scaled_normal) / facet.longest_edge);
         let fineness = altitudes.fold(T::zero(), |sum, altitude| sum + altitude) / T::of(count as f64);
         // A ray from a triangle's middle keeps away from the others by a third of this.
@@ -135,7 +137,7 @@ impl<T: Scalar> Touching<T> {
             let distance = separation(&corners, touch);
             if distance < touch {
                 pair.into_iter().for_each(|triangle| self.touch(triangle));
-                self.pairs.push(pair);
+                self.pairs.room_for(1).push(pair);
             }
             distance - touch
         });

@@ -1,5 +1,6 @@
 use super::{Classic, Node};
 use crate::math::{Aabb, Scalar, Vector3};
+use crate::memory::Room;
 use crate::mesh::Mesh;
 
 /// Cells of the deepest level are 2⁻²⁰ of the root; smaller triangles share them.
@@ -44,9 +45,10 @@ impl<T: Scalar> Classic<T> {
         for triangle in 0..mesh.topology().triangles().len() as u32 {
             self.insert(triangle, &Aabb::of_triangle(&mesh.corners(triangle)), side);
         }
-        self.scratch.resize(self.entries.len(), Entry::default());
+        let count = self.entries.len();
+        self.scratch.room_for(count.saturating_sub(self.scratch.len())).resize(count, Entry::default());
         self.nodes.clear();
-        self.nodes.push(Node { subtree_end: self.entries.len() as u32, ..Node::default() });
+        self.nodes.room_for(1).push(Node { subtree_end: self.entries.len() as u32, ..Node::default() });
         let mut next = 0;
         while next < self.nodes.len() {
             self.split(next);
@@ -73,7 +75,7 @@ impl<T: Scalar> Classic<T> {
         for z in lower[2]..=upper[2] {
             for y in lower[1]..=upper[1] {
                 for x in lower[0]..=upper[0] {
-                    self.entries.push(Entry::new(triangle, level, [x, y, z]));
+                    self.entries.room_for(1).push(Entry::new(triangle, level, [x, y, z]));
                 }
             }
         }
@@ -121,7 +123,12 @@ impl<T: Scalar> Classic<T> {
             let (start, end) = (bin_start[octant + 1], bin_end[octant + 1]);
             if start < end {
                 self.nodes[index].children |= 1 << octant;
-                self.nodes.push(Node { first_entry: start, subtree_end: end, level: level + 1, ..Node::default() });
+                self.nodes.room_for(1).push(Node {
+                    first_entry: start,
+                    subtree_end: end,
+                    level: level + 1,
+                    ..Node::default()
+                });
             }
         }
     }

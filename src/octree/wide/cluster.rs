@@ -1,5 +1,6 @@
 use super::tile::TILE_SIZE;
 use crate::math::{Scalar, Vector3};
+use crate::memory::{self, Room};
 use crate::mesh::{Mesh, Topology};
 
 /// Cuts the surface into tiles: each grows from a seed over shared edges until it has 16 triangles or would have more
@@ -8,14 +9,14 @@ use crate::mesh::{Mesh, Topology};
 /// are left between tiles.
 pub(super) fn cluster<T: Scalar>(mesh: &Mesh<T>) -> Vec<Vec<u32>> {
     let count = mesh.topology().triangles().len();
-    let mut growth = Growth { mesh, taken: vec![false; count], seeds: Vec::new() };
-    let mut tiles = Vec::with_capacity(count / 12 + 1);
+    let mut growth = Growth { mesh, taken: memory::filled(false, count), seeds: Vec::new() };
+    let mut tiles = memory::with_room(count / 12 + 1);
     for first in 0..count as u32 {
-        growth.seeds.push(first);
+        growth.seeds.room_for(1).push(first);
         while let Some(seed) = growth.seeds.pop() {
             if !growth.taken[seed as usize] {
                 let tile = growth.grow(seed);
-                tiles.push(tile);
+                tiles.room_for(1).push(tile);
             }
         }
     }
@@ -30,29 +31,29 @@ struct Growth<'a, T: Scalar> {
 
 impl<T: Scalar> Growth<'_, T> {
     fn grow(&mut self, seed: u32) -> Vec<u32> {
-        let mut tile = Vec::with_capacity(TILE_SIZE);
-        let mut vertices: Vec<u32> = Vec::with_capacity(TILE_SIZE);
-        let mut border = vec![seed];
+        let mut tile = memory::with_room(TILE_SIZE);
+        let mut vertices: Vec<u32> = memory::with_room(TILE_SIZE);
+        let mut border = memory::filled(seed, 1);
         let mut sum = Vector3::zeros();
         while tile.len() < TILE_SIZE {
             let centre = sum / T::of((tile.len() as f64).max(1.0));
             let Some(place) = self.best(&border, &vertices, &centre) else { break };
             let triangle = border.swap_remove(place);
             self.taken[triangle as usize] = true;
-            tile.push(triangle);
+            tile.room_for(1).push(triangle);
             sum += self.centre(triangle);
             for vertex in self.mesh.topology().triangles()[triangle as usize] {
                 if !vertices.contains(&vertex) {
-                    vertices.push(vertex);
+                    vertices.room_for(1).push(vertex);
                 }
             }
             for neighbour in neighbours(self.mesh.topology(), triangle) {
                 if !self.taken[neighbour as usize] && !border.contains(&neighbour) {
-                    border.push(neighbour);
+                    border.room_for(1).push(neighbour);
                 }
             }
         }
-        self.seeds.extend(border);
+        memory::append(&mut self.seeds, border);
         tile
     }
 

@@ -1,5 +1,6 @@
 use super::node::{CHILD_COUNT, Node};
 use crate::math::{Aabb, Scalar, Vector3};
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 
 /// The centre of a tile's box, and the tile.
@@ -9,32 +10,29 @@ type Place<T> = (Vector3<T>, u32);
 /// halved along the longest side of its centres' box again and again, at places that leave as few nodes as can be. Gives
 /// the tiles in the order in which the nodes lead to them, so that neighbours in space are neighbours in memory.
 pub(super) fn group<T: Scalar>(mesh: &Mesh<T>, mut tiles: Vec<Vec<u32>>) -> (Vec<Node<T>>, Vec<Vec<u32>>) {
-    let mut places: Vec<Place<T>> = tiles
-        .iter()
-        .enumerate()
-        .map(|(index, triangles)| {
-            let mut aabb = Aabb::empty();
-            triangles.iter().flat_map(|&triangle| mesh.corners(triangle)).for_each(|corner| aabb.include(&corner));
-            (aabb.centre(), index as u32)
-        })
-        .collect();
+    let place = |(index, triangles): (usize, &Vec<u32>)| {
+        let mut aabb = Aabb::empty();
+        triangles.iter().flat_map(|&triangle| mesh.corners(triangle)).for_each(|corner| aabb.include(&corner));
+        (aabb.centre(), index as u32)
+    };
+    let mut places: Vec<Place<T>> = memory::listed(tiles.iter().enumerate().map(place));
     let nodes = nodes_above(&mut places);
-    let sorted = places.iter().map(|&(_, tile)| std::mem::take(&mut tiles[tile as usize])).collect();
+    let sorted = memory::listed(places.iter().map(|&(_, tile)| std::mem::take(&mut tiles[tile as usize])));
     (nodes, sorted)
 }
 
 /// The nodes above these tiles, level by level, so that a node's children follow one another. Tiles are numbered in the
 /// order in which they are left.
 fn nodes_above<T: Scalar>(places: &mut [Place<T>]) -> Vec<Node<T>> {
-    let mut nodes = Vec::with_capacity(places.len() / 8 + 1);
+    let mut nodes = memory::with_room(places.len() / 8 + 1);
     // The tiles of each node, in the order of the nodes.
-    let mut parts = vec![(0, places)];
+    let mut parts = memory::listed([(0, places)]);
     let mut first_child = 1;
     while !parts.is_empty() {
         let mut below = Vec::new();
         for (first_tile, part) in parts {
             if part.len() <= CHILD_COUNT {
-                nodes.push(Node::new(first_tile, part.len(), true));
+                nodes.room_for(1).push(Node::new(first_tile, part.len(), true));
                 continue;
             }
             // How many tiles a child can hold, if all below it are full.
@@ -45,7 +43,7 @@ fn nodes_above<T: Scalar>(places: &mut [Place<T>]) -> Vec<Node<T>> {
             let before = below.len();
             cut(part, capacity, first_tile, &mut below);
             let child_count = below.len() - before;
-            nodes.push(Node::new(first_child, child_count, false));
+            nodes.room_for(1).push(Node::new(first_child, child_count, false));
             first_child += child_count as u32;
         }
         parts = below;
@@ -61,7 +59,7 @@ fn cut<'a, T: Scalar>(
     parts: &mut Vec<(u32, &'a mut [Place<T>])>,
 ) {
     if places.len() <= capacity {
-        parts.push((first, places));
+        parts.room_for(1).push((first, places));
         return;
     }
     // About the middle, and so that one half is all full parts.

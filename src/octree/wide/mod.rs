@@ -15,6 +15,7 @@ mod trace;
 mod validate;
 
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
+use crate::memory;
 use crate::mesh::Mesh;
 use crate::ray::{PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
@@ -36,8 +37,8 @@ impl<T: Scalar> Wide<T> {
     pub(super) fn new(mesh: &Mesh<T>) -> Self {
         let topology = mesh.topology();
         let (nodes, groups) = group::group(mesh, cluster::cluster(mesh));
-        let mut tiles: Vec<Tile<T>> = groups.iter().map(|group| Tile::new(topology.triangles(), group)).collect();
-        let mut is_owned = vec![false; topology.vertex_count()];
+        let mut tiles = memory::listed(groups.iter().map(|group| Tile::new(topology.triangles(), group)));
+        let mut is_owned = memory::filled(false, topology.vertex_count());
         tiles.iter_mut().for_each(|tile| tile.own_vertices(&mut is_owned));
         let mut wide = Self { nodes, tiles };
         wide.refit(mesh);

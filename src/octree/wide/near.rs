@@ -5,6 +5,7 @@ use super::Wide;
 use super::node::{CHILD_COUNT, Node};
 use super::tile::{TILE_SIZE, Tile};
 use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch};
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 
 /// The tiles that are near each other, and what the search for them needs; kept by the caller, so that a steady step
@@ -84,7 +85,7 @@ impl<T: Scalar> Wide<T> {
         tile_pairs.clear();
         Descent { cells: self, distance: tile_distance, tile_pairs }.within(Child::Node(0));
         clearances.clear();
-        clearances.resize(tile_pairs.len(), margin);
+        clearances.room_for(tile_pairs.len()).resize(tile_pairs.len(), margin);
         let distance = narrow.distance(distance);
         let block_of = |_: usize, tile: u32| tile as usize;
         let offer = |place: usize, a: u32, b: u32| clearances[place] = clearances[place].min(offer(a, b));
@@ -100,11 +101,12 @@ impl<T: Scalar> Wide<T> {
         now: &[Vector3<T>],
     ) -> f64 {
         near.moves.clear();
-        near.moves.extend(self.tiles.iter().map(|tile| {
+        let moves_of = |tile: &Tile<T>| {
             let mut moves = Aabb::empty();
             tile.vertices.iter().for_each(|&vertex| moves.include(&(now[vertex as usize] - then[vertex as usize])));
             moves
-        }));
+        };
+        memory::append(&mut near.moves, self.tiles.iter().map(moves_of));
         near.lapsed.clear();
         let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
             let (a, b) = (&near.moves[first as usize], &near.moves[second as usize]);
@@ -113,7 +115,7 @@ impl<T: Scalar> Wide<T> {
             farthest.norm_squared() > clearance * clearance
         };
         let pairs = near.tile_pairs.iter().zip(&near.clearances);
-        near.lapsed.extend(pairs.filter(has_lapsed).map(|(pair, _)| pair));
+        memory::append(&mut near.lapsed, pairs.filter(has_lapsed).map(|(pair, _)| *pair));
         near.lapsed.len() as f64 / near.tile_pairs.len() as f64
     }
 
@@ -153,7 +155,7 @@ impl<'a, T: Scalar, I: Iterator<Item = &'a Tile<T>>> Kernel<T> for MakeBlocks<'_
         let mut count = 0;
         for tile in self.tiles {
             if self.blocks.len() == count {
-                self.blocks.push(Block::EMPTY);
+                self.blocks.room_for(1).push(Block::EMPTY);
             }
             self.blocks[count].fill::<T, L>(tile, self.mesh, &self.narrow);
             count += 1;
@@ -187,7 +189,7 @@ impl<T: Scalar> Descent<'_, T> {
     fn within(&mut self, child: Child) {
         let node = match child {
             Child::Node(node) => &self.cells.nodes[node as usize],
-            Child::Tile(tile) => return self.tile_pairs.push([tile; 2]),
+            Child::Tile(tile) => return self.tile_pairs.room_for(1).push([tile; 2]),
         };
         for place in 0..node.count as usize {
             let boxed = Boxed::of(node, place);
@@ -202,7 +204,7 @@ impl<T: Scalar> Descent<'_, T> {
 
     fn between(&mut self, first: Boxed<T>, second: Boxed<T>) {
         match (first.child, second.child) {
-            (Child::Tile(first), Child::Tile(second)) => self.tile_pairs.push([first, second]),
+            (Child::Tile(first), Child::Tile(second)) => self.tile_pairs.room_for(1).push([first, second]),
             (Child::Node(node), _) => self.descend(node, second),
             (_, Child::Node(node)) => self.descend(node, first),
         }

@@ -1,6 +1,7 @@
 use super::Wide;
 use super::node::BoxLanes;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
+use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::wide::trace::STACK_SIZE;
 
@@ -25,7 +26,7 @@ impl<T: Scalar> Kernel<T> for TilesInRegion<'_, T> {
             let mut met = node.meets::<L>(&region);
             if node.is_leaf {
                 while met != 0 {
-                    self.tiles.push(node.first + met.trailing_zeros());
+                    self.tiles.room_for(1).push(node.first + met.trailing_zeros());
                     met &= met - 1;
                 }
             }
