@@ -8,7 +8,7 @@ usage: scripts/test.sh [--long]
 
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the pages of the Rust
 library, the oracle with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the
-instructions of a step, the hash of all results, inputs that nobody chose for 20 seconds, 2000 steps of self-collision,
+instructions of a step, the hash of all results, inputs that nobody chose for a minute, 2000 steps of self-collision,
 the C and C++ tests with the packages and the manual (cmake --workflow --preset test), and the command lines of all
 programs. Missing Debian packages are installed first. With --long the oracle asks 1e7 queries, self-collision takes 1e5
 steps, forces are measured at every size, as in docs/accuracy.md, and the page of all measurements is made anew and tested
@@ -58,7 +58,7 @@ check 'convergence' "${example[@]}" convergence -- "${convergence[@]}"
 check 'failure table' "${example[@]}" poses -- --failures --count 20
 check 'instructions' scripts/instructions.sh
 check 'hashes' scripts/hashes.sh
-check 'fuzzing' "${example[@]}" fuzz -- --seconds 5
+check 'fuzzing' scripts/fuzz.sh --seconds 15
 check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
 check 'C, C++ tests' cmake --workflow --preset test
 check 'command lines' scripts/command_lines.sh

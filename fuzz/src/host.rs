@@ -2,7 +2,7 @@
 //! that is no panic, writes outputs on success only, and leaves handles that go on.
 #![allow(unsafe_code)] // every call of it
 
-use crate::bytes::Bytes;
+use crate::Bytes;
 use crate::surface;
 use raycontact::capi::rayc_status::RAYC_STATUS_OK as OK;
 use raycontact::capi::*;
@@ -15,7 +15,8 @@ struct Host {
     octrees: Vec<*mut rayc_octree>,
     contacts: Vec<*mut rayc_contacts>,
     scenes: Vec<*mut rayc_scene>,
-    outcome: u64,
+    /// The largest coordinate so far: spacings much below it are honoured, but take their time.
+    largest: f64,
 }
 
 /// One of the handles, or NULL.
@@ -36,9 +37,13 @@ fn vectors(points: &[[f64; 3]], bytes: &mut Bytes) -> rayc_vectors {
 }
 
 impl Host {
-    fn note(&mut self, status: rayc_status) -> bool {
+    fn reach(&mut self, points: &[[f64; 3]]) {
+        let finite = points.as_flattened().iter().filter(|x| x.is_finite());
+        self.largest = finite.fold(self.largest, |largest, x| largest.max(x.abs()));
+    }
+
+    fn note(&self, status: rayc_status) -> bool {
         assert_ne!(status, rayc_status::RAYC_STATUS_PANIC);
-        self.outcome = (self.outcome * 31 + status as u64) % 65_521;
         status == rayc_status::RAYC_STATUS_OK
     }
 
@@ -55,6 +60,7 @@ impl Host {
             match bytes.below(4) {
                 0 => {
                     let (points, triangles, is_open) = surface::surface(bytes);
+                    self.reach(&points);
                     let mut options: rayc_mesh_options = std::mem::zeroed();
                     rayc_default_mesh_options(size_of::<rayc_mesh_options>(), &mut options);
                     (options.open, options.precision) = (is_open.into(), 1 + bytes.below(3) as u32);
@@ -102,6 +108,7 @@ impl Host {
         let points: Vec<[f64; 3]> = (0..8 + 8 * bytes.below(2))
             .map(|i| if bytes.flag() { surface::cube_corner(i) } else { bytes.point() })
             .collect();
+        self.reach(&points);
         let positions = vectors(&points, bytes);
         let (scene, mesh, octree) = (any(&self.scenes, bytes), any(&self.meshes, bytes), any(&self.octrees, bytes));
         let (a, b) = (bytes.below(4) as u32, bytes.below(4) as u32);
@@ -121,7 +128,7 @@ impl Host {
         self.note(status);
     }
 
-    fn ask(&mut self, bytes: &mut Bytes) {
+    fn ask(&self, bytes: &mut Bytes) {
         let (a, b) = (any(&self.meshes, bytes), any(&self.meshes, bytes));
         let (octree_a, octree_b) = (any(&self.octrees, bytes), any(&self.octrees, bytes));
         let (scene, contacts) = (any(&self.scenes, bytes), any(&self.contacts, bytes));
@@ -129,7 +136,7 @@ impl Host {
         let status = unsafe {
             let mut options: rayc_detection_options = std::mem::zeroed();
             rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options);
-            options.sample_spacing = [RAYC_SPACING_AUTOMATIC, 0.0, 0.25, f64::NAN][bytes.below(4)];
+            options.sample_spacing = [RAYC_SPACING_AUTOMATIC, 0.0, self.largest / 8.0, f64::NAN][bytes.below(4)];
             (options.escape, options.past_folds) = (bytes.flag().into(), bytes.flag().into());
             options.force_tolerance = [0.0, 0.0, 0.1, 2.0][bytes.below(4)];
             match bytes.below(5) {
@@ -150,7 +157,7 @@ impl Host {
     }
 
     /// What the list holds is so many contacts of numbers in their range.
-    fn read(&mut self, contacts: *mut rayc_contacts) {
+    fn read(&self, contacts: *mut rayc_contacts) {
         let mut count = 0;
         // SAFETY: the handle is valid or NULL, the array is as long as it says.
         unsafe {
@@ -178,7 +185,7 @@ impl Drop for Host {
     }
 }
 
-pub fn run(bytes: &mut Bytes) -> u64 {
+pub fn run(bytes: &mut Bytes) {
     let mut host = Host::default();
     while bytes.are_left() {
         match bytes.below(8) {
@@ -188,5 +195,4 @@ pub fn run(bytes: &mut Bytes) -> u64 {
             _ => host.destroy(bytes),
         }
     }
-    host.outcome
 }

@@ -1,6 +1,6 @@
 //! An `.obj` file from bytes: any bytes, and words of the format in any order.
 
-use crate::bytes::Bytes;
+use crate::Bytes;
 use raycontact::mesh::{Mesh, read_obj_file};
 
 const WORDS: [&str; 24] = [
@@ -25,18 +25,17 @@ fn text(bytes: &mut Bytes) -> Vec<u8> {
     text.into_bytes()
 }
 
-pub fn run(bytes: &mut Bytes) -> u64 {
+pub fn run(bytes: &mut Bytes) {
     let path = std::env::temp_dir().join(format!("raycontact-fuzz-{}.obj", std::process::id()));
     std::fs::write(&path, text(bytes)).expect("the temporary folder can be written");
     let read = read_obj_file(&path);
     std::fs::remove_file(&path).expect("it was written");
     let (positions, triangles) = match read {
         Ok(surface) => surface,
-        Err(error) => return error.to_string().len() as u64,
+        Err(error) => return assert!(!error.to_string().is_empty()),
     };
     assert!(triangles.as_flattened().iter().all(|&vertex| (vertex as usize) < positions.len()));
-    match Mesh::open(&positions, &triangles) {
-        Ok(mesh) => (1 << 33) + mesh.topology().edges().len() as u64,
-        Err(error) => (1 << 32) + error.to_string().len() as u64,
+    if let Err(error) = Mesh::open(&positions, &triangles) {
+        assert!(!error.to_string().is_empty());
     }
 }

@@ -1,6 +1,6 @@
 //! A mesh from bytes: what is accepted is what it says, whatever else is refused.
 
-use crate::bytes::Bytes;
+use crate::Bytes;
 use raycontact::mesh::{Mesh, MeshError};
 use raycontact::octree::{Layout, Octree};
 
@@ -52,10 +52,10 @@ pub fn mesh(bytes: &mut Bytes) -> Result<Mesh<f64>, MeshError> {
     if is_open { Mesh::open(&positions, &triangles) } else { Mesh::new(&positions, &triangles) }
 }
 
-pub fn run(bytes: &mut Bytes) -> u64 {
+pub fn run(bytes: &mut Bytes) {
     let mesh = match mesh(bytes) {
         Ok(mesh) => mesh,
-        Err(error) => return error.to_string().len() as u64,
+        Err(error) => return assert!(!error.to_string().is_empty()),
     };
     assert!(mesh.positions().iter().all(|p| p.iter().all(|x| x.is_finite())));
     assert!(mesh.is_open() || mesh.topology().edges().len() * 2 == mesh.topology().triangles().len() * 3);
@@ -66,5 +66,4 @@ pub fn run(bytes: &mut Bytes) -> u64 {
     for layout in [Layout::Wide, Layout::Classic] {
         Octree::with_layout(&mesh, layout).validate(&mesh).expect("the octree is whole");
     }
-    (1 << 32) + ((mesh.topology().components().len() as u64) << 16) + mesh.topology().edges().len() as u64
 }

@@ -1,0 +1,9 @@
+//! What each target does with its bytes, and what has to hold.
+
+mod bytes;
+pub mod differential;
+pub mod host;
+pub mod obj_file;
+pub mod surface;
+
+pub use bytes::Bytes;
