@@ -2,7 +2,7 @@ use super::edges::for_each_inside_stretch;
 use super::pair::Pair;
 use super::samples::Sample;
 use super::{Contact, ContactKind, ContactList, SurfacePoint};
-use crate::math::{Scalar, direction};
+use crate::math::{Scalar, cosine};
 use crate::memory::Room;
 use crate::ray::{Hit, Ray};
 
@@ -79,8 +79,7 @@ impl<T: Scalar> Direction<'_, T> {
 
     fn contact(&self, kind: ContactKind, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
         let collided = self.pair.tracers[1 - self.side].mesh();
-        let normal = direction(&collided.scaled_normal(hit.triangle));
-        let cos_alpha = normal.map_or(T::zero(), |n| n.dot(&ray.direction).clamp(T::zero(), T::one()));
+        let cos_alpha = cosine(&collided.scaled_normal(hit.triangle), &ray.direction).clamp(T::zero(), T::one());
         Contact {
             kind,
             colliding: self.pair.bodies[self.side],

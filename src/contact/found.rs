@@ -4,7 +4,7 @@
 use super::direction::Direction;
 use super::samples::vertex_point;
 use super::{Contact, ContactKind, SurfacePoint};
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction};
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, cosine};
 use crate::memory::Room;
 use crate::mesh::{Mesh, NormalLanes};
 use crate::octree::PacketHits;
@@ -130,8 +130,7 @@ impl<T: Scalar> Found<'_, T> {
     #[cold]
     fn one_cos_alpha(&self, lane: usize, collided: &Mesh<T>) -> T {
         let along = vector(&self.packet.direction, lane);
-        let normal = direction(&collided.scaled_normal(self.hits.triangle[lane]));
-        normal.map_or(T::zero(), |normal| normal.dot(&along).clamp(T::zero(), T::one()))
+        cosine(&collided.scaled_normal(self.hits.triangle[lane]), &along).clamp(T::zero(), T::one())
     }
 }
 

@@ -34,6 +34,16 @@ pub fn direction<T: Scalar>(v: &Vector3<T>) -> Option<Vector3<T>> {
     (length > T::zero() && length.is_finite()).then(|| scaled / length)
 }
 
+/// The cosine of the angle between `v` and a vector of unit length; zero where `v` has no direction. Scaling `v` by a power
+/// of two does not change a bit of it.
+pub fn cosine<T: Scalar>(v: &Vector3<T>, unit: &Vector3<T>) -> T {
+    let square = v.norm_squared();
+    let is_safe = T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1;
+    let scaled = v * if is_safe { T::one() } else { rescue_factor(square) };
+    let length = scaled.norm();
+    if length > T::zero() && length.is_finite() { scaled.dot(unit) / length } else { T::zero() }
+}
+
 fn rescue_factor<T: Scalar>(square: T) -> T {
     if square < T::one() { T::RESCUE_FACTORS.0 } else { T::RESCUE_FACTORS.1 }
 }
