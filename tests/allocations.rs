@@ -104,3 +104,26 @@ fn a_steady_step_with_self_collision_allocates_nothing() {
         assert_eq!(contacts.is_empty(), !touches);
     }
 }
+
+/// A body in a scene, in single precision, in contact with another by rays from all vertices.
+#[test]
+fn a_triangle_takes_at_most_160_bytes() {
+    let mut contacts = ContactList::default();
+    let mut triangles = 0;
+    let mut scene = None;
+    let allocations = measure(|| {
+        let mut filled = Scene::<f32>::new(1).expect("no thread is started");
+        filled.set_options(DetectionOptions::paper());
+        for k in 0..2 {
+            let mesh = shapes::torus(160, 80, 0.4).moved([0.0, 0.1, 0.6 * f64::from(k)]).mesh();
+            triangles += mesh.topology().triangles().len();
+            filled.add(mesh);
+        }
+        filled.query(&mut contacts);
+        scene = Some(filled);
+    });
+    assert!(contacts.len() > 1000);
+    let contacts = size_of_val(contacts.contacts.as_slice()) as i64;
+    let bytes = allocations.bytes_current - contacts;
+    assert!(bytes <= 160 * triangles as i64, "{} bytes", bytes as f64 / triangles as f64);
+}

@@ -85,7 +85,10 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     charts::draw(&rows, &arguments.out)?;
     match &arguments.document {
         Some(document) => report::renew_tables(document, &rows)?,
-        None => println!("{}{}", report::aligned(&report::ratios(&rows)), report::faults(&rows)),
+        None => {
+            let tables = [report::ratios(&rows), report::growth(&rows)].map(|table| report::aligned(&table));
+            println!("{}{}", tables.join("\n"), report::faults(&rows));
+        }
     }
     Ok(())
 }

@@ -45,6 +45,30 @@ pub fn times(rows: &[Row]) -> Table {
     table
 }
 
+/// How time grows: the slope of its logarithm over that of the triangles, among pairs of ever finer bodies and among stacks
+/// of ever more. 1 is in proportion.
+pub fn growth(rows: &[Row]) -> Table {
+    let slope = |label: &str, family: &str| {
+        let points: Vec<[f64; 2]> = rows
+            .iter()
+            .filter(|row| row.label() == label && row.workload.starts_with(family))
+            .map(|row| [(row.triangles as f64).ln(), row.total_us.ln()])
+            .collect();
+        let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64;
+        let [x, y] = [mean(0), mean(1)];
+        let spread: f64 = points.iter().map(|point| (point[0] - x).powi(2)).sum();
+        let shared: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
+        if points.len() > 2 { format!("{:.3}", shared / spread) } else { "–".to_owned() }
+    };
+    let families = [("finer bodies", "pair"), ("more bodies", "stack")];
+    let head = std::iter::once("slope").chain(families.map(|(name, _)| name)).map(str::to_owned).collect();
+    let lines = labels(rows).into_iter().map(|label| {
+        let slopes = families.map(|(_, family)| slope(&label, family));
+        std::iter::once(label).chain(slopes).collect()
+    });
+    std::iter::once(head).chain(lines).collect()
+}
+
 /// For the terminal.
 pub fn aligned(table: &Table) -> String {
     let columns = table.iter().map(Vec::len).max().unwrap_or(0);
@@ -84,7 +108,7 @@ pub fn faults(rows: &[Row]) -> String {
 pub fn renew_tables(document: &Path, rows: &[Row]) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("cannot renew {}: {error}", document.display());
     let mut text = std::fs::read_to_string(document).map_err(failed)?;
-    for (name, table) in [("ratios", ratios(rows)), ("times", times(rows))] {
+    for (name, table) in [("ratios", ratios(rows)), ("times", times(rows)), ("growth", growth(rows))] {
         let (begin, end) = (format!("<!-- begin {name} -->\n"), format!("<!-- end {name} -->"));
         let (Some(from), Some(to)) = (text.find(&begin), text.find(&end)) else {
             return Err(format!("{} has no place for the table '{name}'", document.display()));

@@ -1,7 +1,7 @@
 use super::EscapePush;
 use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
-use crate::memory::{self, Room};
+use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::ray::{Hit, Ray};
 use crate::threads::Helpers;
@@ -210,8 +210,8 @@ impl<T: Scalar> ContactList<T> {
 
     /// Adds the contacts and counts of `other` after its own.
     pub fn append(&mut self, other: &Self) {
-        memory::append(&mut self.contacts, other.contacts.iter().copied());
-        memory::append(&mut self.pushes, other.pushes.iter().copied());
+        self.contacts.room_for(other.contacts.len()).extend_from_slice(&other.contacts);
+        self.pushes.room_for(other.pushes.len()).extend_from_slice(&other.pushes);
         self.statistics += other.statistics;
     }
 }
