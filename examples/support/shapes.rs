@@ -1,6 +1,11 @@
 //! Closed triangle meshes of the shapes measured.
 
+#[allow(clippy::duplicate_mod)] // one test has both the examples' shapes and its own
+#[path = "../../tests/common/cuboid.rs"]
+mod cuboid;
+
 use super::Vector;
+use cuboid::CUBOID_FACES;
 use nalgebra::{Rotation3, Unit};
 use raycontact::mesh::Mesh;
 use std::collections::HashMap;
@@ -53,12 +58,7 @@ pub fn cuboid(lower: [f64; 3], upper: [f64; 3]) -> Shape {
         let pick = |axis: usize| if i >> axis & 1 == 1 { upper[axis] } else { lower[axis] };
         Vector::new(pick(0), pick(1), pick(2))
     });
-    #[rustfmt::skip]
-    let triangles = vec![
-        [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
-        [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
-    ];
-    Shape { points: points.collect(), triangles }
+    Shape { points: points.collect(), triangles: CUBOID_FACES.to_vec() }
 }
 
 /// A cylinder of `sides` flat sides around y, corners at radius 1, y from −1 to 1, with about square pieces of side.

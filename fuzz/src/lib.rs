@@ -1,6 +1,8 @@
 //! What each target does with its bytes, and what has to hold.
 
 mod bytes;
+#[path = "../../tests/common/cuboid.rs"]
+mod cuboid;
 pub mod differential;
 pub mod host;
 pub mod obj_file;

@@ -1,36 +1,21 @@
 //! A mesh from bytes: what is accepted is what it says, whatever else is refused.
 
 use crate::Bytes;
+use crate::cuboid::CUBOID_FACES;
 use raycontact::mesh::{Mesh, MeshError};
 use raycontact::octree::{Layout, Octree};
-
-/// Closed surfaces to start from, since random triangles are hardly ever one.
-const CUBE: [[u32; 3]; 12] = [
-    [0, 2, 3],
-    [0, 3, 1],
-    [4, 5, 7],
-    [4, 7, 6],
-    [0, 1, 5],
-    [0, 5, 4],
-    [2, 6, 7],
-    [2, 7, 3],
-    [0, 4, 6],
-    [0, 6, 2],
-    [1, 3, 7],
-    [1, 7, 5],
-];
 
 pub fn cube_corner(i: usize) -> [f64; 3] {
     [i & 1, i >> 1 & 1, i >> 2 & 1].map(|x| x as f64)
 }
 
-/// One or two cubes with some corners and triangles changed.
+/// Closed surfaces to start from, since random triangles are hardly ever one: one or two cubes with some corners and triangles changed.
 pub fn surface(bytes: &mut Bytes) -> (Vec<[f64; 3]>, Vec<[u32; 3]>, bool) {
     let (is_open, cubes) = (bytes.below(4) == 0, 1 + bytes.below(2));
     let mut positions: Vec<[f64; 3]> = (0..8 * cubes).map(|i| cube_corner(i % 8)).collect();
     let shift = bytes.point();
     positions.iter_mut().skip(8).for_each(|p| *p = std::array::from_fn(|axis| p[axis] + shift[axis]));
-    let corners = |cube: u32| CUBE.map(|corners| corners.map(|corner| corner + 8 * cube));
+    let corners = |cube: u32| CUBOID_FACES.map(|corners| corners.map(|corner| corner + 8 * cube));
     let mut triangles: Vec<[u32; 3]> = (0..cubes as u32).flat_map(corners).collect();
     for _ in 0..bytes.below(8) {
         let vertex = bytes.below(positions.len());

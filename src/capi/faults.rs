@@ -1,8 +1,12 @@
 //! Faults on purpose, for tests of this crate alone: a panic within every export, and on every thread that works.
 
+#[path = "../../tests/common/cuboid.rs"]
+mod cuboid;
+
 use super::options::Options;
 use super::*;
 use crate::threads::faults;
+use cuboid::CUBOID_FACES;
 use std::cell::Cell;
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
@@ -131,20 +135,6 @@ fn a_panic_in_any_export_becomes_a_status() {
 
 /// Four cubes that all overlap, the k-th at 0.3 k along the diagonal.
 fn cubes(options: *const rayc_scene_options) -> *mut rayc_scene {
-    let faces: [[u32; 3]; 12] = [
-        [0, 2, 3],
-        [0, 3, 1],
-        [4, 5, 7],
-        [4, 7, 6],
-        [0, 1, 5],
-        [0, 5, 4],
-        [2, 6, 7],
-        [2, 7, 3],
-        [0, 4, 6],
-        [0, 6, 2],
-        [1, 3, 7],
-        [1, 7, 5],
-    ];
     let (mut scene, mut body) = (null_mut(), 0);
     // SAFETY: all arrays are as they say.
     unsafe {
@@ -158,7 +148,7 @@ fn cubes(options: *const rayc_scene_options) -> *mut rayc_scene {
             let scalar = rayc_scalar::RAYC_SCALAR_F64 as u32;
             let positions = rayc_vectors { data: corners.as_ptr().cast(), count: 8, stride: 0, scalar };
             let mut mesh = null_mut();
-            let status = rayc_mesh_create(null(), &positions, faces.as_ptr().cast(), 12, &mut mesh);
+            let status = rayc_mesh_create(null(), &positions, CUBOID_FACES.as_ptr().cast(), 12, &mut mesh);
             assert_eq!(status, rayc_status::RAYC_STATUS_OK);
             assert_eq!(rayc_scene_add_mesh(scene, mesh, &mut body), rayc_status::RAYC_STATUS_OK);
             assert_eq!(rayc_mesh_destroy(mesh), rayc_status::RAYC_STATUS_OK);

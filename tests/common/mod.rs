@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test uses a part of it
 
 pub mod c;
+pub mod cuboid;
 pub mod ends;
 pub mod random;
 pub mod shapes;

@@ -2,26 +2,12 @@
 //! place; and that ordinary contacts do not set off what resolves them.
 
 use crate::common::STRIDE;
+use crate::common::cuboid::CUBOID_FACES;
 use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::math::Vector3;
 use raycontact::mesh::Mesh;
 use raycontact::octree::Octree;
 use raycontact::scene::Scene;
-
-const BOX_FACES: [[u32; 3]; 12] = [
-    [0, 2, 3],
-    [0, 3, 1],
-    [4, 5, 7],
-    [4, 7, 6],
-    [0, 1, 5],
-    [0, 5, 4],
-    [2, 6, 7],
-    [2, 7, 3],
-    [0, 4, 6],
-    [0, 6, 2],
-    [1, 3, 7],
-    [1, 7, 5],
-];
 
 /// The box of these half sides around `centre`.
 fn cuboid(half: [f64; 3], centre: [f64; 3]) -> Vec<[f64; 3]> {
@@ -34,7 +20,7 @@ fn moved(positions: &[[f64; 3]], by: &Vector3<f64>) -> Vec<[f64; 3]> {
 }
 
 fn contacts_of(a: &[[f64; 3]], b: &[[f64; 3]], options: &DetectionOptions<f64>) -> ContactList<f64> {
-    let meshes = [a, b].map(|positions| Mesh::new(positions, &BOX_FACES).expect("a box is closed"));
+    let meshes = [a, b].map(|positions| Mesh::new(positions, &CUBOID_FACES).expect("a box is closed"));
     let octrees = [Octree::new(&meshes[0]), Octree::new(&meshes[1])];
     let mut contacts = ContactList::default();
     query_pair(&meshes[0], &octrees[0], &meshes[1], &octrees[1], options, &mut contacts).expect("octrees are new");
@@ -80,7 +66,7 @@ fn crossing_surfaces_never_go_unreported() {
 /// Moves the first body along its net force until no contact is left; gives the steps.
 fn steps_until_apart(a: &[[f64; 3]], b: &[[f64; 3]], longest: usize) -> Option<usize> {
     let mut scene = Scene::new(1).expect("no threads are needed");
-    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &BOX_FACES).expect("a box is closed");
+    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &CUBOID_FACES).expect("a box is closed");
     let (first, _) = (scene.add(mesh(a)), scene.add(mesh(b)));
     let (mut contacts, mut offset) = (ContactList::default(), Vector3::zeros());
     for step in 0..longest {
@@ -122,7 +108,7 @@ fn bodies_in_the_same_place_part() {
 fn a_loaded_contact_at_rest_does_not_escape() {
     let (floor, body) = (cuboid([5.0, 5.0, 1.0], [0.0; 3]), cuboid([0.5; 3], [0.3, 0.2, 1.48]));
     let mut scene = Scene::new(1).expect("no threads are needed");
-    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &BOX_FACES).expect("a box is closed");
+    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &CUBOID_FACES).expect("a box is closed");
     let (_, resting) = (scene.add(mesh(&floor)), scene.add(mesh(&body)));
     let mut contacts = ContactList::default();
     for step in 0..100 {
@@ -138,7 +124,7 @@ fn a_loaded_contact_at_rest_does_not_escape() {
 #[test]
 fn a_sharp_edge_pressed_into_a_floor_does_not_escape() {
     let mut scene = Scene::new(1).expect("no threads are needed");
-    scene.add(Mesh::new(&cuboid([5.0, 5.0, 1.0], [0.0; 3]), &BOX_FACES).expect("a box is closed"));
+    scene.add(Mesh::new(&cuboid([5.0, 5.0, 1.0], [0.0; 3]), &CUBOID_FACES).expect("a box is closed"));
     let wedge = crate::common::shapes::tetrahedron().map(|[x, y, z]| [x, y, 1.9 * z]).moved([0.3, 0.2, 2.85]);
     let body = scene.add(wedge.mesh());
     let mut contacts = ContactList::default();
@@ -156,7 +142,7 @@ fn a_sharp_edge_pressed_into_a_floor_does_not_escape() {
 fn escapes_are_counted_and_can_be_forbidden() {
     let (inner, outer) = (cuboid([0.2; 3], [0.1, 0.0, 0.0]), cuboid([1.0; 3], [0.0; 3]));
     let mut scene = Scene::new(1).expect("no threads are needed");
-    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &BOX_FACES).expect("a box is closed");
+    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &CUBOID_FACES).expect("a box is closed");
     let (first, _) = (scene.add(mesh(&inner)), scene.add(mesh(&outer)));
     let mut contacts = ContactList::default();
     let counts = |contacts: &ContactList<f64>| {
