@@ -8,11 +8,11 @@ usage: scripts/test.sh [--long]
 
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the pages of the Rust
 library, the oracle with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the
-instructions of a step, the hash of all results, inputs that nobody chose for a minute, 2000 steps of self-collision,
-the C and C++ tests with the packages and the manual (cmake --workflow --preset test), and the command lines of all
-programs. Missing Debian packages are installed first. With --long the oracle asks 1e7 queries, self-collision takes 1e5
-steps, forces are measured at every size, as in docs/accuracy.md, and the page of all measurements is made anew and tested
-in Chromium.
+instructions of a step, the hash of all results, the versions that the library is made of, inputs that nobody chose for
+a minute, 2000 steps of self-collision, the C and C++ tests with the packages and the manual (cmake --workflow --preset
+test), and the command lines of all programs. Missing Debian packages are installed first. With --long the oracle asks 1e7
+queries, self-collision takes 1e5 steps, forces are measured at every size, as in docs/accuracy.md, licences are checked,
+and the page of all measurements is made anew and tested in Chromium.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }
@@ -22,6 +22,7 @@ queries=1e5
 figure8=(--sides '10,150' --rotations 20)
 convergence=(--largest 2000)
 self_collision=(--steps 2000 --sizes 40 --idle-steps 5)
+supply_chain=()
 case "${1:-}" in
     '') ;;
     --long)
@@ -30,6 +31,7 @@ case "${1:-}" in
         figure8=()
         convergence=()
         self_collision=()
+        supply_chain=(--long)
         ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
@@ -58,6 +60,7 @@ check 'convergence' "${example[@]}" convergence -- "${convergence[@]}"
 check 'failure table' "${example[@]}" poses -- --failures --count 20
 check 'instructions' scripts/instructions.sh
 check 'hashes' scripts/hashes.sh
+check 'supply chain' scripts/supply_chain.sh "${supply_chain[@]}"
 check 'fuzzing' scripts/fuzz.sh --seconds 15
 check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
 check 'C, C++ tests' cmake --workflow --preset test
