@@ -25,6 +25,7 @@ async function check(name, work) {
 try {
   const page = await browser.newPage();
   await page.setViewport({ width: 1100, height: 900 });
+  page.setDefaultTimeout(120_000); // for busy machines
   await page.setOfflineMode(true);
   const faults = [];
   page.on("console", (message) => {
@@ -85,7 +86,7 @@ try {
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();
     await page.mouse.up();
-    await page.waitForFunction(() => document.getElementById("code").textContent.length > 0, { timeout: 3000 });
+    await page.waitForFunction(() => document.getElementById("code").textContent.length > 0);
   });
   await check("the player plays, scrubs and turns by keys", async () => {
     await page.focus("#play");

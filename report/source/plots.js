@@ -35,7 +35,7 @@ export function speedAndAccuracy(rows, measure, width) {
   const beside = { textAnchor: "end", dx: -9, dy: 9, fill: "currentColor", fontSize: 12 };
   const title = (row) => `${row.method}\n${row.settings.replaceAll(" ", "\n")}\n${figures(row)}`;
   return Plot.plot({
-    style, width, height: 540, marginLeft: 60, marginBottom: 48, marginRight: 30, insetLeft: Math.min(110, width / 6), insetBottom: 16, grid: true,
+    style, width, height: 540, marginLeft: 60, marginBottom: 48, marginRight: 30, insetLeft: width < 600 ? 85 : 110, insetBottom: 16, grid: true,
     x: { type: "log", label: "time of a step, times the floor's →", labelOffset: 42, tickFormat: "~g" },
     y: { type: "log", label: `↑ ${measure.unit}`, tickFormat: "~g" },
     color: { legend: true, domain: families.map((f) => f.name), range: families.map((f) => f.colour) },
