@@ -136,6 +136,7 @@ void bodies_come_and_go() {
   btSoftBody& second = world.add(b, 1);
   world.step(0.02);
   expect(world.contact().contact_count() > 0, test, "the second is met");
+  expect(world.contact().last_detection_ms() > 0, test, "detection takes some time");
   btSoftBody& third = world.add(c, 1);
   world.step(0.02);
   world.remove(second);
@@ -207,6 +208,57 @@ void classic_bodies() {
   for (const auto& body : bodies) world.removeSoftBody(body.get());
 }
 
+// A classic torus falls onto a half-space or a rigid box and stays above; a rigid ball that meets it is slowed.
+void classic_bodies_and_rigid_ones() {
+  for (const bool has_box : {false, true}) {
+    const char* test = has_box ? "classic on a box" : "classic on a half-space";
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher(&configuration);
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+    world.getWorldInfo().m_gravity = btVector3(0, -10, 0);
+    const bullet::Cage cage = torus_at(0, 0.6, 0);
+    const auto body = bullet::make_soft_body(world.getWorldInfo(), cage, 1);
+    world.addSoftBody(body.get());
+    btBoxShape slab(btVector3(3, 1, 3));
+    btSphereShape sphere(btScalar(0.4));
+    btRigidBody box(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &slab));
+    btRigidBody ball(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &sphere, btVector3(1, 1, 1)));
+    box.setWorldTransform(btTransform(btMatrix3x3::getIdentity(), btVector3(0, -1, 0)));
+    ball.setWorldTransform(btTransform(btMatrix3x3::getIdentity(), btVector3(-3, btScalar(0.4), 0)));
+    ball.setLinearVelocity(btVector3(2, 0, 0));
+    ball.setActivationState(DISABLE_DEACTIVATION);
+    bullet::ClassicContact contact;
+    contact.add_body(*body, cage.skin);
+    contact.add_rigid_body(ball);
+    if (has_box)
+      contact.add_rigid_body(box);
+    else
+      contact.add_half_space({btVector3(0, 1, 0), 0, 1});
+    // Classic worlds handle soft and rigid bodies' own contacts by themselves: these are the adapter's alone.
+    world.addRigidBody(&ball, 0, 0);
+    ball.setGravity(btVector3(0, 0, 0));
+    std::size_t most = 0;
+    for (int step = 0; step < 75; ++step) {
+      world.stepSimulation(btScalar(0.02), 0);
+      contact.apply(0.02);
+      most = std::max(most, contact.contact_count());
+    }
+    std::vector<btScalar> x;
+    bullet::skin_positions(*body, cage.skin, x);
+    btScalar lowest = x[1];
+    for (std::size_t i = 1; i < x.size(); i += 3) lowest = std::min(lowest, x[i]);
+    expect(double(lowest) > -0.1, test, "lowest point is " + std::to_string(double(lowest)));
+    expect(double(lowest) < 0.1, test, "it has come down: " + std::to_string(double(lowest)));
+    expect(double(ball.getLinearVelocity().x()) < 1.9, test,
+           "the ball is slowed: " + std::to_string(double(ball.getLinearVelocity().x())));
+    expect(most > 0 && contact.last_detection_ms() > 0, test, "contacts found, in some time");
+    world.removeRigidBody(&ball);
+    world.removeSoftBody(body.get());
+  }
+}
+
 template <class Spoil>
 void refused(Spoil spoil, const char* part) {
   btSoftBodyWorldInfo info;
@@ -258,6 +310,7 @@ int main() {
   bodies_come_and_go();
   render_mesh_as_skin();
   classic_bodies();
+  classic_bodies_and_rigid_ones();
   bad_bodies();
   return failures == 0 ? 0 : 1;
 }
