@@ -46,7 +46,7 @@ pub fn times(rows: &[Row]) -> Table {
 }
 
 /// How time grows: the slope of its logarithm over that of the triangles, among pairs of ever finer bodies and among stacks
-/// of ever more. 1 is in proportion.
+/// of ever more; only of methods with more than two of either. 1 is in proportion.
 pub fn growth(rows: &[Row]) -> Table {
     let slope = |label: &str, family: &str| {
         let points: Vec<[f64; 2]> = rows
@@ -66,7 +66,8 @@ pub fn growth(rows: &[Row]) -> Table {
         let slopes = families.map(|(_, family)| slope(&label, family));
         std::iter::once(label).chain(slopes).collect()
     });
-    std::iter::once(head).chain(lines).collect()
+    let has_slope = |line: &Vec<String>| line[1..].iter().any(|cell| cell != "–");
+    std::iter::once(head).chain(lines.filter(has_slope)).collect()
 }
 
 /// For the terminal.
