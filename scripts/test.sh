@@ -12,7 +12,7 @@ instructions of a step, the hash of all results, the versions that the library i
 a minute, 2000 steps of self-collision, the C and C++ tests with the packages and the manual (cmake --workflow --preset
 test), and the command lines of all programs. Missing Debian packages are installed first. With --long the oracle asks 1e7
 queries, self-collision takes 1e5 steps, forces are measured at every size, as in docs/accuracy.md, licences are checked,
-and the page of all measurements is made anew and tested in Chromium.
+the sanitizers run, and the page of all measurements is made anew and tested in Chromium.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }
@@ -66,6 +66,7 @@ check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
 check 'C, C++ tests' cmake --workflow --preset test
 check 'command lines' scripts/command_lines.sh
 if [[ $long == true ]]; then
+    check 'sanitizers' scripts/sanitize.sh
     check 'page' scripts/report.sh --test
 fi
 
