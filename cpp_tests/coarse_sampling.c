@@ -84,10 +84,15 @@ int main(void) {
   rayc_statistics all, few;
   const double exact = force(meshes, octrees, &options, &all);
   CHECK(all.patches == 0 && all.estimate_rays == 0);
-  options.force_tolerance = 0.05;
-  const double near_enough = force(meshes, octrees, &options, &few);
-  CHECK(exact < 0 && fabs(near_enough - exact) <= 0.05 * fabs(exact));
-  CHECK(few.patches > 0 && few.estimate_rays > 0 && 2 * (few.rays + few.estimate_rays) < all.rays);
+  /* Where tries do not agree well enough, all rays are cast in the end. */
+  const double tolerances[2] = {0.02, 0.1};
+  for (int i = 0; i < 2; ++i) {
+    options.force_tolerance = tolerances[i];
+    const double near_enough = force(meshes, octrees, &options, &few);
+    CHECK(exact < 0 && fabs(near_enough - exact) <= tolerances[i] * fabs(exact));
+    CHECK(few.estimate_rays > 0);
+  }
+  CHECK(few.patches > 0 && 2 * (few.rays + few.estimate_rays) < all.rays);
 
   options.force_tolerance = 0;
   options.sample_spacing = 0.15;
