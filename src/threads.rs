@@ -1,5 +1,7 @@
 //! Whose threads work: the caller's own, a pool's, or the host's. Results do not depend on it, to the bit.
 
+mod awake;
+
 use rayon::ThreadPoolBuildError;
 use rayon::prelude::*;
 use std::fmt;
@@ -66,7 +68,9 @@ impl Helpers {
             work(place, item);
         };
         match self {
-            Self::Pool => items.par_iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
+            Self::Pool => {
+                items.par_iter_mut().enumerate().for_each(|(place, item)| awake::at_work(|| work(place, item)))
+            }
             Self::Nobody => items.iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
             Self::Host(host) => share(&**host, items.iter_mut().enumerate(), |(place, item)| work(place, item)),
         }
@@ -85,7 +89,7 @@ impl Helpers {
             work(i, j);
         };
         match self {
-            Self::Pool => first.par_iter_mut().zip(second).for_each(both),
+            Self::Pool => first.par_iter_mut().zip(second).for_each(|items| awake::at_work(|| both(items))),
             Self::Nobody => first.iter_mut().zip(second).for_each(both),
             Self::Host(host) => share(&**host, first.iter_mut().zip(second), both),
         }
@@ -137,9 +141,9 @@ impl Threads {
 
     /// Runs the work where the helpers can help.
     pub(crate) fn run(&self, work: impl FnOnce() + Send) {
-        match self.pool.as_ref().and_then(|pool| pool.pool.as_ref()) {
-            Some(pool) => pool.install(work),
-            None => work(),
+        match &self.pool {
+            Some(Pool { pool: Some(pool), others, .. }) => pool.install(|| awake::keep_awake(*others, work)),
+            _ => work(),
         }
     }
 }
@@ -149,12 +153,14 @@ struct Pool {
     /// Taken on dropping.
     pool: Option<rayon::ThreadPool>,
     threads: Vec<JoinHandle<()>>,
+    /// How many threads beside the first have a core of their own: more would only take turns.
+    others: usize,
 }
 
 impl Pool {
     fn new(count: usize) -> Result<Self, ThreadPoolBuildError> {
-        let cores = || available_parallelism().map_or(1, NonZeroUsize::get);
-        let count = if count == 0 { cores() } else { count };
+        let cores = available_parallelism().map_or(1, NonZeroUsize::get);
+        let count = if count == 0 { cores } else { count };
         let mut threads = Vec::with_capacity(count);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(count)
@@ -165,7 +171,7 @@ impl Pool {
             })
             .build();
         match pool {
-            Ok(pool) => Ok(Self { pool: Some(pool), threads }),
+            Ok(pool) => Ok(Self { pool: Some(pool), threads, others: count.min(cores) - 1 }),
             Err(error) => {
                 // Those that had been started are told to end.
                 join(threads);
