@@ -39,7 +39,7 @@ const RAYS_TO_LOAD: usize = 4;
 /// How an octree keeps its triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layout {
-    /// Tiles of neighbouring triangles under tight boxes, eight side by side: grouped once for the mesh, refitted to
+    /// Tiles of neighbouring triangles under tight boxes, sixteen side by side: grouped once for the mesh, refitted to
     /// new positions. The fast one.
     #[default]
     Wide,

@@ -91,8 +91,8 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     }
 
     /// For each ray whether it leaves the mesh, meets a triangle from inside, strictly before its `t_max`; into `found`,
-    /// which is cleared first. The triangles that have all three vertices in `touched` do not count: those a ray starts from. For a ray from a vertex
-    /// it names that one three times, from an edge its two vertices, from a face its three.
+    /// which is cleared first. The triangles that have all three vertices in `touched` do not count: those a ray starts
+    /// from. For a ray from a vertex it names that one three times, from an edge its two vertices, from a face its three.
     pub fn leave_before_end(&self, rays: &[Ray<T>], touched: &[[u32; 3]], found: &mut Vec<bool>) {
         found.clear();
         found.room_for(rays.len()).resize(rays.len(), false);

@@ -1,5 +1,5 @@
-//! The fast octree: tiles of neighbouring triangles as leaves, and above them nodes with up to eight tight boxes side
-//! by side, so that one step tests all of them. Which triangles share a tile, and which tiles a node, is settled once
+//! The fast octree: tiles of neighbouring triangles as leaves, and above them nodes with up to sixteen tight boxes
+//! side by side, so that one step tests all of them. Which triangles share a tile, and which tiles a node, is settled once
 //! for a mesh; new positions only renew boxes, from the tiles upward.
 
 mod cluster;
