@@ -1,8 +1,9 @@
 use super::edges::for_each_inside_stretch;
+use super::found::cos_alpha;
 use super::pair::Pair;
 use super::samples::Sample;
 use super::{Contact, ContactKind, ContactList, SurfacePoint};
-use crate::math::{Scalar, cosine};
+use crate::math::Scalar;
 use crate::memory::Room;
 use crate::ray::{Hit, Ray};
 
@@ -79,7 +80,6 @@ impl<T: Scalar> Direction<'_, T> {
 
     fn contact(&self, kind: ContactKind, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
         let collided = self.pair.tracers[1 - self.side].mesh();
-        let cos_alpha = cosine(&collided.scaled_normal(hit.triangle), &ray.direction).clamp(T::zero(), T::one());
         Contact {
             kind,
             colliding: self.pair.bodies[self.side],
@@ -88,7 +88,7 @@ impl<T: Scalar> Direction<'_, T> {
             p2: SurfacePoint::of_hit(collided, ray, hit),
             direction: ray.direction,
             depth: hit.t,
-            cos_alpha,
+            cos_alpha: cos_alpha(collided, hit.triangle, &ray.direction),
             area: sample.area,
         }
     }

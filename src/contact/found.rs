@@ -129,9 +129,13 @@ impl<T: Scalar> Found<'_, T> {
     /// The lane's cosine with all care that too large and too small squares need.
     #[cold]
     fn one_cos_alpha(&self, lane: usize, collided: &Mesh<T>) -> T {
-        let along = vector(&self.packet.direction, lane);
-        cosine(&collided.scaled_normal(self.hits.triangle[lane]), &along).clamp(T::zero(), T::one())
+        cos_alpha(collided, self.hits.triangle[lane], &vector(&self.packet.direction, lane))
     }
+}
+
+/// The cosine between a ray and the normal of the triangle where it ends; zero where that has none.
+pub(super) fn cos_alpha<T: Scalar>(collided: &Mesh<T>, triangle: u32, ray: &Vector3<T>) -> T {
+    cosine(&collided.scaled_normal(triangle), ray).clamp(T::zero(), T::one())
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]

@@ -15,9 +15,10 @@ mod winding;
 pub(crate) use memory::SelfMemory;
 pub(super) use winding::{leaves_body_before_end, way_out_past_folds};
 
+use super::found::cos_alpha;
 use super::samples::{Sample, Sampling, for_each_sample};
 use super::{Contact, ContactKind, ContactList, DetectionOptions, SurfacePoint};
-use crate::math::{Aabb, Scalar, direction};
+use crate::math::{Aabb, Scalar};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
@@ -199,7 +200,6 @@ impl<T: Scalar> Body<'_, T> {
 
     fn contact(&self, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
         let mesh = self.tracer.mesh();
-        let normal = direction(&mesh.scaled_normal(hit.triangle));
         Contact {
             kind: ContactKind::Ray,
             colliding: self.number,
@@ -208,7 +208,7 @@ impl<T: Scalar> Body<'_, T> {
             p2: SurfacePoint::of_hit(mesh, ray, hit),
             direction: ray.direction,
             depth: hit.t,
-            cos_alpha: normal.map_or(T::zero(), |n| n.dot(&ray.direction).clamp(T::zero(), T::one())),
+            cos_alpha: cos_alpha(mesh, hit.triangle, &ray.direction),
             // Both folds cast.
             area: sample.area * T::of(0.5),
         }
