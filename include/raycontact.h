@@ -383,7 +383,8 @@ typedef struct rayc_scene_options {
   uint32_t precision;
   /**
    * 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
-   * destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. Default 1.
+   * destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. A
+   * step of fewer than about 1000 rays is done by the calling thread alone. Default 1.
    */
   uint32_t threads;
   /**

@@ -204,8 +204,15 @@ fn without_a_scene(run: &mut Run) {
     }
 }
 
-/// Steps of a scene, in which bodies move, escape, overlap themselves, are left out, saved, removed and added again.
-fn steps(run: &mut Run, scene: *mut rayc_scene) {
+/// Two bodies whose rays are worth sharing among threads.
+fn large_bodies() -> [Shape; 2] {
+    let torus = shapes::torus(32, 24, 0.4);
+    [torus.moved([9.0, 0.0, 0.0]), torus.moved([9.1, 0.0, 0.0])]
+}
+
+/// Steps of a scene, in which bodies move, escape, overlap themselves, are left out, saved, removed and added again, and
+/// `more` bodies are there.
+fn steps(run: &mut Run, scene: *mut rayc_scene, more: &[Shape]) {
     let shapes = bodies();
     // SAFETY: the handles are valid, the arrays are as they say.
     unsafe {
@@ -213,6 +220,11 @@ fn steps(run: &mut Run, scene: *mut rayc_scene) {
         let meshes = shapes.each_ref().map(|shape| mesh(run, shape));
         let numbers = meshes.map(|mesh| run.given(u32::MAX, |body| rayc_scene_add_mesh(scene, mesh, body)));
         assert_eq!(numbers, [0, 1, 2, 3]);
+        for shape in more {
+            let mesh = mesh(run, shape);
+            run.given(u32::MAX, |body| rayc_scene_add_mesh(scene, mesh, body));
+            run.ok(|| rayc_mesh_destroy(mesh));
+        }
         let mut options: rayc_detection_options = std::mem::zeroed();
         run.ok(|| rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options));
         // Few rays, so that there is time for many steps.
@@ -264,18 +276,18 @@ fn scene(run: &mut Run, threads: u32, host: rayc_parallel_for) -> *mut rayc_scen
 fn on_one_thread(run: &mut Run) {
     without_a_scene(run);
     let scene = scene(run, 1, None);
-    steps(run, scene);
+    steps(run, scene, &[]);
 }
 
 /// The pointer by which a scene knows its host is one of the standard library's, which cannot say that there is no memory.
 fn on_host_threads(run: &mut Run) {
     let scene = scene(&mut Run { expected_failure: None, reported: 0, digest: Vec::new() }, 1, Some(one_by_one));
-    steps(run, scene);
+    steps(run, scene, &large_bodies());
 }
 
 fn on_a_pool(run: &mut Run) {
     let scene = scene(run, 2, None);
-    steps(run, scene);
+    steps(run, scene, &large_bodies());
 }
 
 /// Each allocation of the work fails once; gives how many there are. The thread is a new one each time.
@@ -324,6 +336,8 @@ fn any_failing_allocation_is_reported_and_the_call_can_be_made_again() {
 const CHILD: &str = "RAYCONTACT_TEST_FAILING_ALLOCATION";
 const NONE_FAILED: i32 = 10;
 const REPORTED: i32 = 11;
+/// Processes take long: of a pool's allocations only some fail.
+const POOL_STRIDE: usize = 16;
 
 /// In a process of its own.
 fn child(n: usize) {
@@ -343,7 +357,7 @@ fn pool() {
             (_, Some(libc::SIGABRT)) => aborted += 1,
             _ => panic!("allocation {n}: {output:?}"),
         }
-        n += common::STRIDE;
+        n += POOL_STRIDE * common::STRIDE;
     }
     println!("a pool of two: {n} allocations, of those tried {reported} reported, {aborted} ended the process");
     assert!(reported > 0);

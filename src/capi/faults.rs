@@ -210,7 +210,8 @@ fn a_panic_on_any_thread_becomes_a_status_and_the_next_scene_works() {
             }
             struck += 1;
         }
-        assert!(struck >= 10, "four bodies and six pairs, {struck} items");
+        let has_helpers = threads > 1 || host.is_some();
+        assert!(struck >= if has_helpers { 10 } else { 4 }, "four bodies and six pairs, {struck} items");
     }
     // SAFETY: they are not used again.
     unsafe {

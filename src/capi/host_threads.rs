@@ -1,3 +1,4 @@
+use crate::memory;
 use crate::threads::ParallelFor;
 use libc::c_void;
 use std::any::Any;
@@ -44,11 +45,19 @@ impl ParallelFor for HostThreads {
     }
 }
 
-/// No panic passes into the host's threads; it goes on where the library was called.
+/// No panic passes into the host's threads; it goes on where the library was called. What comes after it is left out.
 unsafe extern "C" fn run_task(data: *mut c_void, index: usize) {
     // SAFETY: `data` is what `run` handed over.
     let call = unsafe { &*data.cast_const().cast::<Call>() };
-    if let Err(panic) = catch_unwind(AssertUnwindSafe(|| (call.task)(index))) {
-        *call.panic.lock().unwrap_or_else(PoisonError::into_inner) = Some(panic);
+    let panic = || call.panic.lock().unwrap_or_else(PoisonError::into_inner);
+    if panic().is_some() {
+        return;
+    }
+    let outcome = match memory::keep_reserve() {
+        Ok(()) => catch_unwind(AssertUnwindSafe(|| (call.task)(index))),
+        Err(out_of_memory) => Err(Box::new(out_of_memory) as _),
+    };
+    if let Err(found) = outcome {
+        *panic() = Some(found);
     }
 }

@@ -89,7 +89,8 @@ pub struct rayc_scene_options {
     /// Arithmetic of detection, a rayc_scalar; all meshes added must have the same. Default RAYC_SCALAR_F64.
     pub precision: u32,
     /// 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
-    /// destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. Default 1.
+    /// destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. A
+    /// step of fewer than about 1000 rays is done by the calling thread alone. Default 1.
     pub threads: u32,
     /// The host's threads, to be used instead; `threads` must then be 1. Results do not depend on it either. Default NULL.
     pub parallel_for: rayc_parallel_for,

@@ -1,7 +1,7 @@
 use super::cutter::Cutter;
 use super::direction::Direction;
 use super::found::{Found, Origins, vector};
-use super::load::{CastSurface, CastSurfaceLanes};
+use super::load::{CastSurfaceLanes, Turning};
 use super::samples::Sample;
 use super::{Contact, Statistics, past_folds};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
@@ -15,11 +15,13 @@ use crate::ray::{Hit, RayPacket};
 pub(super) struct Cast<'a, T: Scalar> {
     pub(super) direction: &'a Direction<'a, T>,
     pub(super) starts: Starts<'a>,
-    pub(super) surface: &'a mut CastSurface<T>,
+    pub(super) surface: &'a mut Turning<T>,
     pub(super) statistics: &'a mut Statistics,
     pub(super) contacts: &'a mut Vec<Contact<T>>,
     /// Room for the pieces of a triangle.
     pub(super) pieces: &'a mut Vec<Sample<T>>, // must be empty
+    /// Room for the vertices in the overlap box.
+    pub(super) vertices: &'a mut Vec<u32>,
     /// Room for the crossings of a ray.
     pub(super) crossings: &'a mut Vec<Hit<T>>,
 }
@@ -34,8 +36,8 @@ pub(super) enum Starts<'a> {
 }
 
 impl Starts<'_> {
-    /// How many packets, or parts of one, there are.
-    fn len(&self) -> usize {
+    /// In how many steps they are taken.
+    pub(super) fn len(&self) -> usize {
         match self {
             Self::Groups(groups) => groups.len(),
             Self::Patches(_, places) => places.len().div_ceil(LANE_COUNT),
@@ -55,7 +57,11 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
             Some(area) => cutter.map(|cutter| cutter.with_patches(area)),
             None => cutter,
         });
-        let mut rays = Rays::new(source.faces.is_none());
+        let from_vertices = source.faces.is_none();
+        if from_vertices {
+            self.list_vertices::<L>();
+        }
+        let mut rays = Rays::new(from_vertices);
         while self.fill::<L>(&mut source, &mut rays) {
             self.cast::<L>(&mut rays);
         }
@@ -98,36 +104,31 @@ impl<T: Scalar> Cast<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn fill<L: Lanes<T>>(&mut self, source: &mut Source<'_, T>, rays: &mut Rays<T>) -> bool {
         match &mut source.faces {
-            None => self.fill_from_vertices::<L>(&mut source.next_group, &mut source.vertices, rays),
-            Some(faces) => self.fill_from_faces::<L>(&mut source.next_group, faces, rays),
+            None => self.fill_from_vertices::<L>(&mut source.next, rays),
+            Some(faces) => self.fill_from_faces::<L>(&mut source.next, faces, rays),
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fill_from_vertices<L: Lanes<T>>(
-        &mut self,
-        next_group: &mut usize,
-        vertices: &mut WaitingVertices,
-        rays: &mut Rays<T>,
-    ) -> bool {
+    fn list_vertices<L: Lanes<T>>(&mut self) {
         let Direction { pair, side } = *self.direction;
-        let own = pair.tracers[side];
-        let Starts::Groups(groups) = self.starts else { return false };
-        while vertices.count < LANE_COUNT && *next_group < groups.len() {
-            let group = groups[*next_group];
-            *next_group += 1;
-            vertices.count = own.vertices_in::<L>(group, pair.region, &mut vertices.waiting, vertices.count);
+        self.vertices.clear();
+        if let Starts::Groups(groups) = self.starts {
+            groups.iter().for_each(|&group| pair.tracers[side].add_vertices_in::<L>(group, pair.region, self.vertices));
         }
-        if vertices.count == 0 {
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fill_from_vertices<L: Lanes<T>>(&mut self, next: &mut usize, rays: &mut Rays<T>) -> bool {
+        let vertices = &self.vertices[*next..self.vertices.len().min(*next + LANE_COUNT)];
+        if vertices.is_empty() {
             return false;
         }
-        let count = vertices.count.min(LANE_COUNT);
-        let first = &mut rays.origins.indices;
-        first.copy_from_slice(&vertices.waiting[..LANE_COUNT]);
-        vertices.waiting.copy_within(LANE_COUNT.., 0);
-        vertices.count -= count;
-        own.mesh().vertex_normals::<L>(&first[..count], &mut rays.samples);
-        self.statistics.without_normal += u64::from(count as u32 - rays.samples.found.count_ones());
+        *next += vertices.len();
+        rays.origins.indices[..vertices.len()].copy_from_slice(vertices);
+        let Direction { pair, side } = *self.direction;
+        pair.tracers[side].mesh().vertex_normals::<L>(vertices, &mut rays.samples);
+        self.statistics.without_normal += u64::from(vertices.len() as u32 - rays.samples.found.count_ones());
         true
     }
 
@@ -224,23 +225,16 @@ fn set_lane<T: Scalar>([x, y, z]: &mut [[T; LANE_COUNT]; 3], lane: usize, vector
 
 /// Where the next rays come from.
 struct Source<'a, T: Scalar> {
-    next_group: usize,
-    vertices: WaitingVertices,
+    /// The next vertex, group or sixteen patches.
+    next: usize,
     /// Instead of vertices.
     faces: Option<FaceSource<'a, T>>,
 }
 
 impl<'a, T: Scalar> Source<'a, T> {
     fn new(cutter: Option<Cutter<'a, T>>) -> Self {
-        let vertices = WaitingVertices { waiting: [0; 2 * LANE_COUNT], count: 0 };
-        Self { next_group: 0, vertices, faces: cutter.map(FaceSource::new) }
+        Self { next: 0, faces: cutter.map(FaceSource::new) }
     }
-}
-
-/// Vertices that wait until a packet is full.
-struct WaitingVertices {
-    waiting: [u32; 2 * LANE_COUNT],
-    count: usize,
 }
 
 /// A group of triangles on its way into packets.

@@ -1,97 +1,132 @@
 use super::cast::{Cast, Starts};
 use super::direction::Direction;
-use super::load::CastSurface;
+use super::load::{CastLoad, share_load, shares};
+use super::pair::Pair;
 use super::samples::Sample;
 use super::workspace::Workspace;
 use super::{Contact, ContactList, Statistics};
 use crate::math::{LANE_COUNT, Scalar, dispatch};
-use crate::memory::{self, Room};
+use crate::memory::Room;
 use crate::ray::Hit;
 
-/// So many groups of vertices or triangles are cast from together. Chunks do not depend on the number of threads, and so
-/// neither do the sums over them.
-const GROUPS_IN_CHUNK: usize = 64;
-/// The same of patches.
-const PATCHES_IN_CHUNK: usize = GROUPS_IN_CHUNK * LANE_COUNT;
+/// A direction is cast in about so many chunks. They do not depend on the number of threads, and so neither do the sums
+/// over them.
+const CHUNKS: usize = 16;
+/// The fewest groups of vertices or triangles in a chunk, whose rays need not fill the last packet, and the most.
+const GROUPS_IN_CHUNK: [usize; 2] = [32, 64];
 
 /// What the rays of some groups found, where chunks are cast side by side.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk<T: Scalar> {
-    surface: CastSurface<T>,
+    load: CastLoad<T>,
     statistics: Statistics,
     contacts: Vec<Contact<T>>,
+    /// The number of contacts in the chunks before.
+    before: usize,
     pieces: Vec<Sample<T>>,
+    vertices: Vec<u32>,
     crossings: Vec<Hit<T>>,
 }
 
 impl<'a> Starts<'a> {
     fn chunk_count(self) -> usize {
-        match self {
-            Self::Groups(groups) => groups.len().div_ceil(GROUPS_IN_CHUNK),
-            Self::Patches(_, places) => places.len().div_ceil(PATCHES_IN_CHUNK),
-        }
+        self.len().div_ceil(self.steps_in_chunk())
+    }
+
+    fn steps_in_chunk(self) -> usize {
+        let [fewest, most] = GROUPS_IN_CHUNK;
+        self.len().div_ceil(CHUNKS).clamp(fewest, most)
     }
 
     fn chunk(self, number: usize) -> Self {
-        fn part(all: &[u32], number: usize, length: usize) -> &[u32] {
-            &all[number * length..all.len().min((number + 1) * length)]
-        }
+        let length = self.steps_in_chunk();
+        let part = |all: &'a [u32], length: usize| &all[number * length..all.len().min((number + 1) * length)];
         match self {
-            Self::Groups(groups) => Self::Groups(part(groups, number, GROUPS_IN_CHUNK)),
-            Self::Patches(standing, places) => Self::Patches(standing, part(places, number, PATCHES_IN_CHUNK)),
+            Self::Groups(groups) => Self::Groups(part(groups, length)),
+            Self::Patches(standing, places) => Self::Patches(standing, part(places, length * LANE_COUNT)),
         }
     }
 }
 
-impl<T: Scalar> Direction<'_, T> {
-    /// Adds the contacts of the samples inside the overlap box, whose groups the workspace holds.
+impl<T: Scalar> Pair<'_, T> {
+    /// Adds the contacts of the samples inside the overlap box, both ways. The workspace holds their groups.
     pub(super) fn cast_samples(&self, list: &mut ContactList<T>) {
         list.workspace.clear();
         let ContactList { contacts, workspace, statistics, .. } = list;
-        let Workspace { helpers, chunks, groups, places, samples, crossings, surface, .. } = workspace;
-        let groups = groups[self.side].as_slice();
-        let standing = self.pair.patch_area.and_then(|area| self.pair.tracers[self.side].standing(area));
-        let starts = match standing {
-            Some(standing) => {
-                places.clear();
-                groups.iter().for_each(|&group| standing.add_places_in(group, places));
-                Starts::Patches(standing, places)
+        let Workspace { helpers, chunks, groups, places, vertices, samples, crossings, .. } = workspace;
+        let [first, second] = places;
+        let starts = [self.starts(0, &groups[0], first), self.starts(1, &groups[1], second)];
+        let [of_first, of_second] = starts.map(Starts::chunk_count);
+        let count = of_first + of_second;
+        let mut loads = [CastLoad::default(); 2];
+        let side_and_number = |place: usize| if place < of_first { (0, place) } else { (1, place - of_first) };
+        if !helpers.are_there() || count < 2 {
+            let start = contacts.len();
+            let mut middle = start;
+            for (side, number) in (0..count).map(side_and_number) {
+                let before = contacts.len();
+                let mut load = CastLoad::default();
+                dispatch::<T, _>(Cast {
+                    direction: &Direction { pair: self, side },
+                    starts: starts[side].chunk(number),
+                    surface: &mut load.surface,
+                    statistics,
+                    contacts,
+                    pieces: samples,
+                    vertices,
+                    crossings,
+                });
+                load.add_contacts(&contacts[before..]);
+                loads[side].merge(&load);
+                middle = if side == 0 { contacts.len() } else { middle };
             }
-            None => Starts::Groups(groups),
-        };
-        let count = starts.chunk_count();
-        if helpers.are_there() && count > 1 {
-            if chunks.len() < count {
-                chunks.room_for(count - chunks.len()).resize_with(count, Chunk::default);
-            }
-            let chunks = &mut chunks[..count];
-            helpers.for_each(chunks, |number, chunk| self.cast_chunk(starts.chunk(number), chunk));
-            for chunk in chunks {
-                memory::append(contacts, chunk.contacts.iter().copied());
-                *statistics += chunk.statistics;
-                surface.merge(&chunk.surface);
-            }
+            share_load(&loads, &mut contacts[start..], middle - start);
             return;
         }
-        for number in 0..count {
-            let mut of_chunk = CastSurface::default();
-            dispatch::<T, _>(Cast {
-                direction: self,
-                starts: starts.chunk(number),
-                surface: &mut of_chunk,
-                statistics,
-                contacts,
-                pieces: samples,
-                crossings,
-            });
-            surface.merge(&of_chunk);
+        if chunks.len() < count {
+            chunks.room_for(count - chunks.len()).resize_with(count, Chunk::default);
         }
+        let chunks = &mut chunks[..count];
+        helpers.for_each(chunks, |place, chunk| {
+            let (side, number) = side_and_number(place);
+            chunk.cast(&Direction { pair: self, side }, starts[side].chunk(number));
+        });
+        let mut found = 0;
+        for (place, chunk) in chunks.iter_mut().enumerate() {
+            chunk.before = found;
+            found += chunk.contacts.len();
+            *statistics += chunk.statistics;
+            loads[side_and_number(place).0].merge(&chunk.load);
+        }
+        let chunks = &*chunks;
+        let shares = shares(&loads);
+        helpers.append(
+            contacts,
+            chunks.len(),
+            |place| (chunks[place].before, chunks[place].contacts.as_slice()),
+            |place, contact| Contact { area: contact.area * shares[side_and_number(place).0], ..*contact },
+        );
     }
 
-    fn cast_chunk(&self, starts: Starts<'_>, chunk: &mut Chunk<T>) {
-        (chunk.surface, chunk.statistics) = (CastSurface::default(), Statistics::default());
-        chunk.contacts.clear();
-        let Chunk { surface, statistics, contacts, pieces, crossings } = chunk;
-        dispatch::<T, _>(Cast { direction: self, starts, surface, statistics, contacts, pieces, crossings });
+    /// Where one direction's rays start; `places` is room for them.
+    fn starts<'a>(&'a self, side: usize, groups: &'a [u32], places: &'a mut Vec<u32>) -> Starts<'a> {
+        let tracer = self.tracers[side];
+        let Some(standing) = self.patch_area.and_then(|area| tracer.standing(area)) else {
+            return Starts::Groups(groups);
+        };
+        places.clear();
+        groups.iter().for_each(|&group| standing.add_places_in(group, places));
+        Starts::Patches(standing, places)
+    }
+}
+
+impl<T: Scalar> Chunk<T> {
+    fn cast(&mut self, direction: &Direction<'_, T>, starts: Starts<'_>) {
+        (self.load, self.statistics) = (CastLoad::default(), Statistics::default());
+        self.contacts.clear();
+        let Self { load, statistics, contacts, pieces, vertices, crossings, .. } = self;
+        let surface = &mut load.surface;
+        dispatch::<T, _>(Cast { direction, starts, surface, statistics, contacts, pieces, vertices, crossings });
+        load.add_contacts(contacts);
     }
 }

@@ -1,5 +1,6 @@
 use super::edges::for_each_inside_stretch;
 use super::found::cos_alpha;
+use super::load::CastLoad;
 use super::pair::Pair;
 use super::samples::Sample;
 use super::{Contact, ContactKind, ContactList, SurfacePoint};
@@ -16,20 +17,23 @@ pub(super) struct Direction<'a, T: Scalar> {
 
 impl<T: Scalar> Direction<'_, T> {
     /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside; gives how many
-    /// such stretches there are.
-    pub(super) fn cast_edges(&self, contacts: &mut ContactList<T>) -> usize {
+    /// such stretches there are, and the direction's load.
+    pub(super) fn cast_edges(&self, contacts: &mut ContactList<T>) -> (usize, CastLoad<T>) {
+        let first = contacts.len();
+        let mut load = CastLoad::default();
         let workspace = &mut contacts.workspace;
         workspace.clear();
-        let (samples, rays, surface) = (&mut workspace.samples, &mut workspace.rays, &mut workspace.surface);
+        let (samples, rays) = (&mut workspace.samples, &mut workspace.rays);
         let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
         for_each_inside_stretch(tracers, self.pair.region, &mut workspace.crossings, |sample| {
-            surface.add(&sample.normal, sample.area);
+            load.surface.add(&sample.normal, sample.area);
             rays.room_for(1).push(self.inward_ray(&sample));
             samples.room_for(1).push(sample);
         });
         let stretches = contacts.workspace.samples.len();
         self.filter(ContactKind::Edge, contacts);
-        stretches
+        load.add_contacts(&contacts.contacts[first..]);
+        (stretches, load)
     }
 
     /// Traces the rays and keeps those that pass both filters of the paper.

@@ -1,7 +1,7 @@
 use super::EscapePush;
 use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::ray::{Hit, Ray};
 use crate::threads::Helpers;
@@ -198,14 +198,29 @@ impl<T: Scalar> ContactList<T> {
         })
     }
 
-    /// Replaces what it holds by other lists; where there is no memory for them it is as before.
-    pub(crate) fn join<'a>(&mut self, others: impl Iterator<Item = &'a Self> + Clone) {
-        let counts = others.clone().map(|other| [other.contacts.len(), other.pushes.len()]);
-        let [contacts, pushes] = counts.fold([0; 2], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
-        self.contacts.room_for(contacts.saturating_sub(self.contacts.len()));
-        self.pushes.room_for(pushes.saturating_sub(self.pushes.len()));
+    /// Replaces what it holds by `count` other lists. `list` gives how many contacts are in all lists before, and the list.
+    pub(crate) fn join<'a>(&mut self, helpers: &Helpers, count: usize, list: impl Fn(usize) -> (usize, &'a Self) + Sync)
+    where
+        T: 'a,
+    {
         self.clear();
-        others.for_each(|other| self.append(other));
+        let contacts_of = |number| {
+            let (before, list) = list(number);
+            (before, list.contacts.as_slice())
+        };
+        helpers.append(&mut self.contacts, count, contacts_of, |_, contact| *contact);
+        for number in 0..count {
+            let (_, other) = list(number);
+            memory::append(&mut self.pushes, other.pushes.iter().copied());
+            self.statistics += other.statistics;
+        }
+    }
+
+    /// Takes over what another list holds, which is then to be cleared.
+    pub(crate) fn take_from(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.contacts, &mut other.contacts);
+        std::mem::swap(&mut self.pushes, &mut other.pushes);
+        self.statistics = other.statistics;
     }
 
     /// Adds the contacts and counts of `other` after its own.

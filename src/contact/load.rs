@@ -2,20 +2,37 @@ use super::Contact;
 use crate::math::{LANE_COUNT, Lanes, Scalar, Vector3, Vectors, length};
 use crate::mesh::NormalLanes;
 
-/// How much surface one direction of a pair casts from, and how much of it cancels out.
+/// Unit vectors, each with a weight: the sum of the weights, and how much of it is left when the vectors cancel out.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CastSurface<T: Scalar> {
-    area: T,
+pub(super) struct Turning<T: Scalar> {
+    whole: T,
     vector: Vector3<T>,
 }
 
-impl<T: Scalar> Default for CastSurface<T> {
+impl<T: Scalar> Default for Turning<T> {
     fn default() -> Self {
-        Self { area: T::zero(), vector: Vector3::zeros() }
+        Self { whole: T::zero(), vector: Vector3::zeros() }
     }
 }
 
-/// [`CastSurface`] in sixteen sums.
+impl<T: Scalar> Turning<T> {
+    pub(super) fn add(&mut self, direction: &Vector3<T>, weight: T) {
+        self.whole += weight;
+        self.vector += direction * weight;
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.whole += other.whole;
+        self.vector += other.vector;
+    }
+
+    /// 0 where all vectors are one, 1 where they cancel out.
+    fn part_that_turns(&self) -> T {
+        T::one() - length(&self.vector) / self.whole
+    }
+}
+
+/// The surface that casts, in sixteen sums.
 #[repr(C, align(64))]
 pub(super) struct CastSurfaceLanes<T: Scalar> {
     area: [T; LANE_COUNT],
@@ -38,22 +55,30 @@ impl<T: Scalar> CastSurfaceLanes<T> {
         Vectors::load(&self.vector).add(normal.scaled(area)).store(&mut self.vector);
     }
 
-    pub(super) fn total(&self) -> CastSurface<T> {
+    pub(super) fn total(&self) -> Turning<T> {
         let sum = |lanes: &[T; LANE_COUNT]| lanes.iter().fold(T::zero(), |sum, &part| sum + part);
         let [x, y, z] = &self.vector;
-        CastSurface { area: sum(&self.area), vector: Vector3::new(sum(x), sum(y), sum(z)) }
+        Turning { whole: sum(&self.area), vector: Vector3::new(sum(x), sum(y), sum(z)) }
     }
 }
 
-impl<T: Scalar> CastSurface<T> {
-    pub(super) fn add(&mut self, normal: &Vector3<T>, area: T) {
-        self.area += area;
-        self.vector += normal * area;
+/// What one direction of a pair casts from, and what its contacts carry.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CastLoad<T: Scalar> {
+    /// The normals of the surface that casts, by area.
+    pub(super) surface: Turning<T>,
+    /// The contacts' directions, by area · depth.
+    pressure: Turning<T>,
+}
+
+impl<T: Scalar> CastLoad<T> {
+    pub(super) fn add_contacts(&mut self, contacts: &[Contact<T>]) {
+        contacts.iter().for_each(|contact| self.pressure.add(&contact.direction, contact.area * contact.depth));
     }
 
     pub(super) fn merge(&mut self, other: &Self) {
-        self.area += other.area;
-        self.vector += other.vector;
+        self.surface.merge(&other.surface);
+        self.pressure.merge(&other.pressure);
     }
 
     /// How much of the pair's load this direction should carry, beside the other's number.
@@ -65,30 +90,29 @@ impl<T: Scalar> CastSurface<T> {
     /// the body whose edges lie in the overlap: its faces are summed exactly, while the other's rays only count points
     /// beneath it. The last term leaves equal bodies equal shares. The factor Σ a δ makes all continuous: contacts
     /// appear with δ = 0.
-    pub(super) fn claim(&self, contacts: &[Contact<T>]) -> T {
-        let mut pressure = T::zero();
-        let mut vector = Vector3::zeros();
-        for contact in contacts {
-            let share = contact.area * contact.depth;
-            pressure += share;
-            vector += contact.direction * share;
-        }
-        if pressure > T::zero() {
+    fn claim(&self) -> T {
+        if self.pressure.whole > T::zero() {
             let little = T::of(1.0 / 256.0);
-            let turning = |vector: &Vector3<T>, whole: T| T::one() - length(vector) / whole;
-            pressure * (turning(&vector, pressure) + little * turning(&self.vector, self.area) + little * little)
+            let turning = self.pressure.part_that_turns() + little * self.surface.part_that_turns();
+            self.pressure.whole * (turning + little * little)
         } else {
             T::zero()
         }
     }
 }
 
-/// Scales the contacts' areas so that the two directions of a pair together carry the load once, as they claim it. A
-/// direction whose rays see nothing, such as that of a coarse floor cast from its corners, leaves all to the other.
-pub(super) fn share_load<T: Scalar>(claims: [T; 2], directions: [&mut [Contact<T>]; 2]) {
+/// By what the areas of each direction's contacts are scaled, so that the two together carry the load once, as they claim
+/// it. A direction whose rays see nothing, such as that of a coarse floor cast from its corners, leaves all to the other.
+pub(super) fn shares<T: Scalar>(loads: &[CastLoad<T>; 2]) -> [T; 2] {
+    let claims = loads.each_ref().map(CastLoad::claim);
     let sum = claims[0] + claims[1];
-    for (claim, contacts) in claims.into_iter().zip(directions) {
-        let share = if sum > T::zero() { claim / sum } else { T::of(0.5) };
+    claims.map(|claim| if sum > T::zero() { claim / sum } else { T::of(0.5) })
+}
+
+/// Scales the contacts of both directions, of which the second's begin at `middle`.
+pub(super) fn share_load<T: Scalar>(loads: &[CastLoad<T>; 2], contacts: &mut [Contact<T>], middle: usize) {
+    let (first, second) = contacts.split_at_mut(middle);
+    for (share, contacts) in shares(loads).into_iter().zip([first, second]) {
         contacts.iter_mut().for_each(|contact| contact.area *= share);
     }
 }

@@ -204,7 +204,7 @@ impl<T: Scalar> Pair<'_, T> {
         let settled = contacts.len() > start || contacts.statistics.own_surface_hits > own_before;
         let mut stretches = 0;
         if self.options.edges && !settled {
-            self.both_ways(contacts, |direction, contacts| stretches += direction.cast_edges(contacts));
+            stretches = self.cast_edges(contacts);
             contacts.statistics.edge_contacts += (contacts.len() - start) as u64;
         }
         let targetless =
@@ -223,27 +223,20 @@ impl<T: Scalar> Pair<'_, T> {
         }
         match self.options.sampling {
             Sampling::Tolerance(tolerance) => self.cast_to_tolerance(tolerance, contacts),
-            _ => self.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts)),
+            _ => self.cast_samples(contacts),
         }
     }
 
-    pub(super) fn both_ways(
-        &self,
-        contacts: &mut ContactList<T>,
-        mut cast: impl FnMut(&Direction<'_, T>, &mut ContactList<T>),
-    ) {
+    /// Adds the contacts of the edges of both bodies; gives how many stretches of edges lie inside.
+    fn cast_edges(&self, contacts: &mut ContactList<T>) -> usize {
         let start = contacts.len();
         let mut middle = start;
-        let mut claims = [T::zero(); 2];
-        for side in [0, 1] {
-            let first = contacts.len();
-            let direction = Direction { pair: self, side };
-            cast(&direction, contacts);
-            claims[side] = contacts.workspace.surface.claim(&contacts.contacts[first..]);
-            middle = if side == 0 { contacts.len() } else { middle };
-        }
-        let (first, second) = contacts.contacts[start..].split_at_mut(middle - start);
-        share_load(claims, [first, second]);
+        let [first, second] = [0, 1].map(|side| {
+            middle = contacts.len();
+            Direction { pair: self, side }.cast_edges(contacts)
+        });
+        share_load(&[first.1, second.1], &mut contacts.contacts[start..], middle - start);
+        first.0 + second.0
     }
 
     /// Where no surface crosses the other, either body lies inside or outside the other as a whole, and one point of it

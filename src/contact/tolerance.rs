@@ -66,7 +66,7 @@ impl<T: Scalar> Pair<'_, T> {
         loop {
             area = if tries_left > 0 { area } else { T::zero() };
             let pair = Pair { patch_area: Some(area), ..*self };
-            pair.both_ways(contacts, |direction, contacts| direction.cast_samples(contacts));
+            pair.cast_samples(contacts);
             if tries_left == 0 {
                 break;
             }

@@ -1,5 +1,4 @@
 use super::chunks::Chunk;
-use super::load::CastSurface;
 use super::samples::Sample;
 use super::self_contact::{SelfWorkspace, leaves_body_before_end, way_out_past_folds};
 use crate::math::Scalar;
@@ -17,8 +16,10 @@ pub(super) struct Workspace<T: Scalar> {
     pub(super) chunks: Vec<Chunk<T>>,
     /// The groups of vertices or triangles in the overlap box, of either body.
     pub(super) groups: [Vec<u32>; 2],
-    /// The places of the triangles that cast for patches.
-    pub(super) places: Vec<u32>,
+    /// Of these the places of the triangles that cast for patches.
+    pub(super) places: [Vec<u32>; 2],
+    /// Of one chunk's groups the vertices in the overlap box.
+    pub(super) vertices: Vec<u32>,
     pub(super) samples: Vec<Sample<T>>,
     pub(super) rays: Vec<Ray<T>>,
     pub(super) hits: Vec<Option<Hit<T>>>,
@@ -28,8 +29,6 @@ pub(super) struct Workspace<T: Scalar> {
     pub(super) hidden: Vec<bool>,
     /// The crossings of one edge.
     pub(super) crossings: Vec<Hit<T>>,
-    /// All surface that cast.
-    pub(super) surface: CastSurface<T>,
     /// For contacts of a body with itself.
     pub(super) own: SelfWorkspace<T>,
 }
@@ -38,7 +37,6 @@ impl<T: Scalar> Workspace<T> {
     pub(super) fn clear(&mut self) {
         self.samples.clear();
         self.rays.clear();
-        self.surface = CastSurface::default();
     }
 
     /// Makes room for so many rays from contacts.

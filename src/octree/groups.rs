@@ -18,27 +18,16 @@ impl<T: Scalar> Tracer<'_, T> {
         }
     }
 
-    /// Puts those of a group's vertices that lie in the region behind the `count` that are there; gives how many there
-    /// are then.
+    /// Adds those of a group's vertices that lie in the region.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn vertices_in<L: Lanes<T>>(
-        &self,
-        group: u32,
-        region: &Aabb<T>,
-        vertices: &mut [u32; 2 * LANE_COUNT],
-        mut count: usize,
-    ) -> usize {
+    pub(crate) fn add_vertices_in<L: Lanes<T>>(&self, group: u32, region: &Aabb<T>, vertices: &mut Vec<u32>) {
         if let Cells::Wide(cells) = self.cells {
-            return cells.own_vertices_in::<L>(self.mesh(), group, region, vertices, count);
+            return cells.add_vertices_in::<L>(self.mesh(), group, region, vertices);
         }
         let all = self.mesh().topology().surface_vertices();
-        for &vertex in all.chunks(LANE_COUNT).nth(group as usize).unwrap_or_default() {
-            if region.contains(&self.mesh().positions()[vertex as usize]) {
-                vertices[count] = vertex;
-                count += 1;
-            }
-        }
-        count
+        let of_group = all.chunks(LANE_COUNT).nth(group as usize).unwrap_or_default();
+        let is_inside = |vertex: &u32| region.contains(&self.mesh().positions()[*vertex as usize]);
+        memory::append(vertices, of_group.iter().copied().filter(is_inside));
     }
 
     /// How many triangles a group has.

@@ -1,6 +1,7 @@
 //! Many meshes at once: which boxes overlap (broad phase), then their contacts, pairs in parallel (narrow phase).
 
 mod broad_phase;
+mod detection;
 mod error;
 mod pairs;
 mod saved;
@@ -8,15 +9,15 @@ mod saved;
 pub use error::SceneError;
 pub use saved::SavedStateError;
 
-use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory, detect_pair, detect_self, overlap_region};
-use crate::math::{Aabb, Scalar};
+use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory};
+use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
 use crate::threads::{ParallelFor, Threads};
 use broad_phase::BroadPhase;
-use pairs::{Pairs, Remembered};
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use detection::List;
+use pairs::Pairs;
 use std::sync::Arc;
 
 /// Bodies, and what is needed to find all contacts among them.
@@ -26,8 +27,11 @@ use std::sync::Arc;
 pub struct Scene<T: Scalar> {
     bodies: Vec<Option<Body<T>>>,
     broad_phase: BroadPhase<T>,
-    /// The contacts of each overlapping pair; kept so that a steady step allocates nothing.
+    /// The contacts of each overlapping pair, where threads find them side by side; kept so that a steady step allocates
+    /// nothing.
     pair_contacts: Vec<ContactList<T>>,
+    /// All lists of the last step in the order of their contacts, and how many contacts are in the lists before.
+    lists: Vec<(List, usize)>,
     /// What is known of pairs from step to step.
     pairs: Pairs<T>,
     options: DetectionOptions<T>,
@@ -74,6 +78,7 @@ impl<T: Scalar> Scene<T> {
             bodies: Vec::new(),
             broad_phase: BroadPhase::default(),
             pair_contacts: Vec::new(),
+            lists: Vec::new(),
             pairs: Pairs::default(),
             options: DetectionOptions::default(),
             threads,
@@ -213,103 +218,5 @@ impl<T: Scalar> Scene<T> {
             (true, true) => {}
         }
         Ok(())
-    }
-
-    /// Finds all contacts between different bodies at their present positions, and of those bodies with themselves for
-    /// which that is switched on. Replaces what `contacts` held; their order is by pair (smaller body number first, then
-    /// the other; a body with itself first of all), then the colliding body, then along its surface.
-    pub fn query(&mut self, contacts: &mut ContactList<T>) {
-        self.pairs.keep();
-        let found = catch_unwind(AssertUnwindSafe(|| {
-            self.detect();
-            contacts.join(self.found());
-        }));
-        if let Err(panic) = found {
-            // As if the step had not been: what bodies know of themselves saves time only.
-            self.pairs.go_back();
-            let owns = self.bodies.iter_mut().flatten().filter_map(|body| body.own.as_mut());
-            owns.for_each(|own| *own = OwnContacts::default());
-            resume_unwind(panic);
-        }
-    }
-
-    /// What the last detection found, in the order of the contacts.
-    fn found(&self) -> impl Iterator<Item = &ContactList<T>> + Clone {
-        let pairs = self.broad_phase.pairs();
-        self.bodies.iter().enumerate().flat_map(move |(number, body)| {
-            let own = body.as_ref().and_then(|body| body.own.as_ref()).map(|own| &own.contacts);
-            let start = pairs.partition_point(|[first, _]| (*first as usize) < number);
-            let of_body = pairs[start..].iter().take_while(move |[first, _]| *first as usize == number);
-            own.into_iter().chain(of_body.zip(&self.pair_contacts[start..]).map(|(_, found)| found))
-        })
-    }
-
-    fn detect(&mut self) {
-        let boxes = self.bodies.iter().map(|body| body.as_ref().map(|body| *body.mesh.aabb()));
-        let ignored = &self.pairs.ignored;
-        self.broad_phase.update(boxes, |pair| ignored.is_empty() || !ignored.contains(pair));
-        let broad_phase = &self.broad_phase;
-        let pairs = broad_phase.pairs();
-        if self.pair_contacts.len() < pairs.len() {
-            self.pair_contacts
-                .room_for(pairs.len() - self.pair_contacts.len())
-                .resize_with(pairs.len(), ContactList::default);
-        }
-        self.pairs.remember(pairs);
-        let helpers = self.threads.helpers();
-        let [with_pairs, within_pairs] = helpers.outside_and_within(pairs.len());
-
-        let options = &self.options;
-        let update = |index: usize, body: &mut Option<Body<T>>| {
-            if let Some(body) = body {
-                body.update(index as u32, broad_phase.met_by(index), options);
-            }
-        };
-        self.threads.run(|| {
-            helpers.for_each(&mut self.bodies, update);
-
-            let bodies = &self.bodies;
-            let body = |index: u32| bodies[index as usize].as_ref().expect("pairs name present bodies");
-            let tracer = |index: u32| {
-                let Body { octree, mesh, .. } = body(index);
-                octree.tracer(mesh).expect("octrees are up to date")
-            };
-            let may_overlap = |index: u32| body(index).own.as_ref().is_some_and(|own| own.may_overlap);
-            let forbidden = &self.pairs.without_escape;
-            let detect = |(pair, memory): &mut Remembered<T>, contacts: &mut ContactList<T>| {
-                contacts.clear();
-                contacts.set_helpers(within_pairs.clone());
-                let may_escape = forbidden.binary_search(pair).is_err();
-                let tracers = pair.map(tracer);
-                let past_folds = options.past_folds || pair.iter().any(|&body| may_overlap(body));
-                let options = DetectionOptions { past_folds, ..*options };
-                detect_pair(*pair, tracers.each_ref(), &options, Some(memory), may_escape, contacts);
-            };
-            with_pairs.for_each_two(&mut self.pairs.memories, &mut self.pair_contacts, detect);
-        });
-    }
-}
-
-impl<T: Scalar> Body<T> {
-    /// Finds the body's contacts with itself, where they are asked for; the octree follows the mesh where it is needed.
-    fn update<'a>(&mut self, number: u32, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
-        let Self { mesh, octree, tiles, own } = self;
-        if let Some(own) = own {
-            own.contacts.clear();
-            own.may_overlap = false;
-        }
-        let own = own.as_mut().and_then(|own| (!own.memory.is_clear(mesh, octree)).then_some(own));
-        if let Some(own) = own {
-            octree.update(mesh).expect("a body keeps its own octree");
-            let found = detect_self(number, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
-            own.may_overlap = found.expect("the octree is up to date");
-            return;
-        }
-        // Only bodies that meet another one need their octree.
-        let mut others = others.peekable();
-        if others.peek().is_some() {
-            let regions = others.map(|other| overlap_region(mesh.aabb(), other).1);
-            octree.update_in(mesh, regions, options.sampling.patch_area(), tiles).expect("a body keeps its own octree");
-        }
     }
 }

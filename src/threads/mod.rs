@@ -1,5 +1,6 @@
 //! Whose threads work: the caller's own, a pool's, or the host's. Results do not depend on it, to the bit.
 
+mod append;
 mod awake;
 
 use rayon::ThreadPoolBuildError;
@@ -19,7 +20,7 @@ pub trait ParallelFor: Send + Sync {
     fn run(&self, count: usize, task: &(dyn Fn(usize) + Sync));
 }
 
-/// So many items keep a host's threads busy.
+/// So many items keep a host's threads busy, or one of a pool's.
 const MANY: usize = 8;
 
 /// What may help the calling thread with many items.
@@ -50,13 +51,13 @@ impl Helpers {
         !matches!(self, Self::Nobody)
     }
 
-    /// Who helps with so many items, and who within each of them. A host is never asked from one of its own calls, so it
-    /// helps within items where these are few.
+    /// Who helps with so many items, and who within each of them: nobody where items are enough. A host is never asked from
+    /// one of its own calls, so it helps within items where these are few.
     pub(crate) fn outside_and_within(&self, items: usize) -> [Self; 2] {
         match self {
             Self::Host(_) if items < MANY => [Self::Nobody, self.clone()],
-            Self::Host(_) => [self.clone(), Self::Nobody],
-            _ => [self.clone(), self.clone()],
+            Self::Pool if items < MANY * rayon::current_num_threads() => [Self::Pool, Self::Pool],
+            _ => [self.clone(), Self::Nobody],
         }
     }
 
@@ -69,7 +70,8 @@ impl Helpers {
         };
         match self {
             Self::Pool => {
-                items.par_iter_mut().enumerate().for_each(|(place, item)| awake::at_work(|| work(place, item)))
+                let items = items.par_iter_mut().with_max_len(1).enumerate();
+                items.for_each(|(place, item)| awake::at_work(|| work(place, item)));
             }
             Self::Nobody => items.iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
             Self::Host(host) => share(&**host, items.iter_mut().enumerate(), |(place, item)| work(place, item)),
@@ -89,7 +91,10 @@ impl Helpers {
             work(i, j);
         };
         match self {
-            Self::Pool => first.par_iter_mut().zip(second).for_each(|items| awake::at_work(|| both(items))),
+            Self::Pool => {
+                let items = first.par_iter_mut().with_max_len(1).zip(second);
+                items.for_each(|items| awake::at_work(|| both(items)));
+            }
             Self::Nobody => first.iter_mut().zip(second).for_each(both),
             Self::Host(host) => share(&**host, first.iter_mut().zip(second), both),
         }

@@ -49,28 +49,26 @@ impl<T: Scalar> Wide<T> {
         debug_assert!(tiles.is_sorted());
     }
 
-    /// A tile's own vertices that lie in the region, behind the `count` that are there; gives how many there are then.
+    /// Adds those of the tile's own vertices that lie in the region.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(in crate::octree) fn own_vertices_in<L: Lanes<T>>(
+    pub(in crate::octree) fn add_vertices_in<L: Lanes<T>>(
         &self,
         mesh: &Mesh<T>,
         tile: u32,
         region: &Aabb<T>,
-        vertices: &mut [u32; 2 * LANE_COUNT],
-        mut count: usize,
-    ) -> usize {
+        vertices: &mut Vec<u32>,
+    ) {
         let tile = &self.tiles[tile as usize];
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let positions = Vectors::<T, L>::load(tile.positions::<L>(mesh, &mut room));
         let inside =
             Vectors::splat(&region.lower).are_at_most(positions) & positions.are_at_most(Vectors::splat(&region.upper));
         let mut left = inside & tile.owned;
+        vertices.room_for(LANE_COUNT);
         while left != 0 {
-            vertices[count] = tile.vertices[left.trailing_zeros() as usize];
-            count += 1;
+            vertices.push(tile.vertices[left.trailing_zeros() as usize]);
             left &= left - 1;
         }
-        count
     }
 
     pub(in crate::octree) fn tile_count(&self) -> u32 {

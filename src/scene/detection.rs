@@ -1,0 +1,206 @@
+use super::pairs::Remembered;
+use super::{Body, OwnContacts, Scene};
+use crate::contact::{ContactList, DetectionOptions, detect_pair, detect_self, overlap_region};
+use crate::math::{Aabb, Scalar};
+use crate::memory::{self, Room};
+use crate::threads::Helpers;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+/// Fewer rays take one thread less time than it takes two, each of which must fetch what the other has written.
+const FEWEST_RAYS_TO_SHARE: f64 = if cfg!(test) { 0.0 } else { 1000.0 };
+/// So many triangles take as long to read anew as a ray.
+const TRIANGLES_READ_PER_RAY: f64 = 50.0;
+/// The same where a body is searched for contacts with itself.
+const TRIANGLES_SEARCHED_PER_RAY: f64 = 8.0;
+
+/// One list of contacts.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum List {
+    /// Of this body with itself.
+    Body(usize),
+    /// Of the pair at this place.
+    Pair(usize),
+}
+
+impl<T: Scalar> Scene<T> {
+    /// Finds all contacts between different bodies at their present positions, and of those bodies with themselves for
+    /// which that is switched on. Replaces what `contacts` held; their order is by pair (smaller body number first, then
+    /// the other; a body with itself first of all), then the colliding body, then along its surface.
+    ///
+    /// Where there is little to do, the calling thread does it alone: a thousand rays or so.
+    pub fn query(&mut self, contacts: &mut ContactList<T>) {
+        self.pairs.keep();
+        let found = catch_unwind(AssertUnwindSafe(|| self.detect(contacts)));
+        if let Err(panic) = found {
+            // As if the step had not been: what bodies know of themselves saves time only.
+            self.pairs.go_back();
+            let owns = self.bodies.iter_mut().flatten().filter_map(|body| body.own.as_mut());
+            owns.for_each(|own| *own = OwnContacts::default());
+            contacts.clear();
+            resume_unwind(panic);
+        }
+    }
+
+    fn detect(&mut self, contacts: &mut ContactList<T>) {
+        let boxes = self.bodies.iter().map(|body| body.as_ref().map(|body| *body.mesh.aabb()));
+        let ignored = &self.pairs.ignored;
+        self.broad_phase.update(boxes, |pair| ignored.is_empty() || !ignored.contains(pair));
+        self.pairs.remember(self.broad_phase.pairs());
+        self.order_lists();
+        if self.threads.helpers().are_there() && self.rays_expected() >= FEWEST_RAYS_TO_SHARE {
+            self.detect_side_by_side(contacts);
+        } else {
+            self.detect_alone(contacts);
+        }
+    }
+
+    /// Says which lists of contacts there will be, and in which order.
+    fn order_lists(&mut self) {
+        let lists = &mut self.lists;
+        lists.clear();
+        let mut next_pair = self.broad_phase.pairs().iter().enumerate().peekable();
+        for (number, body) in self.bodies.iter().enumerate() {
+            let has_own = body.as_ref().is_some_and(|body| body.own.is_some());
+            memory::append(lists, has_own.then_some((List::Body(number), 0)));
+            while let Some((place, _)) = next_pair.next_if(|(_, pair)| pair[0] as usize == number) {
+                lists.room_for(1).push((List::Pair(place), 0));
+            }
+        }
+    }
+
+    /// About how many rays take as long as all there is to do.
+    fn rays_expected(&self) -> f64 {
+        let body = |number: u32| self.bodies[number as usize].as_ref();
+        let of_pairs = self.broad_phase.pairs().iter().map(|pair| {
+            let [Some(a), Some(b)] = pair.map(body) else { return 0.0 };
+            a.rays_expected_into(b) + b.rays_expected_into(a)
+        });
+        let of_bodies = self.bodies.iter().flatten().filter(|body| body.own.is_some()).map(Body::triangle_count);
+        of_pairs.sum::<f64>() + of_bodies.sum::<f64>() / TRIANGLES_SEARCHED_PER_RAY
+    }
+
+    /// Each list of contacts goes straight to its place.
+    fn detect_alone(&mut self, contacts: &mut ContactList<T>) {
+        contacts.clear();
+        contacts.set_helpers(Helpers::Nobody);
+        Helpers::Nobody.for_each(&mut self.bodies, |number, body| {
+            body.iter_mut().for_each(|body| body.update(number, self.broad_phase.met_by(number), &self.options));
+        });
+        let narrow_phase =
+            NarrowPhase { bodies: &self.bodies, options: &self.options, forbidden: &self.pairs.without_escape };
+        for (list, _) in &self.lists {
+            match *list {
+                List::Body(number) => contacts.append(narrow_phase.own(number)),
+                List::Pair(place) => narrow_phase.detect(&mut self.pairs.memories[place], contacts),
+            }
+        }
+    }
+
+    /// Threads fill a list for each pair, which are then joined.
+    fn detect_side_by_side(&mut self, contacts: &mut ContactList<T>) {
+        let Self { bodies, broad_phase, pair_contacts, lists, pairs, options, threads } = self;
+        let count = broad_phase.pairs().len();
+        if pair_contacts.len() < count {
+            pair_contacts.room_for(count - pair_contacts.len()).resize_with(count, ContactList::default);
+        }
+        let found = &mut pair_contacts[..count];
+        let helpers = threads.helpers();
+        threads.run(|| {
+            helpers.for_each(bodies, |number, body| {
+                body.iter_mut().for_each(|body| body.update(number, broad_phase.met_by(number), options));
+            });
+            let narrow_phase = NarrowPhase { bodies, options, forbidden: &pairs.without_escape };
+            let [with_pairs, within_pairs] = helpers.outside_and_within(count);
+            with_pairs.for_each_two(&mut pairs.memories, found, |remembered, found| {
+                found.clear();
+                found.set_helpers(within_pairs.clone());
+                narrow_phase.detect(remembered, found);
+            });
+
+            if let [(List::Pair(only), _)] = lists[..] {
+                contacts.take_from(&mut found[only]);
+                return;
+            }
+            let found = |list: &List| match *list {
+                List::Body(number) => narrow_phase.own(number),
+                List::Pair(place) => &found[place],
+            };
+            let mut sum = 0;
+            for (list, before) in &mut *lists {
+                *before = sum;
+                sum += found(list).len();
+            }
+            contacts.join(helpers, lists.len(), |number| {
+                let (list, before) = &lists[number];
+                (*before, found(list))
+            });
+        });
+    }
+}
+
+/// Detection between two bodies of a scene.
+struct NarrowPhase<'a, T: Scalar> {
+    bodies: &'a [Option<Body<T>>],
+    options: &'a DetectionOptions<T>,
+    /// The pairs that may not escape.
+    forbidden: &'a [[u32; 2]],
+}
+
+impl<T: Scalar> NarrowPhase<'_, T> {
+    /// The contacts of a body with itself.
+    fn own(&self, number: usize) -> &ContactList<T> {
+        let own = self.bodies[number].as_ref().and_then(|body| body.own.as_ref());
+        &own.expect("lists name bodies that may collide with themselves").contacts
+    }
+
+    /// Adds a pair's contacts.
+    fn detect(&self, (pair, memory): &mut Remembered<T>, contacts: &mut ContactList<T>) {
+        let bodies = pair.map(|number| self.bodies[number as usize].as_ref().expect("pairs name present bodies"));
+        let tracers = bodies.map(|body| body.octree.tracer(&body.mesh).expect("octrees are up to date"));
+        let may_escape = self.forbidden.binary_search(pair).is_err();
+        let may_overlap = |body: &Body<T>| body.own.as_ref().is_some_and(|own| own.may_overlap);
+        let past_folds = self.options.past_folds || bodies.into_iter().any(may_overlap);
+        let options = DetectionOptions { past_folds, ..*self.options };
+        detect_pair(*pair, tracers.each_ref(), &options, Some(memory), may_escape, contacts);
+    }
+}
+
+impl<T: Scalar> Body<T> {
+    fn triangle_count(&self) -> f64 {
+        self.mesh.topology().triangles().len() as f64
+    }
+
+    /// About how many rays take as long as to read the mesh and cast from it into another: one from each vertex, as far as
+    /// the other's box reaches into its own.
+    fn rays_expected_into(&self, other: &Self) -> f64 {
+        let (own, overlap) = (self.mesh.aabb(), self.mesh.aabb().intersection(other.mesh.aabb()));
+        let part = |axis: usize| {
+            let [whole, part] = [own, &overlap].map(|aabb| (aabb.upper[axis] - aabb.lower[axis]).to_f64());
+            if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 1.0 }
+        };
+        let inside = part(0) * part(1) * part(2);
+        inside * self.mesh.topology().surface_vertices().len() as f64 + self.triangle_count() / TRIANGLES_READ_PER_RAY
+    }
+
+    /// Finds the body's contacts with itself, where they are asked for; the octree follows the mesh where it is needed.
+    fn update<'a>(&mut self, number: usize, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
+        let Self { mesh, octree, tiles, own } = self;
+        if let Some(own) = own {
+            own.contacts.clear();
+            own.may_overlap = false;
+        }
+        let own = own.as_mut().and_then(|own| (!own.memory.is_clear(mesh, octree)).then_some(own));
+        if let Some(own) = own {
+            octree.update(mesh).expect("a body keeps its own octree");
+            let found = detect_self(number as u32, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
+            own.may_overlap = found.expect("the octree is up to date");
+            return;
+        }
+        // Only bodies that meet another one need their octree.
+        let mut others = others.peekable();
+        if others.peek().is_some() {
+            let regions = others.map(|other| overlap_region(mesh.aabb(), other).1);
+            octree.update_in(mesh, regions, options.sampling.patch_area(), tiles).expect("a body keeps its own octree");
+        }
+    }
+}
