@@ -180,16 +180,16 @@ const SCENES: [(&str, Build); 5] = [
         Setting { bodies, sampling: None, is_paper: false }
     }),
     ("paper", || {
-        let bodies = vec![torus(48, 24, 1.0, 0.4), torus(48, 24, 1.0, 0.4).turned().moved([0.2, 0.1, 0.5])];
+        let bodies = vec![torus(64, 32, 1.0, 0.4), torus(64, 32, 1.0, 0.4).turned().moved([0.2, 0.1, 0.5])];
         Setting { bodies, sampling: None, is_paper: true }
     }),
     ("pile", || {
         let mut bodies: Vec<_> = (0..4).map(|_| block([0.5, 0.4, 0.3])).collect();
-        bodies.push(torus(16, 8, 0.1, 0.04).moved([0.05, 0.02, 0.01]));
+        bodies.push(torus(32, 12, 0.1, 0.04).moved([0.05, 0.02, 0.01]));
         Setting { bodies, sampling: None, is_paper: false }
     }),
     ("self and others", || {
-        let mut spindle = torus(32, 24, 0.3, 0.4);
+        let mut spindle = torus(64, 52, 0.3, 0.4);
         spindle.collides_with_itself = true;
         Setting { bodies: vec![spindle, block([0.3; 3]).moved([0.6, 0.1, 0.2])], sampling: None, is_paper: false }
     }),

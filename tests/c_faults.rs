@@ -125,7 +125,8 @@ mod linux {
             .ok()
             .and_then(|steps| steps.parse().ok())
             .unwrap_or(2000 / common::STRIDE);
-        let shapes = two_octahedra();
+        // Large enough to be shared between the threads.
+        let shapes = [0.0, 0.2].map(|shift| shapes::torus(32, 24, 0.4).moved([shift, 0.1, 0.1]));
         let (mut scene, mut contacts) = (Scene::new(64, 2).expect("two threads"), Contacts::new());
         for shape in &shapes {
             scene.add(&mesh(shape)).expect("the same precision");
