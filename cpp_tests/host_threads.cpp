@@ -3,35 +3,15 @@
 #include <tbb/parallel_for.h>
 
 #include <atomic>
-#include <cmath>
 #include <cstring>
 #include <thread>
 #include <vector>
 
 #include "check.h"
 #include "raycontact.hpp"
+#include "torus.hpp"
 
 namespace {
-
-struct Torus {
-  std::vector<double> positions;
-  std::vector<uint32_t> triangles;
-};
-
-Torus torus(uint32_t around, uint32_t across) {
-  Torus torus;
-  const double turn = 2 * std::acos(-1.0);
-  for (uint32_t i = 0; i < around; ++i) {
-    for (uint32_t j = 0; j < across; ++j) {
-      const double u = turn * i / around, v = turn * j / across, radius = 1 + 0.4 * std::cos(v);
-      torus.positions.insert(torus.positions.end(), {radius * std::cos(u), radius * std::sin(u), 0.4 * std::sin(v)});
-      const uint32_t next_i = (i + 1) % around * across, next_j = (j + 1) % across;
-      const uint32_t a = i * across + j, b = next_i + j, c = next_i + next_j, d = i * across + next_j;
-      torus.triangles.insert(torus.triangles.end(), {a, b, c, a, c, d});
-    }
-  }
-  return torus;
-}
 
 /** Two fine bodies, whose one pair is shared out by its rays, or many coarse ones, shared out by pairs. */
 struct Bodies {
@@ -45,9 +25,8 @@ std::vector<rayc_contact> contacts_of(const rayc_scene_options& options, const B
   raycontact::Contacts contacts;
   std::vector<rayc_contact> found;
   for (uint32_t body = 0; body < bodies.count; ++body) {
-    std::vector<double> moved = shape.positions;
-    for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += body * (i % 3 == 2 ? 0.6 : 0.1);
-    const raycontact::Mesh mesh(raycontact::vectors(moved.data(), moved.size() / 3), shape.triangles);
+    const Torus moved = in_row(shape, body);
+    const raycontact::Mesh mesh(raycontact::vectors(moved.positions), moved.triangles);
     uint32_t number = 0;
     CHECK_OK(rayc_scene_add_mesh(scene, mesh.get(), &number));
   }

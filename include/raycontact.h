@@ -364,8 +364,8 @@ typedef void (*rayc_task)(void *data, size_t index);
  * returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
  *
  * The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
- * cannot nest will do. It must not throw (the process would end) and must not call the scene. Indices that it leaves out or
- * calls twice do no harm.
+ * cannot nest will do. It must not call the scene. An exception that leaves it ends the process: lend_threads() of
+ * raycontact.hpp carries it past the library instead. Indices that it leaves out or calls twice do no harm.
  */
 typedef void (*rayc_parallel_for)(void *context, size_t count, rayc_task task, void *data);
 

@@ -137,7 +137,7 @@ fn vectors(points: &[Point]) -> rayc_vectors {
     rayc_vectors { data: points.as_ptr().cast(), count: points.len(), stride: 0, scalar: F64 }
 }
 
-unsafe extern "C" fn one_by_one(_: *mut libc::c_void, count: usize, task: rayc_task, data: *mut libc::c_void) {
+unsafe extern "C-unwind" fn one_by_one(_: *mut libc::c_void, count: usize, task: rayc_task, data: *mut libc::c_void) {
     // SAFETY: as rayc_parallel_for says.
     (0..count).for_each(|index| unsafe { task(data, index) });
 }

@@ -8,6 +8,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
+#include <utility>
 #include <vector>
 
 #include "contacts.hpp"
@@ -23,20 +25,51 @@ inline namespace with_results {
 inline namespace with_exceptions {
 #endif
 
+/// @cond internal
+namespace detail {
+
+#ifndef RAYCONTACT_NO_EXCEPTIONS
+/** What the host of lend_threads() has thrown in this thread's present query. */
+inline thread_local std::exception_ptr thrown_by_host;
+#endif
+
+template <class Host>
+void run_on(void* context, std::size_t count, rayc_task task, void* data) {
+  (*static_cast<Host*>(context))(count, [task, data](std::size_t index) { task(data, index); });
+}
+
+/** No exception passes into the library. */
+template <class Host>
+void run_on_guarded(void* context, std::size_t count, rayc_task task, void* data) noexcept {
+#ifdef RAYCONTACT_NO_EXCEPTIONS
+  run_on<Host>(context, count, task, data);
+#else
+  try {
+    run_on<Host>(context, count, task, data);
+  } catch (...) {
+    if (!thrown_by_host) thrown_by_host = std::current_exception();
+  }
+#endif
+}
+
+}  // namespace detail
+/// @endcond
+
 /**
  * Lends the host's threads to scenes made with these options. `host(count, task)` calls task(index) once for each index
- * below count and returns when all have returned, as rayc_parallel_for says; it must outlive the scenes. An exception
- * that leaves it ends the process (std::terminate). With oneTBB:
+ * below count and returns when all have returned, as rayc_parallel_for says; it must outlive the scenes. With oneTBB:
  *
  *     auto host = [](std::size_t count, auto task) { tbb::parallel_for(std::size_t{0}, count, task); };
+ *
+ * It may throw once all calls that it began have returned. The calling thread then does what is left, and
+ * Scene::query() throws the first such exception at its end: the contacts are there, and the scene is as after a query
+ * that threw nothing. With RAYCONTACT_NO_EXCEPTIONS an exception ends the process (std::terminate).
  */
 template <class Host>
 void lend_threads(rayc_scene_options& options, Host& host) {
   options.threads = 1;
   options.parallel_context = &host;
-  options.parallel_for = [](void* context, std::size_t count, rayc_task task, void* data) noexcept {
-    (*static_cast<Host*>(context))(count, [task, data](std::size_t index) { task(data, index); });
-  };
+  options.parallel_for = detail::run_on_guarded<Host>;
 }
 
 /** Many bodies, one detection for all; owns an rayc_scene, which says what threads may do with it. Moves, does not
@@ -102,8 +135,20 @@ class Scene {
     return set_detection_options(options);
   }
 
-  /** Finds all contacts at the present positions. Replaces what `contacts` held. */
-  Outcome<void> query(Contacts& contacts) { return check(rayc_scene_query(get(), contacts.get())); }
+  /** Finds all contacts at the present positions. Replaces what `contacts` held. Throws what lend_threads() was thrown.
+   */
+  Outcome<void> query(Contacts& contacts) {
+#ifdef RAYCONTACT_NO_EXCEPTIONS
+    return check(rayc_scene_query(get(), contacts.get()));
+#else
+    // A host's thread that waits may take up another query meanwhile.
+    const std::exception_ptr outer = std::exchange(detail::thrown_by_host, nullptr);
+    const rayc_status status = rayc_scene_query(get(), contacts.get());
+    const std::exception_ptr thrown = std::exchange(detail::thrown_by_host, outer);
+    check(status);
+    if (thrown) std::rethrow_exception(thrown);
+#endif
+  }
 
   /** Lets two bodies escape from one another, as they may by default, or forbids it: rayc_scene_allow_escape(). */
   Outcome<void> allow_escape(uint32_t a, uint32_t b, bool allowed) {

@@ -170,7 +170,7 @@ fn query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> (rayc_status, 
 }
 
 /// A host that works alone, but by its function.
-unsafe extern "C" fn one_by_one(_: *mut libc::c_void, count: usize, task: rayc_task, data: *mut libc::c_void) {
+unsafe extern "C-unwind" fn one_by_one(_: *mut libc::c_void, count: usize, task: rayc_task, data: *mut libc::c_void) {
     for index in 0..count {
         // SAFETY: as rayc_parallel_for says.
         unsafe { task(data, index) };

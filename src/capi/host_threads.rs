@@ -12,14 +12,15 @@ pub type rayc_task = unsafe extern "C" fn(data: *mut c_void, index: usize);
 /// returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
 ///
 /// The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
-/// cannot nest will do. It must not throw (the process would end) and must not call the scene. Indices that it leaves out or
-/// calls twice do no harm.
+/// cannot nest will do. It must not call the scene. An exception that leaves it ends the process: lend_threads() of
+/// raycontact.hpp carries it past the library instead. Indices that it leaves out or calls twice do no harm.
+// "C-unwind": so that the exception meets guard(), which ends the process, and no undefined behaviour on the way.
 pub type rayc_parallel_for =
-    Option<unsafe extern "C" fn(context: *mut c_void, count: usize, task: rayc_task, data: *mut c_void)>;
+    Option<unsafe extern "C-unwind" fn(context: *mut c_void, count: usize, task: rayc_task, data: *mut c_void)>;
 
 /// The threads of a host in C.
 pub(super) struct HostThreads {
-    pub(super) parallel_for: unsafe extern "C" fn(*mut c_void, usize, rayc_task, *mut c_void),
+    pub(super) parallel_for: unsafe extern "C-unwind" fn(*mut c_void, usize, rayc_task, *mut c_void),
     pub(super) context: *mut c_void,
 }
 
