@@ -35,9 +35,14 @@ function readFailures() {
   return { modes: cells(lines[first]).slice(1), rows };
 }
 
-function readJson(name) {
-  const path = join(docs, name);
-  return existsSync(path) ? JSON.parse(readFileSync(path, "utf8")) : null;
+/** The demos of report/recordings.json that were recorded, gzip in base 64. */
+function readRecordings() {
+  const known = JSON.parse(readFileSync(join(here, "recordings.json"), "utf8"));
+  const path = ({ name }) => join(docs, `report/recordings/${name}.gz`);
+  return known.filter((recording) => existsSync(path(recording))).map((recording) => {
+    const { name, title, floor = false } = recording;
+    return { name, title, floor, packed: readFileSync(path(recording)).toString("base64") };
+  });
 }
 
 const data = {
@@ -46,7 +51,7 @@ const data = {
   detect: readCsv("performance/detect.csv"),
   figure8: readCsv("accuracy/figure8.csv"),
   failures: readFailures(),
-  recording: readJson("report/two_bodies.json"),
+  recordings: readRecordings(),
 };
 
 const bundle = await build({
@@ -67,5 +72,5 @@ const replacements = {
 let page = readFileSync(join(here, "source/index.html"), "utf8");
 for (const [place, text] of Object.entries(replacements)) page = page.replace(place, () => text);
 writeFileSync(output, page);
-const absent = Object.entries(data).filter(([, value]) => !value).map(([name]) => name);
+const absent = Object.entries(data).filter(([, value]) => !value || value.length === 0).map(([name]) => name);
 console.log(`${output}: ${(page.length / 1e6).toFixed(2)} MB${absent.length ? `; not measured: ${absent}` : ""}`);

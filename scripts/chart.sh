@@ -6,12 +6,14 @@ usage() {
     cat <<END
 usage: scripts/chart.sh [quick|full|docs] [options of the measuring program]
 
-quick (default): one option at a time beside the default, some ten minutes after the build.
-full: each option with each other.
+quick (default): one option at a time beside the default, some three minutes after the build.
+full: each option with each other, a quarter of an hour.
 docs: measures nothing; takes the last measurement over into docs/chart/.
 Writes out/chart/chart.csv and charts beside it, and prints the settings of each scene that none beats in both time and
-force. Further options go to the measuring program; with --help it lists them. Two surfaces of your own:
-  scripts/chart.sh quick --scenes given --files a.obj b.obj
+force. Further options go to the measuring program ('scripts/chart.sh quick --help' lists them). Two surfaces of your
+own as one scene more, or alone, with spacings of your own, in edges:
+  scripts/chart.sh quick --files a.obj b.obj
+  scripts/chart.sh quick --scenes given --files a.obj b.obj --spacings 1,3,9
 Exit status: 0 when measured, 1 when something failed, 2 for a wrong command line.
 END
 }

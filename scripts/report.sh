@@ -7,9 +7,10 @@ usage() {
 usage: scripts/report.sh [--record] [--test]
 
 Writes docs/report/index.html, one file that needs no network, from docs/*/*.csv, the table of failures in
-docs/stability.md and the recorded demo. Needs Node.js 20 or newer with npm; their packages, as report/package-lock.json
+docs/stability.md and the recorded demos. Needs Node.js 20 or newer with npm; their packages, as report/package-lock.json
 names them, are installed into report/node_modules first.
---record: renews the recorded demo from the frames in out/two_bodies that scripts/demo.sh wrote.
+--record: builds and runs the demos that report/recordings.json lists first and renews docs/report/recordings from their
+frames, in some minutes; the frames stay in out/recordings, for ParaView.
 --test: then opens the page in headless Chromium, which is installed where it is missing, and tests it; screenshots go to
 out/report.
 Exit status: 0 when made (and tested), 1 when something failed, 2 for a wrong command line.
@@ -29,9 +30,11 @@ done
 
 command -v npm >/dev/null || fail 'npm is missing: install Node.js 20 or newer'
 if [[ $records == true ]]; then
-    [[ -d out/two_bodies ]] || fail "there is no out/two_bodies: run 'scripts/demo.sh' first"
+    scripts/setup.sh
     source scripts/peers.sh
-    "$(build_bench)" record out/two_bodies
+    bench="$(build_bench)"
+    cmake --workflow --preset release >&2 || fail 'the build failed, see above'
+    node report/record.mjs build/release/demos/scenes "$bench"
 fi
 if [[ ! -d report/node_modules || report/package-lock.json -nt report/node_modules ]]; then
     say 'Installing the npm packages'

@@ -1,6 +1,6 @@
 // The page: charts, tables and the player, from the data in the page itself.
 import * as plots from "./plots.js";
-import { code, front, isDefault, measures, short } from "./settings.js";
+import { code, front, isDefault, measures, short, variants } from "./settings.js";
 import { start } from "./player.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -60,9 +60,14 @@ function choose() {
     plots.show("choose", null);
     return;
   }
-  const rows = data.chart.filter((row) => row.scene === at("scene").value);
+  const ofScene = data.chart.filter((row) => row.scene === at("scene").value);
+  const rows = ofScene.filter((row) => variants.every(({ key, fits }) => at(`with-${key}`).checked || !fits(row)));
   const measure = measures.find((measure) => measure.key === at("measure").value);
-  const plot = plots.show("choose", rows, (rows, width) => plots.speedAndAccuracy(rows, measure, width));
+  const everyLabel = at("labels").value === "all";
+  let unlabelled = 0;
+  const plot = plots.show("choose", rows, (rows, width) =>
+    plots.speedAndAccuracy(rows, measure, { width, everyLabel, told: (count) => (unlabelled = count) }));
+  at("unlabelled").textContent = unlabelled > 0 ? `${unlabelled} labels found no room: point at their points.` : "";
   // The row under the pointer is the plot's value; pressing holds it or lets it go.
   let pointed = null;
   plot.addEventListener("input", () => (pointed = plot.value ?? pointed));
@@ -103,7 +108,17 @@ fill(at("scene"), [...new Set((data.chart ?? []).map((row) => row.scene))].map((
 fill(at("measure"), measures.map((measure) => [measure.key, measure.name]));
 fill(at("map-scene"), [...new Set((data.stability ?? []).map((row) => row.scene))].map((s) => [s, s.replaceAll("_", " ")]));
 if (data.stability?.some((row) => row.scene === "two_tori")) at("map-scene").value = "two_tori";
-for (const id of ["scene", "measure"]) at(id).addEventListener("change", choose);
+for (const { key, name, isShown } of variants) {
+  const box = element("input");
+  Object.assign(box, { type: "checkbox", id: `with-${key}`, checked: isShown });
+  box.addEventListener("change", choose);
+  const label = element("label");
+  label.append(box, ` ${name}`);
+  at("variants").append(label);
+}
+// Narrow screens have no room for all.
+if (matchMedia("(max-width: 40rem)").matches) at("labels").value = "front";
+for (const id of ["scene", "measure", "labels"]) at(id).addEventListener("change", choose);
 at("map-scene").addEventListener("change", stability);
 at("theme").addEventListener("click", () => {
   const root = document.documentElement;
@@ -119,7 +134,7 @@ function drawAll() {
   plots.show("figure8", data.figure8, plots.figure8);
 }
 
-start(data.recording);
+start(data.recordings);
 failures();
 let width = 0;
 new ResizeObserver(([{ contentRect }]) => {

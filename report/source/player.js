@@ -1,83 +1,78 @@
-// Plays a recorded demo: two surfaces and their contacts.
+// Plays recorded demos: surfaces and their contacts.
 import * as Three from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { unpack } from "./recording.js";
 
-function bytes(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
-}
+/** Milliseconds for which a frame is shown. */
+const frameTime = 80;
 
-/** Positions out of 16-bit numbers. */
-function positions(recording, text) {
-  const numbers = new Uint16Array(bytes(text));
-  const { lower, upper } = recording;
-  return Float32Array.from(numbers, (number, i) => lower[i % 3] + (number / 65535) * (upper[i % 3] - lower[i % 3]));
-}
-
-export class Player {
-  constructor(recording, stage) {
-    this.recording = recording;
-    this.count = recording.frames.length;
-    this.frame = 0;
-    this.playing = false;
-    this.last = 0;
+class Player {
+  constructor(stage) {
+    this.stage = stage;
     this.scene = new Three.Scene();
     this.camera = new Three.PerspectiveCamera(35, 2, 0.01, 1000);
-    this.camera.up.set(0, 0, 1);
     this.renderer = new Three.WebGLRenderer({ antialias: true, alpha: true });
-    stage.append(this.renderer.domElement);
     const canvas = this.renderer.domElement;
+    stage.append(canvas);
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "The two bodies; arrow keys turn them");
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.render());
     canvas.addEventListener("keydown", (event) => this.turn(event));
     this.scene.add(new Three.HemisphereLight(0xffffff, 0x667788, 2.2));
     const sun = new Three.DirectionalLight(0xffffff, 1.6);
-    sun.position.set(3, -4, 6);
+    sun.position.set(3, 6, 4);
     this.scene.add(sun);
-    this.addBodies();
-    const first = positions(recording, recording.frames[0].positions);
-    const box = new Three.Box3().setFromArray(first);
-    this.controls.target.copy(box.getCenter(new Three.Vector3()));
+    this.material = new Three.MeshStandardMaterial({
+      vertexColors: true, roughness: 0.6, side: Three.DoubleSide, transparent: true, opacity: 0.45, depthWrite: false,
+    });
+    this.bodies = new Three.Mesh(new Three.BufferGeometry(), this.material);
+    this.lines = new Three.LineSegments(new Three.BufferGeometry(),
+      new Three.LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }));
+    this.lines.renderOrder = 1;
+    for (const object of [this.bodies, this.lines]) object.frustumCulled = false;
+    this.scene.add(this.bodies, this.lines);
+    new ResizeObserver(() => this.resize()).observe(stage);
+  }
+
+  /** Shows another recording from its first frame. */
+  open(recording, hasFloor) {
+    this.recording = recording;
+    const attribute = () => new Three.BufferAttribute(new Float32Array(3 * recording.vertexCount), 3);
+    [this.positions, this.normals] = [attribute(), attribute()];
+    this.bodies.geometry.dispose();
+    this.bodies.geometry = new Three.BufferGeometry();
+    this.bodies.geometry.setAttribute("position", this.positions);
+    this.bodies.geometry.setAttribute("normal", this.normals);
+    this.bodies.geometry.setAttribute("color", colours(recording.vertexCounts));
+    this.bodies.geometry.setIndex(new Three.BufferAttribute(recording.corners, 1));
+    const box = usualBox(recording.frames);
+    this.deep = usuallyDeep(recording.frames);
+    this.setFloor(hasFloor ? box : null);
     const reach = box.getSize(new Three.Vector3()).length();
-    this.camera.position.copy(this.controls.target).add(new Three.Vector3(0.5, -1.2, 0.55).multiplyScalar(reach * 1.1));
+    this.controls.target.copy(box.getCenter(new Three.Vector3()));
+    this.camera.position.copy(this.controls.target).add(new Three.Vector3(0.5, 0.45, 1.2).multiplyScalar(reach * 1.1));
     this.controls.update();
-    new ResizeObserver(() => this.resize(stage)).observe(stage);
-    this.resize(stage);
+    this.resize();
     this.show(0);
   }
 
-  addBodies() {
-    const { recording } = this;
-    const corners = new Uint32Array(bytes(recording.triangles));
-    this.attribute = new Three.BufferAttribute(new Float32Array(3 * recording.vertex_count), 3);
-    this.normals = new Three.BufferAttribute(new Float32Array(3 * recording.vertex_count), 3);
-    this.materials = [0x2f7fc1, 0xd9822b].map((color, body) => {
-      const own = corners.filter((_, i) => corners[i - (i % 3)] < recording.first_count === (body === 0));
-      const geometry = new Three.BufferGeometry();
-      geometry.setAttribute("position", this.attribute);
-      geometry.setAttribute("normal", this.normals);
-      geometry.setIndex(new Three.BufferAttribute(own, 1));
-      const material = new Three.MeshStandardMaterial({
-        color, roughness: 0.6, side: Three.DoubleSide, transparent: true, opacity: 0.45, depthWrite: false,
-      });
-      const mesh = new Three.Mesh(geometry, material);
-      mesh.frustumCulled = false;
-      this.scene.add(mesh);
-      return material;
-    });
-    this.corners = corners;
-    this.lines = new Three.LineSegments(new Three.BufferGeometry(),
-      new Three.LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }));
-    this.lines.frustumCulled = false;
-    this.lines.renderOrder = 1;
-    this.scene.add(this.lines);
-    this.deepest = Math.max(...recording.frames.map((frame) => frame.deepest));
+  setFloor(box) {
+    if (this.floor) {
+      this.scene.remove(this.floor);
+      this.floor.dispose();
+      this.floor = null;
+    }
+    if (!box) return;
+    const size = 2 * Math.ceil(Math.max(box.max.x - box.min.x, box.max.z - box.min.z));
+    this.floor = new Three.GridHelper(size, 2 * size, 0x888888, 0x888888);
+    this.floor.material.transparent = true;
+    this.floor.material.opacity = 0.5;
+    this.scene.add(this.floor);
   }
 
-  resize(stage) {
-    const { clientWidth: width, clientHeight: height } = stage;
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.stage;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
@@ -87,30 +82,29 @@ export class Player {
 
   show(frame) {
     this.frame = frame;
-    const recorded = this.recording.frames[frame];
-    this.attribute.array.set(positions(this.recording, recorded.positions));
-    this.attribute.needsUpdate = true;
+    const { positions, contacts } = this.recording.frames[frame];
+    this.positions.array.set(positions);
+    this.positions.needsUpdate = true;
     this.findNormals();
-    const ends = positions(this.recording, recorded.contacts);
-    const colours = new Float32Array(ends.length);
-    const colour = new Three.Color();
-    for (let i = 0; i < ends.length; i += 6) {
-      const depth = Math.hypot(ends[i] - ends[i + 3], ends[i + 1] - ends[i + 4], ends[i + 2] - ends[i + 5]);
+    const shades = new Float32Array(contacts.length);
+    const shade = new Three.Color();
+    for (let i = 0; i < contacts.length; i += 6) {
+      const depth = length(contacts, i);
       // From blue, shallow, to red, deep.
-      colour.setHSL(0.62 * (1 - Math.min(depth / this.deepest, 1)), 0.95, 0.5);
-      for (const end of [0, 3]) colour.toArray(colours, i + end);
+      shade.setHSL(0.62 * (1 - Math.min(depth / this.deep, 1)), 0.95, 0.5);
+      for (const end of [0, 3]) shade.toArray(shades, i + end);
     }
     this.lines.geometry.dispose();
     this.lines.geometry = new Three.BufferGeometry();
-    this.lines.geometry.setAttribute("position", new Three.BufferAttribute(ends, 3));
-    this.lines.geometry.setAttribute("color", new Three.BufferAttribute(colours, 3));
-    this.contactCount = ends.length / 6;
+    this.lines.geometry.setAttribute("position", new Three.BufferAttribute(contacts, 3));
+    this.lines.geometry.setAttribute("color", new Three.BufferAttribute(shades, 3));
+    this.contactCount = contacts.length / 6;
     this.render();
   }
 
   /** Sums of the surrounding triangles' normals; lights want no unit length. */
   findNormals() {
-    const [p, n, c] = [this.attribute.array, this.normals.array, this.corners];
+    const [p, n, c] = [this.positions.array, this.normals.array, this.recording.corners];
     n.fill(0);
     for (let t = 0; t < c.length; t += 3) {
       const [a, b, d] = [3 * c[t], 3 * c[t + 1], 3 * c[t + 2]];
@@ -124,8 +118,7 @@ export class Player {
 
   /** Arrow keys turn, + and − come nearer and go away. */
   turn(event) {
-    const offset = this.camera.position.clone().sub(this.controls.target);
-    const sphere = new Three.Spherical().setFromVector3(new Three.Vector3(offset.x, offset.z, -offset.y));
+    const sphere = new Three.Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target));
     const steps = {
       ArrowLeft: () => (sphere.theta -= 0.1), ArrowRight: () => (sphere.theta += 0.1),
       ArrowUp: () => (sphere.phi -= 0.1), ArrowDown: () => (sphere.phi += 0.1),
@@ -135,8 +128,7 @@ export class Player {
     event.preventDefault();
     steps[event.key]();
     sphere.makeSafe();
-    const turned = new Three.Vector3().setFromSpherical(sphere);
-    this.camera.position.copy(this.controls.target).add(new Three.Vector3(turned.x, -turned.z, turned.y));
+    this.camera.position.setFromSpherical(sphere).add(this.controls.target);
     this.controls.update();
   }
 
@@ -145,41 +137,94 @@ export class Player {
   }
 }
 
+/** The number that so large a part of them does not exceed; 0 of none. */
+function quantile(numbers, part) {
+  return Float64Array.from(numbers).sort()[Math.floor((numbers.length - 1) * part)] ?? 0;
+}
+
+/** Around nearly all points of nearly all frames: some bodies fly far. */
+function usualBox(frames) {
+  const bound = (part) => [0, 1, 2].map((axis) => {
+    const some = frames.filter((_, i) => i % 4 === 0);
+    return quantile(some.flatMap(({ positions }) => Array.from(positions.filter((_, i) => i % 15 === axis))), part);
+  });
+  return new Three.Box3(new Three.Vector3(...bound(0.005)), new Three.Vector3(...bound(0.995)));
+}
+
+function length(contacts, i) {
+  return Math.hypot(contacts[i] - contacts[i + 3], contacts[i + 1] - contacts[i + 4], contacts[i + 2] - contacts[i + 5]);
+}
+
+/** The depth that few contacts exceed. */
+function usuallyDeep(frames) {
+  const depths = frames.flatMap(({ contacts }) => Array.from({ length: contacts.length / 6 }, (_, i) => length(contacts, 6 * i)));
+  return quantile(depths, 0.98);
+}
+
+/** One for each body: blue and orange, then around the circle by the golden angle. */
+function colours(vertexCounts) {
+  const all = [];
+  vertexCounts.forEach((count, body) => {
+    const hue = 0.575 + (body === 1 ? 0.5 : 0.618034 * body);
+    const [r, g, b] = new Three.Color().setHSL(hue % 1, 0.62, 0.48);
+    for (let i = 0; i < count; ++i) all.push(r, g, b);
+  });
+  return new Three.BufferAttribute(Float32Array.from(all), 3);
+}
+
 /** Ties the player to the page's controls. */
-export function start(recording) {
-  const stage = document.getElementById("stage");
-  if (!recording) {
+export function start(recordings) {
+  const at = (id) => document.getElementById(id);
+  const stage = at("stage");
+  if (recordings.length === 0) {
     stage.innerHTML = '<p class="absent">Not recorded.</p>';
     return;
   }
-  const at = (id) => document.getElementById(id);
   let player;
   try {
-    player = new Player(recording, stage);
-  } catch (error) {
+    player = new Player(stage);
+  } catch {
     stage.innerHTML = '<p class="absent">This browser shows no 3-D pictures (WebGL is off).</p>';
     return;
   }
-  at("frame").max = player.count - 1;
-  at("deepest").textContent = `${player.deepest.toFixed(2)} m`;
+  let playing = false;
+  let shownSince = 0;
+  const frameCount = () => player.recording.frames.length;
   const show = (frame) => {
     player.show(frame);
     at("frame").value = frame;
-    at("frame-text").textContent = `${frame + 1} of ${player.count}, ${player.contactCount} contacts`;
+    const seconds = player.recording.frames[frame].time.toFixed(2);
+    at("frame-text").textContent = `${seconds} s, ${player.contactCount} contacts`;
     stage.dataset.frame = frame;
     stage.dataset.contacts = player.contactCount;
   };
+  const open = async ({ name, title, floor, packed }) => {
+    at("demo").disabled = true; // one after the other
+    player.open(await unpack(packed), floor);
+    at("demo").disabled = false;
+    player.renderer.domElement.setAttribute("aria-label", `${title}; arrow keys turn the picture`);
+    at("frame").max = frameCount() - 1;
+    at("deepest").textContent = player.deep > 0 ? `${player.deep.toFixed(2)} m and more` : "(no contacts)";
+    stage.dataset.recording = name;
+    show(0);
+  };
   const tick = (time) => {
-    if (!player.playing) return;
-    if (time - player.last > 80) {
-      player.last = time;
-      show((player.frame + 1) % player.count);
+    if (!playing) return;
+    if (time - shownSince > frameTime) {
+      shownSince = time;
+      show((player.frame + 1) % frameCount());
     }
     requestAnimationFrame(tick);
   };
+  for (const { name, title } of recordings) at("demo").append(new Option(title, name));
+  at("demo").addEventListener("change", async () => {
+    await open(recordings.find(({ name }) => name === at("demo").value));
+    at("demo").focus();
+  });
   at("play").addEventListener("click", () => {
-    player.playing = !player.playing;
-    at("play").textContent = player.playing ? "Pause" : "Play";
+    if (!player.recording) return;
+    playing = !playing;
+    at("play").textContent = playing ? "Pause" : "Play";
     requestAnimationFrame(tick);
   });
   at("frame").addEventListener("input", () => show(Number(at("frame").value)));
@@ -188,15 +233,13 @@ export function start(recording) {
     player.render();
   });
   at("wireframe").addEventListener("change", () => {
-    for (const material of player.materials) material.wireframe = at("wireframe").checked;
+    player.material.wireframe = at("wireframe").checked;
     player.render();
   });
   at("opacity").addEventListener("input", () => {
-    for (const material of player.materials) {
-      material.opacity = Number(at("opacity").value);
-      material.depthWrite = material.opacity === 1;
-    }
+    player.material.opacity = Number(at("opacity").value);
+    player.material.depthWrite = player.material.opacity === 1;
     player.render();
   });
-  show(0);
+  open(recordings[0]);
 }

@@ -1,5 +1,6 @@
 // The charts, drawn with Observable Plot from the rows.
 import * as Plot from "@observablehq/plot";
+import { labels } from "./labels.js";
 import { families, family, front, isDefault, short } from "./settings.js";
 
 const style = { background: "transparent", fontSize: "13px" };
@@ -17,35 +18,29 @@ export function show(name, rows, draw) {
   return plot;
 }
 
-export function speedAndAccuracy(rows, measure, width) {
+/** With `everyLabel` all points are labelled, else those of the front; `told` is called with how many had no room. */
+export function speedAndAccuracy(rows, measure, { width, everyLabel, told }) {
   const known = rows.filter((row) => measure.of(row) !== null);
   // Nothing wrong at all has no place on a logarithmic axis: it stands at the lower end.
-  const error = (row) => Math.max(measure.of(row), measure.least);
+  const y = (row) => Math.max(measure.of(row), measure.least);
   const x = "time_floor_multiple";
   const best = front(known, measure);
-  // One line of text for each height, first that of the default.
-  const heights = known.map((row) => Math.log(error(row)));
-  const line = 0.035 * (Math.max(...heights) - Math.min(...heights));
-  const written = known.filter(isDefault).map((row) => Math.log(error(row)));
-  const labelled = best.filter((row) => {
-    const height = Math.log(error(row));
-    return written.every((other) => Math.abs(other - height) > line) && written.push(height);
-  });
-  // Below and to the left of the front there is no point.
-  const beside = { textAnchor: "end", dx: -9, dy: 9, fill: "currentColor", fontSize: 12 };
+  const isFirst = (row) => best.includes(row) || isDefault(row);
   const title = (row) => `${row.method}\n${row.settings.replaceAll(" ", "\n")}\n${figures(row)}`;
+  const text = (row) => (isDefault(row) ? `${short(row)} (default)` : short(row));
   return Plot.plot({
-    style, width, height: 540, marginLeft: 60, marginBottom: 48, marginRight: 30, insetLeft: width < 600 ? 85 : 110, insetBottom: 16, grid: true,
+    style, width, height: everyLabel ? 720 : 540, marginLeft: 60, marginBottom: 48, marginRight: 30, grid: true,
+    // Room for labels.
+    insetLeft: width < 600 ? 30 : 80, insetBottom: 24, insetTop: 16, insetRight: width < 600 ? 30 : 80,
     x: { type: "log", label: "time of a step, times the floor's →", labelOffset: 42, tickFormat: "~g" },
     y: { type: "log", label: `↑ ${measure.unit}`, tickFormat: "~g" },
     color: { legend: true, domain: families.map((f) => f.name), range: families.map((f) => f.colour) },
     marks: [
-      Plot.line(best, { x, y: error, stroke: "currentColor", strokeOpacity: 0.5 }),
-      Plot.dot(known, { x, y: error, fill: family, r: 5, fillOpacity: 0.75, className: "points" }),
-      Plot.dot(known.filter(isDefault), { x, y: error, r: 10, stroke: "currentColor", strokeWidth: 2 }),
-      Plot.text(labelled, { x, y: error, text: short, ...beside }),
-      Plot.text(known.filter(isDefault), { x, y: error, text: () => "default", ...beside, dx: -14, fontWeight: "bold" }),
-      Plot.tip(known, Plot.pointer({ x, y: error, title, maxRadius: 30 })),
+      Plot.line(best, { x, y, stroke: "currentColor", strokeOpacity: 0.5 }),
+      Plot.dot(known, { x, y, fill: family, r: 5, fillOpacity: 0.75, className: "points" }),
+      Plot.dot(known.filter(isDefault), { x, y, r: 10, stroke: "currentColor", strokeWidth: 2 }),
+      labels(everyLabel ? known : known.filter(isFirst), { x, y, text, isFirst, told }),
+      Plot.tip(known, Plot.pointer({ x, y, title, maxRadius: 30 })),
     ],
   });
 }

@@ -21,6 +21,21 @@ export function family(row) {
   return families.find((family) => family.fits(row)).name;
 }
 
+/** What can be left out of the chart. */
+export const variants = [
+  { key: "double", name: "double precision", isShown: true, fits: (row) => isOurs(row) && row.settings.includes("precision=f64") },
+  { key: "classic", name: "classic octree", isShown: false, fits: (row) => row.settings.includes("layout=classic") },
+  { key: "no-edges", name: "without edges", isShown: false,
+    fits: (row) => row.method === "raycontact" && row.settings.includes("edges=off") },
+  { key: "weights", name: "the paper's weights", isShown: true,
+    fits: (row) => row.method === "raycontact" && row.settings.includes("weights=paper") },
+  { key: "others", name: "other programs", isShown: true, fits: (row) => !isOurs(row) },
+];
+
+function isOurs(row) {
+  return row.method === "raycontact" || row.method === "paper";
+}
+
 export const measures = [
   { key: "force", name: "net force and torque", unit: "error, %", least: 0.01, of: (row) => percent(row.force_error) },
   { key: "missed", name: "vertices inside without a contact", unit: "missed, %", least: 0.01,
@@ -66,7 +81,7 @@ function settingsOf(row) {
 /** In a few words: what is not said is as in the defaults. */
 export function short(row) {
   const { sampling, precision, layout, edges, weights } = settingsOf(row);
-  if (row.method !== "raycontact" && row.method !== "paper") return row.method;
+  if (!isOurs(row)) return row.method + (row.settings.includes("weights=area") ? ", area weights" : "");
   const words = [row.method === "paper" ? "the paper's mode" : sampling.replace(":", " ")];
   if (precision === "f64") words.push("f64");
   if (layout === "classic") words.push("classic");
@@ -77,7 +92,7 @@ export function short(row) {
 
 /** The options in C; a comment for what is not the library. */
 export function code(row) {
-  if (row.method !== "raycontact" && row.method !== "paper") return `/* ${row.method}: not a setting of raycontact */\n`;
+  if (!isOurs(row)) return `/* ${row.method}: not a setting of raycontact */\n`;
   const settings = settingsOf(row);
   const [sampling, amount] = settings.sampling.split(":");
   const lines = [
