@@ -16,22 +16,13 @@ END
 }
 
 source scripts/peers.sh
-read_size "${1:-quick}"
+start_measuring out/bench/detect.csv docs/performance "$@"
 (($# == 0)) || shift
 
-scripts/setup.sh
-bench="$(build_bench)"
-
 if [[ $measures == false ]]; then
-    [[ -r out/bench/detect.csv ]] || fail "there is no out/bench/detect.csv yet: run 'scripts/bench.sh full' first"
-    mkdir -p docs/performance
-    cp out/bench/detect.csv docs/performance/
     "$bench" --out docs/performance --document docs/performance.md
     say "Renewed: $root/docs/performance.md"
     exit 0
 fi
-
-peers="$(build_peers)"
-say 'Measuring'
 "$bench" "${size[@]}" --out out/bench --peers "$peers" "$@"
 say "Times and charts: $root/out/bench"

@@ -19,20 +19,19 @@ END
 }
 
 source scripts/peers.sh
-read_size "${1:-quick}"
+start_measuring out/chart/chart.csv docs/chart "$@"
 (($# == 0)) || shift
 
-scripts/setup.sh
-bench="$(build_bench)"
 if [[ $measures == false ]]; then
-    [[ -r out/chart/chart.csv ]] || fail "there is no out/chart/chart.csv yet: run 'scripts/chart.sh quick' first"
-    mkdir -p docs/chart
-    cp out/chart/chart.csv docs/chart/
     "$bench" chart --draw --out docs/chart
     say "Renewed: $root/docs/chart; 'scripts/report.sh' renews the page"
     exit 0
 fi
-peers="$(build_peers)"
-say 'Measuring'
-"$bench" chart ${size[@]+"${size[@]}"} --out out/chart --peers "$peers" "$@"
+# Names of files are the caller's.
+options=()
+for option in "$@"; do
+    [[ -f "$caller_dir/$option" ]] && option="$(absolute_path "$option")"
+    options+=("$option")
+done
+"$bench" chart "${size[@]}" --out out/chart --peers "$peers" "${options[@]}"
 say "Figures and charts: $root/out/chart"

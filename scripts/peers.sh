@@ -38,3 +38,19 @@ build_peers() {
     RUSTFLAGS='-C target-cpu=native' build_package --package raycontact-bench-peers --target-dir "$target/native"
     printf '%s\n' "$target/native/release/libraycontact_bench_peers.so"
 }
+
+# start_measuring <last CSV file> <its folder in docs> [quick, full or docs]: builds `bench`; then either `peers`, with `size`
+# set, or, for docs, copies the file there.
+start_measuring() {
+    read_size "${3:-quick}"
+    scripts/setup.sh
+    bench="$(build_bench)"
+    if [[ $measures == true ]]; then
+        peers="$(build_peers)"
+        say 'Measuring'
+        return
+    fi
+    [[ -r "$1" ]] || fail "there is no $1 yet: run 'scripts/$(basename "$0") full' first"
+    mkdir -p "$2"
+    cp "$1" "$2/"
+}

@@ -2,6 +2,7 @@
 // What every peer needs of a body besides its own structure: the box, and vertex normals.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -40,19 +41,14 @@ class Rings {
     }
     for (uint32_t v = 0; v < body.vertex_count; ++v) {
       start_[v] = uint32_t(vertices_.size());
-      uint32_t at = next[v].at(0).first;
-      vertices_.push_back(at);
-      for (size_t i = 0; i < next[v].size(); ++i) {
-        for (const auto& [b, c] : next[v]) {
-          if (b == at) {
-            at = c;
-            if (at != next[v][0].first) vertices_.push_back(at);
-            break;
-          }
-        }
+      uint32_t first = walk_fan(next[v]);
+      // Where sheets touch in the vertex, a fan each, closed: the ways from fan to fan and back cancel out.
+      while (!next[v].empty()) {
+        vertices_.push_back(first);
+        first = walk_fan(next[v]);
+        if (next[v].empty()) vertices_.push_back(first);
       }
-      if (at != next[v][0].first) throw std::runtime_error("the surface is not closed");
-      if ((vertices_.size() - start_[v]) % 2 != 0) vertices_.push_back(at);
+      if ((vertices_.size() - start_[v]) % 2 != 0) vertices_.push_back(vertices_[start_[v]]);
     }
     start_[body.vertex_count] = uint32_t(vertices_.size());
   }
@@ -76,6 +72,22 @@ class Rings {
   }
 
  private:
+  /// Adds the vertices of the fan that the first of these triangles belongs to, takes its triangles away, and gives the
+  /// first vertex.
+  uint32_t walk_fan(std::vector<std::pair<uint32_t, uint32_t>>& triangles) {
+    const uint32_t first = triangles.at(0).first;
+    uint32_t at = first;
+    do {
+      vertices_.push_back(at);
+      const auto starts_here = [at](const auto& triangle) { return triangle.first == at; };
+      const auto found = std::find_if(triangles.begin(), triangles.end(), starts_here);
+      if (found == triangles.end()) throw std::runtime_error("the surface is not closed");
+      at = found->second;
+      triangles.erase(found);
+    } while (at != first);
+    return first;
+  }
+
   std::vector<uint32_t> start_, vertices_;
 };
 

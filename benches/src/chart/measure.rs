@@ -4,9 +4,10 @@ use super::load::{Loads, Moment, Weights};
 use super::row::Row;
 use super::scene::{Limits, Scene, shortest_mean_edge};
 use super::setting::{self, Setting};
+use crate::clock;
 use crate::host::{Frame, Host};
 use crate::library::Whole;
-use crate::measure::{ROUNDS, frames, median, time_round};
+use crate::measure::{ROUNDS, frames, median};
 use crate::method::{Method, Push};
 use crate::oracle;
 use crate::peer;
@@ -18,10 +19,15 @@ use std::collections::BTreeSet;
 /// The steps whose contacts are judged.
 const JUDGED: [u32; 3] = [0, 5, 10];
 
+/// Microseconds that a round of one setting should take: slow ones make fewer steps, but no fewer than these.
+const ROUND: f64 = 4e5;
+const FEWEST_STEPS: usize = 3;
+
 struct Running {
     setting: Setting,
     method: Box<dyn Method>,
-    times: Vec<f64>,
+    /// Times of its steps over those of the floor's just before, of each round.
+    multiples: Vec<f64>,
 }
 
 /// What every method is held against at one step.
@@ -32,7 +38,12 @@ struct Truth {
 }
 
 /// Measures all settings on one scene, interleaved, and writes into `progress` what goes on.
-pub fn run(scene: &Scene, full: bool, peers: &peer::Library, progress: &ProgressBar) -> Result<Vec<Row>, String> {
+pub fn run(
+    scene: &Scene,
+    settings: &[Setting],
+    peers: &peer::Library,
+    progress: &ProgressBar,
+) -> Result<Vec<Row>, String> {
     let workload = &scene.workload;
     progress.set_message(format!("{}: the limit of the law", scene.name));
     let truths = truths(scene, progress)?;
@@ -42,32 +53,49 @@ pub fn run(scene: &Scene, full: bool, peers: &peer::Library, progress: &Progress
     let mut floor_host = Host::new(&floor_workload);
     let mut floor = peers.start(&setting::peer_of("floor"), &floor_workload, &floor_host)?;
     let mut running = Vec::new();
-    for setting in setting::all(shortest_mean_edge(workload), full) {
+    for &setting in settings {
         progress.set_message(format!("{}: preparing {}", scene.name, setting.method()));
         match setting.start(workload, &host, peers) {
-            Ok(method) => running.push(Running { setting, method, times: Vec::new() }),
-            // Some peers refuse surfaces that others take, such as sheets that touch in one vertex.
-            Err(reason) => progress.println(format!("{}: without {}: {reason}", scene.name, setting.method())),
-        }
-    }
-    let mut floor_times = Vec::new();
-    for round in 0..ROUNDS {
-        let frames = frames(workload, round);
-        let floor_frames = self::frames(&floor_workload, round);
-        floor_times.extend(time_round(&mut floor, 1, &mut floor_host, &floor_frames).totals);
-        for running in &mut running {
-            progress.set_message(format!("{}: {}", scene.name, running.setting.method()));
-            running.times.extend(time_round(running.method.as_mut(), 1, &mut host, &frames).totals);
+            Ok(method) => running.push(Running { setting, method, multiples: Vec::new() }),
+            // A peer may refuse a surface.
+            Err(reason) => say(progress, format!("{}: without {}: {reason}", scene.name, setting.method())),
         }
     }
     let vertices = |workload: &Workload| workload.bodies.iter().map(|body| body.rest.len()).sum::<usize>() as f64;
-    let floor_time = median(floor_times) * vertices(workload) / vertices(&floor_workload);
+    let share = vertices(workload) / vertices(&floor_workload);
+    for round in 0..ROUNDS {
+        let frames = frames(workload, round);
+        let floor_frames = self::frames(&floor_workload, round);
+        for running in &mut running {
+            progress.set_message(format!("{}, round {}: {}", scene.name, round + 1, running.setting.method()));
+            let floor_time = time_round(&mut floor, &mut floor_host, &floor_frames) * share;
+            running.multiples.push(time_round(running.method.as_mut(), &mut host, &frames) / floor_time);
+        }
+    }
     let mut rows = Vec::new();
     for running in &mut running {
         progress.set_message(format!("{}: judging {}", scene.name, running.setting.method()));
-        rows.extend(running.judge(scene, &truths, &mut host, floor_time));
+        rows.extend(running.judge(scene, &truths, &mut host));
     }
     Ok(rows)
+}
+
+/// Also where no progress is shown.
+fn say(progress: &ProgressBar, text: String) {
+    progress.suspend(|| eprintln!("{text}"));
+}
+
+/// Microseconds of a step: the median of those after the first third, which warms up.
+fn time_round(method: &mut dyn Method, host: &mut Host, frames: &[Frame]) -> f64 {
+    let mut step = |frame: &Frame| {
+        host.write(frame);
+        clock::time(1, || method.step(host)).0
+    };
+    let first = step(&frames[0]);
+    let count = ((ROUND / first) as usize).clamp(FEWEST_STEPS, frames.len());
+    let times: Vec<f64> = frames[1..count].iter().map(step).collect();
+    let warm_up = count / 3 - 1;
+    median(times[warm_up..].to_vec())
 }
 
 /// Tori with about as many vertices: the floor knows no other bodies, and only the number counts.
@@ -105,11 +133,27 @@ fn truths(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Truth>, String> {
             }
             let inside: usize = found.iter().map(|truth| truth.inside.len()).sum::<usize>() / found.len();
             let name = &scene.name;
-            progress.println(format!("{name}: {inside} vertices inside, limit known to {:.4} %", still * 100.0));
+            say(progress, format!("{name}: {inside} vertices inside, limit known to {:.4} %", still * 100.0));
         }
         coarser = Some(loads);
     }
+    if matches!(scene.limits, Limits::Finer(_)) {
+        let surfaces = surface_error(&scene.workload, &found, &mut host)?;
+        say(progress, format!("{}: the surfaces themselves are off by {:.3} %", scene.name, surfaces * 100.0));
+    }
     Ok(found)
+}
+
+/// The force error of the triangulation, which no rays can mend: that of the law on the surfaces as they are measured.
+fn surface_error(workload: &Workload, truths: &[Truth], host: &mut Host) -> Result<f64, String> {
+    let edge = shortest_mean_edge(workload);
+    let [coarser, finer] = [edge / 4.0, edge / 8.0].map(|spacing| limit_loads(workload, Sampling::Spacing(spacing)));
+    let mut sum = 0.0;
+    for ((truth, coarser), finer) in truths.iter().zip(coarser?).zip(finer?) {
+        host.write(&truth.frame);
+        sum += Moment::new(workload, host).difference(&truth.limit, &finer.extrapolated(&coarser)).force;
+    }
+    Ok(sum / truths.len() as f64)
 }
 
 /// The law at the judged steps with as many rays as `sampling` says, in double precision.
@@ -126,7 +170,7 @@ fn limit_loads(workload: &Workload, sampling: Sampling<f64>) -> Result<Vec<Loads
 }
 
 impl Running {
-    fn judge(&mut self, scene: &Scene, truths: &[Truth], host: &mut Host, floor_time: f64) -> Vec<Row> {
+    fn judge(&mut self, scene: &Scene, truths: &[Truth], host: &mut Host) -> Vec<Row> {
         let setting = self.setting;
         let weights = setting.weights();
         let mut rows: Vec<Row> = weights
@@ -135,7 +179,7 @@ impl Running {
                 scene: scene.name.clone(),
                 method: setting.method().to_owned(),
                 settings: setting.describe(*weights),
-                time_floor_multiple: median(self.times.clone()) / floor_time,
+                time_floor_multiple: median(self.multiples.clone()),
                 force_error: setting.has_comparable_force().then_some(0.0),
                 recall: setting.knows_vertices().then_some(0.0),
                 direction_error: 0.0,

@@ -36,9 +36,12 @@ pub struct Arguments {
     /// Only these scenes.
     #[arg(long, value_delimiter = ',')]
     scenes: Vec<String>,
-    /// Two closed surfaces for the scene `given`, as Wavefront files; without them two are generated.
+    /// Two closed surfaces as Wavefront files: one scene more, `given`, called after them.
     #[arg(long, num_args = 2)]
     files: Vec<PathBuf>,
+    /// Spacings of rays, in mean edges of the scene's finest body.
+    #[arg(long, value_delimiter = ',', default_value = "0.5,1,2,4,8,16")]
+    spacings: Vec<f64>,
     /// The shared library with the peers.
     #[arg(long, default_value = "libraycontact_bench_peers.so")]
     peers: OsString,
@@ -48,6 +51,13 @@ pub struct Arguments {
     /// Measures nothing: draws and prints the folder's chart.csv.
     #[arg(long)]
     draw: bool,
+}
+
+impl Arguments {
+    fn settings_for(&self, scene: &scene::Scene) -> Vec<setting::Setting> {
+        let edge = scene::shortest_mean_edge(&scene.workload);
+        setting::all(self.spacings.iter().map(|count| count * edge), self.full)
+    }
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), String> {
@@ -67,7 +77,10 @@ fn measure_all(arguments: &Arguments, path: &std::path::Path) -> Result<(), Stri
     let failed = |error: csv::Error| format!("cannot write {}: {error}", path.display());
     let mut csv = csv::Writer::from_path(path).map_err(failed)?;
     let names: Vec<String> = match arguments.scenes.as_slice() {
-        [] => scene::NAMES.map(str::to_owned).into(),
+        [] => {
+            let given = (!arguments.files.is_empty()).then_some(scene::GIVEN);
+            scene::NAMES.into_iter().chain(given).map(str::to_owned).collect()
+        }
         chosen => chosen.to_vec(),
     };
     let progress = ProgressBar::new(names.len() as u64);
@@ -75,7 +88,7 @@ fn measure_all(arguments: &Arguments, path: &std::path::Path) -> Result<(), Stri
     progress.set_style(style.expect("the template is right"));
     for name in names {
         let scene = scene::Scene::new(&name, &arguments.files)?;
-        for row in measure::run(&scene, arguments.full, &peers, &progress)? {
+        for row in measure::run(&scene, &arguments.settings_for(&scene), &peers, &progress)? {
             csv.serialize(row).map_err(failed)?;
         }
         csv.flush().map_err(|e| failed(e.into()))?;

@@ -25,17 +25,26 @@ pub enum Limits {
     Spacings([f64; 2]),
 }
 
-/// The names of the scenes that are generated.
-pub const NAMES: [&str; 6] = ["deep-tori", "stack", "grazing", "spike", "resolution", "given"];
+/// The scenes that are generated.
+pub const NAMES: [&str; 6] = ["deep-tori", "stack", "grazing", "spike", "resolution", "bumpy"];
+/// The scene of two surfaces from files.
+pub const GIVEN: &str = "given";
 
 impl Scene {
-    /// One of [`NAMES`]; `files` are the surfaces of `given`, else two are generated for it.
+    /// One of [`NAMES`], or [`GIVEN`], which is called after its two files.
     pub fn new(name: &str, files: &[PathBuf]) -> Result<Self, String> {
-        let workload = |bodies| Workload { name: name.to_owned(), bodies, ripple: RIPPLE };
-        if name == "given" {
-            let workload = workload(given(files)?);
+        let workload = |name: &str, bodies| Workload { name: name.to_owned(), bodies, ripple: RIPPLE };
+        if name == GIVEN || name == "bumpy" {
+            let (name, shapes) = if name == GIVEN {
+                let [first, second] = files else { return Err("the scene 'given' needs two files".to_owned()) };
+                (stems([first, second]), [read(first)?, read(second)?])
+            } else {
+                (name.to_owned(), [bumpy(5.0, 30), bumpy(3.0, 36)])
+            };
+            let [first, second] = shapes;
+            let workload = workload(&name, pair(first, second, [0.6, 0.25, 0.9]));
             let edge = shortest_mean_edge(&workload);
-            return Ok(Self { name: name.to_owned(), workload, limits: Limits::Spacings([edge / 4.0, edge / 8.0]) });
+            return Ok(Self { name, workload, limits: Limits::Spacings([edge / 4.0, edge / 8.0]) });
         }
         let bodies: fn(usize) -> Vec<Body> = match name {
             "deep-tori" => |finer| pair(torus(160 * finer), torus(160 * finer), [0.25, 0.1, 0.3]),
@@ -43,10 +52,10 @@ impl Scene {
             "grazing" => |finer| pair(torus(160 * finer), torus(160 * finer), [2.0 * (1.0 + TUBE) - 0.047, 0.0, 0.0]),
             "spike" => spike_in_ball,
             "resolution" => fine_in_coarse,
-            _ => return Err(format!("there is no scene '{name}'; there are {}", NAMES.join(", "))),
+            _ => return Err(format!("there is no scene '{name}'; there are {} and {GIVEN}", NAMES.join(", "))),
         };
-        let limits = Limits::Finer([2, 4].map(|finer| workload(bodies(finer))));
-        Ok(Self { name: name.to_owned(), workload: workload(bodies(1)), limits })
+        let limits = Limits::Finer([2, 4].map(|finer| workload(name, bodies(finer))));
+        Ok(Self { name: name.to_owned(), workload: workload(name, bodies(1)), limits })
     }
 }
 
@@ -109,17 +118,12 @@ fn fine_in_coarse(finer: usize) -> Vec<Body> {
     vec![fine, body(shapes::cuboid([-2.2, -2.1, -4.0], [2.1, 2.2, 0.0]), |point| *point)]
 }
 
-/// Two surfaces from files, each scaled to the size of the tori, the second shifted into the first; else generated.
-fn given(files: &[PathBuf]) -> Result<Vec<Body>, String> {
-    let shapes = match files {
-        [] => [bumpy(5.0, 30), bumpy(3.0, 36)],
-        [first, second] => [read(first)?, read(second)?],
-        _ => return Err(format!("give no surface or two, not {}", files.len())),
-    };
-    let [first, second] = shapes;
-    Ok(pair(first, second, [0.6, 0.25, 0.9]))
+/// `cow.obj` and `spot.obj`: `cow-spot`.
+fn stems(files: [&PathBuf; 2]) -> String {
+    files.map(|file| file.file_stem().unwrap_or_default().to_string_lossy().replace(',', " ")).join("-")
 }
 
+/// A surface scaled to the size of the tori.
 fn read(path: &Path) -> Result<Shape, String> {
     let (positions, triangles) = read_obj_file(path).map_err(|error| error.to_string())?;
     let bound = |axis: usize, pick: fn(f64, f64) -> f64| positions.iter().map(|p| p[axis]).reduce(pick).unwrap_or(0.0);

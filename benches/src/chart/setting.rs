@@ -32,15 +32,12 @@ const DEFAULT: Ours =
     Ours { sampling: Sampling::Automatic, precision: Precision::F32, layout: Layout::Wide, edges: true, escape: true };
 const PAPER: Ours = Ours { sampling: Sampling::Vertices, edges: false, escape: false, ..DEFAULT };
 
-/// Spacings in edges of the scene's finest body.
-const SPACINGS: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 const TOLERANCES: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
 
-/// Every setting for a scene whose finest edges are `edge` long: one thing at a time beside the defaults, or with `full`
-/// each with each.
-pub fn all(edge: f64, full: bool) -> Vec<Setting> {
+/// Every setting for a scene: one thing at a time beside the defaults, or with `full` each with each.
+pub fn all(spacings: impl Iterator<Item = f64>, full: bool) -> Vec<Setting> {
     let mut samplings = vec![Sampling::Vertices, Sampling::Automatic];
-    samplings.extend(SPACINGS.map(|count| Sampling::Spacing(round(count * edge))));
+    samplings.extend(spacings.map(|length| Sampling::Spacing(round(length))));
     samplings.extend(TOLERANCES.map(Sampling::Tolerance));
     let mut settings = Vec::new();
     for &sampling in &samplings {
@@ -168,7 +165,7 @@ mod tests {
     #[test]
     fn the_default_is_among_the_settings_by_the_words_that_mark_it() {
         let is_default = |setting: &Setting| setting.describe(Weights::Area) == crate::chart::row::DEFAULT;
-        let found: Vec<Setting> = all(0.1, true).into_iter().filter(is_default).collect();
+        let found: Vec<Setting> = all([0.1].into_iter(), true).into_iter().filter(is_default).collect();
         assert_eq!(found, [Setting::Ours(DEFAULT)]);
     }
 }
