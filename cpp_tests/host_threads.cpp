@@ -110,7 +110,7 @@ void contradictions_are_refused() {
 }  // namespace
 
 int main() {
-  for (const Bodies& bodies : {Bodies{2, 64, 32}, Bodies{12, 16, 8}}) {
+  for (const Bodies& bodies : {Bodies{2, 80, 40}, Bodies{12, 24, 16}}) {
     const std::vector<rayc_contact> expected = contacts_of(options_with(1), bodies);
     CHECK(expected.size() > 10 * bodies.count);
     all_threads_find_the_same(bodies, expected);

@@ -38,7 +38,7 @@ struct ThrowingHost {
 
 Scene scene_of_tori(const rayc_scene_options& options, uint32_t count) {
   Scene scene(options);
-  const Torus shape = count < 8 ? torus(64, 32) : torus(12, 8);
+  const Torus shape = count < 8 ? torus(80, 40) : torus(24, 16);
   for (uint32_t k = 0; k < count; ++k) {
     const Torus moved = in_row(shape, k);
     scene.add(Mesh(vectors(moved.positions), moved.triangles));
