@@ -101,20 +101,12 @@ void a_ray_hits_where_it_should() {
 /** All that a scene and its contacts offer, on the example of README.md, whose forces have a closed form. */
 void a_scene_answers_as_the_c_functions_do() {
   std::vector<Point> a = corners, b = shifted(0.2);
-  std::size_t lent = 0;
-  auto host = [&lent](std::size_t count, auto task) {
-    ++lent;
-    for (std::size_t i = 0; i < count; ++i) task(i);
-  };
-  rayc_scene_options options = default_scene_options();
-  lend_threads(options, host);
-  Scene scene(options);
+  Scene scene(default_scene_options());
   scene.add(Mesh(vectors(a), faces));
   scene.add(Mesh(vectors(corners), faces));
   scene.set_positions(1, vectors(b));
   Contacts contacts;
   scene.query(contacts);
-  CHECK(lent > 0);
 
   const std::size_t count = contacts.size();
   CHECK(count > 0 && contacts.statistics().contacts == count);
