@@ -53,9 +53,22 @@ std::unique_ptr<btRigidBody> rigid(btCollisionShape& shape, double mass, const b
   return body;
 }
 
-// In empty space a rigid ball meets a soft cube: what one loses the other gains, in every step.
-void momentum_passes_between() {
-  const char* test = "momentum";
+/** A torus with ring radius 1 about y and tube radius 0.4, scaled. */
+bullet::RigidSurface ring(btScalar scale) {
+  const demo::Surface torus = demo::torus();
+  bullet::RigidSurface surface{{}, torus.triangles};
+  for (std::size_t i = 0; i < torus.positions.size(); i += 3) {
+    const btVector3 point(btScalar(torus.positions[i]), btScalar(torus.positions[i + 1]),
+                          btScalar(torus.positions[i + 2]));
+    surface.points.push_back(scale * point);
+  }
+  return surface;
+}
+
+// In empty space a rigid ball, or a ring of triangles, meets a soft cube: what one loses the other gains, in every
+// step.
+void momentum_passes_between(bool is_ring) {
+  const char* test = is_ring ? "momentum of a ring" : "momentum";
   demo::SoftWorld world(2e4, 0.3, stiff_contact());
   btSoftBody& soft = world.add(cube_at(0, 0, 0), 3);
   btSphereShape shape(btScalar(0.4));
@@ -63,7 +76,7 @@ void momentum_passes_between() {
   ball->setLinearVelocity(btVector3(2, 0, 0));
   ball->setActivationState(DISABLE_DEACTIVATION);
   world.world().addRigidBody(ball.get(), 0, 0);
-  world.contact().add_rigid_body(*ball);
+  world.contact().add_rigid_body(*ball, is_ring ? ring(btScalar(0.4 / 1.4)) : bullet::surface_of_shape(shape));
   const double dt = 0.02;
   double most_force = 0;
   for (int step = 0; step < 100; ++step) {
@@ -84,6 +97,78 @@ void momentum_passes_between() {
   expect(double(ball->getAngularVelocity().length()) > 1e-3, test, "the ball, hit off its middle, turns");
   world.contact().remove_rigid_body(*ball);
   world.world().removeRigidBody(ball.get());
+}
+
+// A ring flies past a soft cube that stands in its hole and touches nothing; its hull takes the cube along.
+void a_cube_in_the_hole_of_a_ring() {
+  for (const bool is_hull : {false, true}) {
+    const char* test = is_hull ? "hull of a ring" : "hole of a ring";
+    demo::SoftWorld world(2e4, 0.3, stiff_contact());
+    btSoftBody& soft = world.add(cube_at(-0.5, -0.5, -0.5), 3);
+    btConvexHullShape hull;
+    const bullet::RigidSurface torus = ring(2);
+    for (const btVector3& point : torus.points) hull.addPoint(point);
+    const auto flying = rigid(hull, 2, btVector3(0, btScalar(-1.5), 0));
+    flying->setLinearVelocity(btVector3(0, 3, 0));
+    flying->setActivationState(DISABLE_DEACTIVATION);
+    world.world().addRigidBody(flying.get(), 0, 0);
+    world.contact().add_rigid_body(*flying, is_hull ? bullet::surface_of_shape(hull) : torus);
+    std::size_t contacts = 0;
+    for (int step = 0; step < 50; ++step) {
+      world.step(0.02);
+      contacts += world.contact().contact_count();
+    }
+    if (is_hull) {
+      expect(contacts > 0 && double(momentum(soft).y()) > 1, test, "the cube is taken along");
+    } else {
+      expect(contacts == 0, test, "nothing is touched");
+      // Its own elasticity rounds.
+      expect_near(double(momentum(soft).length()), 0, 1e-5, test, "momentum of the cube");
+      expect_near(double(flying->getCenterOfMassPosition().y()), 1.5, 1e-4, test, "the ring is past the cube");
+    }
+    world.contact().remove_rigid_body(*flying);
+    world.world().removeRigidBody(flying.get());
+  }
+}
+
+/** Goes up at a steady speed. */
+class Lift : public btMotionState {
+ public:
+  void getWorldTransform(btTransform& transform) const override {
+    transform.setIdentity();
+    transform.setOrigin(btVector3(0, height, 0));
+  }
+  void setWorldTransform(const btTransform&) override {}
+  btScalar height = 0;
+};
+
+// A triangle mesh that the host moves: the cube on it goes with it, and weighs no more than at rest.
+void a_lift() {
+  const char* test = "lift";
+  const double dt = 0.02, speed = 0.5;
+  demo::SoftWorld world(2e4, 0.3, stiff_contact(), btVector3(0, -10, 0));
+  btSoftBody& soft = world.add(cube_at(-0.5, 0, -0.5), 3);
+  btTriangleMesh triangles;
+  const btVector3 corners[4] = {{-3, 0, -3}, {-3, 0, 3}, {3, 0, 3}, {3, 0, -3}};
+  triangles.addTriangle(corners[0], corners[1], corners[2]);
+  triangles.addTriangle(corners[0], corners[2], corners[3]);
+  btBvhTriangleMeshShape shape(&triangles, true);
+  Lift lift;
+  btRigidBody platform(btRigidBody::btRigidBodyConstructionInfo(0, &lift, &shape));
+  platform.setCollisionFlags(platform.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+  platform.setActivationState(DISABLE_DEACTIVATION);
+  world.world().addRigidBody(&platform, 0, 0);
+  world.contact().add_rigid_body(platform);
+  for (int step = 0; step < 150; ++step) {
+    lift.height += btScalar(speed * dt);
+    world.step(dt);
+  }
+  expect_near(double(platform.getCenterOfMassPosition().y()), 1.5, 1e-4, test, "height of the platform");
+  expect_near(lowest(soft), double(platform.getCenterOfMassPosition().y()), 0.02, test, "the cube stands on it");
+  expect_near(double(momentum(soft).y()) / 3, speed, 0.01, test, "speed of the cube");
+  expect_near(double(world.contact().pair_force(soft, platform).y()), 30, 1, test, "it carries the weight");
+  world.contact().remove_rigid_body(platform);
+  world.world().removeRigidBody(&platform);
 }
 
 // A stiff contact and a light rigid body at a large step: the coupling is implicit, nothing blows up.
@@ -233,7 +318,10 @@ void bad_rigid_bodies() {
 }  // namespace
 
 int main() {
-  momentum_passes_between();
+  momentum_passes_between(false);
+  momentum_passes_between(true);
+  a_cube_in_the_hole_of_a_ring();
+  a_lift();
   light_ball_between_cubes();
   static_supports();
   friction_on_a_slope();
