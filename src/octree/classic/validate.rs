@@ -81,3 +81,100 @@ impl<T: Scalar> Classic<T> {
         if covered { Ok(()) } else { Err(format!("the cells of triangle {triangle} do not cover its box")) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ball of 2 · 12 · 10 triangles, of many sizes.
+    fn ball() -> Mesh<f64> {
+        let (around, rows) = (12, 10);
+        let point = |row: u32, side: u32| {
+            let [v, u] = [(row, rows + 1, 0.5), (side, around, 1.0)]
+                .map(|(i, count, turns)| std::f64::consts::TAU * turns * f64::from(i) / f64::from(count));
+            [v.sin() * u.cos(), v.sin() * u.sin(), v.cos()]
+        };
+        let rim = (1..=rows).flat_map(|row| (0..around).map(move |side| point(row, side)));
+        let positions: Vec<_> = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
+        let index = |row: u32, side: u32| row * around + side % around;
+        let (top, bottom) = (rows * around, rows * around + 1);
+        let caps = (0..around).flat_map(|side| {
+            [[top, index(0, side), index(0, side + 1)], [bottom, index(rows - 1, side + 1), index(rows - 1, side)]]
+        });
+        let between = (1..rows).flat_map(|row| (0..around).map(move |side| (row, side))).flat_map(|(row, side)| {
+            let [a, b] = [index(row - 1, side), index(row - 1, side + 1)];
+            [[a, index(row, side), index(row, side + 1)], [a, index(row, side + 1), b]]
+        });
+        Mesh::new(&positions, &caps.chain(between).collect::<Vec<_>>()).expect("it is closed")
+    }
+
+    fn assert_said(part: &str, change: impl FnOnce(&mut Classic<f64>)) {
+        let mesh = ball();
+        let mut cells = Classic::new(&mesh);
+        cells.validate(&mesh).expect("it is whole");
+        change(&mut cells);
+        let what = cells.validate(&mesh).expect_err(part);
+        assert!(what.contains(part), "{what:?} does not say {part:?}");
+    }
+
+    /// The places of the entries at one level.
+    fn entries_at(cells: &Classic<f64>, level: u8) -> Vec<usize> {
+        let nodes = cells.nodes.iter().filter(|node| node.level == level);
+        nodes.flat_map(|node| node.first_entry as usize..node.own_end as usize).collect()
+    }
+
+    /// Levels that hold triangles.
+    fn levels(cells: &Classic<f64>) -> Vec<u8> {
+        (0..20).filter(|&level| !entries_at(cells, level).is_empty()).collect()
+    }
+
+    #[test]
+    fn faults_of_nodes_are_told() {
+        assert_said("entries belong to nodes", |cells| cells.entries.push(cells.entries[0]));
+        assert_said("leave out entries", |cells| cells.nodes[0].subtree_end -= 1);
+        assert_said("does not continue its parent 0", |cells| cells.nodes[1].level += 1);
+        assert_said("does not continue its parent 0", |cells| cells.nodes[1].first_entry += 1);
+        assert_said("node 0 does not continue its parent 0", |cells| cells.nodes[0].first_child = 0);
+        assert_said("has a child beyond the last node", |cells| cells.nodes[0].first_child = cells.nodes.len() as u32);
+    }
+
+    #[test]
+    fn triangles_in_wrong_cells_are_told() {
+        assert_said("triangle 0 is in no cell", |cells| {
+            cells.entries.iter_mut().filter(|entry| entry.triangle == 0).for_each(|entry| entry.triangle = 1);
+        });
+        assert_said("at several levels", |cells| {
+            let levels = levels(cells);
+            assert!(levels.len() > 1);
+            for level in levels {
+                let place = entries_at(cells, level)[0];
+                cells.entries[place].triangle = 0;
+            }
+        });
+        assert_said("triangle 0 is in ", |cells| {
+            let level = levels(cells).into_iter().max_by_key(|&level| entries_at(cells, level).len()).expect("some");
+            cells.entries.iter_mut().filter(|entry| entry.triangle == 0).for_each(|entry| entry.triangle = 1);
+            let places = entries_at(cells, level);
+            places.into_iter().take(9).for_each(|place| cells.entries[place].triangle = 0);
+        });
+    }
+
+    /// Cells of one position of the mesh, held against another.
+    #[test]
+    fn cells_of_other_positions_are_told() {
+        let mut mesh = ball();
+        let cells = Classic::new(&mesh);
+        let rest = mesh.positions().to_vec();
+        let mut said_of = |map: &dyn Fn(&Vector3<f64>) -> Vector3<f64>| {
+            mesh.set_positions_with(rest.len(), |vertex| map(&rest[vertex])).expect("finite");
+            cells.validate(&mesh).expect_err("they do not fit")
+        };
+        assert!(said_of(&|point| point * 8.0).contains("is larger than its cells at level"));
+        for axis in 0..3 {
+            for by in [-0.5, 0.5] {
+                let shift = Vector3::from_fn(|a, _| if a == axis { by } else { 0.0 });
+                assert!(said_of(&|point| point + shift).contains("do not cover its box"));
+            }
+        }
+    }
+}

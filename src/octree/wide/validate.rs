@@ -99,3 +99,90 @@ impl<T: Scalar> Tile<T> {
         if self.aabb == around { Ok(()) } else { Err("its box is not that of its triangles".to_owned()) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vector3;
+
+    /// Two pyramids on one base: so many triangles that nodes have nodes under them.
+    fn bipyramid() -> Mesh<f64> {
+        let sides = 300;
+        let at = |side: u32| std::f64::consts::TAU * f64::from(side) / f64::from(sides);
+        let rim = (0..sides).map(|side| [at(side).cos(), at(side).sin(), 0.0]);
+        let positions: Vec<_> = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
+        let pair = |side| [[side, (side + 1) % sides, sides], [(side + 1) % sides, side, sides + 1]];
+        Mesh::new(&positions, &(0..sides).flat_map(pair).collect::<Vec<_>>()).expect("it is closed")
+    }
+
+    /// What is said about an octree that was whole before.
+    fn said_after(change: impl FnOnce(&mut Wide<f64>, &Mesh<f64>)) -> Result<(), String> {
+        let mesh = bipyramid();
+        let mut wide = Wide::new(&mesh);
+        assert!(wide.nodes.len() > 2 && !wide.nodes[0].is_leaf);
+        wide.validate(&mesh).expect("it is whole");
+        change(&mut wide, &mesh);
+        wide.validate(&mesh)
+    }
+
+    fn assert_said(part: &str, change: impl FnOnce(&mut Wide<f64>, &Mesh<f64>)) {
+        let what = said_after(change).expect_err(part);
+        assert!(what.contains(part), "{what:?} does not say {part:?}");
+    }
+
+    fn forget_last_triangle(tile: &mut Tile<f64>, mesh: &Mesh<f64>) {
+        tile.present >>= 1;
+        tile.aabb = Aabb::empty();
+        let corners: Vec<Vector3<f64>> = tile.triangles().iter().flat_map(|&triangle| mesh.corners(triangle)).collect();
+        corners.iter().for_each(|corner| tile.aabb.include(corner));
+    }
+
+    #[test]
+    fn faults_of_a_tile_are_told() {
+        assert_said("it has 0 triangles", |wide, _| wide.tiles[3].present = 0);
+        assert_said("tile 3: it has", |wide, mesh| {
+            forget_last_triangle(&mut wide.tiles[3], mesh);
+            wide.tiles[3].present <<= 1;
+        });
+        assert_said("are not those of its corners", |wide, _| wide.tiles[3].vertex_sets[1] ^= 1 << 15);
+        assert_said("is another vertex", |wide, _| wide.tiles[3].vertices[2] ^= 1);
+        assert_said("is not where the mesh has it", |wide, _| wide.tiles[3].positions[1][2] += 1.0);
+        assert_said("its box is not that of its triangles", |wide, _| wide.tiles[3].aabb.upper.y += 1.0);
+        let unloaded = said_after(|wide, _| {
+            let tile = &mut wide.tiles[3];
+            (tile.is_loaded, tile.positions[1][2]) = (false, 42.0);
+        });
+        assert_eq!(unloaded, Ok(()), "positions that are not loaded do not count");
+    }
+
+    #[test]
+    fn triangles_and_vertices_of_no_tile_or_of_two_are_told() {
+        assert_said("is in tiles 0 and 1", |wide, _| wide.tiles[1] = wide.tiles[0].clone());
+        assert_said("is in no tile", |wide, mesh| forget_last_triangle(&mut wide.tiles[3], mesh));
+        assert_said("is not one tile's own", |wide, _| wide.tiles[3].owned = 0);
+        assert_said("is not one tile's own", |wide, _| wide.tiles.iter_mut().for_each(|tile| tile.owned |= 1));
+    }
+
+    #[test]
+    fn faults_of_nodes_are_told() {
+        assert_said("box 1 of node 0 is not the one around its child", |wide, _| wide.nodes[0].lower[2][1] -= 1.0);
+        assert_said("box 15 of node 0", |wide, _| {
+            wide.nodes[0].set_box(15, &Aabb::of_triangle(&[Vector3::zeros(); 3]))
+        });
+        assert_said("node 0 comes before its parent 0", |wide, _| wide.nodes[0].first = 0);
+        assert_said("lies under 0 boxes", |wide, _| {
+            let root = &mut wide.nodes[0];
+            root.count -= 1;
+            root.set_box(root.count as usize, &Aabb::empty());
+        });
+        assert_said("tile ", |wide, _| {
+            // The last child of the root, which must be told of its new box.
+            let (last, place) = (wide.nodes.len() - 1, wide.nodes[0].count as usize - 1);
+            let leaf = &mut wide.nodes[last];
+            leaf.count -= 1;
+            leaf.set_box(leaf.count as usize, &Aabb::empty());
+            let around = around_children(&wide.nodes[last]);
+            wide.nodes[0].set_box(place, &around);
+        });
+    }
+}
