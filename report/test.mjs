@@ -120,10 +120,9 @@ try {
     await page.mouse.down();
     await page.mouse.up();
     await page.waitForFunction(() => document.getElementById("code").textContent.length > 0);
-    // Lets the point go.
-    await page.mouse.down();
-    await page.mouse.up();
-    await page.mouse.move(0, 0);
+    // Drawn anew, no point is held.
+    await page.select("#labels", "front");
+    await page.select("#labels", "all");
   });
   const demo = () => page.$eval("#stage", (stage) => ({ ...stage.dataset }));
   await check("the player opens each demo, at its first frame, and shows its contacts", async () => {

@@ -8,7 +8,7 @@ usage: scripts/chart.sh [quick|full|docs] [options of the measuring program]
 
 quick (default): one option at a time beside the default, some three minutes after the build.
 full: each option with each other, a quarter of an hour.
-docs: measures nothing; takes the last measurement over into docs/chart/.
+docs: measures nothing; takes the last measurement over into docs/choosing.md and docs/chart/.
 Writes out/chart/chart.csv and charts beside it, and prints the settings of each scene that none beats in both time and
 force. Further options go to the measuring program ('scripts/chart.sh quick --help' lists them). Two surfaces of your
 own as one scene more, or alone, with spacings of your own, in edges:
@@ -23,8 +23,8 @@ start_measuring out/chart/chart.csv docs/chart "$@"
 (($# == 0)) || shift
 
 if [[ $measures == false ]]; then
-    "$bench" chart --draw --out docs/chart
-    say "Renewed: $root/docs/chart; 'scripts/report.sh' renews the page"
+    "$bench" chart --draw --out docs/chart --document docs/choosing.md
+    say "Renewed: $root/docs/choosing.md; 'scripts/report.sh' renews the page"
     exit 0
 fi
 # Names of files are the caller's.

@@ -84,7 +84,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let rows = row::read(&csv)?;
     charts::draw(&rows, &arguments.out)?;
     match &arguments.document {
-        Some(document) => report::renew_tables(document, &rows)?,
+        Some(document) => report::renew_tables(document, &report::all(&rows))?,
         None => {
             let tables = [report::ratios(&rows), report::growth(&rows)].map(|table| report::aligned(&table));
             println!("{}{}", tables.join("\n"), report::faults(&rows));

@@ -1,4 +1,4 @@
-//! The tables: for the terminal, and for `docs/performance.md`.
+//! The tables: for the terminal, and for documents, of which `docs/performance.md` has these.
 
 use crate::row::{Row, labels, total, workloads};
 use std::path::Path;
@@ -6,7 +6,12 @@ use std::path::Path;
 const OURS: &str = "raycontact";
 const FLOOR: &str = "floor";
 
-type Table = Vec<Vec<String>>;
+pub type Table = Vec<Vec<String>>;
+
+/// By their names in the document.
+pub fn all(rows: &[Row]) -> [(&'static str, Table); 3] {
+    [("ratios", ratios(rows)), ("times", times(rows)), ("growth", growth(rows))]
+}
 
 /// How many times as long as raycontact each peer takes, and how raycontact stands to the floor, by workload.
 pub fn ratios(rows: &[Row]) -> Table {
@@ -33,7 +38,7 @@ pub fn ratios(rows: &[Row]) -> Table {
 }
 
 /// Microseconds of every method, by workload.
-pub fn times(rows: &[Row]) -> Table {
+fn times(rows: &[Row]) -> Table {
     let workloads = workloads(rows);
     let mut table = vec![std::iter::once("µs".to_owned()).chain(workloads.iter().cloned()).collect::<Vec<_>>()];
     for label in labels(rows) {
@@ -106,15 +111,15 @@ pub fn faults(rows: &[Row]) -> String {
 }
 
 /// Rewrites the tables of a document: each stands between `<!-- begin NAME -->` and `<!-- end NAME -->`.
-pub fn renew_tables(document: &Path, rows: &[Row]) -> Result<(), String> {
+pub fn renew_tables(document: &Path, tables: &[(&str, Table)]) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("cannot renew {}: {error}", document.display());
     let mut text = std::fs::read_to_string(document).map_err(failed)?;
-    for (name, table) in [("ratios", ratios(rows)), ("times", times(rows)), ("growth", growth(rows))] {
+    for (name, table) in tables {
         let (begin, end) = (format!("<!-- begin {name} -->\n"), format!("<!-- end {name} -->"));
         let (Some(from), Some(to)) = (text.find(&begin), text.find(&end)) else {
             return Err(format!("{} has no place for the table '{name}'", document.display()));
         };
-        text.replace_range(from + begin.len()..to, &markdown(&table));
+        text.replace_range(from + begin.len()..to, &markdown(table));
     }
     std::fs::write(document, text).map_err(failed)
 }

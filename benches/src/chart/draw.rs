@@ -9,6 +9,11 @@ use std::path::Path;
 type Failure = Box<dyn std::error::Error>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
+const PANELS_ABREAST: usize = 3;
+/// Heights in pixels.
+const HEAD: u32 = 64;
+const PANEL: u32 = 328;
+
 /// What has the same colour: its name, and its rows.
 type Family = (&'static str, RGBColor, fn(&Row) -> bool);
 
@@ -35,13 +40,14 @@ fn colour(row: &Row) -> RGBColor {
 
 /// Draws what there are rows of.
 pub fn draw(rows: &[Row], folder: &Path) -> Result<(), String> {
+    let lines = super::scenes(rows).len().div_ceil(PANELS_ABREAST);
     let charts = ["force.svg", "recall.svg", "direction.svg"].into_iter().zip(Measure::ALL);
     for (name, measure) in charts {
         let path = folder.join(name);
         let drawn = (|| {
-            let area = SVGBackend::new(&path, (1000, 720)).into_drawing_area();
+            let area = SVGBackend::new(&path, (1000, HEAD + PANEL * lines as u32)).into_drawing_area();
             area.fill(&WHITE)?;
-            figure(rows, measure, &area)?;
+            figure(rows, measure, lines, &area)?;
             Ok::<(), Failure>(area.present()?)
         })();
         drawn.map_err(|error| format!("cannot draw {}: {error}", path.display()))?;
@@ -49,13 +55,13 @@ pub fn draw(rows: &[Row], folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-fn figure(rows: &[Row], measure: Measure, area: &Area) -> Result<(), Failure> {
+fn figure(rows: &[Row], measure: Measure, lines: usize, area: &Area) -> Result<(), Failure> {
     let (title, unit) = match measure {
         Measure::Force => ("Speed against accuracy: error of net force and torque", "error, %"),
         Measure::Missed => ("Speed against accuracy: vertices inside that got no contact", "missed, %"),
         Measure::Direction => ("Speed against accuracy: direction of the net force", "degrees"),
     };
-    let (head, panels) = area.split_vertically(64);
+    let (head, panels) = area.split_vertically(HEAD);
     head.draw_text(title, &("sans-serif", 20).into_text_style(&head), (16, 8))?;
     let mut x = 16;
     for (name, colour, _) in FAMILIES {
@@ -64,7 +70,7 @@ fn figure(rows: &[Row], measure: Measure, area: &Area) -> Result<(), Failure> {
         x += 30 + 7 * name.chars().count() as i32;
     }
     let names = super::scenes(rows);
-    for (panel, name) in panels.split_evenly((2, 3)).iter().zip(&names) {
+    for (panel, name) in panels.split_evenly((lines, PANELS_ABREAST)).iter().zip(&names) {
         let of_scene: Vec<&Row> = rows.iter().filter(|row| row.scene == *name).collect();
         self::panel(&of_scene, measure, name, unit, panel)?;
     }
@@ -86,7 +92,7 @@ fn panel(rows: &[&Row], measure: Measure, name: &str, unit: &str, area: &Area) -
         .y_label_area_size(52)
         // Room for what is written to the left of the front.
         .build_cartesian_2d(
-            (left / (right / left).powf(0.4)..right * 1.3).log_scale(),
+            (left / (right / left).powf(0.55)..right * 1.3).log_scale(),
             (low / 1.5..high * 1.5).log_scale(),
         )?;
     let number = |x: &f64| format!("{x}");

@@ -26,7 +26,7 @@ const FEWEST_STEPS: usize = 3;
 struct Running {
     setting: Setting,
     method: Box<dyn Method>,
-    /// Times of its steps over those of the floor's just before, of each round.
+    /// Time of a step over the mean of the floor's just before and just after, of each round.
     multiples: Vec<f64>,
 }
 
@@ -66,10 +66,14 @@ pub fn run(
     for round in 0..ROUNDS {
         let frames = frames(workload, round);
         let floor_frames = self::frames(&floor_workload, round);
+        let mut floor_time = || time_round(&mut floor, &mut floor_host, &floor_frames) * share;
+        let mut before = floor_time();
         for running in &mut running {
             progress.set_message(format!("{}, round {}: {}", scene.name, round + 1, running.setting.method()));
-            let floor_time = time_round(&mut floor, &mut floor_host, &floor_frames) * share;
-            running.multiples.push(time_round(running.method.as_mut(), &mut host, &frames) / floor_time);
+            let time = time_round(running.method.as_mut(), &mut host, &frames);
+            let after = floor_time();
+            running.multiples.push(2.0 * time / (before + after));
+            before = after;
         }
     }
     let mut rows = Vec::new();

@@ -13,14 +13,15 @@ mod setting;
 #[path = "../../../examples/support/shapes.rs"]
 #[allow(dead_code)] // the examples use more of it
 mod shapes;
+mod tables;
 #[path = "../../../examples/poses/tree.rs"]
 #[allow(dead_code)] // the pose benchmark uses more of it
 mod tree;
 
 use crate::peer;
-use crate::report::aligned;
+use crate::report::{aligned, renew_tables};
 use indicatif::{ProgressBar, ProgressStyle};
-use row::{Measure, Row, front};
+use row::Row;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -51,6 +52,9 @@ pub struct Arguments {
     /// Measures nothing: draws and prints the folder's chart.csv.
     #[arg(long)]
     draw: bool,
+    /// Instead of printing the tables, renews them in this document.
+    #[arg(long)]
+    document: Option<PathBuf>,
 }
 
 impl Arguments {
@@ -67,8 +71,13 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
     }
     let rows = row::read(&path)?;
     draw::draw(&rows, &arguments.out)?;
-    print!("{}", fronts(&rows));
-    Ok(())
+    match &arguments.document {
+        Some(document) => renew_tables(document, &tables::all(&rows)),
+        None => {
+            print!("{}", tables::all(&rows).map(|(_, table)| aligned(&table)).join("\n"));
+            Ok(())
+        }
+    }
 }
 
 fn measure_all(arguments: &Arguments, path: &std::path::Path) -> Result<(), String> {
@@ -96,33 +105,6 @@ fn measure_all(arguments: &Arguments, path: &std::path::Path) -> Result<(), Stri
     }
     progress.finish_and_clear();
     Ok(())
-}
-
-/// The settings of each scene that none beats in both time and force, and the default.
-fn fronts(rows: &[Row]) -> String {
-    let mut text = String::new();
-    for scene in scenes(rows) {
-        let of_scene: Vec<&Row> = rows.iter().filter(|row| row.scene == scene).collect();
-        let mut best = front(&of_scene, Measure::Force);
-        let missing = of_scene.iter().filter(|row| row.is_default() && best.iter().all(|other| !other.is_default()));
-        best.extend(missing.collect::<Vec<_>>());
-        let head = ["floor ×", "force error", "recall", "direction", "contacts", "method"].map(str::to_owned);
-        let line = |row: &&Row| {
-            let percent = |part: Option<f64>| part.map_or("–".to_owned(), |part| format!("{:.3} %", part * 100.0));
-            let mark = if row.is_default() { " (default)" } else { "" };
-            vec![
-                format!("{:.1}", row.time_floor_multiple),
-                percent(row.force_error),
-                percent(row.recall),
-                format!("{:.3}°", row.direction_error),
-                row.contacts.to_string(),
-                format!("{} {}{mark}", row.method, row.settings),
-            ]
-        };
-        let table = std::iter::once(head.to_vec()).chain(best.iter().map(line)).collect();
-        text += &format!("{scene}\n{}\n", aligned(&table));
-    }
-    text
 }
 
 /// In the order of the rows.
