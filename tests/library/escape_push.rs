@@ -72,6 +72,7 @@ fn a_push_is_the_sum_of_its_contacts() {
     for weighting in [Weighting::Area, Weighting::Vertex] {
         let law = PenaltyLaw::new(7.0, 0.0, weighting).expect("a valid law");
         let whole = law.pushing_whole_bodies();
+        assert_eq!([&law, &whole].map(PenaltyLaw::pushes_whole_bodies), [false, true]);
         let (mut by_contacts, mut by_push) = (zeros(&positions), zeros(&positions));
         let at_detection = None::<&Field>.map(|field| &field[..]);
         add_forces(&contacts.contacts, &law, at_detection, None, &mut by_contacts);

@@ -1,9 +1,10 @@
-//! The test of Möller and Trumbore, held to what a hit means and, for rays that stay clear of edges, to the watertight one.
+//! Single rays: the test of Möller and Trumbore, held to what a hit means and, for rays that stay clear of edges, to the
+//! watertight one; where rays leave a box.
 
 use crate::common::STRIDE;
 use crate::common::random::Random;
 use crate::common::shapes::{self, Point};
-use raycontact::math::Vector3;
+use raycontact::math::{Aabb, Vector3};
 use raycontact::mesh::Mesh;
 use raycontact::octree::Octree;
 use raycontact::ray::{Hit, Ray, TriangleTest};
@@ -22,6 +23,7 @@ fn hits_lie_on_the_ray_and_in_the_triangle_and_are_those_of_the_watertight_test(
     let watertight = octree.tracer(&mesh).expect("fresh");
     let other = watertight.with_test(TriangleTest::MollerTrumbore);
     let (mut entries, mut exits, mut misses) = (0, 0, 0);
+    let mut rounded_otherwise = false;
     for _ in 0..2000 / STRIDE {
         let [origin, direction]: [Point; 2] = [random.point(4.0), random.point(1.0)];
         // Directions of any length: t counts in them.
@@ -38,8 +40,35 @@ fn hits_lie_on_the_ray_and_in_the_triangle_and_are_those_of_the_watertight_test(
         assert!((found.t - expected.t).abs() <= 1e-12 * (1.0 + expected.t));
         assert!(found.weights.iter().zip(expected.weights).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
         assert!((point_of(&mesh, &found) - (ray.origin + ray.direction * found.t)).norm() < 1e-11);
+        rounded_otherwise |= found.weights != expected.weights;
         *(if found.is_exit { &mut exits } else { &mut entries }) += 1;
     }
     let counts = [entries, exits, misses].map(|count| count * STRIDE);
     assert!(counts.iter().all(|&count| count > 100), "{counts:?} entries, exits and misses");
+    assert!(rounded_otherwise, "it is another test");
+}
+
+/// No hit inside the box lies beyond the exit, and it is hardly farther: 64 units of rounding of the box's reach.
+#[test]
+fn rays_leave_a_box_at_its_faces() {
+    let aabb = Aabb { lower: Vector3::new(-1.0, 2.0, -4.0), upper: Vector3::new(1.0, 6.0, -1.0) };
+    let origin = Vector3::new(0.5, 3.0, -3.0);
+    // To each of the six faces: the direction, where the exit is, how fast it is approached.
+    let rays = [
+        ([1.0, 0.5, 0.25], 0.5, 1.0),
+        ([-0.5, 0.25, 0.125], 3.0, 0.5),
+        ([0.25, 4.0, 0.5], 0.75, 4.0),
+        ([0.25, -2.0, 0.5], 0.5, 2.0),
+        ([0.125, 0.0, 8.0], 0.25, 8.0),
+        ([0.0, 0.0, -0.25], 4.0, 0.25),
+    ];
+    for (direction, exit, speed) in rays {
+        let found = Ray::new(origin, Vector3::from(direction)).exit_from(&aabb);
+        let units_beyond = (found - exit) * speed / (f64::EPSILON / 2.0);
+        // The box reaches 3 from the origin.
+        assert!((units_beyond - 3.0 * 64.0).abs() < 16.0, "{direction:?}: {units_beyond} units of rounding");
+    }
+    assert_eq!(Ray::new(origin, Vector3::zeros()).exit_from(&aabb), f64::INFINITY);
+    let ray = Ray::new(origin, Vector3::x()).until(0.25);
+    assert_eq!((ray.origin, ray.direction, ray.t_max), (origin, Vector3::x(), 0.25));
 }
