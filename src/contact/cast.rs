@@ -3,7 +3,7 @@ use super::direction::Direction;
 use super::found::{Found, Origins, vector};
 use super::load::{CastSurfaceLanes, Turning};
 use super::samples::Sample;
-use super::{Contact, Statistics, past_folds};
+use super::{Contact, Statistics, past_folds, starts_outside};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
 use crate::memory::Room;
 use crate::mesh::{Mesh, NormalLanes, Standing};
@@ -207,6 +207,10 @@ impl<T: Scalar> Cast<'_, T> {
         let own = pair.tracers[side];
         let touched = origins.touched(own.mesh());
         let mut hidden = own.hidden_of_packet::<L>(packet, exits, &hits.t, &touched, candidates);
+        let doubtful = exits & !hidden & !samples.outward;
+        if origins.are_vertices && doubtful != 0 {
+            hidden |= starts_outside::entering(own, packet, doubtful, &hits.t, &origins.indices, self.crossings);
+        }
         if goes_past_folds && hidden != 0 {
             let uncovered = past_folds::uncovered(own, packet, hidden, &hits.t, &touched, self.crossings);
             self.statistics.past_folds += u64::from(uncovered.count_ones());

@@ -15,6 +15,7 @@ mod past_folds;
 mod push;
 mod samples;
 mod self_contact;
+mod starts_outside;
 mod tolerance;
 mod workspace;
 

@@ -12,12 +12,14 @@ pub(crate) struct NormalLanes<T: Scalar> {
     pub(crate) area: [T; LANE_COUNT],
     /// Which lanes have a normal; the others hold nothing of use.
     pub(crate) found: Mask,
+    /// Which normals are known to face outward from each triangle around them.
+    pub(crate) outward: Mask,
 }
 
 impl<T: Scalar> NormalLanes<T> {
     pub(crate) fn empty() -> Self {
         let zeros = [T::zero(); LANE_COUNT];
-        Self { found: 0, position: [zeros; 3], normal: [zeros; 3], area: zeros }
+        Self { found: 0, outward: 0, position: [zeros; 3], normal: [zeros; 3], area: zeros }
     }
 }
 
@@ -52,7 +54,7 @@ impl<T: Scalar> Mesh<T> {
         base.store(&mut found.position);
         let zero = L::splat(T::zero());
         let (least, greatest) = (L::splat(T::SAFE_SQUARES.0), L::splat(T::SAFE_SQUARES.1));
-        let (mut sum, mut doubled_area) = (Vectors::zeros(), zero);
+        let (mut sum, mut doubled_area, mut smallest) = (Vectors::zeros(), zero, L::splat(T::INFINITY));
         let mut unsafe_squares = 0;
         let (mut before, mut has_length_before) = (Vectors::zeros(), 0);
         for place in 0..longest {
@@ -72,14 +74,21 @@ impl<T: Scalar> Mesh<T> {
             let is_safe = least.is_at_most(square) & square.is_at_most(greatest);
             unsafe_squares |= !is_safe & has_length & has_length_before;
             sum = sum.add(normal);
-            doubled_area = doubled_area.add(square.sqrt());
+            let doubled = square.sqrt();
+            doubled_area = doubled_area.add(doubled);
+            smallest = L::select(zero.is_less(square), smallest.smaller(doubled), smallest);
             (before, has_length_before) = (edge, has_length);
         }
         let square = sum.dot(sum);
         unsafe_squares |= !(least.is_at_most(square) & square.is_at_most(greatest));
-        sum.divided(square.sqrt()).store(&mut found.normal);
+        let along = square.sqrt();
+        sum.divided(along).store(&mut found.normal);
         doubled_area.div(L::splat(T::of(6.0))).store(&mut found.area);
         found.found = ((1u32 << count) - 1) as Mask;
+        // A triangle that faces the other way adds its |n| to Σ|n| and nothing to |Σ n|. Less than the smallest leaves room for
+        // roundings.
+        let missing = doubled_area.sub(along).add(doubled_area.mul(L::splat(T::ROUNDING_UNIT * T::of(64.0))));
+        found.outward = missing.is_less(smallest.mul(L::splat(T::of(0.9375)))) & !unsafe_squares;
         let mut left = unsafe_squares & found.found;
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
