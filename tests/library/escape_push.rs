@@ -14,7 +14,8 @@ type Field = [Vec<Vector3<f64>>; 2];
 /// A ball swallowed by a block, both finely cut.
 fn swallowed() -> (Scene<f64>, Field) {
     let mut scene = Scene::new(1).expect("no threads are needed");
-    let meshes = [shapes::cube(4).mesh(), shapes::sphere(1).scaled(0.4).moved([0.1, 0.2, 0.3]).mesh()];
+    let bodies = [shapes::cube(4), shapes::sphere(1).scaled(0.4).moved([0.1, 0.2, 0.3])];
+    let meshes = bodies.map(|body| body.moved([0.5, -1.5, 2.0]).mesh());
     let positions = meshes.each_ref().map(|mesh| mesh.positions().to_vec());
     for mesh in meshes {
         scene.add(mesh);
@@ -84,6 +85,11 @@ fn a_push_is_the_sum_of_its_contacts() {
         assert!((total(&by_push, 0) + total(&by_push, 1)).norm() < 1e-12 * sums[0].norm());
         assert!(sums[0].dot(&push.direction) > 0.0);
         assert!(by_push.iter().all(|body| body.iter().all(|force| *force == body[0])));
+        // Positions that are those of detection change nothing.
+        let mut at_same_positions = zeros(&positions);
+        add_push_forces(contacts.pushes(), &whole, Some(&positions[..]), None, &mut at_same_positions);
+        let difference = total(&at_same_positions, 0) - total(&by_push, 0);
+        assert!(difference.norm() < 1e-12 * sums[0].norm(), "{difference}");
         // The contacts do not push a second time.
         let mut nothing = zeros(&positions);
         add_forces(&contacts.contacts, &whole, at_detection, None, &mut nothing);

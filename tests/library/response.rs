@@ -151,3 +151,14 @@ fn momentum_and_angular_momentum_are_kept() {
         }
     }
 }
+
+#[test]
+fn laws_that_mean_nothing_are_refused_by_name() {
+    let refusal = |stiffness, time| PenaltyLaw::new(stiffness, time, Weighting::Area).expect_err("no law").to_string();
+    for number in [-1.5, f64::NAN, f64::INFINITY] {
+        assert!(refusal(number, 0.0).contains(&format!("stiffness is {number}")));
+        assert!(refusal(0.0, number).contains(&format!("damping_time is {number}")));
+    }
+    let law = PenaltyLaw::new(0.0, 0.25, Weighting::Area).expect("zero is allowed");
+    assert_eq!(law.damping_time(), 0.25);
+}
