@@ -9,7 +9,8 @@ usage() {
 usage: scripts/fuzz.sh [--seconds N] [--only TARGET] [--input FILE]
 
 Builds fuzz/ with libFuzzer, which sees the code that an input reaches, and the address sanitizer, then runs each target
-from the inputs of fuzz/corpus/. The stable compiler does it; RUSTC_BOOTSTRAP allows the sanitizer.
+from the inputs in fuzz/corpus/, a few that together reach what all that were tried did. The stable compiler does it;
+RUSTC_BOOTSTRAP allows the sanitizer.
   --seconds N    for each target (default 15)
   --only TARGET  one of ${targets[*]} (default: all)
   --input FILE   this input of --only alone
@@ -53,9 +54,11 @@ for target in "${targets[@]}"; do
         "$program" "$input" || fail "$target: a fault"
         continue
     fi
-    known="$root/fuzz/corpus/$target"
+    known="$folder/known/$target"
     new="$folder/corpus/$target"
+    rm -rf "$known"
     mkdir -p "$known" "$new" "$folder/faults"
+    tar -xzf "fuzz/corpus/$target.tar.gz" -C "$known"
     log="$folder/$target.log"
     "$program" -max_total_time="$seconds" -max_len=512 -timeout=120 -rss_limit_mb=4096 -print_final_stats=1 \
         -artifact_prefix="$folder/faults/$target-" "$new" "$known" >"$log" 2>&1 ||
