@@ -138,3 +138,48 @@ impl<T: Scalar> Certificate<T> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+    fn tetrahedron(map: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Mesh<f64> {
+        let positions: Vec<_> = CORNERS.iter().enumerate().map(|(vertex, &corner)| map(vertex, corner)).collect();
+        Mesh::new(&positions, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).expect("it is closed")
+    }
+
+    /// What is found at one position of a body, with so much allowed.
+    fn certificate(allowed: f64, is_valid: bool) -> Certificate<f64> {
+        let mut certificate = Certificate::default();
+        certificate.set(&tetrahedron(|_, corner| corner), allowed, is_valid);
+        certificate
+    }
+
+    #[test]
+    fn what_moves_as_a_whole_is_not_strained() {
+        let moved = tetrahedron(|_, [x, y, z]| [x - 0.5, y + 0.25, z - 0.75]);
+        let certificate = certificate(0.0, true);
+        assert!(certificate.is_known(&moved) && certificate.is_strained_at_most(&moved));
+        assert_eq!(certificate.spread(&moved), 0.0);
+    }
+
+    #[test]
+    fn strain_counts_along_edges_and_spread_between_any_two() {
+        // One vertex goes 0.3 to one side, another 0.4 across it: 0.5 against each other.
+        let offsets = [[0.0; 3], [0.0, 0.3, 0.0], [0.0; 3], [0.4, 0.0, 0.0]];
+        let moved = tetrahedron(|vertex, corner| std::array::from_fn(|axis| corner[axis] + offsets[vertex][axis]));
+        assert!(certificate(0.51, true).is_strained_at_most(&moved));
+        assert!(!certificate(0.49, true).is_strained_at_most(&moved));
+        assert!((certificate(0.0, true).spread(&moved) - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn certificates_hold_where_they_are_valid_and_coordinates_have_not_grown() {
+        assert!(certificate(1.0, true).is_known(&tetrahedron(|_, corner| corner.map(|x| 1.9 * x))));
+        assert!(!certificate(1.0, true).is_known(&tetrahedron(|_, corner| corner.map(|x| 2.1 * x))));
+        assert!(!certificate(1.0, false).is_known(&tetrahedron(|_, corner| corner)));
+        assert!(!Certificate::default().is_known(&tetrahedron(|_, corner| corner)));
+    }
+}
