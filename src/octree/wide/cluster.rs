@@ -83,8 +83,9 @@ impl<T: Scalar> Growth<'_, T> {
 fn neighbours(topology: &Topology, triangle: u32) -> impl Iterator<Item = u32> {
     let corners = topology.triangles()[triangle as usize];
     (0..3).filter_map(move |i| {
-        let (from, to) = (corners[i], corners[(i + 1) % 3]);
-        let around = topology.triangles_around(from).iter().copied();
-        around.filter(|&t| t != triangle).find(|&t| topology.triangles()[t as usize].contains(&to))
+        let ends = [corners[i], corners[(i + 1) % 3]].map(|vertex| (topology.triangles_around(vertex), vertex));
+        // Around the other end there may be very many: the apex of a fan.
+        let [(around, _), (_, other)] = if ends[0].0.len() <= ends[1].0.len() { ends } else { [ends[1], ends[0]] };
+        around.iter().copied().filter(|&t| t != triangle).find(|&t| topology.triangles()[t as usize].contains(&other))
     })
 }
