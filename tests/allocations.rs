@@ -3,17 +3,18 @@
 mod common;
 
 use allocation_counter::measure;
-use common::shapes;
+use common::shapes::{self, Shape};
 use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::octree::{Layout, Octree};
 use raycontact::scene::Scene;
 use raycontact::threads::ParallelFor;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The torus after some steps of a motion that comes back to where it was.
-fn moved(step: usize) -> Vec<[f64; 3]> {
+fn moved(torus: &Shape, step: usize) -> Vec<[f64; 3]> {
     let turn = [0.0, 0.1, 0.2, 0.1][step % 4];
-    shapes::torus(16, 8, 0.4).turned(turn, 0.5 * turn).positions
+    torus.turned(turn, 0.5 * turn).positions
 }
 
 #[test]
@@ -27,7 +28,7 @@ fn a_steady_step_allocates_nothing() {
         for options in [DetectionOptions::paper(), DetectionOptions::default()].into_iter().chain(patches) {
             let mut contacts = ContactList::default();
             for step in 0..12 {
-                let positions = moved(step);
+                let positions = moved(&shapes::torus(16, 8, 0.4), step);
                 let allocations = measure(|| {
                     a.set_positions(&positions).expect("positions are finite");
                     octree_a.update(&a).expect("the octree is the mesh's own");
@@ -46,34 +47,39 @@ fn a_steady_step_allocates_nothing() {
     }
 }
 
-/// A host that has one thread only, where allocations are counted.
-struct OneThread;
+/// A host that has one thread only, where allocations are counted, and how often it was called.
+#[derive(Default)]
+struct OneThread(AtomicUsize);
 
 impl ParallelFor for OneThread {
     fn run(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        self.0.fetch_add(1, Ordering::Relaxed);
         (0..count).for_each(task);
     }
 }
 
 #[test]
 fn a_steady_step_of_a_scene_allocates_nothing() {
-    check_steady_steps(Scene::new(1).expect("no thread is started"), 3);
+    check_steady_steps(Scene::new(1).expect("no thread is started"), 3, &shapes::torus(16, 8, 0.4));
 }
 
 #[test]
 fn a_steady_step_on_threads_of_the_host_allocates_nothing() {
     for bodies in [3, 12] {
-        check_steady_steps(Scene::with_host_threads(Arc::new(OneThread)), bodies);
+        let host = Arc::new(OneThread::default());
+        // Fine enough to be shared.
+        check_steady_steps(Scene::with_host_threads(host.clone()), bodies, &shapes::torus(64, 32, 0.4));
+        assert!(host.0.load(Ordering::Relaxed) > 12, "the host is asked in each step");
     }
 }
 
-fn check_steady_steps(mut scene: Scene<f64>, bodies: usize) {
+fn check_steady_steps(mut scene: Scene<f64>, bodies: usize, torus: &Shape) {
     for k in 0..bodies {
-        scene.add(shapes::torus(16, 8, 0.4).moved([0.0, 0.1, 0.6 * k as f64]).mesh());
+        scene.add(torus.moved([0.0, 0.1, 0.6 * k as f64]).mesh());
     }
     let mut contacts = ContactList::default();
     for step in 0..12 {
-        let positions = moved(step);
+        let positions = moved(torus, step);
         let allocations = measure(|| {
             scene.mesh_mut(0).expect("body 0 is there").set_positions(&positions).expect("positions are finite");
             scene.query(&mut contacts);

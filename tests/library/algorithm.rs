@@ -201,7 +201,8 @@ fn both_layouts_give_the_same_contacts() {
 
 #[test]
 fn scenes_give_the_pairs_contacts_whatever_the_number_of_threads() {
-    let bodies = 4;
+    // Enough of them to be shared between threads.
+    let bodies = 6;
     for options in [DetectionOptions::paper(), DetectionOptions::default()] {
         let mut expected = ContactList::default();
         let meshes: Vec<Mesh<f64>> = (0..bodies).map(|k| stacked(k).mesh()).collect();
