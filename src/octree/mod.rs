@@ -97,38 +97,46 @@ impl<T: Scalar> Octree<T> {
     /// # Errors
     /// [`OctreeError::OtherMesh`]; the octree is then as before.
     pub fn update(&mut self, mesh: &Mesh<T>) -> Result<(), OctreeError> {
-        self.update_boxes(mesh)?;
-        if let Cells::Wide(cells) = &mut self.cells {
-            cells.load(mesh, None);
-        }
-        Ok(())
-    }
-
-    fn update_boxes(&mut self, mesh: &Mesh<T>) -> Result<(), OctreeError> {
         if !mesh.shares_topology_with(&self.topology) {
             return Err(OctreeError::OtherMesh);
         }
-        if self.stamp != mesh.stamp() {
-            match &mut self.cells {
-                Cells::Wide(cells) => cells.refit(mesh),
-                Cells::Classic(cells) => cells.build(mesh),
+        let is_new = self.stamp != mesh.stamp();
+        match &mut self.cells {
+            Cells::Wide(cells) => {
+                if is_new || !cells.is_tight() {
+                    cells.refit(mesh);
+                }
+                cells.load(mesh, None);
             }
-            self.stamp = mesh.stamp();
+            Cells::Classic(cells) if is_new => cells.build(mesh),
+            Cells::Classic(_) => {}
         }
+        self.stamp = mesh.stamp();
         Ok(())
     }
 
     /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and
-    /// rays there take longer. Nothing is where triangles are joined to patches of an area, so that tiles outnumber rays.
+    /// rays there take longer. Nothing is loaded where triangles are joined to patches of an area, so that tiles outnumber rays.
     /// `tiles` is room for a list.
     pub(crate) fn update_in(
         &mut self,
         mesh: &Mesh<T>,
-        regions: impl Iterator<Item = Aabb<T>>,
+        regions: impl Iterator<Item = Aabb<T>> + Clone,
         patch_area: Option<T>,
         tiles: &mut Vec<u32>,
     ) -> Result<(), OctreeError> {
-        self.update_boxes(mesh)?;
+        match &mut self.cells {
+            Cells::Wide(cells) if mesh.shares_topology_with(&self.topology) => {
+                if self.stamp != mesh.stamp() {
+                    cells.refit_in(mesh, regions.clone());
+                } else if !cells.is_tight() {
+                    // The regions may be others than last time. A body at rest has tight boxes from its second step on.
+                    cells.refit(mesh);
+                }
+                self.stamp = mesh.stamp();
+            }
+            _ => self.update(mesh)?,
+        }
         let standing = patch_area.and_then(|area| Tracer::new(self, mesh).standing(area));
         let ray_count = standing.map_or(usize::MAX, Standing::len);
         if let Cells::Wide(cells) = &mut self.cells

@@ -183,7 +183,12 @@ impl<T: Scalar> Body<T> {
     }
 
     /// Finds the body's contacts with itself, where they are asked for; the octree follows the mesh where it is needed.
-    fn update<'a>(&mut self, number: usize, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
+    fn update<'a>(
+        &mut self,
+        number: usize,
+        others: impl Iterator<Item = &'a Aabb<T>> + Clone,
+        options: &DetectionOptions<T>,
+    ) {
         let Self { mesh, octree, tiles, own } = self;
         if let Some(own) = own {
             own.contacts.clear();

@@ -3,10 +3,12 @@
 
 use crate::common::STRIDE;
 use crate::common::shapes::{self, Point, Shape};
+use raycontact::contact::{Contact, ContactList, DetectionOptions, query_pair};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
 use raycontact::octree::{Layout, Octree, OctreeError};
 use raycontact::ray::Ray;
+use raycontact::scene::Scene;
 
 const LAYOUTS: [Layout; 2] = [Layout::Wide, Layout::Classic];
 
@@ -149,4 +151,58 @@ fn cells_hold_far_from_the_origin() {
             }
         }
     }
+}
+
+/// A scene's octrees know exactly only what lies near other bodies: over steps in which bodies come near, leave, rest and
+/// deform, its contacts are those of octrees updated whole.
+fn check_regions<T: Scalar>(options: &DetectionOptions<T>) {
+    let shapes = [shapes::torus(96, 24, 0.3), shapes::torus(80, 20, 0.4), shapes::sphere(4)];
+    let mut meshes = shapes.each_ref().map(Shape::mesh::<T>);
+    let mut octrees = meshes.each_ref().map(Octree::new);
+    let mut scene = Scene::new(1).expect("no thread is started");
+    scene.set_options(*options);
+    let bodies = meshes.each_ref().map(|mesh| scene.add(mesh.clone()));
+    let (mut found, mut touching) = (ContactList::default(), 0);
+    for step in 0..40 {
+        let time = 0.3 * f64::from(step);
+        // The second body rests every other step, the third leaves for a while.
+        let moves = [
+            [0.0, 0.02 * time.sin(), 0.0],
+            [2.55 * (time - time % 0.6).cos(), 2.55 * (time - time % 0.6).sin(), 0.2],
+            [-1.9 * time.sin(), 1.9 * time.cos(), if step % 10 < 3 { 30.0 } else { 0.1 }],
+        ];
+        for number in 0..3 {
+            if number == 1 && step % 2 == 1 {
+                continue;
+            }
+            let [x, y, z] = moves[number];
+            let ripple = |p: Point| 1.0 + 0.02 * (4.0 * p[0] - 3.0 * p[1] + time).sin();
+            let moved = |p: &Point| [p[0] * ripple(*p) + x, p[1] + y, p[2] * ripple(*p) + z].map(T::of);
+            let positions: Vec<_> = shapes[number].positions.iter().map(moved).collect();
+            meshes[number].set_positions(&positions).expect("finite");
+            scene.mesh_mut(bodies[number]).expect("it was added").set_positions(&positions).expect("finite");
+            octrees[number].update(&meshes[number]).expect("its own");
+        }
+        scene.query(&mut found);
+        let mut expected = ContactList::default();
+        for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+            let mut pair = ContactList::default();
+            query_pair(&meshes[a], &octrees[a], &meshes[b], &octrees[b], options, &mut pair).expect("up to date");
+            let number = |body: u32| bodies[if body == 0 { a } else { b }];
+            expected.contacts.extend(pair.contacts.into_iter().map(|contact| Contact {
+                colliding: number(contact.colliding),
+                collided: number(contact.collided),
+                ..contact
+            }));
+        }
+        assert_eq!(found.contacts, expected.contacts, "step {step}");
+        touching += usize::from(!found.is_empty());
+    }
+    assert!(touching > 20, "{touching}");
+}
+
+#[test]
+fn scenes_look_closely_only_where_bodies_meet() {
+    check_regions(&DetectionOptions::<f64>::paper());
+    check_regions(&DetectionOptions::<f32>::default());
 }

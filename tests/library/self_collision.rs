@@ -173,9 +173,19 @@ fn nested_parts_are_found_without_a_crossing() {
 }
 
 /// A tube that wanders at random, slowly and fast by turns, now and then through itself: what a scene remembers from step
-/// to step changes nothing. Long runs: the example self_collision.
+/// to step changes nothing, however large the units are. Long runs: the example self_collision.
 #[test]
 fn culling_and_memory_lose_nothing() {
+    let (mut touching, mut not_looked_at) = (0, 0);
+    for (seed, size) in [(5, 1.0), (6, 1024.0), (7, 1.0 / 1024.0)] {
+        let [some, more] = assert_nothing_lost(seed, size, 600 / STRIDE);
+        (touching, not_looked_at) = (touching + some, not_looked_at + more);
+    }
+    assert!(touching > 5 && not_looked_at > 20, "{touching}, {not_looked_at}");
+}
+
+/// Gives in how many steps the tube touches itself, and in how many no ray is cast.
+fn assert_nothing_lost(seed: u64, size: f64, steps: usize) -> [usize; 2] {
     let shape = shapes::torus(20, 6, 0.25);
     let mut mesh = shape.mesh::<f64>();
     let mut octree = Octree::new(&mesh);
@@ -184,10 +194,10 @@ fn culling_and_memory_lose_nothing() {
     scene.set_self_collision(body, true).expect("it was added");
     let options = DetectionOptions::default();
     let (mut culled, mut all) = (ContactList::default(), ContactList::default());
-    let mut random = Random::new(5);
+    let mut random = Random::new(seed);
     let mut waves = [[0.0; 4]; 6];
     let (mut touching, mut not_looked_at) = (0, 0);
-    for step in 0..1200 / STRIDE {
+    for step in 0..steps {
         let pace = if step / 50 % 2 == 0 { 0.001 } else { 0.15 };
         for number in waves.as_flattened_mut() {
             *number = f64::clamp(*number + pace * random.signed(), -1.0, 1.0);
@@ -197,7 +207,7 @@ fn culling_and_memory_lose_nothing() {
             for (k, [height, x, y, z]) in waves.iter().enumerate() {
                 at[k % 3] += height * (2.0 * (1.0 + k as f64) * (p[0] * x + p[1] * y + p[2] * z)).sin();
             }
-            at
+            at.map(|x| x * size)
         };
         let positions: Vec<Point> = shape.positions.iter().map(moved).collect();
         mesh.set_positions(&positions).expect("finite");
@@ -209,7 +219,7 @@ fn culling_and_memory_lose_nothing() {
         touching += usize::from(!all.is_empty());
         not_looked_at += usize::from(culled.statistics.rays == 0);
     }
-    assert!(touching > 5 && not_looked_at > 20, "{touching}, {not_looked_at}");
+    [touching, not_looked_at]
 }
 
 /// Scaled by a power of two, the contacts are scaled to the bit.

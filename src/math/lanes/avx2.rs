@@ -364,12 +364,25 @@ fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
     }
 }
 
+/// Whether all sixteen indices are below the limit.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn all_below(indices: &[u32; LANE_COUNT], limit: u32) -> bool {
+    // SAFETY: the kernel that runs this checked for AVX2; sixteen indices may be read.
+    unsafe {
+        let limit = _mm256_set1_epi32(limit as i32);
+        let low = _mm256_loadu_si256(indices.as_ptr().cast());
+        let high = _mm256_loadu_si256(indices[8..].as_ptr().cast());
+        let greatest = _mm256_max_epu32(low, high);
+        let at_least = _mm256_cmpeq_epi32(_mm256_max_epu32(greatest, limit), greatest);
+        _mm256_testz_si256(at_least, at_least) == 1
+    }
+}
+
 /// [`Lanes::bounds`] with a point to a register, and what follows the point in memory beside it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn singles_bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
     // Behind the last point there is nothing that may be read.
-    let count = points.len() as u32;
-    if indices.iter().any(|&index| index.saturating_add(1) >= count) {
+    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
         return bounds_one_by_one(points, indices);
     }
     let [mut lower, mut upper] = [[0.0; 4]; 2];
@@ -391,8 +404,7 @@ pub(super) fn singles_bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn doubles_bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
     // Behind the last point there is nothing that may be read.
-    let count = points.len() as u32;
-    if indices.iter().any(|&index| index.saturating_add(1) >= count) {
+    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
         return bounds_one_by_one(points, indices);
     }
     let [mut lower, mut upper] = [[0.0; 4]; 2];

@@ -1,4 +1,4 @@
-use super::Tile;
+use super::Wide;
 use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
 use crate::mesh::Mesh;
 use crate::ray::RayPacket;
@@ -36,8 +36,15 @@ impl<T: Scalar, L: Lanes<T>> Directions<T, L> {
     /// held against its own rounding error and that of the triangle test, whose corners are rounded as coarsely as they are
     /// far from the origin.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn may_leave(&self, tile: &Tile<T>, mesh: &Mesh<T>, room: &mut [[T; LANE_COUNT]; 3]) -> bool {
-        let positions = Vectors::<T, L>::load(tile.positions::<L>(mesh, room));
+    pub(super) fn may_leave(
+        &self,
+        cells: &Wide<T>,
+        tile: usize,
+        mesh: &Mesh<T>,
+        room: &mut [[T; LANE_COUNT]; 3],
+    ) -> bool {
+        let positions = Vectors::<T, L>::load(cells.positions_of::<L>(tile, mesh, room));
+        let (tile, aabb) = (&cells.tiles[tile], &cells.outlines[tile].aabb);
         let (a, b, c) = (
             positions.permuted(&tile.corners[0]),
             positions.permuted(&tile.corners[1]),
@@ -46,7 +53,7 @@ impl<T: Scalar, L: Lanes<T>> Directions<T, L> {
         let normal = b.sub(a).cross(c.sub(a));
         let greatest = normal.times(self.lower).larger(normal.times(self.upper));
         let along = greatest.x.add(greatest.y).add(greatest.z);
-        let size = tile.aabb.longest_side();
+        let size = aabb.longest_side();
         let rounding = T::ROUNDING_UNIT * T::of(256.0) * (size + self.reach);
         let margin = self.largest * (rounding * (size + rounding) + T::SAFE_SQUARES.0);
         !along.is_less(L::splat(-margin)) & tile.present != 0

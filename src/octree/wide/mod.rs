@@ -10,16 +10,18 @@ mod node;
 mod packet;
 mod refit;
 mod region;
+mod runs;
 mod tile;
 mod trace;
 mod validate;
 
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
 use crate::ray::{PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
-use tile::Tile;
+use runs::Runs;
+use tile::{Outline, Tile};
 
 pub(super) use near::NearTiles;
 pub(crate) use packet::{Candidates, PacketHits};
@@ -29,18 +31,29 @@ pub(crate) use packet::{Candidates, PacketHits};
 pub(super) struct Wide<T: Scalar> {
     /// In the order in which the nodes lead to them.
     tiles: Vec<Tile<T>>,
+    /// Of each tile.
+    outlines: Vec<Outline<T>>,
     /// Children come after their parent; the first is the root.
     nodes: Vec<Node<T>>,
+    runs: Runs<T>,
+    /// Whether all boxes are the tightest.
+    is_tight: bool,
 }
 
 impl<T: Scalar> Wide<T> {
     pub(super) fn new(mesh: &Mesh<T>) -> Self {
         let topology = mesh.topology();
         let (nodes, groups) = group::group(mesh, cluster::cluster(mesh));
-        let mut tiles = memory::listed(groups.iter().map(|group| Tile::new(topology.triangles(), group)));
+        let (mut tiles, mut outlines) = (memory::with_room(groups.len()), memory::with_room(groups.len()));
         let mut is_owned = memory::filled(false, topology.vertex_count());
-        tiles.iter_mut().for_each(|tile| tile.own_vertices(&mut is_owned));
-        let mut wide = Self { nodes, tiles };
+        for group in &groups {
+            let (mut tile, outline) = Tile::new(topology.triangles(), group);
+            tile.own_vertices(&outline.vertices, &mut is_owned);
+            tiles.push(tile);
+            outlines.push(outline);
+        }
+        let runs = Runs::new(mesh, &nodes, &outlines);
+        let mut wide = Self { tiles, outlines, nodes, runs, is_tight: false };
         wide.refit(mesh);
         wide.load(mesh, None);
         wide
@@ -48,7 +61,16 @@ impl<T: Scalar> Wide<T> {
 
     /// Follows the mesh to its present positions; no tile is loaded then.
     pub(super) fn refit(&mut self, mesh: &Mesh<T>) {
-        crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh });
+        crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions: None::<std::iter::Empty<_>> });
+    }
+
+    /// The same for rays that mostly stay in some regions: boxes far from them are wider than they need be.
+    pub(super) fn refit_in(&mut self, mesh: &Mesh<T>, regions: impl Iterator<Item = Aabb<T>> + Clone) {
+        crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions: Some(regions) });
+    }
+
+    pub(super) fn is_tight(&self) -> bool {
+        self.is_tight
     }
 
     /// Loads these tiles, or all, so that rays need not do it each for itself.

@@ -3,7 +3,7 @@
 
 use super::Wide;
 use super::node::{CHILD_COUNT, Node};
-use super::tile::{TILE_SIZE, Tile};
+use super::tile::{Outline, TILE_SIZE};
 use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
@@ -81,7 +81,7 @@ impl<T: Scalar> Wide<T> {
     ) {
         let NearTiles { blocks, tile_pairs, clearances, .. } = near;
         let narrow = Narrow::new(mesh.aabb());
-        dispatch::<T, _>(MakeBlocks { tiles: self.tiles.iter(), mesh, narrow, blocks });
+        dispatch::<T, _>(MakeBlocks { cells: self, tiles: 0..self.tile_count(), mesh, narrow, blocks });
         tile_pairs.clear();
         Descent { cells: self, distance: tile_distance, tile_pairs }.within(Child::Node(0));
         clearances.clear();
@@ -101,12 +101,12 @@ impl<T: Scalar> Wide<T> {
         now: &[Vector3<T>],
     ) -> f64 {
         near.moves.clear();
-        let moves_of = |tile: &Tile<T>| {
+        let moves_of = |outline: &Outline<T>| {
             let mut moves = Aabb::empty();
-            tile.vertices.iter().for_each(|&vertex| moves.include(&(now[vertex as usize] - then[vertex as usize])));
+            outline.vertices.iter().for_each(|&vertex| moves.include(&(now[vertex as usize] - then[vertex as usize])));
             moves
         };
-        memory::append(&mut near.moves, self.tiles.iter().map(moves_of));
+        memory::append(&mut near.moves, self.outlines.iter().map(moves_of));
         near.lapsed.clear();
         let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
             let (a, b) = (&near.moves[first as usize], &near.moves[second as usize]);
@@ -129,8 +129,8 @@ impl<T: Scalar> Wide<T> {
     ) {
         let NearTiles { blocks, lapsed, .. } = near;
         let narrow = Narrow::new(mesh.aabb());
-        let tiles = lapsed.as_flattened().iter().map(|&tile| &self.tiles[tile as usize]);
-        dispatch::<T, _>(MakeBlocks { tiles, mesh, narrow, blocks });
+        let tiles = lapsed.as_flattened().iter().copied();
+        dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, narrow, blocks });
         // Each pair has its own two blocks.
         let block_of = |place: usize, tile: u32| 2 * place + usize::from(lapsed[place][0] != tile);
         let distance = narrow.distance(distance);
@@ -141,13 +141,14 @@ impl<T: Scalar> Wide<T> {
 
 /// Makes the blocks of tiles, in place of what was there.
 struct MakeBlocks<'a, T: Scalar, I> {
+    cells: &'a Wide<T>,
     tiles: I,
     mesh: &'a Mesh<T>,
     narrow: Narrow<T>,
     blocks: &'a mut Vec<Block>,
 }
 
-impl<'a, T: Scalar, I: Iterator<Item = &'a Tile<T>>> Kernel<T> for MakeBlocks<'_, T, I> {
+impl<T: Scalar, I: Iterator<Item = u32>> Kernel<T> for MakeBlocks<'_, T, I> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -157,7 +158,7 @@ impl<'a, T: Scalar, I: Iterator<Item = &'a Tile<T>>> Kernel<T> for MakeBlocks<'_
             if self.blocks.len() == count {
                 self.blocks.room_for(1).push(Block::EMPTY);
             }
-            self.blocks[count].fill::<T, L>(tile, self.mesh, &self.narrow);
+            self.blocks[count].fill::<T, L>(self.cells, tile as usize, self.mesh, &self.narrow);
             count += 1;
         }
         self.blocks.truncate(count);
@@ -302,9 +303,10 @@ impl Block {
         Self { whole: [f32::INFINITY; 6], sides: [[f32::INFINITY; TILE_SIZE]; 6], vertices: [[0; TILE_SIZE]; 3] };
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fill<T: Scalar, L: Lanes<T>>(&mut self, tile: &Tile<T>, mesh: &Mesh<T>, narrow: &Narrow<T>) {
+    fn fill<T: Scalar, L: Lanes<T>>(&mut self, cells: &Wide<T>, tile: usize, mesh: &Mesh<T>, narrow: &Narrow<T>) {
         let mut room = [[T::zero(); TILE_SIZE]; 3];
-        let positions = Vectors::<T, L>::load(tile.positions::<L>(mesh, &mut room));
+        let positions = Vectors::<T, L>::load(cells.positions_of::<L>(tile, mesh, &mut room));
+        let (tile, all_vertices) = (&cells.tiles[tile], &cells.outlines[tile].vertices);
         // No closures here: they would be compiled for any processor.
         let a = corners_at(positions, &tile.corners[0]);
         let b = corners_at(positions, &tile.corners[1]);
@@ -330,7 +332,7 @@ impl Block {
         }
         for corner in 0..3 {
             for place in 0..TILE_SIZE {
-                vertices[corner][place] = tile.vertices[tile.corners[corner][place] as usize % TILE_SIZE];
+                vertices[corner][place] = all_vertices[tile.corners[corner][place] as usize % TILE_SIZE];
             }
         }
     }

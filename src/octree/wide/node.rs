@@ -1,4 +1,5 @@
 use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+use std::ops::Range;
 
 /// At most so many children belong to a node.
 pub(super) const CHILD_COUNT: usize = LANE_COUNT;
@@ -15,12 +16,19 @@ pub(super) struct Node<T: Scalar> {
     pub(super) count: u32,
     /// Whether the children are tiles.
     pub(super) is_leaf: bool,
+    /// Whether these tiles' own boxes are not known, and theirs here is wider.
+    pub(super) is_far: bool,
 }
 
 impl<T: Scalar> Node<T> {
     pub(super) fn new(first: u32, count: usize, is_leaf: bool) -> Self {
         let (lower, upper) = ([[T::INFINITY; CHILD_COUNT]; 3], [[-T::INFINITY; CHILD_COUNT]; 3]);
-        Self { lower, upper, first, count: count as u32, is_leaf }
+        Self { lower, upper, first, count: count as u32, is_leaf, is_far: false }
+    }
+
+    /// The tiles under a leaf.
+    pub(super) fn tiles(&self) -> Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
     }
 
     pub(super) fn set_box(&mut self, place: usize, aabb: &Aabb<T>) {

@@ -230,11 +230,11 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         }
         let mut pair_count = 0;
         for (place, &tile) in list.tiles[..tile_count].iter().enumerate() {
-            let tile = &cells.tiles[tile as usize];
-            if A::EXITS_ONLY && !directions.may_leave(tile, mesh, &mut list.room) {
+            let tile = tile as usize;
+            if A::EXITS_ONLY && !directions.may_leave(cells, tile, mesh, &mut list.room) {
                 continue;
             }
-            let rays = slabs.meeting(&tile.aabb) & asked;
+            let rays = slabs.meeting(&cells.outlines[tile].aabb) & asked;
             pair_count = L::append(&mut list.pairs, pair_count, (place * LANE_COUNT) as u32, rays);
         }
         let (mut next, mut listed) = (0, 0);
@@ -242,12 +242,13 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
             while next < pair_count && listed <= CANDIDATES_AT_ONCE - LANE_COUNT {
                 let pair = list.pairs[next] as usize;
                 next += 1;
-                let (tile, ray) = (&cells.tiles[list.tiles[pair / LANE_COUNT] as usize], pair % LANE_COUNT);
-                let positions = tile.positions::<L>(mesh, &mut list.room);
+                let (index, ray) = (list.tiles[pair / LANE_COUNT] as usize, pair % LANE_COUNT);
+                let tile = &cells.tiles[index];
+                let positions = cells.positions_of::<L>(index, mesh, &mut list.room);
                 let [right, left] = packet.sides::<L>(ray, positions, &tile.corners);
                 let mut met = !(if A::EXITS_ONLY { right } else { right & left })
                     & tile.present
-                    & !answer.excluded::<L>(ray, &tile.vertices, &tile.vertex_sets);
+                    & !answer.excluded::<L>(ray, &cells.outlines[index].vertices, &tile.vertex_sets);
                 // None or one, nearly always: no branch for that.
                 let ray = ray as u32;
                 let first = tile.triangles[met.trailing_zeros() as usize % LANE_COUNT];

@@ -1,29 +1,55 @@
-use super::{Node, Tile, Wide};
+use super::{Node, Wide};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
 use crate::mesh::Mesh;
 
 /// Renews the boxes, from the tiles upward. Tiles are to be loaded anew afterwards, those that are needed.
-pub(super) struct Refit<'a, T: Scalar> {
+pub(super) struct Refit<'a, T: Scalar, R> {
     pub(super) cells: &'a mut Wide<T>,
     pub(super) mesh: &'a Mesh<T>,
+    /// Leaves that meet none of these, as far as their runs of vertices tell, get the box around the runs for all their
+    /// tiles. `None`: all boxes become the tightest.
+    pub(super) regions: Option<R>,
 }
 
-impl<T: Scalar> Kernel<T> for Refit<'_, T> {
+impl<T: Scalar, R: Iterator<Item = Aabb<T>> + Clone> Kernel<T> for Refit<'_, T, R> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Wide { tiles, nodes } = self.cells;
-        for tile in tiles.iter_mut() {
-            let (lower, upper) = L::bounds(self.mesh.positions(), &tile.vertices);
-            tile.aabb = Aabb { lower, upper };
-            tile.is_loaded = false;
+        let Wide { outlines, nodes, runs, is_tight, .. } = self.cells;
+        let positions = self.mesh.positions();
+        // A leaf alone meets every region.
+        let regions = self.regions.filter(|_| !nodes[0].is_leaf);
+        if regions.is_some() {
+            runs.renew::<L>(positions);
+        }
+        *is_tight = true;
+        for (leaf, node) in nodes.iter_mut().enumerate().filter(|(_, node)| node.is_leaf) {
+            let outlines = &mut outlines[node.tiles()];
+            if let Some(regions) = &regions
+                && let Some(around) = runs.around::<L>(leaf)
+                && !regions.clone().any(|region| region.overlaps(&around))
+            {
+                *is_tight = false;
+                (0..outlines.len()).for_each(|place| node.set_box(place, &around));
+                if !std::mem::replace(&mut node.is_far, true) {
+                    outlines.iter_mut().for_each(|outline| outline.forget());
+                }
+                continue;
+            }
+            node.is_far = false;
+            for (place, outline) in outlines.iter_mut().enumerate() {
+                // No closures here: they would be compiled for any processor.
+                let (lower, upper) = L::bounds(positions, &outline.vertices);
+                outline.aabb = Aabb { lower, upper };
+                outline.is_loaded = false;
+                node.set_box(place, &outline.aabb);
+            }
         }
         for index in (0..nodes.len()).rev() {
             let Node { first, count, is_leaf, .. } = nodes[index];
-            for place in 0..count as usize {
-                let child = first as usize + place;
-                let aabb = if is_leaf { tiles[child].aabb } else { nodes[child].aabb::<L>() };
+            for place in 0..if is_leaf { 0 } else { count as usize } {
+                let aabb = nodes[first as usize + place].aabb::<L>();
                 nodes[index].set_box(place, &aabb);
             }
         }
@@ -43,31 +69,137 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let tiles = &mut self.cells.tiles;
+        let Wide { tiles, outlines, .. } = self.cells;
         let count = self.tiles.map_or(tiles.len(), <[u32]>::len);
         for place in 0..count {
-            let tile = &mut tiles[self.tiles.map_or(place, |chosen| chosen[place] as usize)];
-            if !tile.is_loaded {
-                Vectors::<T, L>::gather(self.mesh.positions(), &tile.vertices).store(&mut tile.positions);
-                tile.is_loaded = true;
+            let index = self.tiles.map_or(place, |chosen| chosen[place] as usize);
+            let outline = &mut outlines[index];
+            if !outline.is_loaded {
+                Vectors::<T, L>::gather(self.mesh.positions(), &outline.vertices).store(&mut tiles[index].positions);
+                outline.is_loaded = true;
             }
         }
     }
 }
 
-impl<T: Scalar> Tile<T> {
-    /// The positions of the vertices, loaded or not; `room` is for those that are not.
+impl<T: Scalar> Wide<T> {
+    /// The positions of a tile's vertices, loaded or not; `room` is for those that are not.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn positions<'a, L: Lanes<T>>(
+    pub(super) fn positions_of<'a, L: Lanes<T>>(
         &'a self,
+        tile: usize,
         mesh: &Mesh<T>,
         room: &'a mut [[T; LANE_COUNT]; 3],
     ) -> &'a [[T; LANE_COUNT]; 3] {
-        if self.is_loaded {
-            return &self.positions;
+        let outline = &self.outlines[tile];
+        if outline.is_loaded {
+            return &self.tiles[tile].positions;
         }
         // Rays that leave the region for which tiles were loaded are few.
-        Vectors::<T, L>::gather(mesh.positions(), &self.vertices).store(room);
+        Vectors::<T, L>::gather(mesh.positions(), &outline.vertices).store(room);
         room
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::math::{Aabb, Vector3};
+    use crate::mesh::Mesh;
+    use crate::octree::Octree;
+    use crate::ray::Ray;
+    use std::f64::consts::TAU;
+
+    const SIDES: [u32; 2] = [96, 24];
+
+    /// A torus that ripples from step to step; with a vertex of no triangle far away.
+    fn positions(step: u32) -> Vec<[f64; 3]> {
+        let [around, across] = SIDES;
+        let vertices = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
+        let at = |(i, j): (u32, u32)| {
+            let (u, v) = (TAU * f64::from(i) / f64::from(around), TAU * f64::from(j) / f64::from(across));
+            let radius = 1.0 + 0.3 * v.cos() + 0.02 * (5.0 * u + f64::from(step)).sin();
+            [radius * u.cos(), radius * u.sin(), 0.3 * v.sin()]
+        };
+        vertices.map(at).chain([[9.0, 9.0, 9.0]]).collect()
+    }
+
+    fn torus() -> Mesh<f64> {
+        let [around, across] = SIDES;
+        let at = |i: u32, j: u32| i % around * across + j % across;
+        let squares = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
+        let two = |(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        Mesh::new(&positions(0), &squares.flat_map(two).collect::<Vec<_>>()).expect("it is closed")
+    }
+
+    fn cube_about(centre: [f64; 3], half_side: f64) -> Aabb<f64> {
+        let middle = Vector3::from(centre);
+        Aabb { lower: middle.add_scalar(-half_side), upper: middle.add_scalar(half_side) }
+    }
+
+    /// Rays near the region and far from it meet what they meet of all triangles.
+    fn assert_same_hits(octree: &Octree<f64>, mesh: &Mesh<f64>) {
+        let tracer = octree.tracer(mesh).expect("it is up to date");
+        let origins = mesh.positions().iter().step_by(37);
+        let rays: Vec<_> = origins.map(|&p| Ray::new(p * 0.9, Vector3::new(p.y, 0.3 - p.x, p.z + 0.1))).collect();
+        let mut hits = Vec::new();
+        tracer.nearest_hits(&rays, &mut hits);
+        assert!(hits.iter().flatten().count() > rays.len() / 2);
+        for (ray, hit) in rays.iter().zip(&hits) {
+            let expected = tracer.nearest_hit_of_all(ray);
+            assert_eq!((*hit, tracer.nearest_hit(ray)), (expected, expected), "{ray:?}");
+        }
+    }
+
+    #[test]
+    fn boxes_far_from_the_regions_are_wide_and_hold() {
+        let mut mesh = torus();
+        let mut octree = Octree::new(&mesh);
+        let (mut tiles, not_tight) = (Vec::new(), |octree: &Octree<f64>, mesh: &Mesh<f64>| {
+            octree.validate(mesh).is_err_and(|what| what.contains("box"))
+        });
+        for step in 1..8 {
+            mesh.set_positions(&positions(step)).expect("finite");
+            // Round the torus, so that what was far comes near.
+            let (y, x) = f64::from(step).sin_cos();
+            let regions = [cube_about([x, y, 0.0], 0.2), cube_about([-y, x, 0.3], 0.1)];
+            octree.update_in(&mesh, regions.into_iter(), None, &mut tiles).expect("its own");
+            assert!(!tiles.is_empty() && not_tight(&octree, &mesh), "step {step}");
+            assert_same_hits(&octree, &mesh);
+            match step % 3 {
+                0 => octree.update(&mesh).expect("its own"),
+                // At rest: the regions may be others.
+                1 => octree
+                    .update_in(&mesh, [cube_about([-x, -y, 0.0], 0.2)].into_iter(), None, &mut tiles)
+                    .expect("its own"),
+                _ => continue,
+            }
+            assert_eq!(octree.validate(&mesh), Ok(()), "step {step}");
+            assert_same_hits(&octree, &mesh);
+        }
+        mesh.set_positions(&positions(0)).expect("finite");
+        octree.update_in(&mesh, [*mesh.aabb()].into_iter(), None, &mut tiles).expect("its own");
+        assert_eq!(octree.validate(&mesh), Ok(()), "all is near");
+    }
+
+    /// Vertices numbered at random tell nothing of where a leaf is: all boxes are tight then.
+    #[test]
+    fn vertices_in_no_order_are_all_looked_at() {
+        let torus = torus();
+        let count = torus.positions().len() as u32;
+        let scattered = |vertex: u32| (vertex * 1009) % count;
+        let mut positions = vec![[0.0; 3]; count as usize];
+        for (vertex, position) in torus.positions().iter().enumerate() {
+            positions[scattered(vertex as u32) as usize] = (*position).into();
+        }
+        let triangles: Vec<_> = torus.topology().triangles().iter().map(|corners| corners.map(scattered)).collect();
+        let mut mesh = Mesh::new(&positions, &triangles).expect("it is closed");
+        let (mut octree, mut tiles) = (Octree::new(&mesh), Vec::new());
+        mesh.set_positions(&positions).expect("finite");
+        octree.update_in(&mesh, [cube_about([1.3, 0.0, 0.0], 0.1)].into_iter(), None, &mut tiles).expect("its own");
+        assert!(!tiles.is_empty());
+        assert_eq!(octree.validate(&mesh), Ok(()));
     }
 }

@@ -58,15 +58,15 @@ impl<T: Scalar> Wide<T> {
         region: &Aabb<T>,
         vertices: &mut Vec<u32>,
     ) {
-        let tile = &self.tiles[tile as usize];
+        let tile = tile as usize;
         let mut room = [[T::zero(); LANE_COUNT]; 3];
-        let positions = Vectors::<T, L>::load(tile.positions::<L>(mesh, &mut room));
+        let positions = Vectors::<T, L>::load(self.positions_of::<L>(tile, mesh, &mut room));
         let inside =
             Vectors::splat(&region.lower).are_at_most(positions) & positions.are_at_most(Vectors::splat(&region.upper));
-        let mut left = inside & tile.owned;
+        let mut left = inside & self.tiles[tile].owned;
         vertices.room_for(LANE_COUNT);
         while left != 0 {
-            vertices.push(tile.vertices[left.trailing_zeros() as usize]);
+            vertices.push(self.outlines[tile].vertices[left.trailing_zeros() as usize]);
             left &= left - 1;
         }
     }

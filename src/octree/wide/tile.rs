@@ -1,4 +1,4 @@
-use crate::math::{Aabb, LANE_COUNT, Mask, Scalar};
+use crate::math::{Aabb, LANE_COUNT, Mask, Scalar, Vector3};
 
 /// At most so many triangles, and so many vertices, form a tile.
 pub(super) const TILE_SIZE: usize = LANE_COUNT;
@@ -19,34 +19,48 @@ pub(super) struct Tile<T: Scalar> {
     /// Which vertices are this tile's own: each vertex is one tile's.
     pub(super) owned: Mask,
     pub(super) triangles: [u32; TILE_SIZE],
+}
+
+/// What new positions change of a tile that is not loaded, and what that takes: apart from the rest, so that a refit passes
+/// through little memory.
+#[derive(Clone, Debug)]
+pub(super) struct Outline<T: Scalar> {
+    /// Places beyond the last vertex repeat it.
     pub(super) vertices: [u32; TILE_SIZE],
-    /// The box around the vertices.
+    /// The box around the vertices, or one without end.
     pub(super) aabb: Aabb<T>,
-    /// Whether `positions` are the present ones.
+    /// Whether the tile's `positions` are the present ones.
     pub(super) is_loaded: bool,
 }
 
+impl<T: Scalar> Outline<T> {
+    /// Nothing is known of the present positions.
+    pub(super) fn forget(&mut self) {
+        let endless = Vector3::repeat(T::INFINITY);
+        (self.aabb, self.is_loaded) = (Aabb { lower: -endless, upper: endless }, false);
+    }
+}
+
 impl<T: Scalar> Tile<T> {
-    /// The tile of some triangles; positions are yet to be loaded.
-    pub(super) fn new(all_triangles: &[[u32; 3]], triangles: &[u32]) -> Self {
+    /// The tile of some triangles; positions and box are yet to be loaded.
+    pub(super) fn new(all_triangles: &[[u32; 3]], triangles: &[u32]) -> (Self, Outline<T>) {
+        let mut outline = Outline { vertices: [u32::MAX; TILE_SIZE], aabb: Aabb::empty(), is_loaded: false };
         let mut tile = Self {
             positions: [[T::zero(); TILE_SIZE]; 3],
-            aabb: Aabb::empty(),
-            is_loaded: false,
             corners: [[0; TILE_SIZE]; 3],
             vertex_sets: [0; TILE_SIZE],
             present: ((1u32 << triangles.len()) - 1) as Mask,
             owned: 0,
             triangles: [u32::MAX; TILE_SIZE],
-            vertices: [u32::MAX; TILE_SIZE],
         };
+        let vertices = &mut outline.vertices;
         let mut vertex_count = 0;
         for (place, &triangle) in triangles.iter().enumerate() {
             tile.triangles[place] = triangle;
             for (corner, &vertex) in all_triangles[triangle as usize].iter().enumerate() {
-                let known = tile.vertices[..vertex_count].iter().position(|&v| v == vertex);
+                let known = vertices[..vertex_count].iter().position(|&v| v == vertex);
                 let vertex_place = known.unwrap_or_else(|| {
-                    tile.vertices[vertex_count] = vertex;
+                    vertices[vertex_count] = vertex;
                     vertex_count += 1;
                     vertex_count - 1
                 });
@@ -54,14 +68,14 @@ impl<T: Scalar> Tile<T> {
                 tile.vertex_sets[place] |= 1 << vertex_place;
             }
         }
-        let last = tile.vertices[vertex_count - 1];
-        tile.vertices[vertex_count..].fill(last);
-        tile
+        let last = vertices[vertex_count - 1];
+        vertices[vertex_count..].fill(last);
+        (tile, outline)
     }
 
     /// Makes those vertices its own that are no other tile's yet.
-    pub(super) fn own_vertices(&mut self, is_owned: &mut [bool]) {
-        for (place, &vertex) in self.vertices.iter().enumerate() {
+    pub(super) fn own_vertices(&mut self, vertices: &[u32; TILE_SIZE], is_owned: &mut [bool]) {
+        for (place, &vertex) in vertices.iter().enumerate() {
             if !std::mem::replace(&mut is_owned[vertex as usize], true) {
                 self.owned |= 1 << place;
             }

@@ -1,4 +1,4 @@
-use super::{CHILD_COUNT, Node, Tile, Wide};
+use super::{CHILD_COUNT, Node, Wide};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Scalar};
 use crate::mesh::Mesh;
 use crate::octree::slabs::Slabs;
@@ -46,7 +46,7 @@ impl<T: Scalar, V: FnMut(u32) -> T> Kernel<T> for Walk<'_, T, V> {
                 if entry <= self.t_max {
                     let child = node.first + place as u32;
                     if node.is_leaf {
-                        self.offer::<L>(&self.cells.tiles[child as usize]);
+                        self.offer::<L>(child as usize);
                     } else {
                         stack[waiting] = child;
                         waiting += 1;
@@ -60,11 +60,13 @@ impl<T: Scalar, V: FnMut(u32) -> T> Kernel<T> for Walk<'_, T, V> {
 impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
     /// Offers the triangles of a tile that the ray may meet.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn offer<L: Lanes<T>>(&mut self, tile: &Tile<T>) {
+    fn offer<L: Lanes<T>>(&mut self, index: usize) {
+        let tile = &self.cells.tiles[index];
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let mut met = match self.prepared {
             PreparedRay::Watertight(ray) => {
-                let [right, left] = ray.sides::<L>(tile.positions::<L>(self.mesh, &mut room), &tile.corners);
+                let positions = self.cells.positions_of::<L>(index, self.mesh, &mut room);
+                let [right, left] = ray.sides::<L>(positions, &tile.corners);
                 !(right & left) & tile.present
             }
             PreparedRay::MollerTrumbore(_) => tile.present,

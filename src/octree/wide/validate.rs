@@ -1,6 +1,6 @@
 use super::Wide;
 use super::node::{CHILD_COUNT, Node};
-use super::tile::{TILE_SIZE, Tile};
+use super::tile::{Outline, TILE_SIZE, Tile};
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 
@@ -9,8 +9,8 @@ impl<T: Scalar> Wide<T> {
     /// present positions, and boxes are the tightest around what lies under them.
     pub(in crate::octree) fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
         let mut tile_of = vec![None; mesh.topology().triangles().len()];
-        for (index, tile) in self.tiles.iter().enumerate() {
-            tile.validate(mesh).map_err(|what| format!("tile {index}: {what}"))?;
+        for (index, (tile, outline)) in self.tiles.iter().zip(&self.outlines).enumerate() {
+            tile.validate(outline, mesh).map_err(|what| format!("tile {index}: {what}"))?;
             for &triangle in tile.triangles() {
                 if let Some(other) = tile_of[triangle as usize].replace(index) {
                     return Err(format!("triangle {triangle} is in tiles {other} and {index}"));
@@ -21,9 +21,9 @@ impl<T: Scalar> Wide<T> {
             return Err(format!("triangle {triangle} is in no tile"));
         }
         let mut owners = vec![0; mesh.topology().vertex_count()];
-        for tile in &self.tiles {
+        for (tile, outline) in self.tiles.iter().zip(&self.outlines) {
             let own = (0..TILE_SIZE).filter(|place| tile.owned >> place & 1 == 1);
-            own.for_each(|place| owners[tile.vertices[place] as usize] += 1);
+            own.for_each(|place| owners[outline.vertices[place] as usize] += 1);
         }
         if let Some(vertex) = mesh.topology().surface_vertices().iter().find(|&&vertex| owners[vertex as usize] != 1) {
             return Err(format!("vertex {vertex} is not one tile's own"));
@@ -41,7 +41,7 @@ impl<T: Scalar> Wide<T> {
                     Aabb::empty()
                 } else if node.is_leaf {
                     tiles[child] += 1;
-                    self.tiles[child].aabb
+                    self.outlines[child].aabb
                 } else if child <= index {
                     return Err(format!("node {child} comes before its parent {index}"));
                 } else {
@@ -71,7 +71,7 @@ fn around_children<T: Scalar>(node: &Node<T>) -> Aabb<T> {
 }
 
 impl<T: Scalar> Tile<T> {
-    fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
+    fn validate(&self, outline: &Outline<T>, mesh: &Mesh<T>) -> Result<(), String> {
         let count = self.triangles().len();
         if !(1..=TILE_SIZE).contains(&count) || u32::from(self.present) != (1u32 << count) - 1 {
             return Err(format!("it has {count} triangles"));
@@ -88,15 +88,15 @@ impl<T: Scalar> Tile<T> {
                 let vertex = mesh.topology().triangles()[triangle as usize][corner];
                 let position = mesh.positions()[vertex as usize];
                 around.include(&position);
-                if self.vertices[vertex_place] != vertex {
+                if outline.vertices[vertex_place] != vertex {
                     return Err(format!("corner {corner} of triangle {triangle} is another vertex"));
                 }
-                if self.is_loaded && (0..3).any(|axis| self.positions[axis][vertex_place] != position[axis]) {
+                if outline.is_loaded && (0..3).any(|axis| self.positions[axis][vertex_place] != position[axis]) {
                     return Err(format!("vertex {vertex} is not where the mesh has it"));
                 }
             }
         }
-        if self.aabb == around { Ok(()) } else { Err("its box is not that of its triangles".to_owned()) }
+        if outline.aabb == around { Ok(()) } else { Err("its box is not that of its triangles".to_owned()) }
     }
 }
 
@@ -130,35 +130,38 @@ mod tests {
         assert!(what.contains(part), "{what:?} does not say {part:?}");
     }
 
-    fn forget_last_triangle(tile: &mut Tile<f64>, mesh: &Mesh<f64>) {
+    fn forget_last_triangle(wide: &mut Wide<f64>, index: usize, mesh: &Mesh<f64>) {
+        let (tile, outline) = (&mut wide.tiles[index], &mut wide.outlines[index]);
         tile.present >>= 1;
-        tile.aabb = Aabb::empty();
+        outline.aabb = Aabb::empty();
         let corners: Vec<Vector3<f64>> = tile.triangles().iter().flat_map(|&triangle| mesh.corners(triangle)).collect();
-        corners.iter().for_each(|corner| tile.aabb.include(corner));
+        corners.iter().for_each(|corner| outline.aabb.include(corner));
     }
 
     #[test]
     fn faults_of_a_tile_are_told() {
         assert_said("it has 0 triangles", |wide, _| wide.tiles[3].present = 0);
         assert_said("tile 3: it has", |wide, mesh| {
-            forget_last_triangle(&mut wide.tiles[3], mesh);
+            forget_last_triangle(wide, 3, mesh);
             wide.tiles[3].present <<= 1;
         });
         assert_said("are not those of its corners", |wide, _| wide.tiles[3].vertex_sets[1] ^= 1 << 15);
-        assert_said("is another vertex", |wide, _| wide.tiles[3].vertices[2] ^= 1);
+        assert_said("is another vertex", |wide, _| wide.outlines[3].vertices[2] ^= 1);
         assert_said("is not where the mesh has it", |wide, _| wide.tiles[3].positions[1][2] += 1.0);
-        assert_said("its box is not that of its triangles", |wide, _| wide.tiles[3].aabb.upper.y += 1.0);
+        assert_said("its box is not that of its triangles", |wide, _| wide.outlines[3].aabb.upper.y += 1.0);
         let unloaded = said_after(|wide, _| {
-            let tile = &mut wide.tiles[3];
-            (tile.is_loaded, tile.positions[1][2]) = (false, 42.0);
+            (wide.outlines[3].is_loaded, wide.tiles[3].positions[1][2]) = (false, 42.0);
         });
         assert_eq!(unloaded, Ok(()), "positions that are not loaded do not count");
     }
 
     #[test]
     fn triangles_and_vertices_of_no_tile_or_of_two_are_told() {
-        assert_said("is in tiles 0 and 1", |wide, _| wide.tiles[1] = wide.tiles[0].clone());
-        assert_said("is in no tile", |wide, mesh| forget_last_triangle(&mut wide.tiles[3], mesh));
+        assert_said("is in tiles 0 and 1", |wide, _| {
+            wide.tiles[1] = wide.tiles[0].clone();
+            wide.outlines[1] = wide.outlines[0].clone();
+        });
+        assert_said("is in no tile", |wide, mesh| forget_last_triangle(wide, 3, mesh));
         assert_said("is not one tile's own", |wide, _| wide.tiles[3].owned = 0);
         assert_said("is not one tile's own", |wide, _| wide.tiles.iter_mut().for_each(|tile| tile.owned |= 1));
     }
