@@ -104,7 +104,7 @@ impl<T: Scalar> Octree<T> {
         match &mut self.cells {
             Cells::Wide(cells) => {
                 if is_new || !cells.is_tight() {
-                    cells.refit(mesh);
+                    cells.refit(mesh, None);
                 }
                 cells.load(mesh, None);
             }
@@ -121,17 +121,17 @@ impl<T: Scalar> Octree<T> {
     pub(crate) fn update_in(
         &mut self,
         mesh: &Mesh<T>,
-        regions: impl Iterator<Item = Aabb<T>> + Clone,
+        regions: &[Aabb<T>],
         patch_area: Option<T>,
         tiles: &mut Vec<u32>,
     ) -> Result<(), OctreeError> {
         match &mut self.cells {
             Cells::Wide(cells) if mesh.shares_topology_with(&self.topology) => {
                 if self.stamp != mesh.stamp() {
-                    cells.refit_in(mesh, regions.clone());
+                    cells.refit(mesh, Some(regions));
                 } else if !cells.is_tight() {
                     // The regions may be others than last time. A body at rest has tight boxes from its second step on.
-                    cells.refit(mesh);
+                    cells.refit(mesh, None);
                 }
                 self.stamp = mesh.stamp();
             }
@@ -143,7 +143,7 @@ impl<T: Scalar> Octree<T> {
             && ray_count > cells.tile_count() as usize / RAYS_TO_LOAD
         {
             for region in regions {
-                cells.tiles_in(&region, tiles);
+                cells.tiles_in(region, tiles);
                 cells.load(mesh, Some(tiles));
             }
         }

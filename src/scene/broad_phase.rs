@@ -59,7 +59,7 @@ impl<T: Scalar> BroadPhase<T> {
     }
 
     /// The boxes of the bodies that meet this one.
-    pub(super) fn met_by(&self, body: usize) -> impl Iterator<Item = &Aabb<T>> + Clone {
+    pub(super) fn met_by(&self, body: usize) -> impl Iterator<Item = &Aabb<T>> {
         let first = self.meetings.partition_point(|&[one, _]| (one as usize) < body);
         let own = self.meetings[first..].iter().take_while(move |&&[one, _]| one as usize == body);
         own.map(|&[_, other]| &self.boxes[other as usize])

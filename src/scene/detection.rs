@@ -183,13 +183,8 @@ impl<T: Scalar> Body<T> {
     }
 
     /// Finds the body's contacts with itself, where they are asked for; the octree follows the mesh where it is needed.
-    fn update<'a>(
-        &mut self,
-        number: usize,
-        others: impl Iterator<Item = &'a Aabb<T>> + Clone,
-        options: &DetectionOptions<T>,
-    ) {
-        let Self { mesh, octree, tiles, own } = self;
+    fn update<'a>(&mut self, number: usize, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
+        let Self { mesh, octree, regions, tiles, own } = self;
         if let Some(own) = own {
             own.contacts.clear();
             own.may_overlap = false;
@@ -202,9 +197,9 @@ impl<T: Scalar> Body<T> {
             return;
         }
         // Only bodies that meet another one need their octree.
-        let mut others = others.peekable();
-        if others.peek().is_some() {
-            let regions = others.map(|other| overlap_region(mesh.aabb(), other).1);
+        regions.clear();
+        memory::append(regions, others.map(|other| overlap_region(mesh.aabb(), other).1));
+        if !regions.is_empty() {
             octree.update_in(mesh, regions, options.sampling.patch_area(), tiles).expect("a body keeps its own octree");
         }
     }

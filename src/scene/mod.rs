@@ -10,7 +10,7 @@ pub use error::SceneError;
 pub use saved::SavedStateError;
 
 use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory};
-use crate::math::Scalar;
+use crate::math::{Aabb, Scalar};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
@@ -42,6 +42,8 @@ pub struct Scene<T: Scalar> {
 struct Body<T: Scalar> {
     mesh: Mesh<T>,
     octree: Octree<T>,
+    /// Room for where it meets other bodies.
+    regions: Vec<Aabb<T>>,
     /// Room for a list of the octree's tiles.
     tiles: Vec<u32>,
     /// Where self-collision is switched on.
@@ -93,7 +95,7 @@ impl<T: Scalar> Scene<T> {
     /// Adds a body; gives its number: the smallest that is free.
     pub fn add(&mut self, mesh: Mesh<T>) -> u32 {
         let octree = Octree::new(&mesh);
-        let body = Some(Body { mesh, octree, tiles: Vec::new(), own: None });
+        let body = Some(Body { mesh, octree, regions: Vec::new(), tiles: Vec::new(), own: None });
         match self.bodies.iter().position(Option::is_none) {
             Some(free) => {
                 self.bodies[free] = body;

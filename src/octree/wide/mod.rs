@@ -54,19 +54,15 @@ impl<T: Scalar> Wide<T> {
         }
         let runs = Runs::new(mesh, &nodes, &outlines);
         let mut wide = Self { tiles, outlines, nodes, runs, is_tight: false };
-        wide.refit(mesh);
+        wide.refit(mesh, None);
         wide.load(mesh, None);
         wide
     }
 
     /// Follows the mesh to its present positions; no tile is loaded then.
-    pub(super) fn refit(&mut self, mesh: &Mesh<T>) {
-        crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions: None::<std::iter::Empty<_>> });
-    }
-
-    /// The same for rays that mostly stay in some regions: boxes far from them are wider than they need be.
-    pub(super) fn refit_in(&mut self, mesh: &Mesh<T>, regions: impl Iterator<Item = Aabb<T>> + Clone) {
-        crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions: Some(regions) });
+    /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
+    pub(super) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
+        crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions });
     }
 
     pub(super) fn is_tight(&self) -> bool {

@@ -3,15 +3,15 @@ use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
 use crate::mesh::Mesh;
 
 /// Renews the boxes, from the tiles upward. Tiles are to be loaded anew afterwards, those that are needed.
-pub(super) struct Refit<'a, T: Scalar, R> {
+pub(super) struct Refit<'a, T: Scalar> {
     pub(super) cells: &'a mut Wide<T>,
     pub(super) mesh: &'a Mesh<T>,
     /// Leaves that meet none of these, as far as their runs of vertices tell, get the box around the runs for all their
     /// tiles. `None`: all boxes become the tightest.
-    pub(super) regions: Option<R>,
+    pub(super) regions: Option<&'a [Aabb<T>]>,
 }
 
-impl<T: Scalar, R: Iterator<Item = Aabb<T>> + Clone> Kernel<T> for Refit<'_, T, R> {
+impl<T: Scalar> Kernel<T> for Refit<'_, T> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -26,9 +26,9 @@ impl<T: Scalar, R: Iterator<Item = Aabb<T>> + Clone> Kernel<T> for Refit<'_, T, 
         *is_tight = true;
         for (leaf, node) in nodes.iter_mut().enumerate().filter(|(_, node)| node.is_leaf) {
             let outlines = &mut outlines[node.tiles()];
-            if let Some(regions) = &regions
+            if let Some(regions) = regions
                 && let Some(around) = runs.around::<L>(leaf)
-                && !regions.clone().any(|region| region.overlaps(&around))
+                && !regions.iter().any(|region| region.overlaps(&around))
             {
                 *is_tight = false;
                 (0..outlines.len()).for_each(|place| node.set_box(place, &around));
@@ -165,22 +165,20 @@ mod tests {
             // Round the torus, so that what was far comes near.
             let (y, x) = f64::from(step).sin_cos();
             let regions = [cube_about([x, y, 0.0], 0.2), cube_about([-y, x, 0.3], 0.1)];
-            octree.update_in(&mesh, regions.into_iter(), None, &mut tiles).expect("its own");
+            octree.update_in(&mesh, &regions, None, &mut tiles).expect("its own");
             assert!(!tiles.is_empty() && not_tight(&octree, &mesh), "step {step}");
             assert_same_hits(&octree, &mesh);
             match step % 3 {
                 0 => octree.update(&mesh).expect("its own"),
                 // At rest: the regions may be others.
-                1 => octree
-                    .update_in(&mesh, [cube_about([-x, -y, 0.0], 0.2)].into_iter(), None, &mut tiles)
-                    .expect("its own"),
+                1 => octree.update_in(&mesh, &[cube_about([-x, -y, 0.0], 0.2)], None, &mut tiles).expect("its own"),
                 _ => continue,
             }
             assert_eq!(octree.validate(&mesh), Ok(()), "step {step}");
             assert_same_hits(&octree, &mesh);
         }
         mesh.set_positions(&positions(0)).expect("finite");
-        octree.update_in(&mesh, [*mesh.aabb()].into_iter(), None, &mut tiles).expect("its own");
+        octree.update_in(&mesh, &[*mesh.aabb()], None, &mut tiles).expect("its own");
         assert_eq!(octree.validate(&mesh), Ok(()), "all is near");
     }
 
@@ -198,7 +196,7 @@ mod tests {
         let mut mesh = Mesh::new(&positions, &triangles).expect("it is closed");
         let (mut octree, mut tiles) = (Octree::new(&mesh), Vec::new());
         mesh.set_positions(&positions).expect("finite");
-        octree.update_in(&mesh, [cube_about([1.3, 0.0, 0.0], 0.1)].into_iter(), None, &mut tiles).expect("its own");
+        octree.update_in(&mesh, &[cube_about([1.3, 0.0, 0.0], 0.1)], None, &mut tiles).expect("its own");
         assert!(!tiles.is_empty());
         assert_eq!(octree.validate(&mesh), Ok(()));
     }

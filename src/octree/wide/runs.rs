@@ -48,9 +48,12 @@ impl<T: Scalar> Runs<T> {
         Self { lower, upper, of_leaves, starts }
     }
 
-    /// Follows the positions.
+    /// Follows the positions, if it is of use to any leaf.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn renew<L: Lanes<T>>(&mut self, positions: &[Vector3<T>]) {
+        if self.of_leaves.is_empty() {
+            return;
+        }
         for (run, (lower, upper)) in self.lower.iter_mut().zip(&mut self.upper).enumerate() {
             let left = &positions[run * LANE_COUNT..];
             (*lower, *upper) = match left.first_chunk::<{ LANE_COUNT + 1 }>() {
