@@ -44,6 +44,11 @@ pub fn run(
     let mut running = Vec::new();
     for description in methods {
         progress.set_message(format!("{}: preparing {}", workload.name, description.name));
+        if !description.can_take(workload) {
+            progress.println(format!("{} is left out of {}: it would not end soon", description.name, workload.name));
+            progress.inc(ROUNDS.into());
+            continue;
+        }
         let place = match description.simd {
             Some(simd) => Place::Elsewhere(Elsewhere::start(&workload.name, simd)?),
             None => Place::Here(description.start(workload, &host, peers)?),
@@ -67,7 +72,22 @@ pub fn run(
     host.write(frames(workload, ROUNDS - 1).last().expect("rounds have steps"));
     progress.set_message(format!("{}: testing every ray against every triangle", workload.name));
     let oracle = Oracle::new(workload, &host);
-    running.into_iter().map(|running| running.row(workload, &oracle)).collect()
+    let first = running.first().map(|running| running.times.rounds()).unwrap_or_default();
+    running.into_iter().map(|running| running.row(workload, &oracle, &first)).collect()
+}
+
+impl Times {
+    /// The median of each round.
+    fn rounds(&self) -> Vec<f64> {
+        self.totals.chunks(MEASURED_STEPS as usize).map(|steps| middle(steps.to_vec())).collect()
+    }
+
+    /// The time of a step, given the rounds of the method that all are compared with: the median of the rounds' ratios,
+    /// in units of its median. The machine's pace, which changes more from round to round than within one, falls out.
+    fn total(&self, first: &[f64]) -> f64 {
+        let ratios = self.rounds().iter().zip(first).map(|(own, first)| own / first).collect();
+        hundredths(middle(ratios) * middle(first.to_vec()))
+    }
 }
 
 /// The positions of a round, step by step.
@@ -90,12 +110,13 @@ pub fn time_round(method: &mut dyn Method, threads: u32, host: &mut Host, frames
 }
 
 impl Running {
-    fn row(self, workload: &Workload, oracle: &Oracle) -> Result<Row, String> {
+    fn row(self, workload: &Workload, oracle: &Oracle, first: &[f64]) -> Result<Row, String> {
         let contacts: Vec<Key> = match self.place {
             Place::Here(method) => method.contacts(),
             Place::Elsewhere(mut process) => process.contacts()?,
         };
-        let Times { totals, stages } = self.times;
+        let total_us = self.times.total(first);
+        let stages = self.times.stages;
         let stage = |pick: fn(&Stages) -> f64| (!stages.is_empty()).then(|| median(stages.iter().map(pick).collect()));
         let method = self.description;
         let count = contacts.len();
@@ -107,7 +128,7 @@ impl Running {
             threads: method.threads,
             triangles: workload.triangle_count(),
             contacts: count,
-            total_us: median(totals),
+            total_us,
             normals_us: stage(|s| s.normals),
             structure_us: stage(|s| s.structure),
             trace_us: stage(|s| s.trace),
@@ -120,10 +141,16 @@ impl Running {
 }
 
 /// The median, to a hundredth.
-pub fn median(mut values: Vec<f64>) -> f64 {
+pub fn median(values: Vec<f64>) -> f64 {
+    hundredths(middle(values))
+}
+
+fn hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+fn middle(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     let middle = values.len() / 2;
-    let median =
-        if values.len().is_multiple_of(2) { (values[middle - 1] + values[middle]) / 2.0 } else { values[middle] };
-    (median * 100.0).round() / 100.0
+    if values.len().is_multiple_of(2) { (values[middle - 1] + values[middle]) / 2.0 } else { values[middle] }
 }

@@ -103,7 +103,16 @@ pub fn all() -> Vec<Description> {
     ]
 }
 
+/// Bullet builds its tree of a body's faces in a time that grows with their square: minutes above so many.
+const MOST_TRIANGLES_FOR_BULLET: usize = 150_000;
+
 impl Description {
+    /// Whether it can be made ready for the workload in a time that one would wait.
+    pub fn can_take(&self, workload: &Workload) -> bool {
+        let largest = workload.bodies.iter().map(|body| body.triangles.len()).max().unwrap_or(0);
+        self.name != "bullet-vf" || largest <= MOST_TRIANGLES_FOR_BULLET
+    }
+
     pub fn start(&self, workload: &Workload, host: &Host, peers: &peer::Library) -> Result<Box<dyn Method>, String> {
         match (self.name, self.precision) {
             ("raycontact", Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::paper()),

@@ -50,13 +50,16 @@ fn times(rows: &[Row]) -> Table {
     table
 }
 
-/// How time grows: the slope of its logarithm over that of the triangles, among pairs of ever finer bodies and among stacks
-/// of ever more; only of methods with more than two of either. 1 is in proportion.
+/// How time grows: the slope of its logarithm over that of the triangles, among pairs of ever finer bodies, among stacks of
+/// ever more, and among those of them whose bodies nearly all have two neighbours; only of methods with more than two of
+/// either. 1 is in proportion.
 pub fn growth(rows: &[Row]) -> Table {
-    let slope = |label: &str, family: &str| {
+    let slope = |label: &str, family: &str, fewest: u32| {
+        // The bodies of a stack; of a pair, more than any limit.
+        let bodies = |workload: &str| workload.strip_prefix(family).map(|rest| rest.parse().unwrap_or(u32::MAX));
         let points: Vec<[f64; 2]> = rows
             .iter()
-            .filter(|row| row.label() == label && row.workload.starts_with(family))
+            .filter(|row| row.label() == label && bodies(&row.workload).is_some_and(|count| count >= fewest))
             .map(|row| [(row.triangles as f64).ln(), row.total_us.ln()])
             .collect();
         let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64;
@@ -65,10 +68,10 @@ pub fn growth(rows: &[Row]) -> Table {
         let shared: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
         if points.len() > 2 { format!("{:.3}", shared / spread) } else { "–".to_owned() }
     };
-    let families = [("finer bodies", "pair"), ("more bodies", "stack")];
-    let head = std::iter::once("slope").chain(families.map(|(name, _)| name)).map(str::to_owned).collect();
+    let families = [("finer bodies", "pair", 0), ("more bodies", "stack", 0), ("from ten bodies on", "stack", 10)];
+    let head = std::iter::once("slope").chain(families.map(|(name, ..)| name)).map(str::to_owned).collect();
     let lines = labels(rows).into_iter().map(|label| {
-        let slopes = families.map(|(_, family)| slope(&label, family));
+        let slopes = families.map(|(_, family, fewest)| slope(&label, family, fewest));
         std::iter::once(label).chain(slopes).collect()
     });
     let has_slope = |line: &Vec<String>| line[1..].iter().any(|cell| cell != "–");

@@ -13,10 +13,11 @@ const alike = 4;
 const covering = 60;
 const crossing = 50;
 
-/** A mark: the names of the rows, those for whom `isFirst` says so placed first. Then calls `told` with how many had no room. */
-export function labels(rows, { x, y, text, isFirst, told }) {
+/** A mark: the names of the rows, those of highest `rank` placed first and those of none in thin letters. Then calls `told`
+ * with how many had no room. */
+export function labels(rows, { x, y, text, rank, told }) {
   const render = (index, scales, values, dimensions) => {
-    const points = groups(index, values, rows, text, isFirst);
+    const points = groups(index, values, rows, text, rank);
     const group = svg("g", { "aria-hidden": "true", class: "labels" });
     const placed = place(points, dimensions);
     for (const { point, box, end } of placed) {
@@ -40,14 +41,14 @@ function svg(name, attributes) {
   return made;
 }
 
-/** Points in one place become one, with the shortest name; first those that come first. */
-function groups(index, { x, y }, rows, text, isFirst) {
-  const order = Array.from(index).sort((a, b) => isFirst(rows[b]) - isFirst(rows[a]) || text(rows[a]).length - text(rows[b]).length);
+/** Points in one place become one, with the shortest name among those of the highest rank. */
+function groups(index, { x, y }, rows, text, rank) {
+  const order = Array.from(index).sort((a, b) => rank(rows[b]) - rank(rows[a]) || text(rows[a]).length - text(rows[b]).length);
   const found = [];
   for (const i of order) {
     const near = found.find((point) => Math.hypot(point.x - x[i], point.y - y[i]) < alike);
     if (near) near.count += 1;
-    else found.push({ x: x[i], y: y[i], name: text(rows[i]), isFirst: isFirst(rows[i]), count: 1 });
+    else found.push({ x: x[i], y: y[i], name: text(rows[i]), isFirst: rank(rows[i]) > 0, count: 1 });
   }
   const context = document.createElement("canvas").getContext("2d");
   for (const point of found) {

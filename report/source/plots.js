@@ -25,7 +25,7 @@ export function speedAndAccuracy(rows, measure, { width, everyLabel, told }) {
   const y = (row) => Math.max(measure.of(row), measure.least);
   const x = "time_floor_multiple";
   const best = front(known, measure);
-  const isFirst = (row) => best.includes(row) || isDefault(row);
+  const rank = (row) => (isDefault(row) ? 2 : best.includes(row) ? 1 : 0);
   const title = (row) => `${row.method}\n${row.settings.replaceAll(" ", "\n")}\n${figures(row)}`;
   const text = (row) => (isDefault(row) ? `${short(row)} (default)` : short(row));
   return Plot.plot({
@@ -39,7 +39,7 @@ export function speedAndAccuracy(rows, measure, { width, everyLabel, told }) {
       Plot.line(best, { x, y, stroke: "currentColor", strokeOpacity: 0.5 }),
       Plot.dot(known, { x, y, fill: family, r: 5, fillOpacity: 0.75, className: "points" }),
       Plot.dot(known.filter(isDefault), { x, y, r: 10, stroke: "currentColor", strokeWidth: 2 }),
-      labels(everyLabel ? known : known.filter(isFirst), { x, y, text, isFirst, told }),
+      labels(everyLabel ? known : known.filter((row) => rank(row) > 0), { x, y, text, rank, told }),
       Plot.tip(known, Plot.pointer({ x, y, title, maxRadius: 30 })),
     ],
   });
