@@ -152,12 +152,5 @@ fn sides<T: Scalar, L: Lanes<T>>(
     let along = L::load(&positions[z]).sub(origin.z);
     let right = L::load(&positions[x]).sub(origin.x).sub(shear[0].mul(along));
     let up = L::load(&positions[y]).sub(origin.y).sub(shear[1].mul(along));
-    let (ax, ay) = (right.permute(&corners[0]), up.permute(&corners[0]));
-    let (bx, by) = (right.permute(&corners[1]), up.permute(&corners[1]));
-    let (cx, cy) = (right.permute(&corners[2]), up.permute(&corners[2]));
-    let u = cx.mul(by).sub(cy.mul(bx));
-    let v = ax.mul(cy).sub(ay.mul(cx));
-    let w = bx.mul(ay).sub(by.mul(ax));
-    let zero = L::splat(T::zero());
-    [zero.is_less(u.larger(v).larger(w)), u.smaller(v).smaller(w).is_less(zero)]
+    L::sides([right, up], corners)
 }

@@ -4,7 +4,9 @@
 //! here leans on.
 #![allow(unsafe_code)]
 
-use super::portable::{append_one_by_one, bounds_one_by_one, gather_indices_one_by_one};
+use super::avx2_lists::{append, doubles_bounds, doubles_gather, equal, holding, singles_bounds, singles_gather};
+use super::one_by_one::gather_indices_one_by_one;
+use super::registers::register_by_register;
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -16,113 +18,6 @@ pub struct SinglesAvx2([__m256; 2]);
 /// Sixteen `f64`.
 #[derive(Clone, Copy)]
 pub struct DoublesAvx2([__m256d; 4]);
-
-/// All operations but the permutation, register by register.
-macro_rules! register_by_register {
-    (
-        $scalar:ty, [$($i:literal),*], $width:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
-        $mul:ident, $div:ident, $sqrt:ident, $mul_add:ident, $xor:ident, $min:ident, $max:ident, $compare:ident,
-        $blend:ident, $bits:ident
-    ) => {
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn splat(value: $scalar) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            let all = unsafe { $splat(value) };
-            Self([$({ let _ = $i; all }),*])
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn load(from: &[$scalar; LANE_COUNT]) -> Self {
-            // SAFETY: as above; sixteen numbers may be read.
-            unsafe { Self([$($load(from[$i * $width..].as_ptr())),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn store(self, to: &mut [$scalar; LANE_COUNT]) {
-            // SAFETY: as above; sixteen numbers may be written.
-            unsafe { $($store(to[$i * $width..].as_mut_ptr(), self.0[$i]);)* }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn add(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { Self([$($add(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn sub(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { Self([$($sub(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn mul(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { Self([$($mul(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn div(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { Self([$($div(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn sqrt(self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { Self([$($sqrt(self.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn mul_add(self, factor: Self, term: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for FMA.
-            unsafe { Self([$($mul_add(self.0[$i], factor.0[$i], term.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn times_add(self, factor: Self, term: Self) -> Self {
-            self.mul_add(factor, term)
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn negate(self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { Self([$($xor(self.0[$i], $splat(-0.0))),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn smaller(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { Self([$($min(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn larger(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { Self([$($max(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn is_less(self, other: Self) -> Mask {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { 0 $(| ($bits($compare::<_CMP_LT_OQ>(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn is_at_most(self, other: Self) -> Mask {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe { 0 $(| ($bits($compare::<_CMP_LE_OQ>(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for AVX2.
-            unsafe {
-                Self([$($blend(other.0[$i], this.0[$i], $compare::<_CMP_LT_OQ>(a.0[$i], b.0[$i]))),*])
-            }
-        }
-    };
-}
 
 impl Lanes<f32> for SinglesAvx2 {
     register_by_register!(
@@ -141,10 +36,15 @@ impl Lanes<f32> for SinglesAvx2 {
         _mm256_xor_ps,
         _mm256_min_ps,
         _mm256_max_ps,
-        _mm256_cmp_ps,
-        _mm256_blendv_ps,
+        less_ps,
+        at_most_ps,
         _mm256_movemask_ps
     );
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn times_add(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
@@ -159,21 +59,23 @@ impl Lanes<f32> for SinglesAvx2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(bits: Mask, this: Self, other: Self) -> Self {
-        let mut signs = [1.0; LANE_COUNT];
-        for (i, sign) in signs.iter_mut().enumerate() {
-            *sign = if bits >> i & 1 == 1 { -1.0 } else { 1.0 };
+        // SAFETY: the kernel that runs this checked for AVX2.
+        unsafe {
+            // Each lane's bit becomes the sign that chooses.
+            let bits = _mm256_set1_epi32(bits.into());
+            let low = _mm256_sllv_epi32(bits, _mm256_setr_epi32(31, 30, 29, 28, 27, 26, 25, 24));
+            let high = _mm256_sllv_epi32(bits, _mm256_setr_epi32(23, 22, 21, 20, 19, 18, 17, 16));
+            Self([
+                _mm256_blendv_ps(other.0[0], this.0[0], _mm256_castsi256_ps(low)),
+                _mm256_blendv_ps(other.0[1], this.0[1], _mm256_castsi256_ps(high)),
+            ])
         }
-        Self::if_less(Self::load(&signs), Self::splat(0.0), this, other)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
-        let [mut x, mut y, mut z] = [[0.0; LANE_COUNT]; 3];
-        for i in 0..LANE_COUNT {
-            let point = &points[indices[i] as usize];
-            (x[i], y[i], z[i]) = (point.x, point.y, point.z);
-        }
-        [Self::load(&x), Self::load(&y), Self::load(&z)]
+        let [x, y, z] = singles_gather(points, indices);
+        [Self(x), Self(y), Self(z)]
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -210,7 +112,7 @@ impl Lanes<f32> for SinglesAvx2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append_one_by_one(list, count, first, bits)
+        append(list, count, first, bits)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -225,6 +127,21 @@ impl Lanes<f32> for SinglesAvx2 {
 }
 
 impl SinglesAvx2 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn spread(points: [Self; 2]) -> [Self; 2] {
+        points
+    }
+
+    /// The points at eight of the places.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn at([x, y]: &[Self; 2], places: &[u8; LANE_COUNT], i: usize) -> [__m256; 2] {
+        // SAFETY: the kernel that runs this checked for AVX2; eight bytes may be read.
+        unsafe {
+            let places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(places[8 * i..8 * i + 8].as_ptr().cast()));
+            [x.eight_of_sixteen(places), y.eight_of_sixteen(places)]
+        }
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn eight_of_sixteen(self, places: __m256i) -> __m256 {
         // SAFETY: the kernel that runs this checked for AVX2.
@@ -254,10 +171,15 @@ impl Lanes<f64> for DoublesAvx2 {
         _mm256_xor_pd,
         _mm256_min_pd,
         _mm256_max_pd,
-        _mm256_cmp_pd,
-        _mm256_blendv_pd,
+        less_pd,
+        at_most_pd,
         _mm256_movemask_pd
     );
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn times_add(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
@@ -273,21 +195,23 @@ impl Lanes<f64> for DoublesAvx2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(bits: Mask, this: Self, other: Self) -> Self {
-        let mut signs = [1.0; LANE_COUNT];
-        for (i, sign) in signs.iter_mut().enumerate() {
-            *sign = if bits >> i & 1 == 1 { -1.0 } else { 1.0 };
+        let mut result = other;
+        for i in 0..4 {
+            // SAFETY: the kernel that runs this checked for AVX2.
+            unsafe {
+                // Each lane's bit becomes the sign that chooses.
+                let bits = _mm256_set1_epi64x((bits >> (4 * i)).into());
+                let mask = _mm256_castsi256_pd(_mm256_sllv_epi64(bits, _mm256_setr_epi64x(63, 62, 61, 60)));
+                result.0[i] = _mm256_blendv_pd(other.0[i], this.0[i], mask);
+            }
         }
-        Self::if_less(Self::load(&signs), Self::splat(0.0), this, other)
+        result
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
-        let [mut x, mut y, mut z] = [[0.0; LANE_COUNT]; 3];
-        for i in 0..LANE_COUNT {
-            let point = &points[indices[i] as usize];
-            (x[i], y[i], z[i]) = (point.x, point.y, point.z);
-        }
-        [Self::load(&x), Self::load(&y), Self::load(&z)]
+        let [x, y, z] = doubles_gather(points, indices);
+        [Self(x), Self(y), Self(z)]
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -324,7 +248,7 @@ impl Lanes<f64> for DoublesAvx2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append_one_by_one(list, count, first, bits)
+        append(list, count, first, bits)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -338,86 +262,60 @@ impl Lanes<f64> for DoublesAvx2 {
     }
 }
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-    // SAFETY: the kernel that runs this checked for AVX2; sixteen indices may be read.
-    unsafe {
-        let index = _mm256_set1_epi32(index as i32);
-        let low = _mm256_cmpeq_epi32(_mm256_loadu_si256(indices.as_ptr().cast()), index);
-        let high = _mm256_cmpeq_epi32(_mm256_loadu_si256(indices[8..].as_ptr().cast()), index);
-        let low = _mm256_movemask_ps(_mm256_castsi256_ps(low)) as Mask;
-        let high = _mm256_movemask_ps(_mm256_castsi256_ps(high)) as Mask;
-        low | high << 8
-    }
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-    // SAFETY: the kernel that runs this checked for AVX2; sixteen sets may be read.
-    unsafe {
-        let bits = _mm256_set1_epi16(bits as i16);
-        let shared = _mm256_and_si256(_mm256_loadu_si256(sets.as_ptr().cast()), bits);
-        let holding = _mm256_cmpeq_epi16(shared, bits);
-        // All ones and all zeros survive the narrowing.
-        let narrow = _mm_packs_epi16(_mm256_castsi256_si128(holding), _mm256_extracti128_si256::<1>(holding));
-        _mm_movemask_epi8(narrow) as Mask
-    }
-}
-
-/// Whether all sixteen indices are below the limit.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn all_below(indices: &[u32; LANE_COUNT], limit: u32) -> bool {
-    // SAFETY: the kernel that runs this checked for AVX2; sixteen indices may be read.
-    unsafe {
-        let limit = _mm256_set1_epi32(limit as i32);
-        let low = _mm256_loadu_si256(indices.as_ptr().cast());
-        let high = _mm256_loadu_si256(indices[8..].as_ptr().cast());
-        let greatest = _mm256_max_epu32(low, high);
-        let at_least = _mm256_cmpeq_epi32(_mm256_max_epu32(greatest, limit), greatest);
-        _mm256_testz_si256(at_least, at_least) == 1
-    }
-}
-
-/// [`Lanes::bounds`] with a point to a register, and what follows the point in memory beside it.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn singles_bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-    // Behind the last point there is nothing that may be read.
-    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
-        return bounds_one_by_one(points, indices);
-    }
-    let [mut lower, mut upper] = [[0.0; 4]; 2];
-    // SAFETY: the kernel that runs this checked for AVX2; behind each of these points there is another.
-    unsafe {
-        let first = _mm_loadu_ps(points.as_ptr().add(indices[0] as usize).cast());
-        let (mut smallest, mut greatest) = (first, first);
-        for &index in &indices[1..] {
-            let point = _mm_loadu_ps(points.as_ptr().add(index as usize).cast());
-            (smallest, greatest) = (_mm_min_ps(point, smallest), _mm_max_ps(point, greatest));
+// A point's two coordinates beside each other in memory are read at once.
+impl DoublesAvx2 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn spread([x, y]: [Self; 2]) -> [[f64; 2]; LANE_COUNT] {
+        let mut points = [[0.0; 2]; LANE_COUNT];
+        for i in 0..4 {
+            // SAFETY: the kernel that runs this checked for AVX2; two numbers may be written at each point.
+            unsafe {
+                let (low, high) = (_mm256_unpacklo_pd(x.0[i], y.0[i]), _mm256_unpackhi_pd(x.0[i], y.0[i]));
+                _mm_storeu_pd(points[4 * i].as_mut_ptr(), _mm256_castpd256_pd128(low));
+                _mm_storeu_pd(points[4 * i + 1].as_mut_ptr(), _mm256_castpd256_pd128(high));
+                _mm_storeu_pd(points[4 * i + 2].as_mut_ptr(), _mm256_extractf128_pd::<1>(low));
+                _mm_storeu_pd(points[4 * i + 3].as_mut_ptr(), _mm256_extractf128_pd::<1>(high));
+            }
         }
-        _mm_storeu_ps(lower.as_mut_ptr(), smallest);
-        _mm_storeu_ps(upper.as_mut_ptr(), greatest);
+        points
     }
-    (Vector3::new(lower[0], lower[1], lower[2]), Vector3::new(upper[0], upper[1], upper[2]))
+
+    /// The points at four of the places.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn at(points: &[[f64; 2]; LANE_COUNT], places: &[u8; LANE_COUNT], i: usize) -> [__m256d; 2] {
+        let mut four = [points.as_ptr(); 4];
+        for lane in 0..4 {
+            four[lane] = &points[usize::from(places[4 * i + lane]) % LANE_COUNT];
+        }
+        // SAFETY: the kernel that runs this checked for AVX2; two numbers may be read at each point.
+        unsafe {
+            let first = _mm256_set_m128d(_mm_loadu_pd(four[2].cast()), _mm_loadu_pd(four[0].cast()));
+            let second = _mm256_set_m128d(_mm_loadu_pd(four[3].cast()), _mm_loadu_pd(four[1].cast()));
+            [_mm256_unpacklo_pd(first, second), _mm256_unpackhi_pd(first, second)]
+        }
+    }
 }
 
-/// [`Lanes::bounds`] with a point to a register, and what follows the point in memory beside it.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn doubles_bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
-    // Behind the last point there is nothing that may be read.
-    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
-        return bounds_one_by_one(points, indices);
-    }
-    let [mut lower, mut upper] = [[0.0; 4]; 2];
-    // SAFETY: the kernel that runs this checked for AVX2; behind each of these points there is another.
-    unsafe {
-        let first = _mm256_loadu_pd(points.as_ptr().add(indices[0] as usize).cast());
-        let (mut smallest, mut greatest) = (first, first);
-        for &index in &indices[1..] {
-            let point = _mm256_loadu_pd(points.as_ptr().add(index as usize).cast());
-            (smallest, greatest) = (_mm256_min_pd(point, smallest), _mm256_max_pd(point, greatest));
-        }
-        _mm256_storeu_pd(lower.as_mut_ptr(), smallest);
-        _mm256_storeu_pd(upper.as_mut_ptr(), greatest);
-    }
-    (Vector3::new(lower[0], lower[1], lower[2]), Vector3::new(upper[0], upper[1], upper[2]))
+unsafe fn less_ps(a: __m256, b: __m256) -> __m256 {
+    // SAFETY: the caller runs this where there is AVX2.
+    unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(a, b) }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+unsafe fn at_most_ps(a: __m256, b: __m256) -> __m256 {
+    // SAFETY: the caller runs this where there is AVX2.
+    unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(a, b) }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+unsafe fn less_pd(a: __m256d, b: __m256d) -> __m256d {
+    // SAFETY: the caller runs this where there is AVX2.
+    unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(a, b) }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+unsafe fn at_most_pd(a: __m256d, b: __m256d) -> __m256d {
+    // SAFETY: the caller runs this where there is AVX2.
+    unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(a, b) }
 }

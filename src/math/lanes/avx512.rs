@@ -4,7 +4,7 @@
 //! here leans on.
 #![allow(unsafe_code)]
 
-use super::avx2::{doubles_bounds, singles_bounds};
+use super::avx2_lists::{doubles_bounds, singles_bounds};
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -107,12 +107,6 @@ impl Lanes<f32> for SinglesAvx512 {
     fn is_at_most(self, other: Self) -> Mask {
         // SAFETY: the kernel that runs this checked for AVX-512.
         unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        Self(unsafe { _mm512_mask_blend_ps(a.is_less(b), other.0, this.0) })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -285,16 +279,6 @@ impl Lanes<f64> for DoublesAvx512 {
         // SAFETY: the kernel that runs this checked for AVX-512.
         unsafe {
             joined(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0), _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.1, other.1))
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe {
-            let low = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.0, b.0);
-            let high = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.1, b.1);
-            Self(_mm512_mask_blend_pd(low, other.0, this.0), _mm512_mask_blend_pd(high, other.1, this.1))
         }
     }
 

@@ -4,7 +4,7 @@
 use super::{HasLanes, Lanes};
 
 /// What is worth compiling once for each kind of processor. Everything that `run` calls should be inlined into it.
-pub(crate) trait Kernel<T> {
+pub(crate) trait Kernel<T: HasLanes> {
     /// What it gives.
     type Output;
 
@@ -14,11 +14,13 @@ pub(crate) trait Kernel<T> {
 /// Runs the kernel on the widest lanes.
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) fn dispatch<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
-    kernel.run::<T::Portable>()
+    kernel.run::<T::Baseline>()
 }
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86_64::dispatch;
+#[cfg(all(test, target_arch = "x86_64"))]
+pub(super) use x86_64::{Path, best, run_on};
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64 {
@@ -26,8 +28,8 @@ mod x86_64 {
     use std::is_x86_feature_detected as has;
     use std::sync::OnceLock;
 
-    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-    enum Path {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub(crate) enum Path {
         Baseline,
         Avx2,
         Avx512,
@@ -38,28 +40,39 @@ mod x86_64 {
     #[allow(unsafe_code)] // calling code for processors that may not be this one
     pub(crate) fn dispatch<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
         static PATH: OnceLock<Path> = OnceLock::new();
-        match PATH.get_or_init(choose) {
-            // SAFETY: `choose` found what the function was compiled for.
+        // SAFETY: it is none above the best.
+        unsafe { run_on(*PATH.get_or_init(|| choose().min(best())), kernel) }
+    }
+
+    /// Runs the kernel on a path that this processor must have.
+    #[inline(always)]
+    #[allow(unsafe_code)] // calling code for processors that may not be this one
+    pub(crate) unsafe fn run_on<T: HasLanes, K: Kernel<T>>(path: Path, kernel: K) -> K::Output {
+        match path {
+            // SAFETY: the caller knows that the processor has what the function was compiled for.
             Path::Avx512 => unsafe { run_avx512::<T, K>(kernel) },
-            // SAFETY: `choose` found what the function was compiled for.
+            // SAFETY: the caller knows that the processor has what the function was compiled for.
             Path::Avx2 => unsafe { run_avx2::<T, K>(kernel) },
-            Path::Baseline => kernel.run::<T::Portable>(),
+            Path::Baseline => kernel.run::<T::Baseline>(),
         }
     }
 
     fn choose() -> Path {
+        match std::env::var("RAYCONTACT_SIMD").ok().as_deref() {
+            Some("baseline") => Path::Baseline,
+            Some("avx2") => Path::Avx2,
+            _ => Path::Avx512,
+        }
+    }
+
+    /// The best path that this processor has.
+    pub(crate) fn best() -> Path {
         let avx2 = has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("popcnt");
         let avx512 = avx2 && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
-        let best = match (avx512, avx2) {
+        match (avx512, avx2) {
             (true, _) => Path::Avx512,
             (false, true) => Path::Avx2,
             (false, false) => Path::Baseline,
-        };
-        let asked = std::env::var("RAYCONTACT_SIMD").ok();
-        match asked.as_deref() {
-            Some("baseline") => Path::Baseline,
-            Some("avx2") => best.min(Path::Avx2),
-            _ => best,
         }
     }
 

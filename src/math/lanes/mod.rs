@@ -9,15 +9,28 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
+mod avx2_lists;
+#[cfg(target_arch = "x86_64")]
 mod avx512;
 mod dispatch;
+mod one_by_one;
+#[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod registers;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
+#[cfg(target_arch = "x86_64")]
+mod sse2_lists;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests;
 mod vectors;
 
 pub(crate) use dispatch::{Kernel, dispatch};
 pub(crate) use vectors::Vectors;
 
 use super::Vector3;
+use nalgebra::RealField;
 
 /// How many numbers go side by side.
 pub(crate) const LANE_COUNT: usize = 16;
@@ -26,7 +39,7 @@ pub(crate) const LANE_COUNT: usize = 16;
 pub(crate) type Mask = u16;
 
 /// Sixteen numbers.
-pub(crate) trait Lanes<T>: Copy {
+pub(crate) trait Lanes<T: RealField>: Copy {
     fn splat(value: T) -> Self;
     fn load(from: &[T; LANE_COUNT]) -> Self;
     fn store(self, to: &mut [T; LANE_COUNT]);
@@ -49,10 +62,21 @@ pub(crate) trait Lanes<T>: Copy {
     fn is_less(self, other: Self) -> Mask;
     /// Which lanes are not above the other's; none where either is NaN.
     fn is_at_most(self, other: Self) -> Mask;
-    /// `if a < b { self } else { other }`.
-    fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self;
     /// Lane i of the result is lane `places[i]`, each below 16.
     fn permute(self, places: &[u8; LANE_COUNT]) -> Self;
+    /// Of sixteen triangles in a plane, their corners given by their places among sixteen points: those with any edge
+    /// function above zero, and those with any below.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sides([x, y]: [Self; 2], corners: &[[u8; LANE_COUNT]; 3]) -> [Mask; 2] {
+        let (ax, ay) = (x.permute(&corners[0]), y.permute(&corners[0]));
+        let (bx, by) = (x.permute(&corners[1]), y.permute(&corners[1]));
+        let (cx, cy) = (x.permute(&corners[2]), y.permute(&corners[2]));
+        let u = cx.mul(by).sub(cy.mul(bx));
+        let v = ax.mul(cy).sub(ay.mul(cx));
+        let w = bx.mul(ay).sub(by.mul(ax));
+        let zero = Self::splat(T::zero());
+        [zero.is_less(u.larger(v).larger(w)), u.smaller(v).smaller(w).is_less(zero)]
+    }
     /// Lane i is this one's where bit i is set, else the other's.
     fn select(bits: Mask, this: Self, other: Self) -> Self;
     /// The coordinates of sixteen of the points.
@@ -90,10 +114,10 @@ pub(crate) trait Lanes<T>: Copy {
 }
 
 /// The types of lanes for a number type, path by path.
-pub trait HasLanes: Sized {
-    /// For any processor.
+pub trait HasLanes: RealField {
+    /// For any processor of the kind that is compiled for.
     #[allow(private_bounds)]
-    type Portable: Lanes<Self>;
+    type Baseline: Lanes<Self>;
     /// For processors with AVX2 and FMA.
     #[allow(private_bounds)]
     type Avx2: Lanes<Self>;
@@ -103,13 +127,16 @@ pub trait HasLanes: Sized {
 }
 
 macro_rules! has_lanes {
-    ($scalar:ty, $avx2:ident, $avx512:ident) => {
+    ($scalar:ty, $sse2:ident, $avx2:ident, $avx512:ident) => {
         impl HasLanes for $scalar {
-            type Portable = portable::Portable<$scalar>;
+            #[cfg(target_arch = "x86_64")]
+            type Baseline = sse2::$sse2;
             #[cfg(target_arch = "x86_64")]
             type Avx2 = avx2::$avx2;
             #[cfg(target_arch = "x86_64")]
             type Avx512 = avx512::$avx512;
+            #[cfg(not(target_arch = "x86_64"))]
+            type Baseline = portable::Portable<$scalar>;
             #[cfg(not(target_arch = "x86_64"))]
             type Avx2 = portable::Portable<$scalar>;
             #[cfg(not(target_arch = "x86_64"))]
@@ -118,5 +145,5 @@ macro_rules! has_lanes {
     };
 }
 
-has_lanes!(f32, SinglesAvx2, SinglesAvx512);
-has_lanes!(f64, DoublesAvx2, DoublesAvx512);
+has_lanes!(f32, SinglesSse2, SinglesAvx2, SinglesAvx512);
+has_lanes!(f64, DoublesSse2, DoublesAvx2, DoublesAvx512);

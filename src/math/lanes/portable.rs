@@ -1,3 +1,4 @@
+use super::one_by_one::{append_one_by_one, bounds_one_by_one, gather_indices_one_by_one, gather_one_by_one};
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use nalgebra::RealField;
@@ -107,15 +108,6 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn if_less(a: Self, b: Self, this: Self, other: Self) -> Self {
-        let mut result = other;
-        for i in 0..LANE_COUNT {
-            result.0[i] = if a.0[i] < b.0[i] { this.0[i] } else { other.0[i] };
-        }
-        result
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
         let mut result = self;
         for i in 0..LANE_COUNT {
@@ -135,12 +127,7 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
-        let mut result = [[T::zero(); LANE_COUNT]; 3];
-        for i in 0..LANE_COUNT {
-            let point = &points[indices[i] as usize];
-            (result[0][i], result[1][i], result[2][i]) = (point.x, point.y, point.z);
-        }
-        let [x, y, z] = result;
+        let [x, y, z] = gather_one_by_one(points, indices);
         [Self(x), Self(y), Self(z)]
     }
 
@@ -186,44 +173,4 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
         }
         mask
     }
-}
-
-/// [`Lanes::append`] for processors without an instruction for it.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn append_one_by_one(list: &mut [u32], mut count: usize, first: u32, mut bits: Mask) -> usize {
-    while bits != 0 {
-        list[count] = first + bits.trailing_zeros();
-        count += 1;
-        bits &= bits - 1;
-    }
-    count
-}
-
-/// [`Lanes::bounds`] point by point.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn bounds_one_by_one<T: RealField + Copy>(
-    points: &[Vector3<T>],
-    indices: &[u32; LANE_COUNT],
-) -> (Vector3<T>, Vector3<T>) {
-    let first = points[indices[0] as usize];
-    let (mut lower, mut upper) = (first, first);
-    for &index in &indices[1..] {
-        let point = &points[index as usize];
-        for axis in 0..3 {
-            let value = point[axis];
-            lower[axis] = if value < lower[axis] { value } else { lower[axis] };
-            upper[axis] = if value > upper[axis] { value } else { upper[axis] };
-        }
-    }
-    (lower, upper)
-}
-
-/// [`Lanes::gather_indices`] for processors without an instruction for it.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn gather_indices_one_by_one(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-    let mut result = [0; LANE_COUNT];
-    for i in 0..LANE_COUNT {
-        result[i] = list[indices[i] as usize];
-    }
-    result
 }

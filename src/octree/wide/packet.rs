@@ -86,7 +86,7 @@ impl<T: Scalar> Candidates<T> {
 }
 
 /// What is wanted of the hits.
-trait Answer<T> {
+trait Answer<T: Scalar> {
     /// Whether only hits from inside count.
     const EXITS_ONLY: bool;
 
@@ -94,9 +94,7 @@ trait Answer<T> {
     fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask;
 
     /// Takes note of the hit in one of the lanes.
-    fn add(&mut self, ray: usize, triangle: u32, hits: &HitLanes<T>, lane: usize)
-    where
-        T: Scalar;
+    fn add(&mut self, ray: usize, triangle: u32, hits: &HitLanes<T>, lane: usize);
 }
 
 /// The nearest hit of each ray.

@@ -1,0 +1,59 @@
+//! What some processors have no instructions for.
+
+use super::{LANE_COUNT, Mask};
+use crate::math::Vector3;
+use nalgebra::RealField;
+
+/// [`Lanes::append`](super::Lanes::append) for processors without an instruction for it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn append_one_by_one(list: &mut [u32], mut count: usize, first: u32, mut bits: Mask) -> usize {
+    while bits != 0 {
+        list[count] = first + bits.trailing_zeros();
+        count += 1;
+        bits &= bits - 1;
+    }
+    count
+}
+
+/// [`Lanes::gather`](super::Lanes::gather) point by point.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn gather_one_by_one<T: RealField + Copy>(
+    points: &[Vector3<T>],
+    indices: &[u32; LANE_COUNT],
+) -> [[T; LANE_COUNT]; 3] {
+    let mut result = [[T::zero(); LANE_COUNT]; 3];
+    for i in 0..LANE_COUNT {
+        let point = &points[indices[i] as usize];
+        (result[0][i], result[1][i], result[2][i]) = (point.x, point.y, point.z);
+    }
+    result
+}
+
+/// [`Lanes::bounds`](super::Lanes::bounds) point by point.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn bounds_one_by_one<T: RealField + Copy>(
+    points: &[Vector3<T>],
+    indices: &[u32; LANE_COUNT],
+) -> (Vector3<T>, Vector3<T>) {
+    let first = points[indices[0] as usize];
+    let (mut lower, mut upper) = (first, first);
+    for &index in &indices[1..] {
+        let point = &points[index as usize];
+        for axis in 0..3 {
+            let value = point[axis];
+            lower[axis] = if value < lower[axis] { value } else { lower[axis] };
+            upper[axis] = if value > upper[axis] { value } else { upper[axis] };
+        }
+    }
+    (lower, upper)
+}
+
+/// [`Lanes::gather_indices`](super::Lanes::gather_indices) for processors without an instruction for it.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn gather_indices_one_by_one(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+    let mut result = [0; LANE_COUNT];
+    for i in 0..LANE_COUNT {
+        result[i] = list[indices[i] as usize];
+    }
+    result
+}

@@ -1,0 +1,117 @@
+//! What all lanes that are several registers have in common.
+
+/// What lanes do register by register: arithmetic and comparisons.
+macro_rules! register_by_register {
+    (
+        $scalar:ty, [$($i:literal),*], $width:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
+        $mul:ident, $div:ident, $sqrt:ident, $mul_add:ident, $xor:ident, $min:ident, $max:ident, $less:ident,
+        $at_most:ident, $bits:ident
+    ) => {
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn splat(value: $scalar) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            let all = unsafe { $splat(value) };
+            Self([$({ let _ = $i; all }),*])
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn load(from: &[$scalar; LANE_COUNT]) -> Self {
+            // SAFETY: as above; sixteen numbers may be read.
+            unsafe { Self([$($load(from[$i * $width..].as_ptr())),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn store(self, to: &mut [$scalar; LANE_COUNT]) {
+            // SAFETY: as above; sixteen numbers may be written.
+            unsafe { $($store(to[$i * $width..].as_mut_ptr(), self.0[$i]);)* }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn add(self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($add(self.0[$i], other.0[$i])),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn sub(self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($sub(self.0[$i], other.0[$i])),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn mul(self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($mul(self.0[$i], other.0[$i])),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn div(self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($div(self.0[$i], other.0[$i])),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn sqrt(self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($sqrt(self.0[$i])),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn mul_add(self, factor: Self, term: Self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($mul_add(self.0[$i], factor.0[$i], term.0[$i])),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn negate(self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($xor(self.0[$i], $splat(-0.0))),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn smaller(self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($min(self.0[$i], other.0[$i])),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn larger(self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { Self([$($max(self.0[$i], other.0[$i])),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn is_less(self, other: Self) -> Mask {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { 0 $(| ($bits($less(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn is_at_most(self, other: Self) -> Mask {
+            // SAFETY: the kernel that runs this checked for them.
+            unsafe { 0 $(| ($bits($at_most(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn sides(points: [Self; 2], corners: &[[u8; LANE_COUNT]; 3]) -> [Mask; 2] {
+            let points = Self::spread(points);
+            let [mut above, mut below] = [0; 2];
+            // One register after the other: there are not enough for all at once.
+            // SAFETY: the kernel that runs this checked for them.
+            $(unsafe {
+                let [ax, ay] = Self::at(&points, &corners[0], $i);
+                let [bx, by] = Self::at(&points, &corners[1], $i);
+                let [cx, cy] = Self::at(&points, &corners[2], $i);
+                let u = $sub($mul(cx, by), $mul(cy, bx));
+                let v = $sub($mul(ax, cy), $mul(ay, cx));
+                let w = $sub($mul(bx, ay), $mul(by, ax));
+                let zero = $splat(0.0);
+                above |= ($bits($less(zero, $max($max(u, v), w))) as Mask) << ($i * $width);
+                below |= ($bits($less($min($min(u, v), w), zero)) as Mask) << ($i * $width);
+            })*
+            [above, below]
+        }
+    };
+}
+
+pub(super) use register_by_register;
