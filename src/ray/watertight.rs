@@ -38,7 +38,8 @@ impl<T: Scalar> ShearedRay<T> {
     }
 
     /// The hit on the triangle with these corners at `t` ≥ 0, from either side. A ray through an edge or a vertex
-    /// shared by several triangles hits at least one of them.
+    /// shared by several triangles hits at least one of them. Where twice the triangle's area, as the ray sees it, is above the
+    /// largest number (coordinates beyond about 10¹⁹ in `f32`, 10¹⁵⁴ in `f64`), there is none.
     pub fn intersect(&self, corners: &[Vector3<T>; 3], triangle: u32) -> Option<Hit<T>> {
         let a = self.project(&corners[0]);
         let b = self.project(&corners[1]);
@@ -55,7 +56,7 @@ impl<T: Scalar> ShearedRay<T> {
         let all_left = u <= zero && v <= zero && w <= zero;
         let determinant = u + v + w;
         // All three zero: the triangle projects to a line, and its neighbours answer for its edges.
-        if !(all_right || all_left) || determinant == zero {
+        if !(all_right || all_left) || determinant == zero || !determinant.is_finite() {
             return None;
         }
         // Weights first: products of lengths with edge functions, which are areas, may underflow.

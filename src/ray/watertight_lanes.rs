@@ -67,15 +67,15 @@ impl<T: Scalar> TriangleLanes<T> {
         let b = project(Vectors::load(&self.corners[1]), origin, shear);
         let c = project(Vectors::load(&self.corners[2]), origin, shear);
         let (u, v, w) = (edge_function(c, b), edge_function(a, c), edge_function(b, a));
-        let zero = L::splat(T::zero());
+        let (zero, largest) = (L::splat(T::zero()), L::splat(T::LARGEST));
         let all_right = zero.is_at_most(u) & zero.is_at_most(v) & zero.is_at_most(w);
         let all_left = u.is_at_most(zero) & v.is_at_most(zero) & w.is_at_most(zero);
         let determinant = u.add(v).add(w);
         let exits = determinant.is_less(zero);
-        let has_area = exits | zero.is_less(determinant);
+        let has_area = (exits | zero.is_less(determinant)) & determinant.magnitude().is_at_most(largest);
         let weights = Vectors::new(u, v, w).divided(determinant);
         let t = weights.x.mul(a.z).add(weights.y.mul(b.z)).add(weights.z.mul(c.z));
-        let is_ahead = zero.is_at_most(t) & t.is_at_most(L::splat(T::LARGEST));
+        let is_ahead = zero.is_at_most(t) & t.is_at_most(largest);
         hits.found = (all_right | all_left) & has_area & is_ahead;
         hits.exits = exits;
         t.store(&mut hits.t);

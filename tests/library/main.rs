@@ -13,6 +13,7 @@ mod escape_push;
 mod faults;
 mod figures;
 mod metamorphic;
+mod number_range;
 mod octree;
 mod open_meshes;
 mod pair_memory;
@@ -21,5 +22,5 @@ mod response;
 mod self_and_others;
 mod self_collision;
 mod tolerance;
-mod underflow;
+
 mod winding;
