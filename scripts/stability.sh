@@ -83,13 +83,24 @@ jobs_of_the_map() {
     done
 }
 
+# with_progress <count>: passes lines on, and shows a person how many of them have come.
+with_progress() {
+    local finished=0 line
+    while IFS= read -r line; do
+        printf '%s\n' "$line"
+        finished=$((finished + 1))
+        [[ ! -t 2 ]] || printf '\r%*s of %d runs, %3d %%' "${#1}" "$finished" "$1" $((100 * finished / $1)) >&2
+    done
+    [[ ! -t 2 ]] || echo >&2
+}
+
 mkdir -p out/stability
 jobs_of_the_map >out/stability/jobs.txt
 count="$(wc -l <out/stability/jobs.txt)"
 say "Running $count scenes on $(nproc) cores"
 {
     echo "$header"
-    xargs -P "$(nproc)" -L 1 bash -c 'one_run "$@"' one_run <out/stability/jobs.txt
+    xargs -P "$(nproc)" -L 1 bash -c 'one_run "$@"' one_run <out/stability/jobs.txt | with_progress "$count"
 } >out/stability/map.csv.part || fail 'the scenes could not be run, see above'
 [[ $is_part == true && -r out/stability/map.csv ]] || echo "$header" >out/stability/map.csv
 # Of two lines for the same scene, method, time step and stiffness the later one counts.
