@@ -325,19 +325,39 @@ impl DoublesSse2 {
     }
 }
 
-/// One by one: there is no such instruction.
+/// There is no such instruction: in doubles, where the product is exact, and the sum is rounded to odd, so that rounding it
+/// once more gives what one rounding does (Boldo and Melquiond 2008, "Emulation of a FMA and correctly rounded sums").
 #[cfg_attr(not(debug_assertions), inline(always))]
 unsafe fn mul_add_ps(this: __m128, factor: __m128, term: __m128) -> __m128 {
-    let [mut a, mut b, mut c] = [[0.0; 4]; 3];
-    // SAFETY: every x86-64 processor has SSE2; four numbers may be read and written.
+    // SAFETY: every x86-64 processor has SSE2.
     unsafe {
-        _mm_storeu_ps(a.as_mut_ptr(), this);
-        _mm_storeu_ps(b.as_mut_ptr(), factor);
-        _mm_storeu_ps(c.as_mut_ptr(), term);
-        for i in 0..4 {
-            a[i] = f32::mul_add(a[i], b[i], c[i]);
-        }
-        _mm_loadu_ps(a.as_ptr())
+        let low = odd_product_and_sum(_mm_cvtps_pd(this), _mm_cvtps_pd(factor), _mm_cvtps_pd(term));
+        let [this, factor, term] =
+            [_mm_movehl_ps(this, this), _mm_movehl_ps(factor, factor), _mm_movehl_ps(term, term)];
+        let high = odd_product_and_sum(_mm_cvtps_pd(this), _mm_cvtps_pd(factor), _mm_cvtps_pd(term));
+        _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high))
+    }
+}
+
+/// a · b + c of numbers that are singles; where it is inexact, of the two doubles around it the one whose last bit is set.
+#[cfg_attr(not(debug_assertions), inline(always))]
+unsafe fn odd_product_and_sum(a: __m128d, b: __m128d, c: __m128d) -> __m128d {
+    // SAFETY: every x86-64 processor has SSE2.
+    unsafe {
+        let product = _mm_mul_pd(a, b);
+        let sum = _mm_add_pd(product, c);
+        // What the sum lacks, exactly (Knuth); NaN where it is not finite.
+        let of_term = _mm_sub_pd(sum, product);
+        let missing = _mm_add_pd(_mm_sub_pd(product, _mm_sub_pd(sum, of_term)), _mm_sub_pd(c, of_term));
+        let zero = _mm_setzero_pd();
+        let is_inexact = _mm_or_pd(_mm_cmplt_pd(missing, zero), _mm_cmplt_pd(zero, missing));
+        let bits = _mm_castpd_si128(sum);
+        let is_even = _mm_andnot_si128(bits, _mm_set1_epi64x(1));
+        let step = _mm_and_si128(is_even, _mm_castpd_si128(is_inexact));
+        // Away from zero where what is missing has the sum's sign, else toward it.
+        let is_toward = _mm_srli_epi64::<63>(_mm_xor_si128(bits, _mm_castpd_si128(missing)));
+        let back = _mm_slli_epi64::<1>(_mm_and_si128(step, is_toward));
+        _mm_castsi128_pd(_mm_sub_epi64(_mm_add_epi64(bits, step), back))
     }
 }
 

@@ -124,3 +124,40 @@ proptest! {
         assert_same_on_all_paths(&doubles);
     }
 }
+
+/// Products next to the middle between two singles, beyond what a double can tell.
+struct NearTies<'a>(&'a [[f32; LANE_COUNT]; 3]);
+
+impl Kernel<f32> for NearTies<'_> {
+    type Output = [f32; LANE_COUNT];
+
+    fn run<L: Lanes<f32>>(self) -> [f32; LANE_COUNT] {
+        let [a, b, c] = self.0.map(|numbers| L::load(&numbers));
+        let mut result = [0.0; LANE_COUNT];
+        a.mul_add(b, c).store(&mut result);
+        result
+    }
+}
+
+#[test]
+#[allow(unsafe_code)] // calling code for processors that may not be this one
+fn products_and_sums_are_rounded_once() {
+    let (mut near_ties, mut rounded_twice) = (0, 0);
+    for start in (0..1 << 23).step_by(16 * 37) {
+        // x · y is within 2⁻²⁴ of 1, above or below; times half a unit in the last place of c.
+        let x: [f32; LANE_COUNT] = std::array::from_fn(|lane| 1.0 + (start + 37 * lane) as f32 * f32::EPSILON);
+        let y = x.map(|x| 1.0 / x * (f32::EPSILON / 2.0));
+        let c = std::array::from_fn(|lane| if lane % 2 == 0 { 1.0 } else { -1.0 - f32::EPSILON });
+        let once: [f32; LANE_COUNT] = std::array::from_fn(|lane| x[lane].mul_add(y[lane], c[lane]));
+        for lane in 0..LANE_COUNT {
+            let in_doubles = f64::from(x[lane]) * f64::from(y[lane]) + f64::from(c[lane]);
+            near_ties += 1;
+            rounded_twice += u32::from(in_doubles as f32 != once[lane]);
+        }
+        for path in [Path::Baseline, Path::Avx2, Path::Avx512].into_iter().filter(|&path| path <= best()) {
+            // SAFETY: it is none above the best.
+            assert_eq!(unsafe { run_on(path, NearTies(&[x, y, c])) }, once, "{path:?}, {start}");
+        }
+    }
+    assert!(rounded_twice > 100, "only {rounded_twice} of {near_ties} would tell");
+}
