@@ -94,6 +94,8 @@ pub fn all() -> Vec<Description> {
         other("floor", F32, 1),
         other("floor", F64, 1),
         method("embree-refit", F32, 1),
+        method("embree-refit-avx2", F32, 1),
+        method("embree-refit-sse2", F32, 1),
         method("embree-refit", F32, 2),
         method("embree-low", F32, 1),
         method("parry3d-refit", F32, 1),

@@ -5,6 +5,7 @@ use crate::method::{Description, Key, Method, Precision, Push, Stages};
 use crate::workload::{Body, Workload};
 use nalgebra::Vector3;
 use std::ffi::{CString, OsStr, c_char, c_void};
+use std::mem::ManuallyDrop;
 use std::sync::Arc;
 
 /// As `BodyView` in `peers/cpp/peer.hpp`.
@@ -41,7 +42,6 @@ struct Functions {
     step: Step,
     contacts: Contacts,
     free: Free,
-    _library: libloading::Library,
 }
 
 pub struct Library(Arc<Functions>);
@@ -53,13 +53,13 @@ impl Library {
         };
         // SAFETY: the library is this package's own; its functions have the types above.
         unsafe {
-            let library = libloading::Library::new(path).map_err(failed)?;
+            // Never closed: threads of Embree's may still be running in it when this program ends.
+            let library = ManuallyDrop::new(libloading::Library::new(path).map_err(failed)?);
             Ok(Self(Arc::new(Functions {
                 new: *library.get::<New>(b"peer_new").map_err(failed)?,
                 step: *library.get::<Step>(b"peer_step").map_err(failed)?,
                 contacts: *library.get::<Contacts>(b"peer_contacts").map_err(failed)?,
                 free: *library.get::<Free>(b"peer_free").map_err(failed)?,
-                _library: library,
             })))
         }
     }

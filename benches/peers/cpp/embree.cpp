@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Embree 3.13: one scene per body, sharing the host's arrays; rays in streams, marked as incoherent. Single rays, packets
-// and coherent streams were no faster on any workload tried.
+// Embree 3.13: one scene per body, sharing the host's arrays; rays in streams, marked as incoherent. Single rays,
+// packets and coherent streams were no faster on any workload tried.
 #include <embree3/rtcore.h>
 
 #if defined(__SSE3__)
 #include <pmmintrin.h>
 #endif
+
+#include <map>
+#include <string>
 
 #include "ray_step.hpp"
 
@@ -49,8 +52,7 @@ class EmbreeStructure : public Structure {
   EmbreeStructure(RTCDevice device, const BodyView& body, RTCBuildQuality quality)
       : body_(body), scene_(rtcNewScene(device)), geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE)) {
     // Only a dynamic scene keeps one tree per geometry, which alone can be refitted.
-    rtcSetSceneFlags(scene_,
-                     RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
     rtcSetGeometryBuildQuality(geometry_, quality);
     rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, body.positions, 0,
@@ -107,25 +109,35 @@ class EmbreeStructure : public Structure {
 };
 
 // One thread inside Embree: where there are two, each commits and traces in its own part.
-RTCDevice device() {
-  static const RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+RTCDevice device(const std::string& instructions) {
+  static std::map<std::string, RTCDevice> devices;
+  RTCDevice& device = devices[instructions];
+  if (!device) device = rtcNewDevice(("threads=1,set_affinity=0" + instructions).c_str());
   if (!device) throw std::runtime_error("Embree gives no device");
   return device;
 }
 
+struct Settings {
+  RTCBuildQuality quality;
+  // Of Embree's configuration: the best that the processor has, or no better than these.
+  const char* instructions;
+};
+
 }  // namespace
 
 std::unique_ptr<Peer> make_embree(const std::string& method, unsigned threads, const Bodies& bodies) {
-  RTCBuildQuality quality;
-  if (method == "embree-refit") {
-    quality = RTC_BUILD_QUALITY_REFIT;
-  } else if (method == "embree-low") {
-    quality = RTC_BUILD_QUALITY_LOW;
-  } else {
-    return nullptr;
-  }
+  static const std::map<std::string, Settings> all{
+      {"embree-refit", {RTC_BUILD_QUALITY_REFIT, ""}},
+      {"embree-refit-avx2", {RTC_BUILD_QUALITY_REFIT, ",isa=avx2"}},
+      {"embree-refit-sse2", {RTC_BUILD_QUALITY_REFIT, ",isa=sse2"}},
+      {"embree-low", {RTC_BUILD_QUALITY_LOW, ""}},
+  };
+  const auto found = all.find(method);
+  if (found == all.end()) return nullptr;
+  const RTCDevice chosen = device(found->second.instructions);
   std::vector<std::unique_ptr<Structure>> structures;
-  for (const auto& body : bodies) structures.push_back(std::make_unique<EmbreeStructure>(device(), body, quality));
+  for (const auto& body : bodies)
+    structures.push_back(std::make_unique<EmbreeStructure>(chosen, body, found->second.quality));
   return std::make_unique<RayStep>(bodies, std::move(structures), threads);
 }
 
