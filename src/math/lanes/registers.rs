@@ -1,6 +1,7 @@
 //! What all lanes that are several registers have in common.
 
-/// What lanes do register by register: arithmetic and comparisons.
+/// What lanes do register by register, given the instructions' names: arithmetic, comparisons, edge functions. For the last the
+/// type brings `spread`, which makes points ready, and `at`, which gives those at a register's worth of places.
 macro_rules! register_by_register {
     (
         $scalar:ty, [$($i:literal),*], $width:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
@@ -9,7 +10,7 @@ macro_rules! register_by_register {
     ) => {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn splat(value: $scalar) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             let all = unsafe { $splat(value) };
             Self([$({ let _ = $i; all }),*])
         }
@@ -28,67 +29,67 @@ macro_rules! register_by_register {
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn add(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($add(self.0[$i], other.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn sub(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($sub(self.0[$i], other.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn mul(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($mul(self.0[$i], other.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn div(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($div(self.0[$i], other.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn sqrt(self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($sqrt(self.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn mul_add(self, factor: Self, term: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($mul_add(self.0[$i], factor.0[$i], term.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn negate(self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($xor(self.0[$i], $splat(-0.0))),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn smaller(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($min(self.0[$i], other.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn larger(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($max(self.0[$i], other.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn is_less(self, other: Self) -> Mask {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { 0 $(| ($bits($less(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn is_at_most(self, other: Self) -> Mask {
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { 0 $(| ($bits($at_most(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
         }
 
@@ -97,7 +98,7 @@ macro_rules! register_by_register {
             let points = Self::spread(points);
             let [mut above, mut below] = [0; 2];
             // One register after the other: there are not enough for all at once.
-            // SAFETY: the kernel that runs this checked for them.
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
             $(unsafe {
                 let [ax, ay] = Self::at(&points, &corners[0], $i);
                 let [bx, by] = Self::at(&points, &corners[1], $i);
