@@ -72,3 +72,65 @@ fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, start: T, end: T) -
     };
     Some(Sample { point, normal, area: doubled_area * (end - start) / T::of(6.0) })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vector3;
+
+    /// The parts of [0, 1] inside, for crossings at these t: +1 enters, −1 leaves.
+    fn inside(crossings: &[(f64, i32)]) -> Vec<[f64; 2]> {
+        let hit = |&(t, change): &(f64, i32)| Hit { triangle: 0, t, weights: [0.0; 3], is_exit: change < 0 };
+        let (hits, mut found): (Vec<_>, _) = (crossings.iter().map(hit).collect(), Vec::new());
+        for_each_inside_interval(&hits, |start, end| found.push([start, end]));
+        found
+    }
+
+    /// The judge: how deep a point lies, told by the crossings before it, and at least 0 all along.
+    fn depth_at(crossings: &[(f64, i32)], t: f64) -> i32 {
+        let sums = crossings.iter().scan(0, |sum, (_, change)| {
+            *sum += change;
+            Some(*sum)
+        });
+        let started_at = -sums.min().unwrap_or(0).min(0);
+        started_at + crossings.iter().filter(|crossing| crossing.0 < t).map(|crossing| crossing.1).sum::<i32>()
+    }
+
+    /// Every row of up to six entries and exits.
+    #[test]
+    fn intervals_are_where_the_depth_is_not_zero() {
+        for (count, signs) in (1..=6).flat_map(|count| (0..1 << count).map(move |signs| (count, signs))) {
+            let change = |place: i32| if signs >> place & 1 == 1 { 1 } else { -1 };
+            let crossings: Vec<_> = (0..count).map(|k| (f64::from(k + 1) / f64::from(count + 1), change(k))).collect();
+            let found = inside(&crossings);
+            assert!(found.iter().all(|[start, end]| start < end) && found.is_sorted_by(|a, b| a[1] < b[0]));
+            for piece in 0..=count {
+                let middle = (f64::from(piece) + 0.5) / f64::from(count + 1);
+                let is_inside = found.iter().any(|[start, end]| *start < middle && middle < *end);
+                assert_eq!(is_inside, depth_at(&crossings, middle) > 0, "{crossings:?} at {middle}");
+            }
+        }
+        assert!(inside(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_stretch_stands_for_its_part_of_a_third_of_both_faces() {
+        let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 6.0]];
+        let mesh = Mesh::<f64>::new(&corners, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).expect("it is closed");
+        let mut edges = mesh.topology().edges().iter();
+        let edge =
+            edges.find(|edge| edge.vertices.contains(&0) && edge.vertices.contains(&1)).expect("it has that edge");
+        let sample = middle_of_stretch(&mesh, edge, 0.25, 0.75).expect("its faces have normals");
+        // Faces of areas 4 and 6 meet at a right angle.
+        assert!((sample.area - 0.5 * 10.0 / 3.0).abs() < 1e-14);
+        assert!((sample.normal + Vector3::new(0.0, 0.5f64.sqrt(), 0.5f64.sqrt())).norm() < 1e-14);
+        let sample = middle_of_stretch(&mesh, edge, 0.0, 0.5).expect("its faces have normals");
+        let from_first = if edge.vertices[0] == 0 { 0.5 } else { 1.5 };
+        assert_eq!(
+            (sample.point.position, sample.point.weights),
+            (Vector3::new(from_first, 0.0, 0.0), [0.75, 0.25, 0.0])
+        );
+        let weighted = (0..3).map(|i| mesh.positions()[sample.point.vertices[i] as usize] * sample.point.weights[i]);
+        assert_eq!(weighted.sum::<Vector3<f64>>(), sample.point.position);
+    }
+}

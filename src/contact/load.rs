@@ -116,3 +116,65 @@ pub(super) fn share_load<T: Scalar>(loads: &[CastLoad<T>; 2], contacts: &mut [Co
         contacts.iter_mut().for_each(|contact| contact.area *= share);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turning(parts: &[([f64; 3], f64)]) -> Turning<f64> {
+        let mut turning = Turning::default();
+        parts.iter().for_each(|&(direction, weight)| turning.add(&Vector3::from(direction), weight));
+        turning
+    }
+
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const MINUS_X: [f64; 3] = [-1.0, 0.0, 0.0];
+
+    #[test]
+    fn what_turns_is_what_is_lost_of_the_sum() {
+        for (parts, expected) in [
+            (vec![(X, 3.0)], 0.0),
+            (vec![(X, 3.0), (X, 0.5)], 0.0),
+            (vec![(X, 2.0), (MINUS_X, 2.0)], 1.0),
+            (vec![(X, 3.0), (MINUS_X, 1.0)], 0.5),
+            (vec![(X, 3.0), (Y, 4.0)], 1.0 - 5.0 / 7.0),
+        ] {
+            assert!((turning(&parts).part_that_turns() - expected).abs() < 1e-15, "{parts:?}");
+            let (first, rest) = parts.split_at(1);
+            let mut merged = turning(first);
+            merged.merge(&turning(rest));
+            assert_eq!(merged.part_that_turns(), turning(&parts).part_that_turns());
+        }
+    }
+
+    /// Shares go by the load, times how much it turns, and a little of how much the surface does.
+    #[test]
+    fn shares_follow_what_turns() {
+        let load = |pressure: &[([f64; 3], f64)], surface: &[([f64; 3], f64)]| CastLoad {
+            pressure: turning(pressure),
+            surface: turning(surface),
+        };
+        let little = 1.0 / 256.0;
+        let flat = load(&[(X, 2.0)], &[(X, 5.0)]);
+        let curved = load(&[(X, 1.5), (Y, 2.0)], &[(X, 1.0), (MINUS_X, 1.0)]);
+        let edged = load(&[(X, 2.0)], &[(X, 3.0), (MINUS_X, 1.0)]);
+        let nothing = CastLoad::default();
+        let claims = [
+            (flat, 2.0 * little * little),
+            (curved, 3.5 * (1.0 - 2.5 / 3.5 + little + little * little)),
+            (edged, 2.0 * (0.5 * little + little * little)),
+            (nothing, 0.0),
+        ];
+        for (first, claim) in claims {
+            for (second, other) in claims {
+                let expected = if claim + other > 0.0 { claim / (claim + other) } else { 0.5 };
+                let [share, rest] = shares(&[first, second]);
+                assert!((share - expected).abs() < 1e-12 && (share + rest - 1.0).abs() < 1e-15, "{first:?} {second:?}");
+            }
+        }
+        let mut twice = flat;
+        twice.merge(&edged);
+        assert!((twice.claim() - 4.0 * little * (1.0 - 7.0 / 9.0 + little)).abs() < 1e-15);
+    }
+}

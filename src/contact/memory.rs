@@ -112,3 +112,104 @@ impl<T: Scalar> PairMemory<T> {
         self.lowest.steps >= STEPS_TO_TURN
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{ContactKind, SurfacePoint};
+
+    #[test]
+    fn records_stand_until_they_are_undercut_by_the_factor() {
+        let mut record = Record::NONE;
+        // Each number, and what stands after it.
+        for (value, stands, steps) in [
+            (8.0, 8.0, 0),
+            (4.5, 8.0, 1),
+            (9.0, 8.0, 2),
+            (4.0, 4.0, 0),
+            (2.5, 4.0, 1),
+            (1.0, 1.0, 0),
+            (0.75, 1.0, 1),
+            (0.0, 0.0, 0),
+            (0.0, 0.0, 0),
+        ] {
+            record.follow(value, 0.5);
+            assert_eq!(record, Record { value: stands, steps });
+        }
+    }
+
+    fn contact(colliding: u32, direction: [f64; 3], area: f64, depth: f64, cos_alpha: f64) -> Contact<f64> {
+        let point = SurfacePoint { triangle: 0, vertices: [0; 3], weights: [0.0; 3], position: Vector3::zeros() };
+        let (kind, direction) = (ContactKind::Ray, Vector3::from(direction));
+        Contact { kind, colliding, collided: 1 - colliding, p1: point, p2: point, direction, depth, cos_alpha, area }
+    }
+
+    /// Pushes of 1 and 1/2 on the first body along x, and of 1/4 on the second along y.
+    fn pushes() -> [Contact<f64>; 3] {
+        [
+            contact(0, [1.0, 0.0, 0.0], 4.0, 0.5, 0.5),
+            contact(0, [1.0, 0.0, 0.0], 0.25, 2.0, 1.0),
+            contact(1, [0.0, 1.0, 0.0], 0.25, 4.0, 0.25),
+        ]
+    }
+
+    #[test]
+    fn the_overlap_is_the_sum_and_the_net_push_an_average_over_steps() {
+        let (mut memory, contacts) = (PairMemory::default(), pushes());
+        let net = Vector3::new(1.5, -0.25, 0.0) / 1.75;
+        assert_eq!(memory.observe(0, &contacts), Progress::OneWay);
+        assert_eq!((memory.lowest.value, memory.halved.value), (1.75, 1.75));
+        assert!((memory.net_push - net).norm() < 1e-15, "the first step stands for those before it");
+        // From now on they push the other way, an eighth at a time.
+        let mut expected = net;
+        for _ in 0..4 {
+            memory.observe(1, &contacts);
+            expected = expected * 0.875 - net * 0.125;
+            assert!((memory.net_push - expected).norm() < 1e-15);
+        }
+        memory.observe(1, &[]);
+        assert!((memory.net_push - expected).norm() < 1e-15, "no contacts push no way");
+        assert_eq!((memory.lowest.value, memory.halved.value), (0.0, 0.0));
+    }
+
+    /// Two that push against each other.
+    fn balanced(depth: f64) -> [Contact<f64>; 2] {
+        [1.0, -1.0].map(|x| contact(0, [x, 0.0, 0.0], 1.0, depth, 1.0))
+    }
+
+    #[test]
+    fn what_does_not_get_smaller_is_slow_and_then_jammed() {
+        let mut memory = PairMemory::default();
+        let found: Vec<_> = (0..20).map(|_| memory.observe(0, &balanced(1.0))).collect();
+        let (slow, jammed) = (STEPS_TO_A_NEW_LOW as usize, STEPS_TO_HALVE as usize);
+        assert!(found[..slow].iter().all(|&progress| progress == Progress::Balanced));
+        assert!(found[slow..jammed].iter().all(|&progress| progress == Progress::Slow));
+        assert!(found[jammed..].iter().all(|&progress| progress == Progress::Jammed));
+        // Smaller by a tenth each step it is neither, though it takes seven steps to halve.
+        let mut memory = PairMemory::default();
+        assert!((0..40).all(|step| memory.observe(0, &balanced(0.9f64.powi(step))) == Progress::Balanced));
+        // Smaller by a little each step it jams.
+        let mut memory = PairMemory::default();
+        let last = (0..20).map(|step| memory.observe(0, &balanced(0.99f64.powi(step)))).last();
+        assert_eq!(last, Some(Progress::Jammed));
+    }
+
+    #[test]
+    fn three_tenths_of_all_pushes_are_one_way() {
+        for (back, expected) in [(0.5, Progress::OneWay), (0.56, Progress::Balanced)] {
+            let mut memory = PairMemory::default();
+            let pushes = [contact(0, [1.0, 0.0, 0.0], 1.0, 1.0, 1.0), contact(0, [-1.0, 0.0, 0.0], back, 1.0, 1.0)];
+            assert_eq!(memory.observe(0, &pushes), expected, "{back}");
+        }
+    }
+
+    #[test]
+    fn an_escape_turns_after_so_many_steps_without_a_smaller_depth() {
+        let mut memory = PairMemory::default();
+        memory.observe(0, &balanced(1.0));
+        memory.start_to_escape(Vector3::z());
+        assert_eq!(memory, PairMemory { escape: Some(Vector3::z()), ..PairMemory::default() });
+        assert!((0..STEPS_TO_TURN).all(|step| !memory.observe_escape(1.0 - 0.001 * f64::from(step))));
+        assert!(memory.observe_escape(0.99) && !memory.observe_escape(0.5));
+    }
+}

@@ -7,6 +7,8 @@ mod groups;
 mod near;
 mod slabs;
 mod standing;
+#[cfg(test)]
+mod test_mesh;
 mod tracer;
 mod wide;
 

@@ -90,3 +90,97 @@ fn sweep<T: Scalar>(mesh: &Mesh<T>, distance: T, sorted: &mut Vec<(Aabb<T>, u32)
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::octree::Layout;
+    use crate::octree::test_mesh::torus;
+    use std::collections::BTreeSet;
+
+    /// How far apart the boxes of two triangles are along the axis that parts them most.
+    fn gap(boxes: &[Aabb<f64>], [a, b]: [usize; 2]) -> f64 {
+        let (a, b) = (&boxes[a], &boxes[b]);
+        (a.lower - b.upper).sup(&(b.lower - a.upper)).max()
+    }
+
+    fn boxes(mesh: &Mesh<f64>) -> Vec<Aabb<f64>> {
+        let triangles = 0..mesh.topology().triangles().len() as u32;
+        triangles.map(|triangle| Aabb::of_triangle(&mesh.corners(triangle))).collect()
+    }
+
+    /// All pairs of triangles without a common vertex whose boxes are at most so far apart.
+    fn pairs_within(mesh: &Mesh<f64>, distance: f64) -> BTreeSet<[u32; 2]> {
+        let (boxes, triangles) = (boxes(mesh), mesh.topology().triangles());
+        let count = triangles.len();
+        let all = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+        let is_apart = |&[a, b]: &[usize; 2]| !triangles[a].iter().any(|vertex| triangles[b].contains(vertex));
+        let near = all.filter(|&pair| is_apart(&pair) && gap(&boxes, pair) <= distance);
+        near.map(|pair| pair.map(|triangle| triangle as u32)).collect()
+    }
+
+    /// What is offered, each pair once and with the smaller number first.
+    fn collect(search: impl FnOnce(&mut dyn FnMut(u32, u32))) -> BTreeSet<[u32; 2]> {
+        let mut offered = BTreeSet::new();
+        search(&mut |a, b| assert!(offered.insert([a.min(b), a.max(b)]), "{a} and {b} twice"));
+        offered
+    }
+
+    /// Narrow numbers round outward by a few millionths of the mesh's size.
+    const ROUNDING: f64 = 2e-5;
+
+    #[test]
+    fn near_triangles_are_offered_once_and_far_ones_never() {
+        let mesh = torus([16, 8]);
+        for (layout, touch, margin) in [
+            (Layout::Classic, 0.0, 0.0),
+            (Layout::Classic, 0.07, 0.0),
+            (Layout::Classic, 3.0, 0.0),
+            (Layout::Wide, 0.0, 0.0),
+            (Layout::Wide, 0.07, 0.0),
+            (Layout::Wide, 0.01, 0.06),
+            (Layout::Wide, 3.0, 0.0),
+        ] {
+            let (octree, mut near) = (Octree::with_layout(&mesh, layout), NearParts::default());
+            // What lies in the same part, or in one that is listed, is offered by its own distance.
+            let reach = Reach { touch, margin, part_margin: margin };
+            let offered = collect(|offer| {
+                octree.search_near(&mesh, &reach, &mut near, |a, b| {
+                    offer(a, b);
+                    0.0
+                });
+            });
+            assert!(offered.is_superset(&pairs_within(&mesh, touch + margin)), "{layout:?} {touch} {margin}");
+            assert!(offered.is_subset(&pairs_within(&mesh, touch + margin + ROUNDING)), "{layout:?} {touch} {margin}");
+        }
+    }
+
+    /// Triangles that come to touch are among what has lapsed, if no two vertices move against each other by more than the
+    /// margin of parts.
+    #[test]
+    fn what_comes_near_has_lapsed() {
+        let (touch, margin, part_margin) = (0.01, 0.04, 0.2);
+        for left in [0.1, 0.05, 0.0] {
+            // A flat torus that gets flatter on its way.
+            let mut mesh = torus([24, 8]);
+            let rest = mesh.positions().to_vec();
+            let at = |vertex: usize, by: f64, height: f64| {
+                rest[vertex].component_mul(&Vector3::new(1.0, 1.0, height)).add_scalar(by)
+            };
+            mesh.set_positions_with(rest.len(), |vertex| at(vertex, 0.0, 0.3)).expect("finite");
+            let (mut octree, mut near) = (Octree::new(&mesh), NearParts::default());
+            let (then, boxes, known) = (mesh.positions().to_vec(), boxes(&mesh), pairs_within(&mesh, touch));
+            octree.search_near(&mesh, &Reach { touch, margin, part_margin }, &mut near, |a, b| {
+                gap(&boxes, [a as usize, b as usize]) - touch
+            });
+            mesh.set_positions_with(rest.len(), |vertex| at(vertex, 5.0, 0.3 * left)).expect("finite");
+            octree.update(&mesh).expect("its own");
+            let part = octree.find_lapsed(&mut near, [&then, mesh.positions()]);
+            let offered = collect(|offer| octree.search_lapsed(&mesh, touch, &mut near, offer));
+            let come_near: BTreeSet<_> = pairs_within(&mesh, touch).difference(&known).copied().collect();
+            assert!(!come_near.is_empty() && offered.is_superset(&come_near), "{left}");
+            assert!(offered.is_subset(&pairs_within(&mesh, touch + ROUNDING)), "{left}");
+            assert!(part > 0.0 && part <= 1.0, "{part}");
+        }
+    }
+}

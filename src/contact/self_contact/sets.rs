@@ -47,3 +47,65 @@ impl Sets {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COUNT: usize = 24;
+
+    /// What joins alone tell of the numbers: for each its group, and its parity in it.
+    struct Known([(usize, bool); COUNT]);
+
+    impl Known {
+        /// Joins two groups by naming all of one anew; gives whether that agrees.
+        fn join(&mut self, a: usize, b: usize, differ: bool) -> bool {
+            let ((group_a, parity_a), (group_b, parity_b)) = (self.0[a], self.0[b]);
+            let turns = parity_a != (parity_b != differ);
+            if group_a == group_b {
+                return !turns;
+            }
+            for (group, parity) in self.0.iter_mut().filter(|(group, _)| *group == group_b) {
+                (*group, *parity) = (group_a, *parity != turns);
+            }
+            true
+        }
+    }
+
+    #[test]
+    fn sets_and_parities_are_those_of_all_joins() {
+        for seed in 0..40 {
+            let (mut sets, mut known) = (Sets::default(), Known(std::array::from_fn(|number| (number, false))));
+            sets.reset(7);
+            sets.join(3, 5, true);
+            sets.reset(COUNT);
+            let mut state: u64 = seed;
+            let mut next = |count: usize| {
+                // Knuth's linear congruential generator.
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 33) as usize % count
+            };
+            for _ in 0..COUNT {
+                let (a, b, differ) = (next(COUNT), next(COUNT), next(2) == 1);
+                assert_eq!(sets.join(a as u32, b as u32, differ), known.join(a, b, differ));
+                if next(8) == 0 {
+                    assert_same(&mut sets, &known);
+                }
+            }
+            assert_same(&mut sets, &known);
+        }
+    }
+
+    fn assert_same(sets: &mut Sets, known: &Known) {
+        let found: [_; COUNT] = std::array::from_fn(|number| sets.find(number as u32));
+        for (a, b) in (0..COUNT).flat_map(|a| (0..COUNT).map(move |b| (a, b))) {
+            let are_one = known.0[a].0 == known.0[b].0;
+            assert_eq!(found[a].0 == found[b].0, are_one, "{a} and {b}");
+            if are_one {
+                assert_eq!(found[a].1 == found[b].1, known.0[a].1 == known.0[b].1, "{a} and {b}");
+            }
+        }
+        // The smallest number of a set stands for it.
+        assert!((0..COUNT).all(|number| found[number].0 as usize <= number));
+    }
+}

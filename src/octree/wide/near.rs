@@ -372,3 +372,6 @@ impl Block {
         sharing
     }
 }
+
+#[cfg(test)]
+mod tests;

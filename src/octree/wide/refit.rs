@@ -106,33 +106,10 @@ mod tests {
     use crate::math::{Aabb, Vector3};
     use crate::mesh::Mesh;
     use crate::octree::Octree;
+    use crate::octree::test_mesh::{torus, torus_positions};
     use crate::ray::Ray;
-    use std::f64::consts::TAU;
 
     const SIDES: [u32; 2] = [96, 24];
-
-    /// A torus that ripples from step to step; with a vertex of no triangle far away.
-    fn positions(step: u32) -> Vec<[f64; 3]> {
-        let [around, across] = SIDES;
-        let vertices = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
-        let at = |(i, j): (u32, u32)| {
-            let (u, v) = (TAU * f64::from(i) / f64::from(around), TAU * f64::from(j) / f64::from(across));
-            let radius = 1.0 + 0.3 * v.cos() + 0.02 * (5.0 * u + f64::from(step)).sin();
-            [radius * u.cos(), radius * u.sin(), 0.3 * v.sin()]
-        };
-        vertices.map(at).chain([[9.0, 9.0, 9.0]]).collect()
-    }
-
-    fn torus() -> Mesh<f64> {
-        let [around, across] = SIDES;
-        let at = |i: u32, j: u32| i % around * across + j % across;
-        let squares = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
-        let two = |(i, j)| {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        };
-        Mesh::new(&positions(0), &squares.flat_map(two).collect::<Vec<_>>()).expect("it is closed")
-    }
 
     fn cube_about(centre: [f64; 3], half_side: f64) -> Aabb<f64> {
         let middle = Vector3::from(centre);
@@ -155,13 +132,13 @@ mod tests {
 
     #[test]
     fn boxes_far_from_the_regions_are_wide_and_hold() {
-        let mut mesh = torus();
+        let mut mesh = torus(SIDES);
         let mut octree = Octree::new(&mesh);
         let (mut tiles, not_tight) = (Vec::new(), |octree: &Octree<f64>, mesh: &Mesh<f64>| {
             octree.validate(mesh).is_err_and(|what| what.contains("box"))
         });
         for step in 1..8 {
-            mesh.set_positions(&positions(step)).expect("finite");
+            mesh.set_positions(&torus_positions(SIDES, step)).expect("finite");
             // Round the torus, so that what was far comes near.
             let (y, x) = f64::from(step).sin_cos();
             let regions = [cube_about([x, y, 0.0], 0.2), cube_about([-y, x, 0.3], 0.1)];
@@ -177,7 +154,7 @@ mod tests {
             assert_eq!(octree.validate(&mesh), Ok(()), "step {step}");
             assert_same_hits(&octree, &mesh);
         }
-        mesh.set_positions(&positions(0)).expect("finite");
+        mesh.set_positions(&torus_positions(SIDES, 0)).expect("finite");
         octree.update_in(&mesh, &[*mesh.aabb()], None, &mut tiles).expect("its own");
         assert_eq!(octree.validate(&mesh), Ok(()), "all is near");
     }
@@ -185,7 +162,7 @@ mod tests {
     /// Vertices numbered at random tell nothing of where a leaf is: all boxes are tight then.
     #[test]
     fn vertices_in_no_order_are_all_looked_at() {
-        let torus = torus();
+        let torus = torus(SIDES);
         let count = torus.positions().len() as u32;
         let scattered = |vertex: u32| (vertex * 1009) % count;
         let mut positions = vec![[0.0; 3]; count as usize];

@@ -1,0 +1,28 @@
+//! A mesh for the unit tests of octrees.
+
+use crate::mesh::Mesh;
+use std::f64::consts::TAU;
+
+/// The positions of a torus of `around` × `across` squares that ripples from step to step; with a vertex of no triangle
+/// far away.
+pub(super) fn torus_positions([around, across]: [u32; 2], step: u32) -> Vec<[f64; 3]> {
+    let vertices = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
+    let at = |(i, j): (u32, u32)| {
+        let (u, v) = (TAU * f64::from(i) / f64::from(around), TAU * f64::from(j) / f64::from(across));
+        let radius = 1.0 + 0.3 * v.cos() + 0.02 * (5.0 * u + f64::from(step)).sin();
+        [radius * u.cos(), radius * u.sin(), 0.3 * v.sin()]
+    };
+    vertices.map(at).chain([[9.0, 9.0, 9.0]]).collect()
+}
+
+/// That torus at step 0.
+pub(super) fn torus([around, across]: [u32; 2]) -> Mesh<f64> {
+    let at = |i: u32, j: u32| i % around * across + j % across;
+    let squares = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
+    let two = |(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    let positions = torus_positions([around, across], 0);
+    Mesh::new(&positions, &squares.flat_map(two).collect::<Vec<_>>()).expect("it is closed")
+}
