@@ -120,6 +120,7 @@ pub(super) fn share_load<T: Scalar>(loads: &[CastLoad<T>; 2], contacts: &mut [Co
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::test_contact::contact;
 
     fn turning(parts: &[([f64; 3], f64)]) -> Turning<f64> {
         let mut turning = Turning::default();
@@ -176,5 +177,17 @@ mod tests {
         let mut twice = flat;
         twice.merge(&edged);
         assert!((twice.claim() - 4.0 * little * (1.0 - 7.0 / 9.0 + little)).abs() < 1e-15);
+    }
+
+    /// The pressure of a contact counts by area · depth, whatever the angle.
+    #[test]
+    fn contacts_press_by_area_and_depth() {
+        let mut load = CastLoad::default();
+        load.surface.add(&Vector3::x(), 1.0);
+        load.add_contacts(&[contact(0, X, X, [3.0, 0.5, 0.1]), contact(0, Y, Y, [0.5, 4.0, 0.9])]);
+        assert_eq!((load.pressure.whole, load.pressure.vector), (3.5, Vector3::new(1.5, 2.0, 0.0)));
+        let mut contacts = [contact(0, X, X, [3.0, 0.5, 0.1]), contact(1, Y, Y, [2.0, 4.0, 0.9])];
+        share_load(&[load, CastLoad::default()], &mut contacts, 1);
+        assert_eq!(contacts.map(|contact| contact.area), [3.0, 0.0]);
     }
 }

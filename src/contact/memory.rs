@@ -116,7 +116,9 @@ impl<T: Scalar> PairMemory<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{ContactKind, SurfacePoint};
+    use crate::contact::test_contact::contact;
+
+    const AT: [f64; 3] = [0.0; 3];
 
     #[test]
     fn records_stand_until_they_are_undercut_by_the_factor() {
@@ -138,18 +140,12 @@ mod tests {
         }
     }
 
-    fn contact(colliding: u32, direction: [f64; 3], area: f64, depth: f64, cos_alpha: f64) -> Contact<f64> {
-        let point = SurfacePoint { triangle: 0, vertices: [0; 3], weights: [0.0; 3], position: Vector3::zeros() };
-        let (kind, direction) = (ContactKind::Ray, Vector3::from(direction));
-        Contact { kind, colliding, collided: 1 - colliding, p1: point, p2: point, direction, depth, cos_alpha, area }
-    }
-
     /// Pushes of 1 and 1/2 on the first body along x, and of 1/4 on the second along y.
     fn pushes() -> [Contact<f64>; 3] {
         [
-            contact(0, [1.0, 0.0, 0.0], 4.0, 0.5, 0.5),
-            contact(0, [1.0, 0.0, 0.0], 0.25, 2.0, 1.0),
-            contact(1, [0.0, 1.0, 0.0], 0.25, 4.0, 0.25),
+            contact(0, AT, [1.0, 0.0, 0.0], [4.0, 0.5, 0.5]),
+            contact(0, AT, [1.0, 0.0, 0.0], [0.25, 2.0, 1.0]),
+            contact(1, AT, [0.0, 1.0, 0.0], [0.25, 4.0, 0.25]),
         ]
     }
 
@@ -174,7 +170,7 @@ mod tests {
 
     /// Two that push against each other.
     fn balanced(depth: f64) -> [Contact<f64>; 2] {
-        [1.0, -1.0].map(|x| contact(0, [x, 0.0, 0.0], 1.0, depth, 1.0))
+        [1.0, -1.0].map(|x| contact(0, AT, [x, 0.0, 0.0], [1.0, depth, 1.0]))
     }
 
     #[test]
@@ -198,7 +194,8 @@ mod tests {
     fn three_tenths_of_all_pushes_are_one_way() {
         for (back, expected) in [(0.5, Progress::OneWay), (0.56, Progress::Balanced)] {
             let mut memory = PairMemory::default();
-            let pushes = [contact(0, [1.0, 0.0, 0.0], 1.0, 1.0, 1.0), contact(0, [-1.0, 0.0, 0.0], back, 1.0, 1.0)];
+            let pushes =
+                [contact(0, AT, [1.0, 0.0, 0.0], [1.0, 1.0, 1.0]), contact(0, AT, [-1.0, 0.0, 0.0], [back, 1.0, 1.0])];
             assert_eq!(memory.observe(0, &pushes), expected, "{back}");
         }
     }

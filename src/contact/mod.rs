@@ -16,6 +16,8 @@ mod push;
 mod samples;
 mod self_contact;
 mod starts_outside;
+#[cfg(test)]
+mod test_contact;
 mod tolerance;
 mod workspace;
 

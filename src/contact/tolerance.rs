@@ -118,3 +118,77 @@ fn steady<T: Scalar>(area: T) -> T {
     const DIGITS: u32 = f64::MANTISSA_DIGITS;
     T::of(f64::from_bits(area.to_f64().to_bits() >> DIGITS << DIGITS))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::test_contact::contact;
+    use crate::contact::{DetectionOptions, Sampling};
+    use crate::math::Aabb;
+    use crate::mesh::Mesh;
+    use crate::octree::Octree;
+
+    /// Asks about a pair whose overlap box is this one.
+    fn with_pair<R>([lower, upper]: [[f64; 3]; 2], ask: impl FnOnce(&Pair<'_, f64>) -> R) -> R {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mesh = Mesh::new(&corners, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).expect("it is closed");
+        let octree = Octree::new(&mesh);
+        let tracer = octree.tracer(&mesh).expect("it is new");
+        let overlap = Aabb { lower: lower.into(), upper: upper.into() };
+        let options = DetectionOptions { sampling: Sampling::Tolerance(0.1), ..DetectionOptions::default() };
+        let (bodies, tracers) = ([0, 1], [&tracer; 2]);
+        let (overlap, region) = (&overlap, &overlap);
+        ask(&Pair { bodies, tracers, overlap, region, options: &options, may_escape: true, patch_area: None })
+    }
+
+    const OVERLAP: [[f64; 3]; 2] = [[1.0, 1.0, 1.0], [3.0, 5.0, 5.0]];
+
+    /// Force and torque about (2, 3, 3), half the diagonal 3 long.
+    #[test]
+    fn loads_are_forces_and_torques_on_the_first_body() {
+        with_pair(OVERLAP, |pair| {
+            let contacts = [
+                // A push of 3 · 4 · 0.5 along x, 2 beside the middle along y.
+                contact(0, [2.0, 5.0, 3.0], [1.0, 0.0, 0.0], [3.0, 4.0, 0.5]),
+                // One of 0.5 · 2 · 0.25 on the second body along z, 8 beside the middle along x.
+                contact(1, [10.0, 3.0, 3.0], [0.0, 0.0, 1.0], [0.5, 2.0, 0.25]),
+            ];
+            let load = Load::of(pair, &contacts);
+            assert_eq!(load.force, Vector3::new(6.0, 0.0, -0.25));
+            assert_eq!(load.torque, Vector3::new(0.0, 2.0, -12.0));
+        });
+    }
+
+    #[test]
+    fn differences_are_parts_of_the_force() {
+        with_pair(OVERLAP, |pair| {
+            let load =
+                |x: f64, torque: f64| Load { force: Vector3::new(x, 0.0, 0.0), torque: Vector3::new(0.0, torque, 0.0) };
+            let rest = load(4.0, 30.0);
+            assert_eq!(rest.difference(&load(4.0, 30.0), pair), 0.0);
+            assert_eq!(rest.difference(&load(3.0, 30.0), pair), 0.25);
+            assert_eq!(rest.difference(&load(4.0, 24.0), pair), 0.5);
+            assert_eq!(rest.difference(&load(3.0, 24.0), pair), 0.5);
+            assert_eq!(rest.difference(&load(1.0, 24.0), pair), 0.75);
+            assert!(load(0.0, 1.0).difference(&load(0.0, 1.0), pair).is_nan());
+        });
+    }
+
+    #[test]
+    fn areas_go_in_steps_of_four() {
+        for (area, expected) in [
+            (2.0, 2.0),
+            (7.9, 2.0),
+            (8.0, 8.0),
+            (31.9, 8.0),
+            (33.0, 32.0),
+            (1.9, 0.5),
+            (0.5, 0.5),
+            (0.49, 0.125),
+            (3e-30, 2.0 * 4f64.powi(-50)),
+        ] {
+            assert_eq!(steady(area), expected, "{area}");
+        }
+        assert_eq!(steady(7.9f32), 2.0);
+    }
+}
