@@ -3,6 +3,7 @@
 
 use crate::common::STRIDE;
 use crate::common::cuboid::CUBOID_FACES;
+use crate::common::shapes;
 use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::math::Vector3;
 use raycontact::mesh::Mesh;
@@ -59,6 +60,11 @@ fn crossing_surfaces_never_go_unreported() {
             let overlap = (0..3).all(|axis| centre[axis].abs() < [1.17, 0.81, 0.32][axis]);
             let found = contacts_of(&a, &b, &options);
             assert_eq!(!found.is_empty(), overlap, "{sampling:?}, centre {centre:?}");
+            let counts = &found.statistics;
+            if counts.escapes_started == 0 {
+                let accounted = counts.misses + counts.entry_hits + counts.own_surface_hits + found.len() as u64;
+                assert_eq!(counts.rays, accounted, "{sampling:?}, centre {centre:?}");
+            }
         }
     }
 }
@@ -125,7 +131,7 @@ fn a_loaded_contact_at_rest_does_not_escape() {
 fn a_sharp_edge_pressed_into_a_floor_does_not_escape() {
     let mut scene = Scene::new(1).expect("no threads are needed");
     scene.add(Mesh::new(&cuboid([5.0, 5.0, 1.0], [0.0; 3]), &CUBOID_FACES).expect("a box is closed"));
-    let wedge = crate::common::shapes::tetrahedron().map(|[x, y, z]| [x, y, 1.9 * z]).moved([0.3, 0.2, 2.85]);
+    let wedge = shapes::tetrahedron().map(|[x, y, z]| [x, y, 1.9 * z]).moved([0.3, 0.2, 2.85]);
     let body = scene.add(wedge.mesh());
     let mut contacts = ContactList::default();
     for step in 0..100 {
@@ -169,4 +175,68 @@ fn escapes_are_counted_and_can_be_forbidden() {
     scene.mesh_mut(first).expect("it was added").set_positions(&inner).expect("finite");
     scene.query(&mut contacts);
     assert_eq!(counts(&contacts), (1, 1, all), "the pair had forgotten its escape");
+}
+
+/// A box in a slab that is thin across one of the 26 directions: the way out leads across, whichever body is the first.
+#[test]
+fn an_escape_takes_the_shortest_way() {
+    let directions = (0..27).filter(|&i| i != 13).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1].map(f64::from));
+    let options = DetectionOptions { sampling: Sampling::Vertices, ..DetectionOptions::default() };
+    for direction in directions {
+        let across = Vector3::from(direction).normalize();
+        let along = across.cross(&Vector3::ith((across.iamax() + 1) % 3, 1.0)).normalize();
+        let third = across.cross(&along);
+        let turned = |[x, y, z]: [f64; 3]| <[f64; 3]>::from(across * x + along * y + third * z);
+        let slab = cuboid([1.0, 3.0, 3.0], [0.0; 3]).into_iter().map(turned).collect::<Vec<_>>();
+        let middle = across * 0.8 + along * 1.5;
+        let inner = cuboid([0.1; 3], middle.into());
+        // From the corner that lies deepest.
+        let depth = 1.0 - 0.8 + 0.1 * across.abs().sum();
+        for (a, b, sign) in [(&inner, &slab, 1.0), (&slab, &inner, -1.0)] {
+            let found = contacts_of(a, b, &options);
+            let [push] = found.pushes() else { panic!("{} pushes along {across}", found.pushes().len()) };
+            assert!((push.direction - across * sign).norm() < 1e-12, "{} for {across}", push.direction);
+            assert!((push.depth - depth).abs() < 1e-12);
+            let counts = &found.statistics;
+            assert_eq!((counts.escapes_started, counts.escaping_pairs, counts.escape_contacts), (1, 1, 8));
+            let before = contacts_of(a, b, &DetectionOptions { escape: false, ..options }).statistics.rays;
+            assert_eq!(counts.rays, before + 8, "a ray from each corner inside");
+        }
+    }
+}
+
+/// Bars through each other's middles hold each other; they part across, as far as both are thick, by rays from their edges
+/// alone, as no vertex lies inside.
+#[test]
+fn bars_that_hold_each_other_part_by_their_edges() {
+    let (a, b) = (cuboid([1.0, 0.2, 0.1], [0.0; 3]), cuboid([0.3, 1.0, 0.12], [0.0; 3]));
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    scene.set_options(DetectionOptions { sampling: Sampling::Vertices, ..DetectionOptions::default() });
+    for positions in [&a, &b] {
+        scene.add(Mesh::new(positions, &CUBOID_FACES).expect("a box is closed"));
+    }
+    let mut contacts = ContactList::default();
+    scene.query(&mut contacts);
+    assert_eq!(contacts.statistics.escapes_started, 1);
+    scene.query(&mut contacts);
+    let [push] = contacts.pushes() else { panic!("{} pushes", contacts.pushes().len()) };
+    assert_eq!(push.direction.abs(), Vector3::z());
+    assert!((push.depth - 0.22).abs() < 1e-12);
+    let counts = &contacts.statistics;
+    assert_eq!((counts.rays, counts.escape_contacts), (contacts.len() as u64, contacts.len() as u64));
+    // Of the thinner four edges and the diagonals of four faces pass through the other, of that the diagonals of two.
+    assert_eq!(contacts.len(), 4 + 4 + 2);
+}
+
+/// A ball in the hole of a ring lies within the ring's box, and outside the ring.
+#[test]
+fn what_lies_in_a_hole_is_not_swallowed() {
+    let (ring, ball) = (shapes::torus(24, 12, 0.4), shapes::sphere(1).scaled(0.3));
+    for (a, b) in [(&ring, &ball), (&ball, &ring)] {
+        let meshes = [a.mesh(), b.mesh()];
+        let octrees = [Octree::new(&meshes[0]), Octree::new(&meshes[1])];
+        let (mut found, options) = (ContactList::default(), DetectionOptions::<f64>::default());
+        query_pair(&meshes[0], &octrees[0], &meshes[1], &octrees[1], &options, &mut found).expect("octrees are new");
+        assert_eq!((found.len(), found.statistics.pairs, found.statistics.escapes_started), (0, 1, 0));
+    }
 }

@@ -126,7 +126,8 @@ fn an_octree_serves_its_own_mesh_alone() {
     for layout in LAYOUTS {
         let mut octree = Octree::with_layout(&mesh, layout);
         assert_eq!(octree.update(&other), Err(OctreeError::OtherMesh));
-        assert!(octree.tracer(&other).is_err());
+        let refused = octree.tracer(&other).expect_err("it is another mesh").to_string();
+        assert!(refused.contains("was built for another mesh"), "{refused}");
         octree.validate(&mesh).expect("nothing was changed");
     }
 }

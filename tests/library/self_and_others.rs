@@ -127,3 +127,26 @@ fn bodies_without_folds_are_as_before() {
         }
     }
 }
+
+/// The same for rays from edges, where no vertex lies inside: a bar with a fold within it, across another bar.
+#[test]
+fn edges_find_their_way_past_folds() {
+    let bar = |half: [f64; 3], middle: [f64; 3]| {
+        shapes::cube(1).map(|p| std::array::from_fn(|axis| half[axis] * p[axis])).moved(middle)
+    };
+    let (first, fold) = (bar([1.0, 0.1, 0.1], [0.0; 3]), bar([1.2, 0.06, 0.02], [0.0, 0.0, 0.06]));
+    let body = bar([0.11, 1.0, 0.12], [0.02, 0.0, 0.15]);
+    let expected = pair(&first, &body, &DetectionOptions { edges: true, ..options(false) });
+    let missing = |past_folds: bool| {
+        let whole = pair(&first.joined(&fold), &body, &DetectionOptions { edges: true, ..options(past_folds) });
+        let counts = &whole.statistics;
+        assert_eq!(counts.rays, counts.misses + counts.entry_hits + counts.own_surface_hits + whole.len() as u64);
+        assert_eq!(counts.past_folds > 0, past_folds);
+        let none = [Offset::default(); 2];
+        let found: Vec<_> = whole.contacts.iter().map(|contact| (contact.colliding, ends(contact, none))).collect();
+        expected.contacts.iter().filter(|contact| !is_among(contact, Offset::default(), &found)).count()
+    };
+    assert!(expected.len() >= 4 && expected.statistics.edge_contacts == expected.len() as u64);
+    assert_eq!(missing(true), 0);
+    assert!(missing(false) > 0, "the fold does hide the other body");
+}
