@@ -222,3 +222,40 @@ fn directions_that_run_in_a_circle_turn() {
         assert!(turned >= 1, "{turned}");
     }
 }
+
+/// A plate between two slabs of one body, both pressed into it by 0.1, which push against each other and do not move: where
+/// that is more than half as thick as a slab they are stuck after 8 steps, else only jammed after 16.
+#[test]
+fn deep_contacts_that_hold_each_other_part_sooner() {
+    let cuboid = |half: [f64; 3], z: f64| {
+        shapes::cube(1).map(|point| std::array::from_fn(|axis| half[axis] * point[axis])).moved([0.0, 0.0, z])
+    };
+    let plate = cuboid([2.0, 2.0, 0.5], 0.0);
+    for (thickness, steps) in [(0.15, 8), (0.19, 8), (0.21, 16), (0.5, 16)] {
+        let [upper, lower] =
+            [1.0, -1.0].map(|side| cuboid([1.0, 1.0, 0.5 * thickness], side * (0.4 + 0.5 * thickness)));
+        for bodies in [[&plate, &upper.joined(&lower)], [&upper.joined(&lower), &plate]] {
+            let mut scene = Scene::<f64>::new(1).expect("no threads are needed");
+            scene.set_options(DetectionOptions { sampling: Sampling::Vertices, ..DetectionOptions::default() });
+            for body in bodies {
+                scene.add(body.mesh());
+            }
+            let mut contacts = ContactList::default();
+            let started = (0..20).position(|_| {
+                scene.query(&mut contacts);
+                contacts.statistics.escapes_started > 0
+            });
+            assert_eq!(started, Some(steps), "{thickness}");
+        }
+    }
+}
+
+/// A ball in the hole of a ring need not escape, and so is not forbidden to.
+#[test]
+fn nothing_is_forbidden_to_what_lies_in_a_hole() {
+    let mut motion = Motion::<f64>::new(&[shapes::torus(24, 12, 0.4), shapes::sphere(1).scaled(0.3)]);
+    motion.scene.allow_escape(0, 1, false).expect("both are there");
+    motion.query();
+    let counts = &motion.contacts.statistics;
+    assert_eq!((counts.pairs, counts.escapes_forbidden, motion.contacts.len()), (1, 0, 0));
+}

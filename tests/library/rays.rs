@@ -6,8 +6,8 @@ use crate::common::random::Random;
 use crate::common::shapes::{self, Point};
 use raycontact::math::{Aabb, Vector3};
 use raycontact::mesh::Mesh;
-use raycontact::octree::Octree;
-use raycontact::ray::{Hit, Ray, TriangleTest};
+use raycontact::octree::{Layout, Octree};
+use raycontact::ray::{Hit, Ray, ShearedRay, TriangleTest};
 
 /// The point that the weights name.
 fn point_of(mesh: &Mesh<f64>, hit: &Hit<f64>) -> Vector3<f64> {
@@ -71,4 +71,46 @@ fn rays_leave_a_box_at_its_faces() {
     assert_eq!(Ray::new(origin, Vector3::zeros()).exit_from(&aabb), f64::INFINITY);
     let ray = Ray::new(origin, Vector3::x()).until(0.25);
     assert_eq!((ray.origin, ray.direction, ray.t_max), (origin, Vector3::x(), 0.25));
+}
+
+/// Each ray by itself against every triangle that it does not start from: whether one is met from inside before the end.
+#[test]
+fn rays_leave_their_mesh_where_a_triangle_is_met_from_inside() {
+    let mut random = Random::new(4);
+    let mesh: Mesh<f64> = shapes::torus(20, 10, 0.5).turned(0.4, 0.9).mesh();
+    let triangles = mesh.topology().triangles();
+    let (mut rays, mut touched) = (Vec::new(), Vec::new());
+    for number in 0..300 {
+        let start = number * 7 % triangles.len();
+        let corners = triangles[start];
+        // From a vertex, the middle of an edge or that of a face, by turns.
+        let vertices = [[corners[0]; 3], [corners[0], corners[1], corners[0]], corners][number % 3];
+        let sum: Vector3<f64> = vertices.iter().map(|&vertex| mesh.positions()[vertex as usize]).sum();
+        let origin = if number % 3 == 1 {
+            (mesh.positions()[corners[0] as usize] + mesh.positions()[corners[1] as usize]) / 2.0
+        } else {
+            sum / 3.0
+        };
+        rays.push(Ray::new(origin, Vector3::from(random.point(1.0))).until(2.0 + 2.0 * random.signed()));
+        touched.push(vertices);
+    }
+    let expected: Vec<bool> = rays
+        .iter()
+        .zip(&touched)
+        .map(|(ray, touched)| {
+            let sheared = ShearedRay::new(ray);
+            (0..triangles.len() as u32).any(|triangle| {
+                let is_start = touched.iter().all(|vertex| triangles[triangle as usize].contains(vertex));
+                let hit = sheared.intersect(&mesh.corners(triangle), triangle);
+                !is_start && hit.is_some_and(|hit| hit.is_exit && hit.t < ray.t_max)
+            })
+        })
+        .collect();
+    assert!((50..250).contains(&expected.iter().filter(|&&leaves| leaves).count()));
+    for layout in [Layout::Wide, Layout::Classic] {
+        let octree = Octree::with_layout(&mesh, layout);
+        let mut found = vec![true; 3];
+        octree.tracer(&mesh).expect("fresh").leave_before_end(&rays, &touched, &mut found);
+        assert_eq!(found, expected, "{layout:?}");
+    }
 }

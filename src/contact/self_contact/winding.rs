@@ -88,3 +88,66 @@ pub(in crate::contact) fn leaves_body_before_end<T: Scalar>(
             number < 1
         })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vector3;
+    use crate::octree::Octree;
+
+    /// Two cubes in one mesh, the smaller inside the larger, far from the origin.
+    fn nested() -> Mesh<f64> {
+        let faces = [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4]];
+        let more = [[2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5]];
+        let one = [faces, more].concat();
+        let two: Vec<[u32; 3]> = one.iter().map(|corners| corners.map(|vertex| vertex + 8)).collect();
+        let corner = |i: usize, half: f64| [0, 1, 2].map(|axis| 20.0 + if i >> axis & 1 == 1 { half } else { -half });
+        let positions: Vec<_> = (0..16).map(|i| corner(i % 8, if i < 8 { 2.0 } else { 1.0 })).collect();
+        Mesh::new(&positions, &[one, two].concat()).expect("both are closed")
+    }
+
+    #[test]
+    fn the_surface_winds_once_under_the_outer_cube_and_twice_under_the_inner() {
+        let mut mesh = nested();
+        let mut octree = Octree::new(&mesh);
+        let mut crossings = Vec::new();
+        let tracer = octree.tracer(&mesh).expect("fresh");
+        for triangle in 0..24 {
+            let expected = if triangle < 12 { 1 } else { 2 };
+            assert_eq!(winding_under(&tracer, triangle, &mut crossings), Some(expected), "{triangle}");
+        }
+        // A triangle without a normal.
+        let flat: Vec<_> = mesh.positions().to_vec();
+        mesh.set_positions_with(16, |vertex| flat[if vertex == 1 { 0 } else { vertex }]).expect("finite");
+        octree.update(&mesh).expect("its own");
+        let tracer = octree.tracer(&mesh).expect("up to date");
+        let without = (0..24).filter(|&triangle| winding_under(&tracer, triangle, &mut crossings).is_none()).count();
+        assert_eq!(without, 2, "those with both ends of the edge");
+    }
+
+    /// From under the outer cube's face into the inner cube and out again, to its other side.
+    #[test]
+    fn a_ray_leaves_the_body_where_it_leaves_the_last_fold() {
+        let mesh = nested();
+        let octree = Octree::new(&mesh);
+        let tracer = octree.tracer(&mesh).expect("fresh");
+        let ray = Ray::new(Vector3::new(17.9, 20.1, 20.2), Vector3::x());
+        let leaves = |x: f64, end: f64| {
+            let ray = Ray { origin: Vector3::new(x, 20.1, 20.2), ..ray }.until(end);
+            leaves_body_before_end(&tracer, &ray, [u32::MAX; 3], &mut Vec::new())
+        };
+        // It starts outside; inside the outer cube alone; within both.
+        assert!(leaves(17.9, 0.05));
+        for (start, inside_until) in [(18.5, 22.0), (19.5, 22.0), (21.5, 22.0)] {
+            let way: f64 = inside_until - start;
+            assert!(!leaves(start, way - 0.01) && leaves(start, way + 0.01), "from {start}");
+        }
+        let out = |x: f64| {
+            let ray = Ray { origin: Vector3::new(x, 20.1, 20.2), ..ray };
+            way_out_past_folds(&tracer, &ray, &mut Vec::new()).map(|hit| hit.t)
+        };
+        // The first exit, if it starts inside.
+        assert_eq!([out(17.5), out(18.5), out(19.5), out(21.5)], [None, Some(2.5), Some(1.5), Some(0.5)]);
+        assert_eq!(out(22.5), None);
+    }
+}

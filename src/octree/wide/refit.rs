@@ -105,8 +105,8 @@ impl<T: Scalar> Wide<T> {
 mod tests {
     use crate::math::{Aabb, Vector3};
     use crate::mesh::Mesh;
-    use crate::octree::Octree;
     use crate::octree::test_mesh::{torus, torus_positions};
+    use crate::octree::{Octree, OctreeError};
     use crate::ray::Ray;
 
     const SIDES: [u32; 2] = [96, 24];
@@ -157,6 +157,8 @@ mod tests {
         mesh.set_positions(&torus_positions(SIDES, 0)).expect("finite");
         octree.update_in(&mesh, &[*mesh.aabb()], None, &mut tiles).expect("its own");
         assert_eq!(octree.validate(&mesh), Ok(()), "all is near");
+        let refused = octree.update_in(&torus(SIDES), &[*mesh.aabb()], None, &mut tiles);
+        assert_eq!(refused, Err(OctreeError::OtherMesh));
     }
 
     /// Vertices numbered at random tell nothing of where a leaf is: all boxes are tight then.
