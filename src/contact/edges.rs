@@ -130,6 +130,11 @@ mod tests {
             (sample.point.position, sample.point.weights),
             (Vector3::new(from_first, 0.0, 0.0), [0.75, 0.25, 0.0])
         );
+        let (mut named, mut corners) =
+            (sample.point.vertices, mesh.topology().triangles()[sample.point.triangle as usize]);
+        named.sort();
+        corners.sort();
+        assert_eq!(named, corners);
         let weighted = (0..3).map(|i| mesh.positions()[sample.point.vertices[i] as usize] * sample.point.weights[i]);
         assert_eq!(weighted.sum::<Vector3<f64>>(), sample.point.position);
     }

@@ -36,7 +36,9 @@ fn bars_crossing_with_no_vertex_inside_give_edge_contacts() {
     let options = DetectionOptions { edges: true, ..DetectionOptions::paper() };
     let found = contacts_of(&a, &b, &options);
     assert!(!found.is_empty());
-    assert_eq!(found.statistics.edge_contacts, found.len() as u64);
+    let counts = &found.statistics;
+    assert_eq!(counts.edge_contacts, found.len() as u64);
+    assert_eq!(counts.rays, counts.misses + counts.entry_hits + counts.own_surface_hits + found.len() as u64);
     // Each leaves through the other's surface: p2 lies on it, beyond p1 along the ray.
     for contact in &found.contacts {
         assert_eq!(contact.kind, ContactKind::Edge);
@@ -44,6 +46,22 @@ fn bars_crossing_with_no_vertex_inside_give_edge_contacts() {
         let end = contact.p1.position + contact.direction * contact.depth;
         assert!((end - contact.p2.position).norm() < 1e-12);
     }
+}
+
+/// A plate aslant, so thin that some rays from its edges leave it before the other body: the paper's second filter. No
+/// contact leads out of the plate.
+#[test]
+fn rays_from_edges_stay_in_their_own_body() {
+    let plate = cuboid([1.0, 0.1, 0.02], [0.0; 3]).into_iter().map(|[x, y, z]| [x, y - z, y + z]).collect::<Vec<_>>();
+    let bar = cuboid([0.11, 1.0, 0.15], [0.02, 0.0, -0.1]);
+    let options = DetectionOptions { edges: true, ..DetectionOptions::paper() };
+    let found = contacts_of(&plate, &bar, &options);
+    for contact in found.contacts.iter().filter(|contact| contact.colliding == 0) {
+        let end = contact.p2.position;
+        let [across, along] = [end.y + end.z, end.z - end.y].map(|twice| twice.abs() / 2.0);
+        assert!(across < 0.1 + 1e-12 && along < 0.02 + 1e-12, "{contact:?}");
+    }
+    assert!(found.statistics.own_surface_hits > 0);
 }
 
 /// Bars moved past one another in small steps: whenever their surfaces cross (for boxes along the axes: whenever the
@@ -224,6 +242,7 @@ fn bars_that_hold_each_other_part_by_their_edges() {
     assert!((push.depth - 0.22).abs() < 1e-12);
     let counts = &contacts.statistics;
     assert_eq!((counts.rays, counts.escape_contacts), (contacts.len() as u64, contacts.len() as u64));
+    assert_eq!((counts.escapes_started, counts.escaping_pairs), (0, 1));
     // Of the thinner four edges and the diagonals of four faces pass through the other, of that the diagonals of two.
     assert_eq!(contacts.len(), 4 + 4 + 2);
 }
@@ -239,4 +258,22 @@ fn what_lies_in_a_hole_is_not_swallowed() {
         query_pair(&meshes[0], &octrees[0], &meshes[1], &octrees[1], &options, &mut found).expect("octrees are new");
         assert_eq!((found.len(), found.statistics.pairs, found.statistics.escapes_started), (0, 1, 0));
     }
+}
+
+/// A body that had contacts which pushed one way escapes as soon as it is swallowed whole.
+#[test]
+fn what_is_pushed_in_at_a_stroke_escapes_at_once() {
+    let (block, body) = (cuboid([1.0; 3], [0.0; 3]), cuboid([0.2; 3], [0.0, 0.0, 1.1]));
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &CUBOID_FACES).expect("a box is closed");
+    let (_, pushed) = (scene.add(mesh(&block)), scene.add(mesh(&body)));
+    let mut contacts = ContactList::default();
+    for _ in 0..3 {
+        scene.query(&mut contacts);
+        assert!(!contacts.is_empty() && contacts.statistics.escaping_pairs == 0);
+    }
+    let inside = moved(&body, &Vector3::new(0.0, 0.0, -0.6));
+    scene.mesh_mut(pushed).expect("it was added").set_positions(&inside).expect("finite");
+    scene.query(&mut contacts);
+    assert_eq!(contacts.statistics.escapes_started, 1);
 }
