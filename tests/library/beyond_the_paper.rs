@@ -215,6 +215,8 @@ fn an_escape_takes_the_shortest_way() {
             let [push] = found.pushes() else { panic!("{} pushes along {across}", found.pushes().len()) };
             assert!((push.direction - across * sign).norm() < 1e-12, "{} for {across}", push.direction);
             assert!((push.depth - depth).abs() < 1e-12);
+            // Half of the box's surface: either body carries a half of the load.
+            assert!((push.area - 0.5 * 6.0 * 0.2 * 0.2).abs() < 1e-12, "{}", push.area);
             let counts = &found.statistics;
             assert_eq!((counts.escapes_started, counts.escaping_pairs, counts.escape_contacts), (1, 1, 8));
             let before = contacts_of(a, b, &DetectionOptions { escape: false, ..options }).statistics.rays;
