@@ -162,3 +162,26 @@ fn laws_that_mean_nothing_are_refused_by_name() {
     let law = PenaltyLaw::new(0.0, 0.25, Weighting::Area).expect("zero is allowed");
     assert_eq!(law.damping_time(), 0.25);
 }
+
+/// Where a body has moved as a whole since detection, each spring is longer by its part along the contact's direction.
+#[test]
+fn springs_are_as_long_as_bodies_have_moved_apart() {
+    let law = PenaltyLaw::new(70.0, 0.0, Weighting::Area).expect("a valid law");
+    for Overlap { positions, contacts } in overlaps() {
+        for by in [[0.0; 3], [0.02, -0.05, 0.04]].map(Vector3::from) {
+            let mut moved = positions.clone();
+            moved[0].iter_mut().for_each(|position| *position -= by);
+            for contact in &contacts {
+                let sign = if contact.colliding == 0 { 1.0 } else { -1.0 };
+                let depth = contact.depth + sign * by.dot(&contact.direction);
+                let expected = 0.5 * law.coefficient(contact) * depth * depth;
+                let found = energy(&[*contact], &law, Some(&moved));
+                assert!((found - expected).abs() < 1e-12, "{found}, {expected}");
+                let mut forces = moved.each_ref().map(|body| vec![Vector3::zeros(); body.len()]);
+                add_forces(&[*contact], &law, Some(&moved), None, &mut forces);
+                let net: Vector3<f64> = forces[contact.colliding as usize].iter().sum();
+                assert!((net - contact.direction * (law.coefficient(contact) * depth)).norm() < 1e-12);
+            }
+        }
+    }
+}
