@@ -106,7 +106,7 @@ pub fn all() -> Vec<Description> {
 }
 
 /// Bullet builds its tree of a body's faces in a time that grows with their square: minutes above so many.
-const MOST_TRIANGLES_FOR_BULLET: usize = 150_000;
+const MOST_TRIANGLES_FOR_BULLET: usize = 50_000;
 
 impl Description {
     /// Whether it can be made ready for the workload in a time that one would wait.
