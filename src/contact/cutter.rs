@@ -130,3 +130,71 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+
+    const EVERYWHERE: Aabb<f64> = Aabb { lower: Vector3::new(-1e9, -1e9, -1e9), upper: Vector3::new(1e17, 1e17, 1e17) };
+
+    /// The areas of the pieces of a triangle in the region.
+    fn areas(cutter: &mut Cutter<'_, f64>, corners: [[f64; 3]; 3], area: f64) -> Vec<f64> {
+        let mesh = Mesh::open(&corners, &[[0, 1, 2]]).expect("it has an area");
+        let mut areas = Vec::new();
+        cutter.cut(&mesh, 0, Vector3::z(), area, &mut |piece| areas.push(piece.area));
+        areas
+    }
+
+    fn with_spacing(spacing: f64, region: &Aabb<f64>) -> Cutter<'_, f64> {
+        Cutter::new(Sampling::Spacing(spacing), &EVERYWHERE, region).expect("rays start on faces")
+    }
+
+    /// Half a square with sides of 8: its halves are halves of squares again, so that k halvings of all leave 2ᵏ pieces
+    /// with longest sides of √(128 / 2ᵏ).
+    const HALF_A_SQUARE: [[f64; 3]; 3] = [[0.0; 3], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]];
+
+    #[test]
+    fn triangles_are_halved_until_no_side_is_longer_than_the_diagonal_of_a_square_of_the_spacing() {
+        for (spacing, pieces) in [(1.0, 64), (1.01, 64), (0.99, 128), (2.0, 16), (7.99, 2), (8.0, 1)] {
+            let mut cutter = with_spacing(spacing, &EVERYWHERE);
+            assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), vec![32.0 / pieces as f64; pieces], "{spacing}");
+            assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (pieces as u32 - 1, 0));
+        }
+        // No smaller than the halves of squares as large as the patches.
+        for (patch, pieces) in [(0.25, 64), (1.0, 64), (4.0, 16), (16.0, 4)] {
+            let mut cutter = with_spacing(1.0, &EVERYWHERE).with_patches(patch);
+            assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0).len(), pieces, "patches of {patch}");
+        }
+    }
+
+    /// Of eight pieces three halvings, the first half first, leave two; their quarter and the other half are too large.
+    #[test]
+    fn pieces_left_uncut_are_counted() {
+        let mut cutter = with_spacing(2.9, &EVERYWHERE);
+        cutter.halvings_left = 3;
+        assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), [4.0, 4.0, 8.0, 16.0]);
+        assert_eq!(cutter.uncut, 2);
+        assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), [32.0]);
+        assert_eq!(cutter.uncut, 3);
+    }
+
+    /// Of the halves of what has a corner at the origin one has it too, and no other part comes near.
+    #[test]
+    fn halves_of_halves_come_to_an_end() {
+        let tiny = Aabb { lower: Vector3::repeat(-1e-60), upper: Vector3::repeat(1e-60) };
+        let mut cutter = with_spacing(1e-40, &tiny);
+        assert_eq!(areas(&mut cutter, [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 0.5), []);
+        assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (u32::from(DEEPEST), 0));
+    }
+
+    /// Far from the origin, where the middles of the shorter sides are rounded to one of their ends.
+    #[test]
+    fn pieces_that_rounding_does_not_let_be_halved_are_whole() {
+        let far = 2f64.powi(53);
+        let mut cutter = with_spacing(1e-3, &EVERYWHERE);
+        let corners = [[far, far, 0.0], [far + 2.0, far, 0.0], [far, far + 2.0, 0.0]];
+        assert_eq!(areas(&mut cutter, corners, 2.0), [1.0, 1.0]);
+        assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (1, 0));
+    }
+}
