@@ -285,3 +285,46 @@ impl<T: Scalar> Pair<'_, T> {
         ray.until(ray.exit_from(&other.grown(largest * T::ROUNDING_UNIT * T::of(8.0))))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::test_contact::boxes;
+
+    fn with_pair<R>(meshes: [&Mesh<f64>; 2], ask: impl FnOnce(&Pair<'_, f64>) -> R) -> R {
+        let octrees = meshes.map(Octree::new);
+        let tracers = [0, 1].map(|side| octrees[side].tracer(meshes[side]).expect("it is new"));
+        let (overlap, region) = overlap_region(meshes[0].aabb(), meshes[1].aabb());
+        let options = DetectionOptions { edges: true, ..DetectionOptions::paper() };
+        let (bodies, tracers) = ([0, 1], [&tracers[0], &tracers[1]]);
+        let (overlap, region, options) = (&overlap, &region, &options);
+        ask(&Pair { bodies, tracers, overlap, region, options, may_escape: true, patch_area: None })
+    }
+
+    /// Of either bar the two long edges that lie in the other, and the diagonal between them.
+    #[test]
+    fn stretches_of_edges_of_both_bodies_are_counted() {
+        let bars = [[[-1.0, -0.1, -0.1], [1.0, 0.1, 0.1]], [[-0.09, -1.0, 0.03], [0.13, 1.0, 0.27]]];
+        let [first, second] = bars.map(|bar| boxes(&[bar]));
+        let stretches = with_pair([&first, &second], |pair| pair.cast_edges(&mut ContactList::default()));
+        assert_eq!(stretches, 6);
+        // The contacts of all pairs in the list.
+        let mut contacts = ContactList::default();
+        for found in 1..=3 {
+            with_pair([&first, &second], |pair| {
+                assert_eq!(pair.detect(&mut contacts), Outcome::Settled);
+            });
+            let count = contacts.statistics.edge_contacts;
+            assert!(count > 0 && count == contacts.len() as u64 && count % found == 0, "{count}");
+        }
+    }
+
+    #[test]
+    fn the_line_of_centres_leads_to_the_first_body() {
+        let around = |[x, y, z]: [f64; 3]| boxes(&[[[x - 1.0, y - 2.0, z - 0.5], [x + 1.0, y + 2.0, z + 0.5]]]);
+        let line = |first, second| with_pair([&around(first), &around(second)], |pair| pair.line_of_centres());
+        assert_eq!(line([1.0, 2.0, 3.0], [4.0, 6.0, 3.0]), Vector3::new(-0.6, -0.8, 0.0));
+        assert_eq!(line([1.0, 2.0, 3.0], [1.0, 2.0, 2.0]), Vector3::z());
+        assert_eq!(line([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]), Vector3::x());
+    }
+}

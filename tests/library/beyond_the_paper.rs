@@ -161,6 +161,25 @@ fn a_sharp_edge_pressed_into_a_floor_does_not_escape() {
     }
 }
 
+/// Switched off, bodies in the same place do not escape, however long they stay.
+#[test]
+fn bodies_that_contacts_cannot_part_stay_where_escapes_are_off() {
+    let body = cuboid([0.5, 0.6, 0.7], [0.1, 0.2, 0.3]);
+    for escape in [true, false] {
+        let mut scene = Scene::new(1).expect("no threads are needed");
+        scene.set_options(DetectionOptions { escape, ..DetectionOptions::default() });
+        for _ in 0..2 {
+            scene.add(Mesh::new(&body, &CUBOID_FACES).expect("a box is closed"));
+        }
+        let (mut contacts, mut started) = (ContactList::default(), 0);
+        for _ in 0..40 {
+            scene.query(&mut contacts);
+            started += contacts.statistics.escapes_started;
+        }
+        assert_eq!(started, u64::from(escape));
+    }
+}
+
 /// Switched off, nothing escapes; and what a pair remembers goes when the bodies are apart.
 #[test]
 fn escapes_are_counted_and_can_be_forbidden() {

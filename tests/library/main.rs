@@ -9,6 +9,7 @@ mod beyond_the_paper;
 mod coarse_sampling;
 mod completeness;
 mod contact_lists;
+mod counts;
 mod escape_push;
 mod faults;
 mod figures;

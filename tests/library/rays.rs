@@ -114,3 +114,28 @@ fn rays_leave_their_mesh_where_a_triangle_is_met_from_inside() {
         assert_eq!(found, expected, "{layout:?}");
     }
 }
+
+/// Rays from an edge of a ball, within it, to the triangles around: but for the two that they start from they leave through
+/// them, whichever way the edge's two vertices are named.
+#[test]
+fn rays_from_an_edge_pass_over_none_but_its_own_triangles() {
+    let mesh: Mesh<f64> = shapes::sphere(1).turned(0.3, 0.2).mesh();
+    let middle = |triangle: u32| mesh.corners(triangle).iter().sum::<Vector3<f64>>() / 3.0;
+    for layout in [Layout::Wide, Layout::Classic] {
+        let octree = Octree::with_layout(&mesh, layout);
+        let tracer = octree.tracer(&mesh).expect("fresh");
+        let mut leaves = Vec::new();
+        for edge in mesh.topology().edges().iter().step_by(STRIDE) {
+            let [a, b] = edge.vertices;
+            let start = (mesh.positions()[a as usize] + mesh.positions()[b as usize]) * 0.5;
+            for (from, to) in [(a, b), (b, a)] {
+                for &triangle in mesh.topology().triangles_around(from) {
+                    let ray = Ray::new(start, middle(triangle) - start).until(1.1);
+                    let named = [[from, to, from], [from, from, to], [from, to, to], [to, from, to]];
+                    tracer.leave_before_end(&[ray; 4], &named, &mut leaves);
+                    assert_eq!(leaves, [!edge.triangles.contains(&triangle); 4], "{layout:?}, {edge:?}, {triangle}");
+                }
+            }
+        }
+    }
+}

@@ -23,6 +23,7 @@ fn own_contacts<T: Scalar>(shape: &Shape, options: &DetectionOptions<T>) -> Cont
         let octree = Octree::with_layout(&mesh, layout);
         query_self(&mesh, &octree, options, &mut culled).expect("the octree is new");
         assert_eq!(culled.contacts, all.contacts, "{layout:?}");
+        assert_eq!(culled.statistics.own_surface_hits, all.statistics.own_surface_hits, "{layout:?}");
         assert_balanced(&culled);
     }
     assert!(all.contacts.iter().all(|contact| (contact.colliding, contact.collided) == (0, 0)));
@@ -170,6 +171,64 @@ fn nested_parts_are_found_without_a_crossing() {
     cavity.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
     let found = own_contacts(&outer.joined(&cavity), &DetectionOptions::<f64>::default());
     assert_eq!(found.statistics.own_surface_hits, 0);
+}
+
+/// A flat plate within its body: the vertices on either side see none but the triangles of the other side, and the way out is still
+/// through the plate's own far side.
+#[test]
+fn a_plate_within_its_body_is_one_fold() {
+    let plate = shapes::block([4, 4, 1]).map(|[x, y, z]| [0.2 * x - 0.4, 0.2 * y - 0.4, 0.1 * z]);
+    let found = own_contacts(&shapes::cube(1).joined(&plate), &DetectionOptions::<f64>::paper());
+    assert_eq!((found.len(), found.statistics.own_surface_hits), (0, 50));
+}
+
+/// Whether a triangle and a box have more than a border in common: what is left of the triangle within each of the box's
+/// planes in turn.
+fn reaches_into(corners: [Point; 3], [lower, upper]: [Point; 2]) -> bool {
+    let mut left = corners.to_vec();
+    for (axis, end, sign) in (0..3).flat_map(|axis| [(axis, lower[axis], 1.0), (axis, upper[axis], -1.0)]) {
+        let height = |point: &Point| sign * (point[axis] - end);
+        let sides = (0..left.len()).map(|i| (left[i], left[(i + 1) % left.len()])).collect::<Vec<_>>();
+        left.clear();
+        for (from, to) in sides {
+            if height(&from) > 0.0 {
+                left.push(from);
+            }
+            if (height(&from) > 0.0) != (height(&to) > 0.0) {
+                let part = height(&from) / (height(&from) - height(&to));
+                left.push(std::array::from_fn(|axis| from[axis] + part * (to[axis] - from[axis])));
+            }
+        }
+    }
+    !left.is_empty()
+}
+
+/// No more rays than need be: none for a surface in one piece that touches itself nowhere, one for each of several pieces;
+/// where two pieces cross, those of the triangles that lie inside or cross, and one for the rest of either.
+#[test]
+fn rays_are_cast_where_the_surface_winds_twice() {
+    let counts = |shape: &Shape, layout| {
+        let mesh = shape.mesh::<f64>();
+        let mut contacts = ContactList::default();
+        let octree = Octree::with_layout(&mesh, layout);
+        query_self(&mesh, &octree, &DetectionOptions::default(), &mut contacts).expect("the octree is new");
+        contacts.statistics
+    };
+    let (block, by) = (shapes::block([3, 3, 3]), [1.3, 1.6, 1.45]);
+    let crossing = block.joined(&block.moved(by));
+    let boxes = [by.map(|x| [x, x + 3.0]), [[0.0, 3.0]; 3]].map(|ends| [ends.map(|e| e[0]), ends.map(|e| e[1])]);
+    let reach = |(number, triangle): (usize, &[u32; 3])| {
+        let corners = triangle.map(|vertex| crossing.positions[vertex as usize]);
+        usize::from(reaches_into(corners, boxes[number / block.triangles.len()]))
+    };
+    let inside: usize = crossing.triangles.iter().enumerate().map(reach).sum();
+    assert!((20..block.triangles.len()).contains(&inside), "{inside} triangles");
+    for layout in [Layout::Classic, Layout::Wide] {
+        assert_eq!(counts(&block, layout).rays, 0);
+        let apart = counts(&block.joined(&block.moved([5.0, 0.0, 0.0])), layout);
+        assert_eq!([apart.rays, apart.misses], [2, 2]);
+        assert_eq!(counts(&crossing, layout).rays, inside as u64 + 2, "{layout:?}");
+    }
 }
 
 /// Follows a body through these positions: what a scene finds by what it remembers from step to step is what every ray

@@ -85,3 +85,69 @@ impl Folds {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+
+    /// Six tetrahedra; corner 4 k and triangle 4 k are of number k, and the triangle has the corner.
+    fn topology() -> Mesh<f64> {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let positions: Vec<_> = (0..6).flat_map(|k| corners.map(|[x, y, z]| [x + 2.0 * f64::from(k), y, z])).collect();
+        let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let all: Vec<_> = (0..6).flat_map(|k| triangles.map(|corners| corners.map(|vertex| 4 * k + vertex))).collect();
+        Mesh::new(&positions, &all).expect("they are closed")
+    }
+
+    /// The folds where these tetrahedra lie inside with their first corner, and these pairs of them cross.
+    fn folds(inside: &[u32], pairs: &[[u32; 2]]) -> Folds {
+        let mesh = topology();
+        let mut folds = Folds::default();
+        folds.reset(mesh.topology());
+        inside.iter().for_each(|&number| folds.add([4 * number; 3]));
+        let mut touching = Touching::<f64>::default();
+        touching.pairs.extend(pairs.iter().map(|pair| pair.map(|number| 4 * number)));
+        folds.join(mesh.topology(), &touching);
+        folds
+    }
+
+    fn are_one(folds: &mut Folds, first: u32, second: u32) -> bool {
+        folds.are_one([4 * first; 3], [4 * second; 3])
+    }
+
+    #[test]
+    fn what_crosses_the_same_is_one_fold() {
+        let mut found = folds(&[0, 1, 2, 3], &[[0, 1], [1, 2], [2, 3]]);
+        for (first, second) in (0..4).flat_map(|first| (0..4).map(move |second| (first, second))) {
+            assert_eq!(are_one(&mut found, first, second), first % 2 == second % 2, "{first}, {second}");
+        }
+        // Only what lies inside joins.
+        let mut found = folds(&[0, 2, 3], &[[0, 1], [1, 2], [3, 2]]);
+        assert!(!are_one(&mut found, 0, 2) && !are_one(&mut found, 2, 3) && !are_one(&mut found, 0, 1));
+    }
+
+    /// Three that cross each other have no two sides, nor has what crosses one of them, whichever is named first.
+    #[test]
+    fn three_folds_in_one_place_have_no_sides() {
+        for last in [[2, 3], [3, 2], [0, 3], [3, 0]] {
+            let mut found = folds(&[0, 1, 2, 3, 4, 5], &[[0, 1], [1, 2], [2, 0], last, [4, 5]]);
+            for (first, second) in (0..6).flat_map(|first| (0..6).map(move |second| (first, second))) {
+                assert_eq!(are_one(&mut found, first, second), first == second, "{last:?}: {first}, {second}");
+            }
+        }
+    }
+
+    #[test]
+    fn vertices_inside_are_joined_along_edges() {
+        let mesh = topology();
+        let mut found = Folds::default();
+        found.reset(mesh.topology());
+        [0, 1, 4, 6, 7].into_iter().for_each(|vertex| found.add([vertex; 3]));
+        assert!(!found.are_one([0; 3], [1; 3]));
+        found.join_along_edges(mesh.topology());
+        for (from, to, expected) in [(0, 1, true), (4, 6, true), (6, 7, true), (0, 4, false), (0, 2, false)] {
+            assert_eq!(found.are_one([from; 3], [to; 3]), expected, "{from}, {to}");
+        }
+    }
+}

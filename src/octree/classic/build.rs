@@ -133,3 +133,54 @@ impl<T: Scalar> Classic<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The level of a box's entries and their cells, in a root cell of side 1 at the origin.
+    fn entries(lower: [f64; 3], upper: [f64; 3]) -> (u8, Vec<[u32; 3]>) {
+        let mut cells = Classic {
+            corner: Vector3::zeros(),
+            side: 1.0,
+            nodes: Vec::new(),
+            entries: Vec::new(),
+            scratch: Vec::new(),
+        };
+        cells.insert(7, &Aabb { lower: lower.into(), upper: upper.into() }, 1.0);
+        assert!(cells.entries.iter().all(|entry| entry.triangle == 7 && entry.level == cells.entries[0].level));
+        let along =
+            |path: u64, axis: usize| (0..21).map(|bit| (path >> (3 * bit + axis) & 1) << bit).sum::<u64>() as u32;
+        let cell = |entry: &Entry| [0, 1, 2].map(|axis| along(entry.path, axis));
+        (cells.entries[0].level, cells.entries.iter().map(cell).collect())
+    }
+
+    /// At the deepest level whose cells are as large as the box, each cell it touches; x goes fastest.
+    #[test]
+    fn boxes_live_in_the_cells_they_touch_at_their_level() {
+        for size in [1.0, 0.7, 0.5, 0.3, 0.25, 0.11, 0.06, 0.001] {
+            let starts = [0.0, 0.1, 0.25, 0.3, 0.62, 0.9].into_iter().filter(|start| start + size <= 1.0);
+            for start in starts {
+                let (lower, upper) =
+                    ([start, 0.9 - start, 0.5 * start], [start + size, 0.91 - start, 0.5 * start + 0.5 * size]);
+                let longest = (0..3).map(|axis| upper[axis] - lower[axis]).fold(0.0, f64::max);
+                let level = (1..20).take_while(|&level| 0.5f64.powi(level) >= longest).last().unwrap_or(0);
+                let count = 2f64.powi(level);
+                let cells =
+                    |axis: usize| (lower[axis] * count) as u32..=((upper[axis] * count) as u32).min(count as u32 - 1);
+                let rows = cells(2).flat_map(|z| cells(1).map(move |y| [y, z]));
+                let expected: Vec<_> = rows.flat_map(|[y, z]| cells(0).map(move |x| [x, y, z])).collect();
+                assert_eq!(entries(lower, upper), (level as u8, expected), "{size} from {start}");
+            }
+        }
+    }
+
+    /// A box a little longer than a cell, which its length as a rounded number does not show: two cells of the level above,
+    /// not three.
+    #[test]
+    fn a_box_that_rounding_spreads_over_three_cells_lives_one_level_up() {
+        let before = 0.25 - 0.5f64.powi(55);
+        assert_eq!(0.5 - before, 0.25);
+        assert_eq!(entries([before, 0.0, 0.0], [0.5, 0.1, 0.1]), (1, vec![[0, 0, 0], [1, 0, 0]]));
+    }
+}
