@@ -10,7 +10,7 @@ use crate::row::Row;
 use crate::workload::Workload;
 use indicatif::ProgressBar;
 
-pub const ROUNDS: u32 = 5;
+pub const ROUNDS: u32 = 9;
 const WARM_UP_STEPS: u32 = 5;
 const MEASURED_STEPS: u32 = 10;
 

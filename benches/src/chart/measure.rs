@@ -7,7 +7,7 @@ use super::setting::{self, Setting};
 use crate::clock;
 use crate::host::{Frame, Host};
 use crate::library::Whole;
-use crate::measure::{ROUNDS, frames, median};
+use crate::measure::{frames, median};
 use crate::method::{Method, Push};
 use crate::oracle;
 use crate::peer;
@@ -15,6 +15,8 @@ use crate::workload::{Body, Workload};
 use indicatif::ProgressBar;
 use raycontact::contact::{DetectionOptions, Sampling};
 use std::collections::BTreeSet;
+
+const ROUNDS: u32 = 5;
 
 /// The steps whose contacts are judged.
 const JUDGED: [u32; 3] = [0, 5, 10];
