@@ -4,9 +4,9 @@
 //! here leans on.
 #![allow(unsafe_code)]
 
-use super::avx2_lists::{append, doubles_bounds, doubles_gather, equal, holding, singles_bounds, singles_gather};
-use super::one_by_one::gather_indices_one_by_one;
+use super::avx2_lists::{append, doubles_bounds, doubles_gather, equal, have_next, holding, singles_gather};
 use super::registers::register_by_register;
+use super::sse2_lists::singles_bounds;
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -80,12 +80,8 @@ impl Lanes<f32> for SinglesAvx2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-        singles_bounds(points, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        gather_indices_one_by_one(list, indices)
+        // SAFETY: it asks first.
+        unsafe { singles_bounds(points, indices, have_next(indices, points.len())) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -217,11 +213,6 @@ impl Lanes<f64> for DoublesAvx2 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
         doubles_bounds(points, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        gather_indices_one_by_one(list, indices)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

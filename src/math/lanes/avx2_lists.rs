@@ -4,7 +4,6 @@
 #![allow(unsafe_code)]
 
 use super::one_by_one::{bounds_one_by_one, gather_one_by_one};
-use super::sse2_lists::inner_singles_bounds;
 use super::{LANE_COUNT, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -74,36 +73,25 @@ pub(super) fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
     }
 }
 
-/// Whether all sixteen indices are below the limit.
+/// Whether behind each of these points there is another.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn all_below(indices: &[u32; LANE_COUNT], limit: u32) -> bool {
+pub(super) fn have_next(indices: &[u32; LANE_COUNT], count: usize) -> bool {
     // SAFETY: the kernel that runs this checked for AVX2; sixteen indices may be read.
     unsafe {
-        let limit = _mm256_set1_epi32(limit as i32);
+        let last = _mm256_set1_epi32(count.saturating_sub(1) as i32);
         let low = _mm256_loadu_si256(indices.as_ptr().cast());
         let high = _mm256_loadu_si256(indices[8..].as_ptr().cast());
         let greatest = _mm256_max_epu32(low, high);
-        let at_least = _mm256_cmpeq_epi32(_mm256_max_epu32(greatest, limit), greatest);
+        let at_least = _mm256_cmpeq_epi32(_mm256_max_epu32(greatest, last), greatest);
         _mm256_testz_si256(at_least, at_least) == 1
     }
 }
 
 /// [`Lanes::bounds`](super::Lanes::bounds) with a point to a register, and what follows the point in memory beside it.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn singles_bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-    // Behind the last point there is nothing that may be read.
-    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
-        return bounds_one_by_one(points, indices);
-    }
-    // SAFETY: behind each of these points there is another.
-    unsafe { inner_singles_bounds(points, indices) }
-}
-
-/// [`Lanes::bounds`] with a point to a register, and what follows the point in memory beside it.
-#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn doubles_bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
     // Behind the last point there is nothing that may be read.
-    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
+    if !have_next(indices, points.len()) {
         return bounds_one_by_one(points, indices);
     }
     let [mut lower, mut upper] = [[0.0; 4]; 2];
@@ -125,7 +113,7 @@ pub(super) fn doubles_bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn singles_gather(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> [[__m256; 2]; 3] {
     // Behind the last point there is nothing that may be read.
-    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
+    if !have_next(indices, points.len()) {
         let coordinates = gather_one_by_one(points, indices);
         // SAFETY: the kernel that runs this checked for AVX2; sixteen numbers may be read.
         return coordinates.map(|all| unsafe { [_mm256_loadu_ps(all.as_ptr()), _mm256_loadu_ps(all[8..].as_ptr())] });
@@ -154,7 +142,7 @@ pub(super) fn singles_gather(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn doubles_gather(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> [[__m256d; 4]; 3] {
     // Behind the last point there is nothing that may be read.
-    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
+    if !have_next(indices, points.len()) {
         let coordinates = gather_one_by_one(points, indices);
         // SAFETY: the kernel that runs this checked for AVX2; sixteen numbers may be read.
         return coordinates.map(|all| unsafe { [0, 4, 8, 12].map(|place| _mm256_loadu_pd(all[place..].as_ptr())) });

@@ -4,7 +4,8 @@
 //! here leans on.
 #![allow(unsafe_code)]
 
-use super::avx2_lists::{doubles_bounds, singles_bounds};
+use super::avx2_lists::{doubles_bounds, have_next};
+use super::sse2_lists::singles_bounds;
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -141,7 +142,8 @@ impl Lanes<f32> for SinglesAvx512 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-        singles_bounds(points, indices)
+        // SAFETY: it asks first.
+        unsafe { singles_bounds(points, indices, have_next(indices, points.len())) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -31,6 +31,7 @@ pub(crate) use vectors::Vectors;
 
 use super::Vector3;
 use nalgebra::RealField;
+use one_by_one::{append_one_by_one, bounds_one_by_one, gather_indices_one_by_one, gather_one_by_one};
 
 /// How many numbers go side by side.
 pub(crate) const LANE_COUNT: usize = 16;
@@ -39,7 +40,7 @@ pub(crate) const LANE_COUNT: usize = 16;
 pub(crate) type Mask = u16;
 
 /// Sixteen numbers.
-pub(crate) trait Lanes<T: RealField>: Copy {
+pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     fn splat(value: T) -> Self;
     fn load(from: &[T; LANE_COUNT]) -> Self;
     fn store(self, to: &mut [T; LANE_COUNT]);
@@ -52,7 +53,10 @@ pub(crate) trait Lanes<T: RealField>: Copy {
     fn mul_add(self, factor: Self, term: Self) -> Self;
     /// self · factor + term, rounded once or twice, whichever the processor does sooner: for bounds only, since paths
     /// differ.
-    fn times_add(self, factor: Self, term: Self) -> Self;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn times_add(self, factor: Self, term: Self) -> Self {
+        self.mul(factor).add(term)
+    }
     fn negate(self) -> Self;
     /// `if self < other { self } else { other }`.
     fn smaller(self, other: Self) -> Self;
@@ -83,24 +87,37 @@ pub(crate) trait Lanes<T: RealField>: Copy {
     ///
     /// # Panics
     /// Where there is no point of an index.
-    fn gather(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> [Self; 3];
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
+        let [x, y, z] = gather_one_by_one(points, indices);
+        [Self::load(&x), Self::load(&y), Self::load(&z)]
+    }
     /// The smallest and the greatest coordinates of sixteen of the points; none may be NaN.
     ///
     /// # Panics
     /// Where there is no point of an index.
-    fn bounds(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> (Vector3<T>, Vector3<T>);
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> (Vector3<T>, Vector3<T>) {
+        bounds_one_by_one(points, indices)
+    }
     /// Sixteen of the list's entries.
     ///
     /// # Panics
     /// Where there is no entry of an index.
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT];
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+        gather_indices_one_by_one(list, indices)
+    }
     /// The smallest lane; none may be NaN.
     fn smallest(self) -> T;
     /// The largest lane; none may be NaN.
     fn greatest(self) -> T;
     /// Puts first + i for every bit i that is set behind the first `count` of the list; gives how many there are
     /// then. Up to sixteen places behind those may be overwritten.
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
+        append_one_by_one(list, count, first, bits)
+    }
     /// Which of sixteen indices are this one.
     fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask;
     /// Which of sixteen sets have all these bits.
@@ -114,7 +131,7 @@ pub(crate) trait Lanes<T: RealField>: Copy {
 }
 
 /// The types of lanes for a number type, path by path.
-pub trait HasLanes: RealField {
+pub trait HasLanes: RealField + Copy {
     /// For any processor of the kind that is compiled for.
     #[allow(private_bounds)]
     type Baseline: Lanes<Self>;

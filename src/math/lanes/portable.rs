@@ -1,6 +1,4 @@
-use super::one_by_one::{append_one_by_one, bounds_one_by_one, gather_indices_one_by_one, gather_one_by_one};
 use super::{LANE_COUNT, Lanes, Mask};
-use crate::math::Vector3;
 use nalgebra::RealField;
 
 /// Plain loops, for any processor.
@@ -78,11 +76,6 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn times_add(self, factor: Self, term: Self) -> Self {
-        self.mul(factor).add(term)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn negate(self) -> Self {
         self.zip(self, |a, _| -a)
     }
@@ -126,22 +119,6 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
-        let [x, y, z] = gather_one_by_one(points, indices);
-        [Self(x), Self(y), Self(z)]
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn bounds(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> (Vector3<T>, Vector3<T>) {
-        bounds_one_by_one(points, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        gather_indices_one_by_one(list, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn smallest(self) -> T {
         self.0.iter().fold(self.0[0], |a, &b| if b < a { b } else { a })
     }
@@ -149,11 +126,6 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn greatest(self) -> T {
         self.0.iter().fold(self.0[0], |a, &b| if b > a { b } else { a })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append_one_by_one(list, count, first, bits)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

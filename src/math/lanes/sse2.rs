@@ -1,9 +1,9 @@
 //! Lanes in the registers that every x86-64 processor has: four for sixteen singles, eight for sixteen doubles.
 #![allow(unsafe_code)]
 
-use super::one_by_one::{append_one_by_one, bounds_one_by_one, gather_indices_one_by_one, gather_one_by_one};
+use super::one_by_one::gather_one_by_one;
 use super::registers::register_by_register;
-use super::sse2_lists::{all_below, equal, holding, singles_bounds};
+use super::sse2_lists::{equal, have_next, holding, singles_bounds};
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -39,11 +39,6 @@ impl Lanes<f32> for SinglesSse2 {
     );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn times_add(self, factor: Self, term: Self) -> Self {
-        self.mul(factor).add(term)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
         // There is no permutation of so many: through memory.
         let mut all = [0.0; LANE_COUNT];
@@ -74,8 +69,7 @@ impl Lanes<f32> for SinglesSse2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
-        // Behind the last point there is nothing that may be read.
-        if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
+        if !have_next(indices, points.len()) {
             let [x, y, z] = gather_one_by_one(points, indices);
             return [Self::load(&x), Self::load(&y), Self::load(&z)];
         }
@@ -98,12 +92,8 @@ impl Lanes<f32> for SinglesSse2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-        singles_bounds(points, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        gather_indices_one_by_one(list, indices)
+        // SAFETY: it asks first.
+        unsafe { singles_bounds(points, indices, have_next(indices, points.len())) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -126,11 +116,6 @@ impl Lanes<f32> for SinglesSse2 {
             let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
             _mm_cvtss_f32(_mm_max_ss(two, _mm_shuffle_ps::<1>(two, two)))
         }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append_one_by_one(list, count, first, bits)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -199,11 +184,6 @@ impl Lanes<f64> for DoublesSse2 {
     );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn times_add(self, factor: Self, term: Self) -> Self {
-        self.mul(factor).add(term)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
         // There is no permutation of so many: through memory.
         let mut all = [0.0; LANE_COUNT];
@@ -249,16 +229,6 @@ impl Lanes<f64> for DoublesSse2 {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
-        bounds_one_by_one(points, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        gather_indices_one_by_one(list, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn smallest(self) -> f64 {
         // SAFETY: every x86-64 processor has SSE2.
         unsafe {
@@ -280,11 +250,6 @@ impl Lanes<f64> for DoublesSse2 {
             }
             _mm_cvtsd_f64(_mm_max_sd(two, _mm_unpackhi_pd(two, two)))
         }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append_one_by_one(list, count, first, bits)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -32,42 +32,37 @@ pub(super) fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
     }
 }
 
-/// Whether all sixteen indices are below the limit.
+/// Whether behind each of these points there is another.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn all_below(indices: &[u32; LANE_COUNT], limit: u32) -> bool {
+pub(super) fn have_next(indices: &[u32; LANE_COUNT], count: usize) -> bool {
     // SAFETY: every x86-64 processor has SSE2; four indices may be read.
     unsafe {
         // There are only comparisons of numbers with signs.
         let turned = _mm_set1_epi32(i32::MIN);
-        let limit = _mm_xor_si128(_mm_set1_epi32(limit as i32), turned);
+        let last = _mm_xor_si128(_mm_set1_epi32(count.saturating_sub(1) as i32), turned);
         let mut below = _mm_set1_epi32(-1);
         for i in 0..4 {
             let four = _mm_xor_si128(_mm_loadu_si128(indices[4 * i..].as_ptr().cast()), turned);
-            below = _mm_and_si128(below, _mm_cmplt_epi32(four, limit));
+            below = _mm_and_si128(below, _mm_cmplt_epi32(four, last));
         }
         _mm_movemask_epi8(below) == 0xffff
     }
 }
 
-/// [`Lanes::bounds`](super::Lanes::bounds) with a point to a register, and what follows the point in memory beside it.
+/// [`Lanes::bounds`](super::Lanes::bounds) with a point to a register, and what follows the point in memory beside it. What
+/// is told of the indices must be true.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn singles_bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-    // Behind the last point there is nothing that may be read.
-    if points.is_empty() || !all_below(indices, points.len() as u32 - 1) {
-        return bounds_one_by_one(points, indices);
-    }
-    // SAFETY: behind each of these points there is another.
-    unsafe { inner_singles_bounds(points, indices) }
-}
-
-/// The same of points behind each of which there is another.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) unsafe fn inner_singles_bounds(
+pub(super) unsafe fn singles_bounds(
     points: &[Vector3<f32>],
     indices: &[u32; LANE_COUNT],
+    have_next: bool,
 ) -> (Vector3<f32>, Vector3<f32>) {
+    // Behind the last point there is nothing that may be read.
+    if !have_next {
+        return bounds_one_by_one(points, indices);
+    }
     let [mut lower, mut upper] = [[0.0; 4]; 2];
-    // SAFETY: every x86-64 processor has SSE2; the caller knows that behind each of these points there is another.
+    // SAFETY: every x86-64 processor has SSE2; behind each of these points there is another.
     unsafe {
         let first = _mm_loadu_ps(points.as_ptr().add(indices[0] as usize).cast());
         let (mut smallest, mut greatest) = (first, first);
