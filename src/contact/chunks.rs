@@ -130,3 +130,39 @@ impl<T: Scalar> Chunk<T> {
         load.add_contacts(contacts);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::contact::{ContactList, DetectionOptions, detect_pair};
+    use crate::mesh::Mesh;
+    use crate::octree::Octree;
+    use crate::octree::test_mesh::{torus, torus_positions};
+    use crate::threads::Threads;
+
+    const SIDES: [u32; 2] = [64, 32];
+
+    fn contacts(meshes: [&Mesh<f64>; 2], threads: usize) -> ContactList<f64> {
+        let octrees = meshes.map(Octree::new);
+        let tracers = [0, 1].map(|side| octrees[side].tracer(meshes[side]).expect("it is new"));
+        let mut contacts = ContactList::default();
+        let threads = Threads::new(threads).expect("the threads start");
+        contacts.set_helpers(threads.helpers().clone());
+        threads.run(|| {
+            detect_pair([0, 1], tracers.each_ref(), &DetectionOptions::paper(), None, true, &mut contacts);
+        });
+        contacts
+    }
+
+    /// Also in number: several threads are told before where each chunk's contacts begin.
+    #[test]
+    fn chunks_cast_side_by_side_give_what_one_thread_gives() {
+        let first = torus(SIDES);
+        let mut second = first.clone();
+        let moved: Vec<_> =
+            torus_positions(SIDES, 3).into_iter().map(|[x, y, z]| [x - 0.2, y - 0.1, z - 0.35]).collect();
+        second.set_positions(&moved).expect("finite");
+        let alone = contacts([&first, &second], 1);
+        assert!(alone.len() > 500, "{}", alone.len());
+        assert_eq!(contacts([&first, &second], 2), alone);
+    }
+}

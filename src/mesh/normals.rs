@@ -46,9 +46,10 @@ impl<T: Scalar> Mesh<T> {
         own[..count].copy_from_slice(&vertices[..count]);
         let (rings, ring_start) = self.topology().rings();
         let starts = L::gather_indices(ring_start, &own);
+        let ends = L::gather_indices(ring_start, &own.map(|vertex| vertex + 1));
         let mut longest = 0;
-        for &vertex in &own {
-            longest = longest.max(self.topology().ring(vertex).len());
+        for (start, end) in starts.iter().zip(&ends) {
+            longest = longest.max(end - start);
         }
         let base = Vectors::<T, L>::gather(self.positions(), &own);
         base.store(&mut found.position);
@@ -57,7 +58,7 @@ impl<T: Scalar> Mesh<T> {
         let (mut sum, mut doubled_area, mut smallest) = (Vectors::zeros(), zero, L::splat(T::INFINITY));
         let mut unsafe_squares = 0;
         let (mut before, mut has_length_before) = (Vectors::zeros(), 0);
-        for place in 0..longest {
+        for place in 0..longest as usize {
             let mut others = own;
             if place < RING_LENGTH {
                 others = L::gather_indices(rings, &starts.map(|start| start + place as u32));

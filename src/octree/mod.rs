@@ -8,7 +8,7 @@ mod near;
 mod slabs;
 mod standing;
 #[cfg(test)]
-mod test_mesh;
+pub(crate) mod test_mesh;
 mod tracer;
 mod wide;
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 /// The positions of a torus of `around` × `across` squares that ripples from step to step; with a vertex of no triangle
 /// far away.
-pub(super) fn torus_positions([around, across]: [u32; 2], step: u32) -> Vec<[f64; 3]> {
+pub(crate) fn torus_positions([around, across]: [u32; 2], step: u32) -> Vec<[f64; 3]> {
     let vertices = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
     let at = |(i, j): (u32, u32)| {
         let (u, v) = (TAU * f64::from(i) / f64::from(around), TAU * f64::from(j) / f64::from(across));
@@ -16,7 +16,7 @@ pub(super) fn torus_positions([around, across]: [u32; 2], step: u32) -> Vec<[f64
 }
 
 /// That torus at step 0.
-pub(super) fn torus([around, across]: [u32; 2]) -> Mesh<f64> {
+pub(crate) fn torus([around, across]: [u32; 2]) -> Mesh<f64> {
     let at = |i: u32, j: u32| i % around * across + j % across;
     let squares = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
     let two = |(i, j)| {

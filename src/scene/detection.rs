@@ -79,19 +79,28 @@ impl<T: Scalar> Scene<T> {
         of_pairs.sum::<f64>() + of_bodies.sum::<f64>() / TRIANGLES_SEARCHED_PER_RAY
     }
 
-    /// Each list of contacts goes straight to its place.
+    /// Each list of contacts goes straight to its place. Bodies are renewed only when the first list needs them, so that in
+    /// large scenes they are still in the cache then.
     fn detect_alone(&mut self, contacts: &mut ContactList<T>) {
         contacts.clear();
         contacts.set_helpers(Helpers::Nobody);
-        Helpers::Nobody.for_each(&mut self.bodies, |number, body| {
-            body.iter_mut().for_each(|body| body.update(number, self.broad_phase.met_by(number), &self.options));
-        });
-        let narrow_phase =
-            NarrowPhase { bodies: &self.bodies, options: &self.options, forbidden: &self.pairs.without_escape };
-        for (list, _) in &self.lists {
+        let Self { bodies, broad_phase, lists, pairs, options, .. } = self;
+        let mut next = 0;
+        for (list, _) in lists {
+            let last = match *list {
+                List::Body(number) => number,
+                List::Pair(place) => pairs.memories[place].0[1] as usize,
+            };
+            let end = next.max(last + 1);
+            Helpers::Nobody.for_each(&mut bodies[next..end], |place, body| {
+                let number = next + place;
+                body.iter_mut().for_each(|body| body.update(number, broad_phase.met_by(number), options));
+            });
+            next = end;
+            let narrow_phase = NarrowPhase { bodies, options, forbidden: &pairs.without_escape };
             match *list {
                 List::Body(number) => contacts.append(narrow_phase.own(number)),
-                List::Pair(place) => narrow_phase.detect(&mut self.pairs.memories[place], contacts),
+                List::Pair(place) => narrow_phase.detect(&mut pairs.memories[place], contacts),
             }
         }
     }

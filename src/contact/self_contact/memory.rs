@@ -142,6 +142,8 @@ impl<T: Scalar> Certificate<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::octree::test_mesh::{torus, torus_positions};
+    use std::collections::BTreeSet;
 
     const CORNERS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -181,5 +183,82 @@ mod tests {
         assert!(!certificate(1.0, true).is_known(&tetrahedron(|_, corner| corner.map(|x| 2.1 * x))));
         assert!(!certificate(1.0, false).is_known(&tetrahedron(|_, corner| corner)));
         assert!(!Certificate::default().is_known(&tetrahedron(|_, corner| corner)));
+    }
+
+    const SIDES: [u32; 2] = [32, 8];
+
+    /// A torus pinched in the middle, so that its inner sides are so far apart; where they are, they pass through each
+    /// other. Folded: one vertex lies beyond the triangles of its neighbour.
+    fn pose(mesh: &mut Mesh<f64>, gap: f64, is_folded: bool) {
+        let inner = 0.7_f64;
+        let depth = inner.hypot(0.3) * (1.0 - gap / (2.0 * inner));
+        let pinched = |[x, y, z]: [f64; 3]| [x, y * (1.0 - depth * (-4.0 * x * x).exp() / y.hypot(0.3)), z];
+        let mut positions: Vec<_> = torus_positions(SIDES, 0).into_iter().map(pinched).collect();
+        if is_folded {
+            positions[0] = std::array::from_fn(|axis| 3.0 * positions[1][axis] - 2.0 * positions[0][axis]);
+        }
+        mesh.set_positions(&positions).expect("finite");
+    }
+
+    /// How a step was settled.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    enum Settled {
+        ByMemory,
+        ByWhatLapsed,
+        BySearch { any: bool, lapsed_alone: bool },
+    }
+
+    /// One step, held to a search that remembers nothing.
+    fn step(memory: &mut SelfMemory<f64>, octree: &mut Octree<f64>, mesh: &Mesh<f64>) -> Settled {
+        octree.update(mesh).expect("its own");
+        let [mut found, mut expected] = [(); 2].map(|()| Touching::default());
+        expected.search(octree, mesh);
+        if memory.is_clear(mesh, octree) {
+            assert!(!expected.any);
+            return Settled::ByMemory;
+        }
+        memory.search(octree, mesh, &mut found);
+        assert_eq!((&found.touched, found.any), (&expected.touched, expected.any));
+        let lapsed_alone = memory.lapsed <= MOST_LAPSED;
+        if memory.steps > 0 {
+            return Settled::ByWhatLapsed;
+        }
+        // What may spare the next search is of these positions, at which nothing touches.
+        let Certificate { is_valid, allowed, positions, .. } = &memory.pairs;
+        assert!(!is_valid || *allowed < 0.0 || (!expected.any && positions == mesh.positions()), "{:?}", memory.pause);
+        Settled::BySearch { any: expected.any, lapsed_alone }
+    }
+
+    #[test]
+    fn what_is_remembered_never_tells_other_than_a_search() {
+        let mut mesh = torus(SIDES);
+        let mut octree = Octree::new(&mesh);
+        let mut memory = SelfMemory::default();
+        let mut settled = BTreeSet::new();
+        let mut pass = |gap: f64, is_folded: bool| {
+            pose(&mut mesh, gap, is_folded);
+            settled.insert(step(&mut memory, &mut octree, &mesh))
+        };
+        // Slowly nearer, from far apart to touching and back.
+        let nearer = (0..80).map(|i| 0.3 - 0.004 * f64::from(i));
+        nearer.clone().chain(nearer.rev()).for_each(|gap| _ = pass(gap, false));
+        // A fold that comes, stays and goes, while nothing else moves and while it does.
+        for (step, gap) in [0.2, 0.2, 0.2, 0.2, 0.21, 0.2, 0.21, 0.2].into_iter().enumerate() {
+            (0..4).for_each(|_| _ = pass(gap, step % 2 == 1));
+        }
+        // Too fast for anything to be worth remembering, then slowly again.
+        let fast = (0..80).map(|i| [0.5, 0.2, -0.01][i % 3]);
+        fast.chain([-0.004, -0.003, -0.002, -0.001, 0.001]).for_each(|gap| _ = pass(gap, false));
+        (0..80).for_each(|i| _ = pass(0.1 - 0.0015 * f64::from(i), false));
+        // At rest after all that.
+        pass(0.2, false);
+        (0..40).for_each(|_| _ = pass(0.2, false));
+        assert_eq!(step(&mut memory, &mut octree, &mesh), Settled::ByMemory);
+        let by_search = |any, lapsed_alone| Settled::BySearch { any, lapsed_alone };
+        let searches = [by_search(false, false), by_search(true, false), by_search(true, true)];
+        assert!(
+            settled.iter().eq([&Settled::ByMemory, &Settled::ByWhatLapsed].into_iter().chain(&searches)),
+            "{settled:?}"
+        );
     }
 }
