@@ -225,8 +225,12 @@ class ContactForce : public btDeformableLagrangianForce {
     surfaces_.keep_positions();
     surfaces_.detect(ahead);
     std::map<std::pair<int, int>, std::size_t> found;
-    for (const rayc_contact& contact : surfaces_.contacts())
+    for (std::size_t i = 0; i < surfaces_.contacts().size(); ++i) {
+      // Those of pairs that are pushed as whole bodies push nothing themselves: such a pair keeps its push.
+      if (!(surfaces_.coefficients()[i] > 0)) continue;
+      const rayc_contact& contact = surfaces_.contacts()[i];
       ++found[std::minmax(static_cast<int>(contact.colliding), static_cast<int>(contact.collided))];
+    }
     for (auto pair = found.begin(); pair != found.end();) {
       const bool is_news = pair->second > 2 * rows_.count(pair->first.first, pair->first.second);
       if (is_news) rows_.drop(pair->first.first, pair->first.second);
