@@ -90,19 +90,34 @@ def draw_scene(folder, scene, rows):
     plot.close(figure)
 
 
-def table(rows, scenes):
-    methods = [m for m in METHODS if any(row["method"] == m for row in rows)]
-    lines = ["| scene | " + " | ".join(METHODS[m] for m in methods) + " |", "| --- |" + " --- |" * len(methods)]
+def count(rows):
+    return f"{sum(row['verdict'] == 'ok' for row in rows)} of {len(rows)}" if rows else "–"
 
-    def count(some):
-        return f"{sum(row['verdict'] == 'ok' for row in some)} of {len(some)}"
 
-    for scene in scenes:
-        of_scene = [row for row in rows if row["scene"] == scene]
-        cells = [count([row for row in of_scene if row["method"] == m]) for m in methods]
-        lines.append(f"| [{scene}](stability/{scene}_map.svg) | " + " | ".join(cells) + " |")
-    lines.append("| all | " + " | ".join(count([row for row in rows if row["method"] == m]) for m in methods) + " |")
+def table(title, groups):
+    """The ok runs by method of groups of rows: (name, rows)."""
+    methods = [m for m in METHODS if any(row["method"] == m for _, rows in groups for row in rows)]
+    lines = [f"| {title} | " + " | ".join(METHODS[m] for m in methods) + " |", "| --- |" + " --- |" * len(methods)]
+    for name, rows in groups:
+        cells = [count([row for row in rows if row["method"] == m]) for m in methods]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return lines
+
+
+def tables(rows, scenes):
+    of_scenes = {scene: [row for row in rows if row["scene"] == scene] for scene in scenes}
+    lines = table("scene", [(f"[{s}](stability/{s}_map.svg)", of_scenes[s]) for s in scenes] + [("all", rows)])
+    by_part = {}
+    for some in of_scenes.values():
+        values = sorted({float(row["stiffness"]) for row in some})
+        # The suggested one is in the middle. Methods that know no stiffness are listed with that alone.
+        for row in some:
+            by_part.setdefault(f"{float(row['stiffness']) / values[len(values) // 2]:.3g}", []).append(row)
+    lines += ["", *table("part of the suggested stiffness", sorted(by_part.items(), key=lambda part: float(part[0])))]
+    steps = sorted({float(row["dt"]) for row in rows})
+    suggested = by_part["1"]
+    by_step = [(f"{step:.3g}", [row for row in suggested if float(row["dt"]) == step]) for step in steps]
+    return lines + ["", *table("time step / s, suggested stiffness", by_step)]
 
 
 def replace_table(path, lines):
@@ -128,7 +143,7 @@ def main():
         scenes = list(dict.fromkeys(row["scene"] for row in rows))
         for scene in scenes:
             draw_scene(arguments.folder, scene, [row for row in rows if row["scene"] == scene])
-        lines = table(rows, scenes)
+        lines = tables(rows, scenes)
         print("\n".join(lines))
         if arguments.document:
             replace_table(arguments.document, lines)
