@@ -203,9 +203,9 @@ mod tests {
     /// How a step was settled.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
     enum Settled {
-        ByMemory,
-        ByWhatLapsed,
-        BySearch { any: bool, lapsed_alone: bool },
+        Remembered,
+        PartSearched,
+        Searched { any: bool, lapsed_alone: bool },
     }
 
     /// One step, held to a search that remembers nothing.
@@ -215,18 +215,18 @@ mod tests {
         expected.search(octree, mesh);
         if memory.is_clear(mesh, octree) {
             assert!(!expected.any);
-            return Settled::ByMemory;
+            return Settled::Remembered;
         }
         memory.search(octree, mesh, &mut found);
         assert_eq!((&found.touched, found.any), (&expected.touched, expected.any));
         let lapsed_alone = memory.lapsed <= MOST_LAPSED;
         if memory.steps > 0 {
-            return Settled::ByWhatLapsed;
+            return Settled::PartSearched;
         }
         // What may spare the next search is of these positions, at which nothing touches.
         let Certificate { is_valid, allowed, positions, .. } = &memory.pairs;
         assert!(!is_valid || *allowed < 0.0 || (!expected.any && positions == mesh.positions()), "{:?}", memory.pause);
-        Settled::BySearch { any: expected.any, lapsed_alone }
+        Settled::Searched { any: expected.any, lapsed_alone }
     }
 
     #[test]
@@ -253,11 +253,11 @@ mod tests {
         // At rest after all that.
         pass(0.2, false);
         (0..40).for_each(|_| _ = pass(0.2, false));
-        assert_eq!(step(&mut memory, &mut octree, &mesh), Settled::ByMemory);
-        let by_search = |any, lapsed_alone| Settled::BySearch { any, lapsed_alone };
-        let searches = [by_search(false, false), by_search(true, false), by_search(true, true)];
+        assert_eq!(step(&mut memory, &mut octree, &mesh), Settled::Remembered);
+        let searched = |any, lapsed_alone| Settled::Searched { any, lapsed_alone };
+        let searches = [searched(false, false), searched(true, false), searched(true, true)];
         assert!(
-            settled.iter().eq([&Settled::ByMemory, &Settled::ByWhatLapsed].into_iter().chain(&searches)),
+            settled.iter().eq([&Settled::Remembered, &Settled::PartSearched].into_iter().chain(&searches)),
             "{settled:?}"
         );
     }
