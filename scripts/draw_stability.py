@@ -64,7 +64,7 @@ def draw_panel(axes, rows, steps):
     axes.set_xlim(0, len(steps))
     axes.set_ylim(0, max(1, len(stiffnesses)))
     axes.set_xticks([i + 0.47 for i in range(len(steps))], [f"{s:.2g}" for s in steps], rotation=60, fontsize=6)
-    axes.set_yticks([i + 0.47 for i in range(len(stiffnesses))], [f"{k:.3g}" for k in stiffnesses], fontsize=6)
+    axes.set_yticks([])
     for side in axes.spines.values():
         side.set_visible(False)
     axes.tick_params(length=0)
@@ -78,11 +78,14 @@ def draw_scene(folder, scene, rows):
         draw_panel(axes, [row for row in rows if row["method"] == method], steps)
         axes.set_title(METHODS[method].replace(", ", ",\n"), fontsize=7)
         axes.set_xlabel("time step / s", fontsize=6)
+    # For all panels but those of methods that know no stiffness.
+    stiffnesses = sorted({float(row["stiffness"]) for row in rows})
+    panels[0][0].set_yticks([i + 0.47 for i in range(len(stiffnesses))], [f"{k:.3g}" for k in stiffnesses], fontsize=6)
     panels[0][0].set_ylabel("stiffness / (N/m)", fontsize=6)
     used = [v for v in VERDICTS if any(row["verdict"] == v for row in rows)]
     handles = [plot.Rectangle((0, 0), 1, 1, color=VERDICTS[v][0]) for v in used]
     labels = [v.replace("_", " ") + (f" ({VERDICTS[v][1]})" if VERDICTS[v][1] else "") for v in used]
-    figure.legend(handles, labels, loc="upper center", ncol=len(used), fontsize=7, frameon=False, bbox_to_anchor=(0.5, 1.12))
+    figure.legend(handles, labels, loc="upper center", ncol=len(used), fontsize=7, frameon=False, bbox_to_anchor=(0.5, 1.22))
     # Neither date nor random names: the same map gives the same file.
     plot.rcParams["svg.hashsalt"] = "raycontact"
     plot.rcParams["svg.fonttype"] = "none"

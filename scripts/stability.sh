@@ -7,9 +7,9 @@ usage() {
 usage: scripts/stability.sh [quick|full|docs]
 
 quick (default): all scenes and methods at three time steps with the stiffness that the bodies suggest; some minutes.
-full: nine time steps from 1/480 to 0.5 s, three stiffnesses a hundred times apart; about two hours on two cores.
+full: nine time steps from 1/480 to 0.5 s, three stiffnesses a hundred times apart; about six hours on two cores.
 docs: runs nothing; takes the last map over into docs/stability.md and docs/stability/.
-A run lasts as long as the scene says, at most 200 steps (full: 600), and is given up after 20 s (full: 120 s) of processor
+A run lasts as long as the scene says, at most 200 steps (full: 600), and is given up after 20 s (full: 60 s) of processor
 time: "unfinished". All methods get the same cells; those without a stiffness (classic bodies) run once for each time step.
 Writes out/stability/map.csv, and out/stability/<scene>.svg: verdicts by time step and stiffness, a panel a method.
 RAYCONTACT_SCENES, _METHODS, _STEPS (in s), _FACTORS (of the suggested stiffness): these instead, separated by spaces.
@@ -23,7 +23,7 @@ most_seconds=20
 runs=true
 case "${1:-quick}" in
     quick) steps=(0.016667 0.05 0.1) factors=(1) ;;
-    full) steps=(0.0020833 0.0041667 0.0083333 0.016667 0.033333 0.05 0.1 0.2 0.5) factors=(0.1 1 10) most_steps=600 most_seconds=120 ;;
+    full) steps=(0.0020833 0.0041667 0.0083333 0.016667 0.033333 0.05 0.1 0.2 0.5) factors=(0.1 1 10) most_steps=600 most_seconds=60 ;;
     docs) runs=false ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
