@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Draws a heat map of verdicts for each scene of map.csv, and counts the ok runs by method.
+"""Draws a heat map of verdicts for each scene of map.csv, and counts the ok runs of each method by scene,
+stiffness and time step.
 
 Usage: draw_stability.py [FOLDER] [document.md]
 
 FOLDER (default out/stability) holds map.csv and gets <scene>_map.svg. In the document, the lines between "<!-- map -->"
-and "<!-- /map -->" are replaced by the table of counts. scripts/stability.sh runs the scenes and calls it. Needs Debian's
+and "<!-- /map -->" are replaced by the tables of counts. scripts/stability.sh runs the scenes and calls it. Needs Debian's
 python3-matplotlib.
 
 Exit status: 0; 1 where map.csv cannot be read; 2 for a wrong command line.

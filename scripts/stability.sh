@@ -7,7 +7,7 @@ usage() {
 usage: scripts/stability.sh [quick|full|docs]
 
 quick (default): all scenes and methods at three time steps with the stiffness that the bodies suggest; some minutes.
-full: nine time steps from 1/480 to 0.5 s, three stiffnesses a hundred times apart; about six hours on two cores.
+full: nine time steps from 1/480 to 0.5 s, three stiffnesses a hundred times apart; several hours on two cores.
 docs: runs nothing; takes the last map over into docs/stability.md and docs/stability/.
 A run lasts as long as the scene says, at most 200 steps (full: 600), and is given up after 20 s (full: 60 s) of processor
 time: "unfinished". All methods get the same cells; those without a stiffness (classic bodies) run once for each time step.

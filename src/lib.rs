@@ -54,3 +54,7 @@ pub mod ray;
 pub mod response;
 pub mod scene;
 pub mod threads;
+
+#[cfg(test)]
+#[path = "../tests/common/cuboid.rs"]
+mod cuboid;

@@ -1,12 +1,9 @@
 //! Faults on purpose, for tests of this crate alone: a panic within every export, and on every thread that works.
 
-#[path = "../../tests/common/cuboid.rs"]
-mod cuboid;
-
 use super::options::Options;
 use super::*;
+use crate::cuboid::CUBOID_FACES;
 use crate::threads::faults;
-use cuboid::CUBOID_FACES;
 use std::cell::Cell;
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};

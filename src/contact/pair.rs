@@ -289,16 +289,10 @@ impl<T: Scalar> Pair<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::test_contact::boxes;
+    use crate::contact::test_contact::{self, boxes};
 
     fn with_pair<R>(meshes: [&Mesh<f64>; 2], ask: impl FnOnce(&Pair<'_, f64>) -> R) -> R {
-        let octrees = meshes.map(Octree::new);
-        let tracers = [0, 1].map(|side| octrees[side].tracer(meshes[side]).expect("it is new"));
-        let (overlap, region) = overlap_region(meshes[0].aabb(), meshes[1].aabb());
-        let options = DetectionOptions { edges: true, ..DetectionOptions::paper() };
-        let (bodies, tracers) = ([0, 1], [&tracers[0], &tracers[1]]);
-        let (overlap, region, options) = (&overlap, &region, &options);
-        ask(&Pair { bodies, tracers, overlap, region, options, may_escape: true, patch_area: None })
+        test_contact::with_pair(meshes, &DetectionOptions { edges: true, ..DetectionOptions::paper() }, ask)
     }
 
     /// Of either bar the two long edges that lie in the other, and the diagonal between them.

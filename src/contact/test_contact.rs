@@ -1,8 +1,11 @@
-//! Contacts and bodies for unit tests.
+//! Contacts, bodies and pairs of them for unit tests.
 
-use super::{Contact, ContactKind, SurfacePoint};
+use super::pair::{Pair, overlap_region};
+use super::{Contact, ContactKind, DetectionOptions, SurfacePoint};
+use crate::cuboid::CUBOID_FACES;
 use crate::math::Vector3;
 use crate::mesh::Mesh;
+use crate::octree::Octree;
 
 /// A contact of body 0 or 1 with the other, at a position.
 pub(super) fn contact(
@@ -19,13 +22,25 @@ pub(super) fn contact(
 
 /// A body of boxes, each from its lower to its upper corner; eight vertices of each, numbered along x first.
 pub(super) fn boxes(corners: &[[[f64; 3]; 2]]) -> Mesh<f64> {
-    const FACES: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let corner = |k: usize| {
         let ends = corners[k / 8];
         [0, 1, 2].map(|axis| ends[k >> axis & 1][axis])
     };
     let positions: Vec<_> = (0..8 * corners.len()).map(corner).collect();
-    let faces = (0..corners.len() as u32).flat_map(|k| FACES.map(|face| face.map(|vertex| 8 * k + vertex)));
-    let triangles: Vec<_> = faces.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let numbers = 0..corners.len() as u32;
+    let triangles: Vec<_> = numbers.flat_map(|k| CUBOID_FACES.map(|face| face.map(|vertex| 8 * k + vertex))).collect();
     Mesh::new(&positions, &triangles).expect("they are closed")
+}
+
+/// Asks about two meshes, bodies 0 and 1, where their boxes overlap.
+pub(super) fn with_pair<R>(
+    meshes: [&Mesh<f64>; 2],
+    options: &DetectionOptions<f64>,
+    ask: impl FnOnce(&Pair<'_, f64>) -> R,
+) -> R {
+    let octrees = meshes.map(Octree::new);
+    let tracers = [0, 1].map(|side| octrees[side].tracer(meshes[side]).expect("it is new"));
+    let (overlap, region) = overlap_region(meshes[0].aabb(), meshes[1].aabb());
+    let (bodies, tracers) = ([0, 1], [&tracers[0], &tracers[1]]);
+    ask(&Pair { bodies, tracers, overlap: &overlap, region: &region, options, may_escape: true, patch_area: None })
 }

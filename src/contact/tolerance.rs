@@ -122,11 +122,12 @@ fn steady<T: Scalar>(area: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::test_contact::contact;
+    use crate::contact::test_contact::{self, contact};
     use crate::contact::{DetectionOptions, Sampling};
     use crate::math::Aabb;
     use crate::mesh::Mesh;
     use crate::octree::Octree;
+    use crate::octree::test_mesh::torus_triangles;
 
     /// Asks about a pair whose overlap box is this one.
     fn with_pair<R>([lower, upper]: [[f64; 3]; 2], ask: impl FnOnce(&Pair<'_, f64>) -> R) -> R {
@@ -192,23 +193,17 @@ mod tests {
         assert_eq!(steady(7.9f32), 2.0);
     }
 
-    /// A torus of triangles, turned about x and moved.
+    /// A torus, turned about x and moved.
     fn torus(turn: f64, by: [f64; 3]) -> Mesh<f64> {
-        let [around, across] = [96, 48];
+        let sides = [96, 48];
         let angle = |i: u32, count: u32| std::f64::consts::TAU * f64::from(i) / f64::from(count);
-        let at = |i: u32, j: u32| {
-            let (u, v) = (angle(i, around), angle(j, across));
+        let at = |i, j| {
+            let (u, v) = (angle(i, sides[0]), angle(j, sides[1]));
             let [x, y, z] = [(1.0 + 0.4 * v.cos()) * u.cos(), (1.0 + 0.4 * v.cos()) * u.sin(), 0.4 * v.sin()];
             [x + by[0], turn.cos() * y - turn.sin() * z + by[1], turn.sin() * y + turn.cos() * z + by[2]]
         };
-        let index = |i: u32, j: u32| i % around * across + j % across;
-        let squares = || (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
-        let two = |(i, j)| {
-            let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        };
-        let positions: Vec<_> = squares().map(|(i, j)| at(i, j)).collect();
-        Mesh::new(&positions, &squares().flat_map(two).collect::<Vec<_>>()).expect("it is closed")
+        let positions: Vec<_> = (0..sides[0]).flat_map(|i| (0..sides[1]).map(move |j| at(i, j))).collect();
+        Mesh::new(&positions, &torus_triangles(sides)).expect("it is closed")
     }
 
     /// What one try with patches of an area finds.
@@ -244,38 +239,34 @@ mod tests {
         let second = [(1, 0.75, (Some(2), 2))];
         for (by, parts) in [([0.25, 0.1, 0.3], first.as_slice()), ([0.3, 0.1, 0.3], &second)] {
             let meshes = [torus(0.0, [0.0; 3]), torus(0.9, by)];
-            let octrees = meshes.each_ref().map(Octree::new);
-            let tracers = [0, 1].map(|side| octrees[side].tracer(&meshes[side]).expect("it is new"));
-            let (overlap, region) = crate::contact::pair::overlap_region(meshes[0].aabb(), meshes[1].aabb());
             let options = DetectionOptions { sampling: Sampling::Tolerance(0.1), ..DetectionOptions::paper() };
-            let (bodies, tracers) = ([0, 1], [&tracers[0], &tracers[1]]);
-            let (overlap, region, options) = (&overlap, &region, &options);
-            let pair = Pair { bodies, tracers, overlap, region, options, may_escape: true, patch_area: None };
-            for (tracer, groups) in tracers.iter().zip(&mut list.workspace.groups) {
-                tracer.groups_in(region, groups);
-            }
-            let largest = steady(largest_face(overlap) / FEWEST_RAYS);
-            let try_number = |number| {
-                let mut list = ContactList { workspace: list.workspace.clone(), ..ContactList::default() };
-                Pair { patch_area: Some(largest / 4f64.powi(number)), ..pair }.cast_samples(&mut list);
-                let load = Load::of(&pair, &list.contacts);
-                Try { load, contacts: list.len(), rays: list.statistics.rays }
-            };
-            let tries: Vec<Try> = (0..pair.tries_from(largest, &list.workspace.groups)).map(try_number).collect();
-            for &(number, part, expected) in parts {
-                let tolerance = tries[number + 1].load.difference(&tries[number].load, &pair) / part;
-                assert_eq!(taken(&tries, tolerance, &pair), expected, "{number}, {part}");
-                let (contacts, before) = (list.len(), list.statistics);
-                pair.cast_to_tolerance(tolerance, &mut list);
-                let (contacts, rays) = (list.len() - contacts, list.statistics.rays - before.rays);
-                match expected.0 {
-                    Some(taken) => assert_eq!((contacts, rays), (tries[taken].contacts, tries[taken].rays)),
-                    None => assert_eq!(list.statistics.patches, before.patches, "all triangles cast"),
+            test_contact::with_pair(meshes.each_ref(), &options, |pair| {
+                for (tracer, groups) in pair.tracers.iter().zip(&mut list.workspace.groups) {
+                    tracer.groups_in(pair.region, groups);
                 }
-                assert!(rays > 0);
-                let in_vain: u64 = tries[..expected.1].iter().map(|one| one.rays).sum();
-                assert_eq!(list.statistics.estimate_rays - before.estimate_rays, in_vain, "{number}, {part}");
-            }
+                let largest = steady(largest_face(pair.overlap) / FEWEST_RAYS);
+                let try_number = |number| {
+                    let mut list = ContactList { workspace: list.workspace.clone(), ..ContactList::default() };
+                    Pair { patch_area: Some(largest / 4f64.powi(number)), ..*pair }.cast_samples(&mut list);
+                    let load = Load::of(pair, &list.contacts);
+                    Try { load, contacts: list.len(), rays: list.statistics.rays }
+                };
+                let tries: Vec<Try> = (0..pair.tries_from(largest, &list.workspace.groups)).map(try_number).collect();
+                for &(number, part, expected) in parts {
+                    let tolerance = tries[number + 1].load.difference(&tries[number].load, pair) / part;
+                    assert_eq!(taken(&tries, tolerance, pair), expected, "{number}, {part}");
+                    let (contacts, before) = (list.len(), list.statistics);
+                    pair.cast_to_tolerance(tolerance, &mut list);
+                    let (contacts, rays) = (list.len() - contacts, list.statistics.rays - before.rays);
+                    match expected.0 {
+                        Some(taken) => assert_eq!((contacts, rays), (tries[taken].contacts, tries[taken].rays)),
+                        None => assert_eq!(list.statistics.patches, before.patches, "all triangles cast"),
+                    }
+                    assert!(rays > 0);
+                    let in_vain: u64 = tries[..expected.1].iter().map(|one| one.rays).sum();
+                    assert_eq!(list.statistics.estimate_rays - before.estimate_rays, in_vain, "{number}, {part}");
+                }
+            });
         }
     }
 }

@@ -16,13 +16,17 @@ pub(crate) fn torus_positions([around, across]: [u32; 2], step: u32) -> Vec<[f64
 }
 
 /// That torus at step 0.
-pub(crate) fn torus([around, across]: [u32; 2]) -> Mesh<f64> {
+pub(crate) fn torus(sides: [u32; 2]) -> Mesh<f64> {
+    Mesh::new(&torus_positions(sides, 0), &torus_triangles(sides)).expect("it is closed")
+}
+
+/// The triangles of a torus of `around` × `across` vertices.
+pub(crate) fn torus_triangles([around, across]: [u32; 2]) -> Vec<[u32; 3]> {
     let at = |i: u32, j: u32| i % around * across + j % across;
     let squares = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
     let two = |(i, j)| {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         [[a, b, c], [a, c, d]]
     };
-    let positions = torus_positions([around, across], 0);
-    Mesh::new(&positions, &squares.flat_map(two).collect::<Vec<_>>()).expect("it is closed")
+    squares.flat_map(two).collect()
 }
