@@ -3,7 +3,7 @@
 #include "check.h"
 #include "shapes.h"
 
-#define LENGTH 116 /* of one saved pair */
+#define LENGTH 136 /* of one saved pair */
 
 static rayc_scene* nested(uint32_t precision) {
   rayc_scene_options options;
@@ -85,6 +85,14 @@ int main(void) {
   CHECK_OK(rayc_scene_pair_memory_count(scene, &count));
   CHECK(count == 1);
 
+  /* The same positions have the same contacts, until the step ends. */
+  CHECK(query(scene, contacts).escapes_started == 1);
+  CHECK_STATUS(rayc_scene_advance(scene, NAN), RAYC_STATUS_INVALID_OPTION, "NaN seconds");
+  CHECK_STATUS(rayc_scene_advance(scene, -0.5), RAYC_STATUS_INVALID_OPTION, "-0.5 seconds");
+  CHECK_STATUS(rayc_scene_advance(NULL, 0.5), RAYC_STATUS_NULL_POINTER, "scene");
+  CHECK(query(scene, contacts).escapes_started == 1);
+  CHECK_OK(rayc_scene_advance(scene, 1.0 / 60));
+
   rayc_pair_memory memory;
   CHECK_OK(rayc_scene_copy_pair_memories(scene, 0, 1, &memory));
   CHECK(memory.first == 0 && memory.second == 1 && memory.escaping == 1);
@@ -98,7 +106,7 @@ int main(void) {
   uint8_t bytes[LENGTH];
   CHECK_OK(rayc_scene_saved_length(scene, &length));
   CHECK(length == LENGTH);
-  CHECK_STATUS(rayc_scene_save_pair_memories(scene, LENGTH - 1, bytes), RAYC_STATUS_WRONG_COUNT, "116");
+  CHECK_STATUS(rayc_scene_save_pair_memories(scene, LENGTH - 1, bytes), RAYC_STATUS_WRONG_COUNT, "136");
   CHECK_OK(rayc_scene_save_pair_memories(scene, LENGTH, bytes));
 
   rayc_scene* other = nested(RAYC_SCALAR_F64);
@@ -112,12 +120,12 @@ int main(void) {
   /* Refused, and as before. */
   CHECK_STATUS(rayc_scene_restore_pair_memories(other, 0, NULL), RAYC_STATUS_SAVED_STATE_BROKEN, "0 bytes");
   CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH, NULL), RAYC_STATUS_NULL_POINTER, "bytes");
-  CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH - 1, bytes), RAYC_STATUS_SAVED_STATE_BROKEN, "115");
-  bytes[40] ^= 1;
+  CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH - 1, bytes), RAYC_STATUS_SAVED_STATE_BROKEN, "135");
+  bytes[60] ^= 1;
   CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH, bytes), RAYC_STATUS_SAVED_STATE_BROKEN, "changed");
-  bytes[40] ^= 1;
+  bytes[60] ^= 1;
   bytes[8] ^= 6;
-  CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH, bytes), RAYC_STATUS_SAVED_STATE_OTHER_VERSION, "7");
+  CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH, bytes), RAYC_STATUS_SAVED_STATE_OTHER_VERSION, "4");
   bytes[8] ^= 6;
   rayc_scene* single = nested(RAYC_SCALAR_F32);
   CHECK_STATUS(rayc_scene_restore_pair_memories(single, LENGTH, bytes), RAYC_STATUS_PRECISION_MISMATCH, "8-byte");

@@ -2,7 +2,7 @@
 # Feeds the library with inputs that nobody chose, led by what they reach, under the address sanitizer.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-targets=(surface obj_file differential host)
+targets=(surface obj_file differential host options)
 
 usage() {
     cat <<END
@@ -16,7 +16,9 @@ RUSTC_BOOTSTRAP allows the sanitizer.
   --input FILE   this input of --only alone
 What is new is kept in target/fuzz/corpus/, an input that ends in a fault in target/fuzz/faults/.
 surface: meshes from bytes. obj_file: .obj files from bytes. differential: rays through both octrees and against every
-triangle, and contacts of a mesh with itself. host: calls of the C interface in any order its rules allow.
+triangle, and contacts of a mesh with itself. host: calls of the C interface in any order its rules allow. options: bodies
+in any pose, asked for contacts with any options. An input that does not end in two minutes (options: half a minute) is a
+fault too.
 Exit status: 0 without a fault, 1 with one, 2 for a wrong command line.
 END
 }
@@ -60,7 +62,9 @@ for target in "${targets[@]}"; do
     mkdir -p "$known" "$new" "$folder/faults"
     tar -xzf "fuzz/corpus/$target.tar.gz" -C "$known"
     log="$folder/$target.log"
-    "$program" -max_total_time="$seconds" -max_len=512 -timeout=120 -rss_limit_mb=4096 -print_final_stats=1 \
+    most_seconds=120
+    [[ "$target" != options ]] || most_seconds=30
+    "$program" -max_total_time="$seconds" -max_len=512 -timeout="$most_seconds" -rss_limit_mb=4096 -print_final_stats=1 \
         -artifact_prefix="$folder/faults/$target-" "$new" "$known" >"$log" 2>&1 ||
         fail "$target: a fault. $(grep -m 1 -E 'ERROR|panicked|SUMMARY' "$log"); all of it: $log; the input: \
 $(sed -n 's/.*Test unit written to //p' "$log")"

@@ -6,6 +6,7 @@ mod cuboid;
 pub mod differential;
 pub mod host;
 pub mod obj_file;
+pub mod options;
 pub mod surface;
 
 pub use bytes::Bytes;

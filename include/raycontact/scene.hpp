@@ -150,6 +150,9 @@ class Scene {
 #endif
   }
 
+  /** Ends a step of so many seconds, after its last query: rayc_scene_advance(). */
+  Outcome<void> advance(double seconds) { return check(rayc_scene_advance(get(), seconds)); }
+
   /** Lets two bodies escape from one another, as they may by default, or forbids it: rayc_scene_allow_escape(). */
   Outcome<void> allow_escape(uint32_t a, uint32_t b, bool allowed) {
     return check(rayc_scene_allow_escape(get(), a, b, allowed));
@@ -162,7 +165,7 @@ class Scene {
     return detail::outcome(status, allowed != 0);
   }
 
-  /** What each pair remembers from query to query; replaces what `memories` held. */
+  /** What each pair remembers from step to step; replaces what `memories` held. */
   Outcome<void> copy_pair_memories_to(std::vector<rayc_pair_memory>& memories) const {
     std::size_t count = 0;
     rayc_status status = rayc_scene_pair_memory_count(get(), &count);

@@ -118,7 +118,7 @@ pub struct rayc_contact {
 }
 
 /// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
-/// reason why it is none.
+/// reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_statistics {
@@ -129,8 +129,8 @@ pub struct rayc_statistics {
     pub open_pairs: u64,
     /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
-    /// Rays that left the overlap box without meeting the other mesh; for a body with itself, rays from points that lie
-    /// inside no other part of it.
+    /// Rays that left the overlap box without meeting the other mesh, or along an escape its box; for a body with itself,
+    /// rays from points that lie inside no other part of it.
     pub misses: u64,
     /// Rays whose first hit enters the other mesh: they start outside it.
     pub entry_hits: u64,
@@ -163,9 +163,11 @@ pub struct rayc_statistics {
     pub escapes_forbidden: u64,
     /// Of the rays, those that stand for a patch of several triangles.
     pub patches: u64,
-    /// Rays beside those, traced only to find out how fine the sampling has to be: force_tolerance in
-    /// rayc_detection_options.
+    /// Rays beside those, traced only to find out how fine the sampling has to be (force_tolerance in
+    /// rayc_detection_options), or whether and which way a pair is to escape.
     pub estimate_rays: u64,
+    /// Contacts found and replaced by those of an escape that began in the same query.
+    pub replaced: u64,
 }
 
 impl Growing for rayc_statistics {
@@ -352,7 +354,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
         let Statistics { without_normal, uncut_pieces, .. } = found;
         let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
         let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
-        let Statistics { escapes_turned, escapes_forbidden, patches, estimate_rays, .. } = found;
+        let Statistics { escapes_turned, escapes_forbidden, patches, estimate_rays, replaced, .. } = found;
         let known = rayc_statistics {
             pairs,
             open_pairs,
@@ -374,6 +376,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             escapes_forbidden,
             patches,
             estimate_rays,
+            replaced,
         };
         write_known(struct_size, statistics, "statistics", known)
     })

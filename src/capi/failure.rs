@@ -142,7 +142,9 @@ impl From<SceneError> for Failure {
         let message = text!("{error}");
         match error {
             SceneError::UnknownBody { .. } => Self::new(RAYC_STATUS_UNKNOWN_BODY, message),
-            SceneError::SameBody { .. } => Self::new(RAYC_STATUS_INVALID_OPTION, message),
+            SceneError::SameBody { .. } | SceneError::StepLength { .. } => {
+                Self::new(RAYC_STATUS_INVALID_OPTION, message)
+            }
             SceneError::SavedState(error) => Self::new(saved_state_status(error), message),
             SceneError::ThreadsNotStarted { .. } => Self::new(RAYC_STATUS_THREADS_NOT_STARTED, message),
         }

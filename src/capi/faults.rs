@@ -107,6 +107,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_scene_set_detection_options(null_mut(), null());
         rayc_scene_set_self_collision(null_mut(), 0, 0);
         rayc_scene_set_pair_collision(null_mut(), 0, 0, 0);
+        rayc_scene_advance(null_mut(), 0.0);
         rayc_scene_query(null_mut(), null_mut());
         rayc_scene_allow_escape(null_mut(), 0, 0, 0);
         rayc_scene_may_escape(null(), 0, 0, null_mut());

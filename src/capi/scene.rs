@@ -209,10 +209,33 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
     })
 }
 
+/// Ends a step of `seconds` seconds, ≥ 0: what the step's last query found goes into what pairs remember, by which they
+/// escape where contacts cannot part them. Call it once a step, after the last rayc_scene_query() of it; a host that queries
+/// several times a step, to look ahead or to detect anew, thus escapes no sooner.
+///
+/// The rules count steps; those shorter than 1/60 s count as the part of it that they are. From the first call on, this
+/// alone ends a step: a host that queries several times in its first step calls it before, with 0. A scene for which it is
+/// never called ends a step, of 1/60 s or more, at each query before which any body was given positions since the last.
+///
+/// Errors: RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        match &mut reference_mut(scene, "scene")?.scene {
+            AnyScene::F32(scene) => scene.advance(seconds)?,
+            AnyScene::F64(scene) => scene.advance(seconds)?,
+        }
+        Ok(())
+    })
+}
+
 /// Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
 /// for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
 /// need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with
 /// itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+///
+/// With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.

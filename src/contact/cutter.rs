@@ -101,7 +101,14 @@ impl<'a, T: Scalar> Cutter<'a, T> {
             return;
         }
         let squares: [T; 3] = std::array::from_fn(|i| (piece.corners[i] - piece.corners[(i + 1) % 3]).norm_squared());
-        let longest = (1..3).fold(0, |best, i| if squares[i] > squares[best] { i } else { best });
+        // Of equal edges the first in space, so that it does not matter with which corner the triangle begins.
+        let ends = |i: usize| {
+            let sum = piece.corners[i] + piece.corners[(i + 1) % 3];
+            [sum.x, sum.y, sum.z]
+        };
+        let is_longer =
+            |i: usize, best: usize| squares[i] > squares[best] || (squares[i] == squares[best] && ends(i) < ends(best));
+        let longest = (1..3).fold(0, |best, i| if is_longer(i, best) { i } else { best });
         let [from, to] = [longest, (longest + 1) % 3];
         let half = T::of(0.5);
         let middle = (piece.corners[from] + piece.corners[to]) * half;

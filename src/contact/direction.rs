@@ -45,16 +45,7 @@ impl<T: Scalar> Direction<'_, T> {
         if self.pair.options.past_folds {
             statistics.past_folds += workspace.follow_past_folds(other);
         }
-        workspace.keep(|hit| match hit {
-            None => {
-                statistics.misses += 1;
-                false
-            }
-            Some(hit) => {
-                statistics.entry_hits += u64::from(!hit.is_exit);
-                hit.is_exit
-            }
-        });
+        workspace.keep_exits(statistics);
         workspace.cut_at_hits();
         own.leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
         if self.pair.options.past_folds {

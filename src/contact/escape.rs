@@ -6,13 +6,13 @@ use super::edges::for_each_inside_stretch;
 use super::pair::Pair;
 use super::samples::{Sample, for_each_sample};
 use super::workspace::Workspace;
-use super::{Contact, ContactKind, ContactList, EscapePush, SurfacePoint};
+use super::{Contact, ContactKind, ContactList, EscapePush, Statistics, SurfacePoint};
 use crate::math::{Scalar, Vector3, direction};
 use crate::memory::{self, Room};
 use crate::ray::Ray;
 
-/// Points that judge a direction; more hardly change the choice.
-const MOST_JUDGES: usize = 64;
+/// So many rays are traced before it is asked whether a direction can still be the best.
+const RAYS_AT_ONCE: usize = 64;
 /// A way out below this part of another is shorter by more than the roundings of the points it is judged by.
 const CLEARLY_SHORTER: f64 = 0.99;
 
@@ -22,14 +22,12 @@ pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     let start = contacts.len();
     let ContactList { contacts, statistics, pushes, workspace } = contacts;
     for side in [0, 1] {
-        inside_samples(pair, side, away, workspace);
-        statistics.rays += workspace.rays.len() as u64;
+        inside_samples(pair, side, away, workspace, statistics);
         add_contacts(pair, side, workspace, contacts);
     }
     if contacts.len() == start {
         for side in [0, 1] {
-            inside_stretches(pair, side, away, workspace);
-            statistics.rays += workspace.rays.len() as u64;
+            inside_stretches(pair, side, away, workspace, statistics);
             add_contacts(pair, side, workspace, contacts);
         }
     }
@@ -50,53 +48,89 @@ pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
 /// longer it is the first in a fixed order, the same for all pairs. Else rounding would decide between the two sides of
 /// a body in the same place as another, and the pairs of a pile would push one another round in a circle.
 pub(super) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
-    let workspace = &mut contacts.workspace;
-    let judges = judges(pair, workspace);
-    let way_out = |candidate: &Vector3<T>| {
-        judges.iter().fold(T::zero(), |longest: T, &(side, position)| {
-            let hit = pair.tracers[1 - side].nearest_hit(&pair.ray_out(side, position, candidate));
-            longest.max(hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t))
-        })
-    };
+    let ContactList { workspace, statistics, .. } = contacts;
+    let mut judges = Judges::find(pair, workspace, statistics);
     let mut best: Option<(T, Vector3<T>)> = None;
     for candidate in candidates(pair) {
-        let longest = way_out(&candidate);
-        if longest > T::zero() && best.is_none_or(|(shortest, _)| longest < shortest * T::of(CLEARLY_SHORTER)) {
-            best = Some((longest, candidate));
-        }
+        let limit = best.map_or(T::INFINITY, |(shortest, _)| shortest * T::of(CLEARLY_SHORTER));
+        let found = judges.longest_way_out(pair, &candidate, limit, workspace, statistics);
+        best = found.map(|longest| (longest, candidate)).or(best);
     }
     best.map(|(_, candidate)| candidate)
 }
 
-/// Up to 64 points of either body inside the other, spread evenly over all that there are.
-fn judges<T: Scalar>(pair: &Pair<'_, T>, workspace: &mut Workspace<T>) -> Vec<(usize, Vector3<T>)> {
-    let mut judges = Vec::new();
-    let probe = Vector3::z();
-    for side in [0, 1] {
-        inside_samples(pair, side, &probe, workspace);
-        memory::append(&mut judges, workspace.samples.iter().map(|sample| (side, sample.point.position)));
-    }
-    if judges.is_empty() {
-        for side in [0, 1] {
-            inside_stretches(pair, side, &probe, workspace);
-            memory::append(&mut judges, workspace.samples.iter().map(|sample| (side, sample.point.position)));
+/// The points of either body inside the other, by which directions are judged.
+struct Judges<T: Scalar>([Vec<Vector3<T>>; 2]);
+
+impl<T: Scalar> Judges<T> {
+    fn find(pair: &Pair<'_, T>, workspace: &mut Workspace<T>, statistics: &mut Statistics) -> Self {
+        let mut judges = Self([Vec::new(), Vec::new()]);
+        for find in [inside_samples, inside_stretches] {
+            for (side, points) in judges.0.iter_mut().enumerate() {
+                let mut counts = Statistics::default();
+                find(pair, side, &Vector3::z(), workspace, &mut counts);
+                statistics.estimate_rays += counts.rays;
+                memory::append(points, workspace.samples.iter().map(|sample| sample.point.position));
+            }
+            if judges.0.iter().any(|points| !points.is_empty()) {
+                break;
+            }
         }
+        judges
     }
-    let step = judges.len().div_ceil(MOST_JUDGES).max(1);
-    memory::listed(judges.into_iter().step_by(step))
+
+    /// The longest of all ways out when the first body goes `away`; `None` where there is none, or one of at least `limit`.
+    fn longest_way_out(
+        &mut self,
+        pair: &Pair<'_, T>,
+        away: &Vector3<T>,
+        limit: T,
+        workspace: &mut Workspace<T>,
+        statistics: &mut Statistics,
+    ) -> Option<T> {
+        let mut longest = T::zero();
+        for (side, points) in self.0.iter_mut().enumerate() {
+            for start in (0..points.len()).step_by(RAYS_AT_ONCE) {
+                let end = points.len().min(start + RAYS_AT_ONCE);
+                workspace.rays.clear();
+                let rays = points[start..end].iter().map(|&point| pair.ray_out(side, point, away));
+                memory::append(&mut workspace.rays, rays);
+                statistics.estimate_rays += workspace.rays.len() as u64;
+                pair.tracers[1 - side].nearest_hits(&workspace.rays, &mut workspace.hits);
+                for (place, hit) in workspace.hits.iter().enumerate() {
+                    let way_out = hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t);
+                    if way_out >= limit {
+                        // It is likely to judge the next direction soonest too.
+                        points.swap(0, start + place);
+                        return None;
+                    }
+                    longest = longest.max(way_out);
+                }
+            }
+        }
+        (longest > T::zero()).then_some(longest)
+    }
 }
 
-/// The 26 directions to a cube's faces, edges and corners, before the line of centres, which differs from pair to pair.
+/// The 26 directions to a cube's faces, edges and corners, before the line of centres, which differs from pair to pair; each
+/// as the first body's.
 fn candidates<T: Scalar>(pair: &Pair<'_, T>) -> impl Iterator<Item = Vector3<T>> {
     let cube = (0..27).filter(|&i| i != 13).map(|i| {
         let component = |divisor: i32| T::of(f64::from(i / divisor % 3 - 1));
         Vector3::new(component(1), component(3), component(9))
     });
-    cube.filter_map(|candidate| direction(&candidate)).chain([pair.line_of_centres()])
+    let cube = cube.filter_map(|candidate| direction(&candidate)).map(|candidate| pair.of_first(candidate));
+    cube.chain([pair.line_of_centres()])
 }
 
 /// Leaves in the workspace the samples of one body inside the other, their rays out and where these end.
-fn inside_samples<T: Scalar>(pair: &Pair<'_, T>, side: usize, away: &Vector3<T>, workspace: &mut Workspace<T>) {
+fn inside_samples<T: Scalar>(
+    pair: &Pair<'_, T>,
+    side: usize,
+    away: &Vector3<T>,
+    workspace: &mut Workspace<T>,
+    statistics: &mut Statistics,
+) {
     let Workspace { samples, rays, .. } = workspace;
     samples.clear();
     rays.clear();
@@ -105,11 +139,17 @@ fn inside_samples<T: Scalar>(pair: &Pair<'_, T>, side: usize, away: &Vector3<T>,
         rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
         samples.room_for(1).push(sample);
     });
-    keep_inside(pair, side, workspace);
+    keep_inside(pair, side, workspace, statistics);
 }
 
 /// The same for the middles of edges that pierce the other body's surface.
-fn inside_stretches<T: Scalar>(pair: &Pair<'_, T>, side: usize, away: &Vector3<T>, workspace: &mut Workspace<T>) {
+fn inside_stretches<T: Scalar>(
+    pair: &Pair<'_, T>,
+    side: usize,
+    away: &Vector3<T>,
+    workspace: &mut Workspace<T>,
+    statistics: &mut Statistics,
+) {
     let Workspace { samples, rays, crossings, .. } = workspace;
     samples.clear();
     rays.clear();
@@ -118,13 +158,14 @@ fn inside_stretches<T: Scalar>(pair: &Pair<'_, T>, side: usize, away: &Vector3<T
         rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
         samples.room_for(1).push(sample);
     });
-    keep_inside(pair, side, workspace);
+    keep_inside(pair, side, workspace, statistics);
 }
 
 /// A point is inside where its way out first meets the surface from inside.
-fn keep_inside<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &mut Workspace<T>) {
+fn keep_inside<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &mut Workspace<T>, statistics: &mut Statistics) {
+    statistics.rays += workspace.rays.len() as u64;
     pair.tracers[1 - side].nearest_hits(&workspace.rays, &mut workspace.hits);
-    workspace.keep(|hit| hit.is_some_and(|hit| hit.is_exit));
+    workspace.keep_exits(statistics);
 }
 
 fn add_contacts<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &Workspace<T>, contacts: &mut Vec<Contact<T>>) {

@@ -73,7 +73,8 @@ pub struct Contact<T: Scalar> {
     pub area: T,
 }
 
-/// What a query did. Every ray is either a contact or counted under the one reason why it is none.
+/// What a query did. Every ray is either a contact or counted under the one reason why it is none: `rays` is the number of
+/// contacts + `misses` + `entry_hits` + `own_surface_hits` + `replaced`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Pairs of meshes whose boxes overlap.
@@ -85,18 +86,21 @@ pub struct Statistics {
     pub rays: u64,
     /// Of these, rays that stand for a patch of several triangles.
     pub patches: u64,
-    /// Rays beside those, traced only to find out how fine the sampling has to be ([`Sampling::Tolerance`]).
+    /// Rays beside those, traced only to find out how fine the sampling has to be ([`Sampling::Tolerance`]), or whether
+    /// and which way a pair is to escape.
     ///
     /// [`Sampling::Tolerance`]: super::Sampling::Tolerance
     pub estimate_rays: u64,
-    /// Rays that left the overlap box without meeting the other mesh; for a body with itself, rays from points that lie
-    /// inside no other part of it.
+    /// Rays that left the overlap box without meeting the other mesh, or along an escape its box; for a body with itself,
+    /// rays from points that lie inside no other part of it.
     pub misses: u64,
     /// Rays whose first hit enters the other mesh: they start outside it.
     pub entry_hits: u64,
     /// Rays that leave their own mesh before the other, though they start inside it; for a body with itself, rays that
     /// leave through the far side of their own fold.
     pub own_surface_hits: u64,
+    /// Contacts found and replaced by those of an escape that began in the same query.
+    pub replaced: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
     /// Pieces of triangles left larger than the spacing asks, because their surface had been cut as often as it may.
@@ -133,6 +137,7 @@ impl std::ops::AddAssign for Statistics {
         self.misses += more.misses;
         self.entry_hits += more.entry_hits;
         self.own_surface_hits += more.own_surface_hits;
+        self.replaced += more.replaced;
         self.without_normal += more.without_normal;
         self.uncut_pieces += more.uncut_pieces;
         self.edge_contacts += more.edge_contacts;

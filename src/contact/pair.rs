@@ -3,7 +3,7 @@ use super::escape::{choose_direction, push_apart};
 use super::load::share_load;
 use super::memory::{PairMemory, Progress};
 use super::samples::Sampling;
-use super::{Contact, ContactList};
+use super::{Contact, ContactKind, ContactList, Statistics};
 use crate::math::{Aabb, Scalar, Vector3, direction};
 use crate::memory;
 use crate::mesh::Mesh;
@@ -189,7 +189,11 @@ impl<T: Scalar> Pair<'_, T> {
             return None;
         }
         let away = choose_direction(self, contacts)?;
-        contacts.contacts.truncate(start);
+        let ContactList { contacts: found, statistics, .. } = &mut *contacts;
+        let edges = found[start..].iter().filter(|contact| contact.kind == ContactKind::Edge).count();
+        statistics.edge_contacts -= edges as u64;
+        statistics.replaced += (found.len() - start) as u64;
+        found.truncate(start);
         contacts.statistics.escapes_started += 1;
         contacts.statistics.escaping_pairs += 1;
         push_apart(self, &away, contacts);
@@ -210,7 +214,7 @@ impl<T: Scalar> Pair<'_, T> {
         let targetless =
             contacts.statistics.own_surface_hits > own_before || (stretches > 0 && contacts.len() == start);
         let nothing = contacts.len() == start && !targetless;
-        if targetless || (self.options.escape && nothing && self.one_contains_the_other()) {
+        if targetless || (self.options.escape && nothing && self.one_contains_the_other(&mut contacts.statistics)) {
             Outcome::Targetless
         } else {
             Outcome::Settled
@@ -241,19 +245,20 @@ impl<T: Scalar> Pair<'_, T> {
 
     /// Where no surface crosses the other, either body lies inside or outside the other as a whole, and one point of it
     /// tells which.
-    fn one_contains_the_other(&self) -> bool {
+    fn one_contains_the_other(&self, statistics: &mut Statistics) -> bool {
         [0, 1].into_iter().any(|side| {
             let (inner, outer) = (self.tracers[side].mesh(), self.tracers[1 - side].mesh());
             let vertex = inner.topology().surface_vertices()[0];
             let ray = Ray::new(inner.positions()[vertex as usize], Vector3::z());
-            outer.aabb().intersection(inner.aabb()) == *inner.aabb()
-                && self.tracers[1 - side].nearest_hit(&ray).is_some_and(|hit| hit.is_exit)
+            let may_contain = outer.aabb().intersection(inner.aabb()) == *inner.aabb();
+            statistics.estimate_rays += u64::from(may_contain);
+            may_contain && self.tracers[1 - side].nearest_hit(&ray).is_some_and(|hit| hit.is_exit)
         })
     }
 
     /// Whether any contact is deeper than half its body is thick there.
     fn any_is_deep(&self, start: usize, contacts: &mut ContactList<T>) -> bool {
-        let ContactList { contacts, workspace, .. } = contacts;
+        let ContactList { contacts, workspace, statistics, .. } = contacts;
         let twice = |contact: &Contact<T>| Ray {
             origin: contact.p1.position,
             direction: contact.direction,
@@ -265,16 +270,28 @@ impl<T: Scalar> Pair<'_, T> {
             memory::append(&mut workspace.rays, own().map(twice));
             workspace.touched.clear();
             memory::append(&mut workspace.touched, own().map(|contact| contact.p1.touched()));
+            statistics.estimate_rays += workspace.rays.len() as u64;
             self.tracers[side].leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
             workspace.hidden.contains(&true)
         })
     }
 
-    /// From the middle of the second body's box to that of the first; where they are the same, an axis, so that in a pile
-    /// the smaller number goes first.
+    /// From the middle of the second body's box to that of the first; where they are the same, along an axis.
     pub(super) fn line_of_centres(&self) -> Vector3<T> {
         let [first, second] = self.tracers.map(|tracer| tracer.mesh().aabb().centre());
-        direction(&(first - second)).unwrap_or_else(Vector3::x)
+        direction(&(first - second)).unwrap_or_else(|| self.of_first(Vector3::x()))
+    }
+
+    /// The direction of the pair's first body where the body that comes first in space has this one. Where one way is as
+    /// good as its opposite, bodies that change their numbers thus go the same ways; and as all pairs share the order, no
+    /// three bodies of a pile chase one another in a circle. Boxes are compared by their corners, the same boxes by number.
+    pub(super) fn of_first(&self, away: Vector3<T>) -> Vector3<T> {
+        let [first, second] = self.tracers.map(|tracer| {
+            let Aabb { lower, upper } = tracer.mesh().aabb();
+            [lower.x, lower.y, lower.z, upper.x, upper.y, upper.z]
+        });
+        let is_first = if first == second { self.bodies[0] < self.bodies[1] } else { first < second };
+        if is_first { away } else { -away }
     }
 
     /// The ray from a point of one body along which it leaves the other, when its first body goes `away`.

@@ -104,8 +104,8 @@ impl<T: Scalar> Pair<'_, T> {
         };
         let all = count(T::zero());
         let mut tries = 0;
-        // Without end where the box's faces are too large for numbers.
-        while area.is_finite() && count(area) <= all / LARGEST_PART {
+        // Areas too large for numbers get no smaller. Any other ends at 0 at the latest, where all cast.
+        while area.is_finite() && area > T::zero() && count(area) <= all / LARGEST_PART {
             tries += 1;
             area /= T::of(4.0);
         }

@@ -1,3 +1,4 @@
+use super::Statistics;
 use super::chunks::Chunk;
 use super::samples::Sample;
 use super::self_contact::{SelfWorkspace, leaves_body_before_end, way_out_past_folds};
@@ -49,11 +50,14 @@ impl<T: Scalar> Workspace<T> {
         self.hidden.room_for(count);
     }
 
-    /// Keeps the rays whose hit is wanted.
-    pub(super) fn keep(&mut self, mut is_wanted: impl FnMut(&Option<Hit<T>>) -> bool) {
+    /// Keeps the rays that meet the other mesh from inside first, and counts the others.
+    pub(super) fn keep_exits(&mut self, statistics: &mut Statistics) {
         let mut kept = 0;
         for place in 0..self.rays.len() {
-            if is_wanted(&self.hits[place]) {
+            let hit = &self.hits[place];
+            statistics.misses += u64::from(hit.is_none());
+            statistics.entry_hits += u64::from(hit.is_some_and(|hit| !hit.is_exit));
+            if hit.is_some_and(|hit| hit.is_exit) {
                 self.samples[kept] = self.samples[place];
                 self.rays[kept] = self.rays[place];
                 self.hits[kept] = self.hits[place];

@@ -3,6 +3,7 @@
 mod error;
 mod normals;
 mod obj_file;
+mod order;
 mod patches;
 mod standing;
 mod survey;
@@ -11,6 +12,7 @@ mod topology;
 pub use error::MeshError;
 pub(crate) use normals::NormalLanes;
 pub use obj_file::{ObjFileError, read_obj_file};
+pub(crate) use order::OrderInSpace;
 pub(crate) use patches::Patches;
 pub(crate) use standing::Standing;
 use survey::Survey;
@@ -25,26 +27,36 @@ use std::sync::{Arc, OnceLock};
 /// A closed, manifold triangle surface with outward normals, at its positions of this step; or, made by
 /// [`open`](Self::open), one with a border.
 ///
-/// A clone shares the topology and has positions of its own.
+/// A clone shares the topology and has positions of its own. What is settled once for a mesh, such as which triangles a
+/// patch joins and in which order contacts come, is settled by the positions at creation, its reference positions, and so
+/// is the same for clones in whatever pose.
 #[derive(Debug)]
 pub struct Mesh<T: Scalar> {
     topology: Arc<Topology>,
     positions: Vec<Vector3<T>>,
     aabb: Aabb<T>,
     stamp: u64,
-    /// Found when first asked for, the same for clones.
-    patches: Arc<OnceLock<Patches<T>>>,
+    /// The same for clones.
+    reference: Arc<Reference<T>>,
+}
+
+/// A mesh as it was created.
+#[derive(Debug)]
+struct Reference<T: Scalar> {
+    positions: Vec<Vector3<T>>,
+    /// Found when first asked for.
+    patches: OnceLock<Patches<T>>,
 }
 
 impl<T: Scalar> Clone for Mesh<T> {
     fn clone(&self) -> Self {
-        let Self { topology, positions, aabb, stamp, patches } = self;
+        let Self { topology, positions, aabb, stamp, reference } = self;
         Self {
             topology: topology.clone(),
             positions: memory::listed(positions.iter().copied()),
             aabb: *aabb,
             stamp: *stamp,
-            patches: patches.clone(),
+            reference: reference.clone(),
         }
     }
 }
@@ -86,12 +98,13 @@ impl<T: Scalar> Mesh<T> {
     }
 
     fn checked(positions: &[[T; 3]], triangles: &[[u32; 3]], border: Border) -> Result<Self, MeshError> {
+        let reference = memory::listed(positions.iter().map(|&position| position.into()));
         let mut mesh = Self {
             topology: memory::shared(Topology::new(positions.len(), triangles, border)?),
             positions: memory::filled(Vector3::zeros(), positions.len()),
             aabb: Aabb::empty(),
             stamp: 0,
-            patches: memory::shared(OnceLock::new()),
+            reference: memory::shared(Reference { positions: reference, patches: OnceLock::new() }),
         };
         mesh.set_positions(positions)?;
         mesh.check_areas()?;
@@ -156,9 +169,14 @@ impl<T: Scalar> Mesh<T> {
         self.stamp = NEXT_STAMP.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Its patches, found at the positions it has when they are first asked for.
+    /// Its patches, by its reference positions; found when they are first asked for.
     pub(crate) fn patches(&self) -> &Patches<T> {
-        self.patches.get_or_init(|| Patches::new(self))
+        self.reference.patches.get_or_init(|| Patches::new(self))
+    }
+
+    /// The positions at creation.
+    pub(crate) fn reference_positions(&self) -> &[Vector3<T>] {
+        &self.reference.positions
     }
 
     /// Triangles, neighbourhoods and vertices.

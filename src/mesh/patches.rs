@@ -1,8 +1,8 @@
 //! Patches of a surface: connected triangles that lie nearly in one plane, merged two by two into ever larger ones
 //! (compare Garland, Willmott and Heckbert 2001, "Hierarchical face clustering on polygonal surfaces").
 
-use super::Mesh;
-use crate::math::{Scalar, Vector3};
+use super::{Edge, Mesh, OrderInSpace};
+use crate::math::{Aabb, Scalar, Vector3};
 use crate::memory::{self, Room};
 
 /// The patches of a mesh, from its triangles up to the largest that are nearly flat. Each patch has one of its triangles
@@ -44,12 +44,17 @@ fn level_of<T: Scalar>(area: T) -> u64 {
 }
 
 impl<T: Scalar> Patches<T> {
-    /// Those of the mesh at its present positions.
+    /// Those of the mesh at its reference positions. Triangles go by their places in space, so that ties do not depend on
+    /// their numbers.
     pub(super) fn new(mesh: &Mesh<T>) -> Self {
-        let tree = Tree::grow(mesh);
+        let in_space = OrderInSpace::new(mesh);
+        let tree = Tree::grow(mesh, &in_space);
         let count = mesh.topology().triangles().len();
-        let (ranges, order) = tree.ranges(count);
-        let standing = tree.standing(&ranges, &order);
+        let (ranges, mut order) = tree.ranges(count);
+        let mut standing = tree.standing(&ranges, &order);
+        for triangle in order.iter_mut().chain(&mut standing) {
+            *triangle = in_space.order[*triangle as usize];
+        }
         let (mut largest, mut bounds) = (memory::filled(0, count), None);
         let patch_of =
             |&[start, end]: &[u32; 2]| Patch { start, end, area: T::zero(), next_area: T::INFINITY, smaller: 0 };
@@ -152,19 +157,22 @@ struct Tree {
 impl Tree {
     /// Merges in rounds, each patch with at most one neighbour a round, the best pairs first, while any two neighbours
     /// are flat together.
-    fn grow<T: Scalar>(mesh: &Mesh<T>) -> Self {
-        let centre = mesh.aabb().centre();
-        let count = mesh.topology().triangles().len() as u32;
-        let middle = |triangle: u32| {
-            let [a, b, c] = mesh.corners(triangle).map(|corner| (corner - centre).map(T::to_f64));
-            (a + b + c) / 3.0
-        };
-        let middles = memory::listed((0..count).map(middle));
-        let normal = |triangle: u32| mesh.scaled_normal(triangle).map(T::to_f64);
-        let moments = memory::listed((0..count).map(|t| Moments::of_triangle(normal(t), middles[t as usize])));
+    fn grow<T: Scalar>(mesh: &Mesh<T>, in_space: &OrderInSpace<'_, T>) -> Self {
+        let mut aabb = Aabb::empty();
+        mesh.topology().surface_vertices().iter().for_each(|&v| aabb.include(&mesh.reference_positions()[v as usize]));
+        let centre = aabb.centre();
+        let corners = |&triangle: &u32| in_space.corners(triangle).map(|corner| (corner - centre).map(T::to_f64));
+        let all_corners = || in_space.order.iter().map(corners);
+        let middles = memory::listed(all_corners().map(|[a, b, c]| (a + b + c) / 3.0));
+        let normals = all_corners().map(|[a, b, c]| (b - a).cross(&(c - a)));
+        let moments =
+            memory::listed(normals.zip(&middles).map(|(normal, &middle)| Moments::of_triangle(normal, middle)));
         let mut tree = Self { moments, middles, parts: Vec::new() };
+        let places = in_space.places();
         let inner = mesh.topology().edges().iter().filter(|edge| edge.triangles[0] != edge.triangles[1]);
-        let mut neighbours: Vec<[u32; 2]> = memory::listed(inner.map(|edge| edge.triangles));
+        let in_order = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+        let places_of = |edge: &Edge| in_order(edge.triangles.map(|triangle| places[triangle as usize]));
+        let mut neighbours: Vec<[u32; 2]> = memory::listed(inner.map(places_of));
         while !neighbours.is_empty() {
             let merged_into = tree.merge(&neighbours);
             for pair in &mut neighbours {

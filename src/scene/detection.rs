@@ -27,13 +27,14 @@ impl<T: Scalar> Scene<T> {
     /// which that is switched on. Replaces what `contacts` held; their order is by pair (smaller body number first, then
     /// the other; a body with itself first of all), then the colliding body, then along its surface.
     ///
+    /// A query changes nothing that a later one in the same step could see: with the same positions it finds the same
+    /// contacts, however often. What pairs remember goes on with [`advance`](Self::advance).
+    ///
     /// Where there is little to do, the calling thread does it alone: a thousand rays or so.
     pub fn query(&mut self, contacts: &mut ContactList<T>) {
-        self.pairs.keep();
         let found = catch_unwind(AssertUnwindSafe(|| self.detect(contacts)));
         if let Err(panic) = found {
-            // As if the step had not been: what bodies know of themselves saves time only.
-            self.pairs.go_back();
+            // As if the query had not been: what bodies know of themselves saves time only.
             let owns = self.bodies.iter_mut().flatten().filter_map(|body| body.own.as_mut());
             owns.for_each(|own| *own = OwnContacts::default());
             contacts.clear();
@@ -45,13 +46,15 @@ impl<T: Scalar> Scene<T> {
         let boxes = self.bodies.iter().map(|body| body.as_ref().map(|body| *body.mesh.aabb()));
         let ignored = &self.pairs.ignored;
         self.broad_phase.update(boxes, |pair| ignored.is_empty() || !ignored.contains(pair));
-        self.pairs.remember(self.broad_phase.pairs());
+        let stamp = self.newest_stamp();
+        self.pairs.history.start_query(self.broad_phase.pairs(), stamp);
         self.order_lists();
         if self.threads.helpers().are_there() && self.rays_expected() >= FEWEST_RAYS_TO_SHARE {
             self.detect_side_by_side(contacts);
         } else {
             self.detect_alone(contacts);
         }
+        self.pairs.history.is_queried = true;
     }
 
     /// Says which lists of contacts there will be, and in which order.
@@ -89,7 +92,7 @@ impl<T: Scalar> Scene<T> {
         for (list, _) in lists {
             let last = match *list {
                 List::Body(number) => number,
-                List::Pair(place) => pairs.memories[place].0[1] as usize,
+                List::Pair(place) => pairs.history.after[place].0[1] as usize,
             };
             let end = next.max(last + 1);
             Helpers::Nobody.for_each(&mut bodies[next..end], |place, body| {
@@ -100,7 +103,7 @@ impl<T: Scalar> Scene<T> {
             let narrow_phase = NarrowPhase { bodies, options, forbidden: &pairs.without_escape };
             match *list {
                 List::Body(number) => contacts.append(narrow_phase.own(number)),
-                List::Pair(place) => narrow_phase.detect(&mut pairs.memories[place], contacts),
+                List::Pair(place) => narrow_phase.detect(&mut pairs.history.after[place], contacts),
             }
         }
     }
@@ -120,7 +123,7 @@ impl<T: Scalar> Scene<T> {
             });
             let narrow_phase = NarrowPhase { bodies, options, forbidden: &pairs.without_escape };
             let [with_pairs, within_pairs] = helpers.outside_and_within(count);
-            with_pairs.for_each_two(&mut pairs.memories, found, |remembered, found| {
+            with_pairs.for_each_two(&mut pairs.history.after, found, |remembered, found| {
                 found.clear();
                 found.set_helpers(within_pairs.clone());
                 narrow_phase.detect(remembered, found);

@@ -14,6 +14,11 @@ pub enum SceneError {
         /// Its number.
         body: u32,
     },
+    /// A step's length is negative or not finite.
+    StepLength {
+        /// The seconds given.
+        seconds: f64,
+    },
     /// Saved bytes are not what was saved.
     SavedState(SavedStateError),
     /// The system gave no threads.
@@ -30,6 +35,9 @@ impl fmt::Display for SceneError {
         match self {
             Self::UnknownBody { body } => write!(f, "the scene has no body {body}; it was never added, or was removed"),
             Self::SameBody { body } => write!(f, "body {body} was named twice; name two different bodies"),
+            Self::StepLength { seconds } => {
+                write!(f, "the step is {seconds} seconds long; give a finite number of seconds ≥ 0")
+            }
             Self::SavedState(error) => error.fmt(f),
             Self::ThreadsNotStarted { threads, source } => {
                 write!(f, "could not start {threads} threads: {source}; ask for fewer, or for 1 to use your own")

@@ -157,21 +157,39 @@ impl<T: Scalar> Scene<T> {
         Ok(self.pairs.without_escape.binary_search(&pair).is_err())
     }
 
-    /// What each pair whose boxes overlapped in the last query remembers, in ascending order of the pairs (smaller number
-    /// first).
+    /// Ends a step of so many seconds: what the step's last query found goes into what pairs remember, by which they escape
+    /// where contacts cannot part them. Once a step, after the last query of it; a host that queries several times a step, to
+    /// look ahead or to detect anew, thus escapes no sooner.
+    ///
+    /// The rules count steps; those shorter than 1/60 s count as the part of it that they are. From the first call on, this
+    /// alone ends a step: a host that queries several times in its first step calls it before, with 0. A scene for which it is
+    /// never called ends a step, of 1/60 s or more, at each query before which any body was given positions since the last.
+    ///
+    /// # Errors
+    /// [`SceneError::StepLength`] where `seconds` is negative or not finite.
+    pub fn advance(&mut self, seconds: f64) -> Result<(), SceneError> {
+        if !(seconds.is_finite() && seconds >= 0.0) {
+            return Err(SceneError::StepLength { seconds });
+        }
+        self.pairs.history.advance(seconds);
+        Ok(())
+    }
+
+    /// What each pair whose boxes overlapped in the last query remembers since, in ascending order of the pairs (smaller
+    /// number first).
     pub fn pair_memories(&self) -> &[([u32; 2], PairMemory<T>)] {
-        &self.pairs.memories
+        self.pairs.history.newest()
     }
 
     /// How many bytes [`save_pair_memories`](Self::save_pair_memories) appends now.
     pub fn saved_length(&self) -> usize {
-        saved::saved_length(self.pairs.memories.len())
+        saved::saved_length(&self.pairs.history)
     }
 
     /// Appends to `bytes` what the pairs remember. A scene with the same bodies, positions and settings that restores it
     /// goes on as this one does, to the bit.
     pub fn save_pair_memories(&self, bytes: &mut Vec<u8>) {
-        saved::save(&self.pairs.memories, bytes);
+        saved::save(&self.pairs.history, self.newest_stamp(), bytes);
     }
 
     /// Replaces what the pairs remember by what was saved. No bytes at all are not the same as saved bytes of no pair.
@@ -180,9 +198,10 @@ impl<T: Scalar> Scene<T> {
     /// [`SceneError::SavedState`], and [`SceneError::UnknownBody`] where a body of a saved pair is not in the scene; the
     /// memories are then as before.
     pub fn restore_pair_memories(&mut self, bytes: &[u8]) -> Result<(), SceneError> {
-        let memories = saved::restore(bytes)?;
-        memories.iter().try_for_each(|([a, b], _)| self.known_pair(*a, *b).map(drop))?;
-        self.pairs.memories = memories;
+        let history = saved::restore(bytes, self.newest_stamp())?;
+        let mut memories = history.before.iter().chain(&history.after);
+        memories.try_for_each(|([a, b], _)| self.known_pair(*a, *b).map(drop))?;
+        self.pairs.history = history;
         Ok(())
     }
 
@@ -199,6 +218,11 @@ impl<T: Scalar> Scene<T> {
             self.pairs.ignored.room_for(1).insert(pair);
         }
         Ok(())
+    }
+
+    /// Of the bodies' positions the stamp of the newest; other positions have another.
+    fn newest_stamp(&self) -> u64 {
+        self.bodies.iter().flatten().map(|body| body.mesh.stamp()).max().unwrap_or_default()
     }
 
     fn known_pair(&self, a: u32, b: u32) -> Result<[u32; 2], SceneError> {

@@ -1,6 +1,6 @@
 use crate::contact::PairMemory;
 use crate::math::Scalar;
-use crate::memory::{self, Room};
+use crate::memory::Room;
 use std::collections::HashSet;
 
 /// A pair, its smaller number first, and what it remembers.
@@ -9,10 +9,7 @@ pub(super) type Remembered<T> = ([u32; 2], PairMemory<T>);
 /// What is known of pairs from step to step. Lists are in ascending order.
 #[derive(Debug)]
 pub(super) struct Pairs<T: Scalar> {
-    /// What each overlapping pair remembers.
-    pub(super) memories: Vec<Remembered<T>>,
-    /// The same before the step that is under way.
-    before: Vec<Remembered<T>>,
+    pub(super) history: History<T>,
     /// The pairs that may not escape, overlapping or not.
     pub(super) without_escape: Vec<[u32; 2]>,
     /// The pairs that do not collide; in no order, as there may be very many.
@@ -21,38 +18,14 @@ pub(super) struct Pairs<T: Scalar> {
 
 impl<T: Scalar> Default for Pairs<T> {
     fn default() -> Self {
-        Self { memories: Vec::new(), before: Vec::new(), without_escape: Vec::new(), ignored: HashSet::new() }
+        Self { history: History::default(), without_escape: Vec::new(), ignored: HashSet::new() }
     }
 }
 
 impl<T: Scalar> Pairs<T> {
-    /// Starts a step that can be taken back.
-    pub(super) fn keep(&mut self) {
-        self.before.clear();
-        memory::append(&mut self.before, self.memories.iter().cloned());
-    }
-
-    /// Takes the step back.
-    pub(super) fn go_back(&mut self) {
-        std::mem::swap(&mut self.memories, &mut self.before);
-    }
-
-    /// Makes the memories those of `pairs`: keeps what is known, and forgets pairs that have parted.
-    pub(super) fn remember(&mut self, pairs: &[[u32; 2]]) {
-        let memories = &mut self.memories;
-        memories.retain(|(pair, _)| pairs.binary_search(pair).is_ok());
-        let known = memories.len();
-        for pair in pairs {
-            if memories[..known].binary_search_by_key(pair, |(pair, _)| *pair).is_err() {
-                memories.room_for(1).push((*pair, PairMemory::default()));
-            }
-        }
-        memories.sort_unstable_by_key(|(pair, _)| *pair);
-    }
-
     /// Forgets all pairs of a body.
     pub(super) fn forget(&mut self, body: u32) {
-        self.memories.retain(|(pair, _)| !pair.contains(&body));
+        self.history.forget(|pair| pair.contains(&body));
         self.without_escape.retain(|pair| !pair.contains(&body));
         self.ignored.retain(|pair| !pair.contains(&body));
     }
@@ -65,9 +38,95 @@ impl<T: Scalar> Pairs<T> {
             (Err(place), false) => {
                 self.without_escape.room_for(1).insert(place, pair);
                 // Also what led to an escape is not to start the next one.
-                self.memories.retain(|(known, _)| *known != pair);
+                self.history.forget(|known| *known == pair);
             }
             _ => {}
         }
+    }
+}
+
+/// What the overlapping pairs remember: as the last step left it, which all queries of this step start from, and as the
+/// newest query would leave it to the next step.
+#[derive(Debug)]
+pub(super) struct History<T: Scalar> {
+    pub(super) before: Vec<Remembered<T>>,
+    pub(super) after: Vec<Remembered<T>>,
+    /// Whether there has been a query in this step.
+    pub(super) is_queried: bool,
+    /// The newest of the bodies' positions then, by their stamp.
+    pub(super) queried_at: u64,
+    /// Whether the host says where a step ends. Otherwise it ends where a body is given positions after a query.
+    pub(super) is_hosts: bool,
+    /// How much of a whole step has passed since the counts last went on: below 1.
+    pub(super) passed: f64,
+}
+
+/// The rules by which pairs escape count steps of so many seconds; longer ones count as one.
+const WHOLE_STEP: f64 = 1.0 / 60.0;
+/// Parts that add up to a whole step but for rounding, or a frame at 62.5 Hz.
+const NEARLY_WHOLE: f64 = 0.95;
+
+impl<T: Scalar> Default for History<T> {
+    fn default() -> Self {
+        Self { before: Vec::new(), after: Vec::new(), is_queried: false, queried_at: 0, is_hosts: false, passed: 0.0 }
+    }
+}
+
+impl<T: Scalar> History<T> {
+    /// As of the newest query, or else of the last step.
+    pub(super) fn newest(&self) -> &[Remembered<T>] {
+        if self.is_queried { &self.after } else { &self.before }
+    }
+
+    /// Starts a query: what `pairs` remembered before this step goes into `after`; nothing for those that are new. `stamp`
+    /// is the newest of the bodies' positions.
+    pub(super) fn start_query(&mut self, pairs: &[[u32; 2]], stamp: u64) {
+        if !self.is_hosts && stamp != self.queried_at {
+            self.end_step();
+        }
+        (self.is_queried, self.queried_at) = (false, stamp);
+        self.after.clear();
+        let mut known = self.before.iter().peekable();
+        for pair in pairs {
+            while known.next_if(|(other, _)| other < pair).is_some() {}
+            let memory = known.next_if(|(other, _)| other == pair).map_or(PairMemory::default(), |(_, memory)| *memory);
+            self.after.room_for(1).push((*pair, memory));
+        }
+    }
+
+    /// Ends a step of so many seconds.
+    pub(super) fn advance(&mut self, seconds: f64) {
+        self.is_hosts = true;
+        self.passed += (seconds / WHOLE_STEP).min(1.0);
+        let is_whole = self.passed >= NEARLY_WHOLE;
+        if is_whole {
+            self.passed = (self.passed - 1.0).max(0.0);
+        }
+        if self.is_queried && !is_whole {
+            // Counts stand still, but an escape begins and ends at once, and so does an overlap.
+            let mut known = self.before.iter().peekable();
+            for (pair, memory) in &mut self.after {
+                while known.next_if(|(other, _)| *other < *pair).is_some() {}
+                let before = known.next_if(|(other, _)| other == pair).map(|(_, before)| before);
+                let goes_on =
+                    |before: &&PairMemory<T>| before.escape == memory.escape && *memory != PairMemory::default();
+                if let Some(before) = before.filter(goes_on) {
+                    *memory = *before;
+                }
+            }
+        }
+        self.end_step();
+    }
+
+    fn end_step(&mut self) {
+        if self.is_queried {
+            std::mem::swap(&mut self.before, &mut self.after);
+            self.is_queried = false;
+        }
+    }
+
+    fn forget(&mut self, mut is_gone: impl FnMut(&[u32; 2]) -> bool) {
+        self.before.retain(|(pair, _)| !is_gone(pair));
+        self.after.retain(|(pair, _)| !is_gone(pair));
     }
 }

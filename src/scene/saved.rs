@@ -1,7 +1,7 @@
 //! What the pairs of a scene remember, as bytes that a host saves with its own state.
 
 use super::SceneError;
-use super::pairs::Remembered;
+use super::pairs::{History, Remembered};
 use crate::contact::{PairMemory, Record};
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
@@ -50,26 +50,39 @@ impl fmt::Display for SavedStateError {
 impl std::error::Error for SavedStateError {}
 
 const MARK: [u8; 8] = *b"raycpair";
-const VERSION: u32 = 1;
-const HEAD: usize = 24;
+const VERSION: u32 = 2;
+const HEAD: usize = 44;
+/// What is said of the history by one bit each.
+const IS_QUERIED: u32 = 1;
+const IS_HOSTS: u32 = 2;
+/// No position has changed since the newest query.
+const IS_AT_QUERY: u32 = 4;
 /// Five whole numbers and eight others, these always in double precision, which holds both.
 const ENTRY: usize = 5 * 4 + 8 * 8;
 const CHECKSUM: usize = 8;
 
-/// How many bytes `count` memories take.
-pub(super) fn saved_length(count: usize) -> usize {
-    HEAD + count * ENTRY + CHECKSUM
+/// How many bytes the history takes.
+pub(super) fn saved_length<T: Scalar>(history: &History<T>) -> usize {
+    let after = if history.is_queried { history.after.len() } else { 0 };
+    HEAD + (history.before.len() + after) * ENTRY + CHECKSUM
 }
 
-/// Appends the memories, numbers little-endian on every machine.
-pub(super) fn save<T: Scalar>(memories: &[Remembered<T>], bytes: &mut Vec<u8>) {
+/// Appends the history, numbers little-endian on every machine. `stamp` is the newest of the bodies' positions.
+pub(super) fn save<T: Scalar>(history: &History<T>, stamp: u64, bytes: &mut Vec<u8>) {
     let start = bytes.len();
-    bytes.room_for(saved_length(memories.len()));
+    let History { before, after, is_queried, queried_at, is_hosts, passed } = history;
+    let after = if *is_queried { after.as_slice() } else { &[] };
+    bytes.room_for(saved_length(history));
     bytes.extend(MARK);
     bytes.extend(VERSION.to_le_bytes());
     bytes.extend((size_of::<T>() as u32).to_le_bytes());
-    bytes.extend((memories.len() as u64).to_le_bytes());
-    for ([first, second], memory) in memories {
+    let flags = [(*is_queried, IS_QUERIED), (*is_hosts, IS_HOSTS), (stamp == *queried_at, IS_AT_QUERY)];
+    let flags = flags.iter().fold(0, |flags, (is_set, flag)| if *is_set { flags | flag } else { flags });
+    bytes.extend(flags.to_le_bytes());
+    bytes.extend(passed.to_le_bytes());
+    bytes.extend((before.len() as u64).to_le_bytes());
+    bytes.extend((after.len() as u64).to_le_bytes());
+    for ([first, second], memory) in before.iter().chain(after) {
         let PairMemory { escape, lowest, halved, net_push } = memory;
         for number in [*first, *second, u32::from(escape.is_some()), lowest.steps, halved.steps] {
             bytes.extend(number.to_le_bytes());
@@ -83,8 +96,8 @@ pub(super) fn save<T: Scalar>(memories: &[Remembered<T>], bytes: &mut Vec<u8>) {
     bytes.extend(checksum.to_le_bytes());
 }
 
-/// The memories that were saved, in ascending order of their pairs.
-pub(super) fn restore<T: Scalar>(bytes: &[u8]) -> Result<Vec<Remembered<T>>, SceneError> {
+/// The history that was saved. `stamp` is the newest of the bodies' positions, which are those that were saved with it.
+pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>, SceneError> {
     let mut head = Reader { rest: bytes };
     let not_saved = SavedStateError::NotSavedState { length: bytes.len() };
     if head.take::<8>() != Some(MARK) {
@@ -94,8 +107,12 @@ pub(super) fn restore<T: Scalar>(bytes: &[u8]) -> Result<Vec<Remembered<T>>, Sce
     if version != VERSION {
         return Err(SavedStateError::OtherVersion { version }.into());
     }
-    let count = head.take().map(u64::from_le_bytes).ok_or(not_saved)?;
-    let length = (count as usize).checked_mul(ENTRY).and_then(|entries| entries.checked_add(HEAD + CHECKSUM));
+    let flags = head.whole().ok_or(not_saved)?;
+    let passed = head.take().map(f64::from_le_bytes).ok_or(not_saved)?;
+    let mut count = || head.take().map(u64::from_le_bytes).ok_or(not_saved);
+    let counts = [count()?, count()?];
+    let entries = counts[0].checked_add(counts[1]).and_then(|count| usize::try_from(count).ok());
+    let length = entries.and_then(|count| count.checked_mul(ENTRY)?.checked_add(HEAD + CHECKSUM));
     if length != Some(bytes.len()) {
         return Err(not_saved.into());
     }
@@ -106,16 +123,29 @@ pub(super) fn restore<T: Scalar>(bytes: &[u8]) -> Result<Vec<Remembered<T>>, Sce
     if number_size as usize != size_of::<T>() {
         return Err(SavedStateError::OtherPrecision { bytes: number_size }.into());
     }
+    let [before, after] = [memories(&mut head, counts[0])?, memories(&mut head, counts[1])?];
+    let is_set = |flag| flags & flag != 0;
+    let (is_queried, is_hosts) = (is_set(IS_QUERIED), is_set(IS_HOSTS));
+    // Nothing that was saved is otherwise; bytes made up with a fitting checksum may be.
+    if flags > IS_QUERIED | IS_HOSTS | IS_AT_QUERY || !(0.0..1.0).contains(&passed) || !(is_queried || after.is_empty())
+    {
+        return Err(SavedStateError::Damaged.into());
+    }
+    let queried_at = if is_set(IS_AT_QUERY) { stamp } else { 0 };
+    Ok(History { before, after, is_queried, queried_at, is_hosts, passed })
+}
+
+/// So many memories, in ascending order of their pairs.
+fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<T>>, SavedStateError> {
     let mut memories = memory::with_room(count as usize);
     for _ in 0..count {
-        memories.push(entry(&mut head).ok_or(SavedStateError::Damaged)?);
+        memories.push(entry(bytes).ok_or(SavedStateError::Damaged)?);
     }
-    // Nothing that was saved is otherwise; bytes made up with a fitting checksum may be.
-    let in_order = memories.windows(2).all(|pair| pair[0].0 < pair[1].0);
+    let in_order = memories.windows(2).all(|pair: &[Remembered<T>]| pair[0].0 < pair[1].0);
     if in_order && memories.iter().all(|([first, second], memory)| first < second && is_possible(memory)) {
         Ok(memories)
     } else {
-        Err(SavedStateError::Damaged.into())
+        Err(SavedStateError::Damaged)
     }
 }
 

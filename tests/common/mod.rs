@@ -7,7 +7,7 @@ pub mod ends;
 pub mod random;
 pub mod shapes;
 
-use raycontact::contact::Contact;
+use raycontact::contact::{Contact, ContactList};
 use raycontact::math::Scalar;
 
 /// Debug builds are some thirty times as slow, and try only every eighth of many similar cases.
@@ -27,4 +27,11 @@ pub fn sorted_along_surface<T: Scalar>(mut contacts: Vec<Contact<T>>) -> Vec<Con
 pub fn sorted_by_vertex<T: Scalar>(mut contacts: Vec<Contact<T>>) -> Vec<Contact<T>> {
     contacts.sort_by_key(|contact| (contact.colliding, contact.p1.vertices[0]));
     contacts
+}
+
+/// Asserts that every ray is a contact or counted under the one reason why it is none.
+pub fn assert_every_ray_is_counted<T: Scalar>(list: &ContactList<T>) {
+    let counts = &list.statistics;
+    let none = counts.misses + counts.entry_hits + counts.own_surface_hits + counts.replaced;
+    assert_eq!(counts.rays, list.len() as u64 + none, "{counts:?}");
 }

@@ -217,6 +217,7 @@ fn pieces_left_uncut_are_counted() {
             let bar = deformed::<f64>(&shapes::cube(1), |[x, y, z]| [x + 2.0 - depth, 1e-9 * (y + 0.3), z]);
             query_pair(&wall, &octree, &bar, &Octree::new(&bar), &DetectionOptions::default(), &mut list)
                 .expect("fresh octrees");
+            crate::common::assert_every_ray_is_counted(&list);
             assert_eq!(list.statistics.uncut_pieces > 0, is_counted, "{:?}", list.statistics);
             assert!(list.statistics.rays < 40_000, "{:?}", list.statistics);
         }

@@ -2,6 +2,7 @@
 //! place; and that ordinary contacts do not set off what resolves them.
 
 use crate::common::STRIDE;
+use crate::common::assert_every_ray_is_counted;
 use crate::common::cuboid::CUBOID_FACES;
 use crate::common::shapes;
 use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling, query_pair};
@@ -38,7 +39,7 @@ fn bars_crossing_with_no_vertex_inside_give_edge_contacts() {
     assert!(!found.is_empty());
     let counts = &found.statistics;
     assert_eq!(counts.edge_contacts, found.len() as u64);
-    assert_eq!(counts.rays, counts.misses + counts.entry_hits + counts.own_surface_hits + found.len() as u64);
+    assert_every_ray_is_counted(&found);
     // Each leaves through the other's surface: p2 lies on it, beyond p1 along the ray.
     for contact in &found.contacts {
         assert_eq!(contact.kind, ContactKind::Edge);
@@ -78,11 +79,7 @@ fn crossing_surfaces_never_go_unreported() {
             let overlap = (0..3).all(|axis| centre[axis].abs() < [1.17, 0.81, 0.32][axis]);
             let found = contacts_of(&a, &b, &options);
             assert_eq!(!found.is_empty(), overlap, "{sampling:?}, centre {centre:?}");
-            let counts = &found.statistics;
-            if counts.escapes_started == 0 {
-                let accounted = counts.misses + counts.entry_hits + counts.own_surface_hits + found.len() as u64;
-                assert_eq!(counts.rays, accounted, "{sampling:?}, centre {centre:?}");
-            }
+            assert_every_ray_is_counted(&found);
         }
     }
 }
@@ -96,6 +93,7 @@ fn steps_until_apart(a: &[[f64; 3]], b: &[[f64; 3]], longest: usize) -> Option<u
     for step in 0..longest {
         scene.mesh_mut(first).expect("it was added").set_positions(&moved(a, &offset)).expect("finite");
         scene.query(&mut contacts);
+        assert_every_ray_is_counted(&contacts);
         if contacts.is_empty() {
             return Some(step);
         }
@@ -139,6 +137,7 @@ fn a_loaded_contact_at_rest_does_not_escape() {
         let sway = Vector3::new(0.0, 0.0, 0.002 * f64::from(step).sin());
         scene.mesh_mut(resting).expect("it was added").set_positions(&moved(&body, &sway)).expect("finite");
         scene.query(&mut contacts);
+        assert_every_ray_is_counted(&contacts);
         assert!(contacts.len() > 50);
         assert_eq!(contacts.statistics.escaping_pairs, 0, "step {step}");
     }
@@ -156,6 +155,7 @@ fn a_sharp_edge_pressed_into_a_floor_does_not_escape() {
         let sway = Vector3::new(0.0, 0.0, 0.002 * f64::from(step).sin());
         scene.mesh_mut(body).expect("it was added").set_positions(&moved(&wedge.positions, &sway)).expect("finite");
         scene.query(&mut contacts);
+        assert_every_ray_is_counted(&contacts);
         assert!(contacts.statistics.own_surface_hits > 0 && contacts.len() > 10, "{:?}", contacts.statistics);
         assert_eq!(contacts.statistics.escaping_pairs, 0, "step {step}");
     }
@@ -174,6 +174,8 @@ fn bodies_that_contacts_cannot_part_stay_where_escapes_are_off() {
         let (mut contacts, mut started) = (ContactList::default(), 0);
         for _ in 0..40 {
             scene.query(&mut contacts);
+            assert_every_ray_is_counted(&contacts);
+            scene.advance(1.0 / 60.0).expect("a length");
             started += contacts.statistics.escapes_started;
         }
         assert_eq!(started, u64::from(escape));
@@ -202,6 +204,7 @@ fn escapes_are_counted_and_can_be_forbidden() {
     assert_eq!(counts(&contacts), (1, 1, all));
     assert!(contacts.contacts.iter().all(|contact| contact.kind == ContactKind::Escape));
     let away = contacts.contacts[0].direction;
+    scene.advance(1.0 / 60.0).expect("a length");
     scene.query(&mut contacts);
     assert_eq!(counts(&contacts), (0, 1, all));
     assert_eq!(contacts.contacts[0].direction, away);
@@ -209,6 +212,7 @@ fn escapes_are_counted_and_can_be_forbidden() {
     let far = moved(&inner, &Vector3::new(0.0, 0.0, 3.0));
     scene.mesh_mut(first).expect("it was added").set_positions(&far).expect("finite");
     scene.query(&mut contacts);
+    scene.advance(1.0 / 60.0).expect("a length");
     scene.mesh_mut(first).expect("it was added").set_positions(&inner).expect("finite");
     scene.query(&mut contacts);
     assert_eq!(counts(&contacts), (1, 1, all), "the pair had forgotten its escape");
@@ -257,6 +261,7 @@ fn bars_that_hold_each_other_part_by_their_edges() {
     let mut contacts = ContactList::default();
     scene.query(&mut contacts);
     assert_eq!(contacts.statistics.escapes_started, 1);
+    scene.advance(1.0 / 60.0).expect("a length");
     scene.query(&mut contacts);
     let [push] = contacts.pushes() else { panic!("{} pushes", contacts.pushes().len()) };
     assert_eq!(push.direction.abs(), Vector3::z());
@@ -291,6 +296,7 @@ fn what_is_pushed_in_at_a_stroke_escapes_at_once() {
     let mut contacts = ContactList::default();
     for _ in 0..3 {
         scene.query(&mut contacts);
+        assert_every_ray_is_counted(&contacts);
         assert!(!contacts.is_empty() && contacts.statistics.escaping_pairs == 0);
     }
     let inside = moved(&body, &Vector3::new(0.0, 0.0, -0.6));

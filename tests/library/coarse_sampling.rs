@@ -15,6 +15,7 @@ pub fn detect<T: Scalar>(meshes: &[Mesh<T>; 2], layout: Layout, sampling: Sampli
     let mut list = ContactList::default();
     let options = DetectionOptions { sampling, ..DetectionOptions::default() };
     query_pair(a, &octrees[0], b, &octrees[1], &options, &mut list).expect("the octrees are fresh");
+    crate::common::assert_every_ray_is_counted(&list);
     list
 }
 

@@ -18,6 +18,7 @@ fn counts(first: u64, step: u64) -> Statistics {
         rays: count(),
         patches: count(),
         estimate_rays: count(),
+        replaced: count(),
         misses: count(),
         entry_hits: count(),
         own_surface_hits: count(),

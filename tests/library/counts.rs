@@ -11,6 +11,7 @@ fn detect(meshes: [&Mesh<f64>; 2], layout: Layout, options: &DetectionOptions<f6
     let octrees = meshes.map(|mesh| Octree::with_layout(mesh, layout));
     let mut list = ContactList::default();
     query_pair(meshes[0], &octrees[0], meshes[1], &octrees[1], options, &mut list).expect("the octrees are fresh");
+    crate::common::assert_every_ray_is_counted(&list);
     list
 }
 

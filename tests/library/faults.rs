@@ -167,6 +167,7 @@ fn fast_rotation_gives_no_contact() {
         for options in [DetectionOptions::paper(), DetectionOptions::default()] {
             query_pair(&mesh, &octree, &ball, &ball_octree, &options, &mut list).expect("the octrees are fresh");
             assert_eq!(list.len(), 0, "step {step}");
+            crate::common::assert_every_ray_is_counted(&list);
             assert!(list.statistics.rays > 30, "the boxes overlap");
         }
     }

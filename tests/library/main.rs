@@ -15,6 +15,7 @@ mod faults;
 mod figures;
 mod metamorphic;
 mod number_range;
+mod numbering;
 mod octree;
 mod open_meshes;
 mod pair_memory;
@@ -22,6 +23,7 @@ mod rays;
 mod response;
 mod self_and_others;
 mod self_collision;
+mod sharing;
+mod steps;
 mod tolerance;
-
 mod winding;

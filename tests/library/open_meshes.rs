@@ -114,6 +114,7 @@ fn a_pair_with_a_sheet_never_escapes() {
             let mut contacts = ContactList::default();
             for _ in 0..3 {
                 scene.query(&mut contacts);
+                crate::common::assert_every_ray_is_counted(&contacts);
                 let found = contacts.statistics;
                 assert_eq!((found.open_pairs, found.escaping_pairs, found.edge_contacts), (1, 0, 0));
             }

@@ -32,6 +32,7 @@ impl<T: Scalar> Motion<T> {
             mesh.set_positions_with(rest.len(), |vertex| rest[vertex] + offset).expect("finite");
         }
         self.scene.query(&mut self.contacts);
+        crate::common::assert_every_ray_is_counted(&self.contacts);
     }
 
     fn step(&mut self) {
@@ -49,6 +50,7 @@ impl<T: Scalar> Motion<T> {
                 *offset += push / weight * T::of(0.2);
             }
         }
+        self.scene.advance(1.0 / 60.0).expect("a length");
     }
 
     fn saved(&self) -> Vec<u8> {
@@ -130,7 +132,7 @@ fn bad_bytes_are_refused_and_change_nothing() {
     for place in (0..saved.len()).filter(|place| !(8..12).contains(place)) {
         let mut bytes = saved.clone();
         bytes[place] ^= 0x10;
-        let is_frame = place < 8 || (16..24).contains(&place);
+        let is_frame = place < 8 || (28..44).contains(&place);
         let length = saved.len();
         refuse(&bytes, if is_frame { SavedStateError::NotSavedState { length } } else { SavedStateError::Damaged });
     }
@@ -140,10 +142,13 @@ fn bad_bytes_are_refused_and_change_nothing() {
         body[place..place + bytes.len()].copy_from_slice(bytes);
         with_checksum(body)
     };
-    refuse(&changed(8, &2u32.to_le_bytes()), SavedStateError::OtherVersion { version: 2 });
+    refuse(&changed(8, &1u32.to_le_bytes()), SavedStateError::OtherVersion { version: 1 });
     refuse(&changed(12, &4u32.to_le_bytes()), SavedStateError::OtherPrecision { bytes: 4 });
     // Made-up bytes with the right checksum: pairs out of order, a third kind of escaping, a number below zero, NaN.
-    let first_entry = 24;
+    // And before them flags that there are not, and more of a step than there is.
+    refuse(&changed(16, &8u32.to_le_bytes()), SavedStateError::Damaged);
+    refuse(&changed(20, &1f64.to_le_bytes()), SavedStateError::Damaged);
+    let first_entry = 44;
     refuse(&changed(first_entry, &7u32.to_le_bytes()), SavedStateError::Damaged);
     refuse(&changed(first_entry + 8, &2u32.to_le_bytes()), SavedStateError::Damaged);
     refuse(&changed(first_entry + 52, &(-1f64).to_le_bytes()), SavedStateError::Damaged);
@@ -195,9 +200,9 @@ fn an_escape_is_forbidden_for_one_pair_alone() {
 #[test]
 fn directions_that_run_in_a_circle_turn() {
     let mut bytes = b"raycpair".to_vec();
-    bytes.extend(1u32.to_le_bytes());
-    bytes.extend(8u32.to_le_bytes());
-    bytes.extend(3u64.to_le_bytes());
+    [2u32, 8, 0].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+    bytes.extend(0f64.to_le_bytes());
+    [3u64, 0].iter().for_each(|count| bytes.extend(count.to_le_bytes()));
     for ([first, second], along) in [([0u32, 1u32], 1.0f64), ([0, 2], -1.0), ([1, 2], 1.0)] {
         [first, second, 1, 0, 0].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
         let numbers = [along, 0.0, 0.0, f64::INFINITY, f64::INFINITY, 0.0, 0.0, 0.0];
@@ -244,6 +249,7 @@ fn deep_contacts_that_hold_each_other_part_sooner() {
             let mut contacts = ContactList::default();
             let started = (0..20).position(|_| {
                 scene.query(&mut contacts);
+                scene.advance(1.0 / 60.0).expect("a length");
                 contacts.statistics.escapes_started > 0
             });
             assert_eq!(started, Some(steps), "{thickness}");

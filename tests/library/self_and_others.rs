@@ -2,6 +2,7 @@
 //! failure: a ray that meets another fold of its own body is refused there.
 
 use crate::common::STRIDE;
+use crate::common::assert_every_ray_is_counted;
 use crate::common::ends::{Ends, Offset, ends};
 use crate::common::random::Random;
 use crate::common::shapes::{self, Shape};
@@ -37,8 +38,7 @@ fn compare(seed: u64, past_folds: bool) -> (usize, usize) {
     let ([first, second], body) = lobes_and_body(seed);
     let second_offset = Offset { triangle: first.triangles.len() as u32, vertex: first.positions.len() as u32 };
     let whole = pair(&first.joined(&second), &body, &options(past_folds));
-    let counts = &whole.statistics;
-    assert_eq!(counts.rays, counts.misses + counts.entry_hits + counts.own_surface_hits + whole.len() as u64);
+    assert_every_ray_is_counted(&whole);
     let none = Offset::default();
     let found: Vec<(u32, Ends<f64>)> = whole.contacts.iter().map(|c| (c.colliding, ends(c, [none; 2]))).collect();
     let (mut all, mut missing) = (0, 0);
@@ -87,11 +87,13 @@ fn a_scene_finds_both_kinds() {
             let (other, number) = (scene.add(body.mesh()), scene.add(folded.mesh()));
             let mut found = ContactList::default();
             scene.query(&mut found);
+            assert_every_ray_is_counted(&found);
             assert_eq!(found.statistics.self_contacts, 0, "off for a new body");
 
             scene.set_self_collision(number, true).expect("it was added");
             scene.set_self_collision(other, true).expect("it was added");
             scene.query(&mut found);
+            assert_every_ray_is_counted(&found);
             let mesh = folded.mesh();
             let mut own = ContactList::default();
             query_self(&mesh, &Octree::new(&mesh), &options(false), &mut own).expect("the octree is new");
@@ -104,6 +106,7 @@ fn a_scene_finds_both_kinds() {
 
             scene.set_self_collision(number, false).expect("it was added");
             scene.query(&mut found);
+            assert_every_ray_is_counted(&found);
             assert_eq!(found.contacts, pair(&body, &folded, &options(false)).contacts);
         }
     }
@@ -139,9 +142,8 @@ fn edges_find_their_way_past_folds() {
     let expected = pair(&first, &body, &DetectionOptions { edges: true, ..options(false) });
     let missing = |past_folds: bool| {
         let whole = pair(&first.joined(&fold), &body, &DetectionOptions { edges: true, ..options(past_folds) });
-        let counts = &whole.statistics;
-        assert_eq!(counts.rays, counts.misses + counts.entry_hits + counts.own_surface_hits + whole.len() as u64);
-        assert_eq!(counts.past_folds > 0, past_folds);
+        assert_every_ray_is_counted(&whole);
+        assert_eq!(whole.statistics.past_folds > 0, past_folds);
         let none = [Offset::default(); 2];
         let found: Vec<_> = whole.contacts.iter().map(|contact| (contact.colliding, ends(contact, none))).collect();
         expected.contacts.iter().filter(|contact| !is_among(contact, Offset::default(), &found)).count()

@@ -246,6 +246,7 @@ fn assert_nothing_lost(shape: &Shape, steps: impl Iterator<Item = Vec<Point>>) -
         mesh.set_positions(&positions).expect("finite");
         scene.mesh_mut(body).expect("it was added").set_positions(&positions).expect("finite");
         scene.query(&mut culled);
+        assert_balanced(&culled);
         octree.update(&mesh).expect("its own");
         query_self_with_all_rays(&mesh, &octree, &options, &mut all).expect("up to date");
         assert_eq!(culled.contacts, all.contacts, "step {step}");

@@ -111,3 +111,16 @@ fn sizes_beyond_all_numbers_come_to_an_end() {
         assert!(found.statistics.rays >= fewest_rays);
     }
 }
+
+/// Two balls whose boxes overlap in a corner where neither has a triangle: there is nothing to try.
+#[test]
+fn overlaps_without_a_triangle_are_left_at_once() {
+    let ball = || shapes::sphere(3);
+    for apart in [1.9, 1.99, 1.2] {
+        let meshes = [ball(), ball().moved([apart; 3])].map(|shape| shape.mesh::<f64>());
+        for tolerance in [1e-3, 0.03, 1.0] {
+            let found = detect(&meshes, Layout::Wide, Sampling::Tolerance(tolerance));
+            assert_eq!((found.statistics.pairs, found.len()), (1, 0));
+        }
+    }
+}

@@ -67,6 +67,7 @@ class ClassicContact {
     if (!(time_step > 0)) throw std::invalid_argument("apply: the time step must be above 0");
     number_nodes();
     surfaces_.detect({});
+    surfaces_.advance(time_step);
     rows_.clear();
     detail::ContactFolding folding(surfaces_, rows_, 0);
     folding.fold_contacts(surfaces_, [](int, int) { return true; });

@@ -163,6 +163,7 @@ class ContactForce : public btDeformableLagrangianForce {
     const LookAhead ahead = look_ahead();
     collect_velocities(ahead);
     surfaces_.detect(ahead);
+    surfaces_.advance(static_cast<double>(solver_->m_objective->m_dt));
     rows_.clear();
     detail::ContactFolding folding(surfaces_, rows_, ahead.time, options_.friction > 0 ? &anchors_ : nullptr);
     folding.fold_contacts(surfaces_, [](int, int) { return true; });

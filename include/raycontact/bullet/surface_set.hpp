@@ -111,6 +111,9 @@ class SurfaceSet {
     detection_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   }
 
+  /** Ends the step, after its first detection: what is found from now on in the same step changes nothing for the next. */
+  void advance(double seconds) { scene_.advance(seconds); }
+
   /** Positions as they are now, for restore_positions() after another detection in the same step. */
   void keep_positions() {
     for (ContactBody& body : bodies_) body.kept_positions = body.positions;

@@ -1,17 +1,25 @@
 use super::tile::TILE_SIZE;
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
-use crate::mesh::{Mesh, Topology};
+use crate::mesh::{Mesh, OrderInSpace, Topology};
 
-/// Cuts the surface into tiles: each grows from a seed over shared edges until it has 16 triangles or would have more
-/// than 16 vertices. Which neighbour is next: the one that adds the fewest vertices, then the one nearest to the
-/// tile's centre, then the smallest index. A new tile starts where the last one could not go on, so that few remnants
-/// are left between tiles.
+/// Cuts the surface, at its reference positions, into tiles: each grows from a seed over shared edges until it has 16
+/// triangles or would have more than 16 vertices. Which neighbour is next: the one that adds the fewest vertices, then the
+/// one nearest to the tile's centre, then the first in space. A new tile starts where the last one could not go on, so that
+/// few remnants are left between tiles.
 pub(super) fn cluster<T: Scalar>(mesh: &Mesh<T>) -> Vec<Vec<u32>> {
     let count = mesh.topology().triangles().len();
-    let mut growth = Growth { mesh, taken: memory::filled(false, count), seeds: Vec::new() };
+    let in_space = OrderInSpace::new(mesh);
+    // Thrice the centres: all are compared alike.
+    let centre = |triangle: u32| {
+        let [a, b, c] = in_space.corners(triangle);
+        a + b + c
+    };
+    let centres = memory::listed((0..count as u32).map(centre));
+    let (topology, places) = (mesh.topology(), in_space.places());
+    let mut growth = Growth { topology, centres, places, taken: memory::filled(false, count), seeds: Vec::new() };
     let mut tiles = memory::with_room(count / 12 + 1);
-    for first in 0..count as u32 {
+    for &first in &in_space.order {
         growth.seeds.room_for(1).push(first);
         while let Some(seed) = growth.seeds.pop() {
             if !growth.taken[seed as usize] {
@@ -24,7 +32,10 @@ pub(super) fn cluster<T: Scalar>(mesh: &Mesh<T>) -> Vec<Vec<u32>> {
 }
 
 struct Growth<'a, T: Scalar> {
-    mesh: &'a Mesh<T>,
+    topology: &'a Topology,
+    centres: Vec<Vector3<T>>,
+    /// In space.
+    places: Vec<u32>,
     taken: Vec<bool>,
     seeds: Vec<u32>,
 }
@@ -41,18 +52,19 @@ impl<T: Scalar> Growth<'_, T> {
             let triangle = border.swap_remove(place);
             self.taken[triangle as usize] = true;
             tile.room_for(1).push(triangle);
-            sum += self.centre(triangle);
-            for vertex in self.mesh.topology().triangles()[triangle as usize] {
+            sum += self.centres[triangle as usize];
+            for vertex in self.topology.triangles()[triangle as usize] {
                 if !vertices.contains(&vertex) {
                     vertices.room_for(1).push(vertex);
                 }
             }
-            for neighbour in neighbours(self.mesh.topology(), triangle) {
+            for neighbour in neighbours(self.topology, triangle) {
                 if !self.taken[neighbour as usize] && !border.contains(&neighbour) {
                     border.room_for(1).push(neighbour);
                 }
             }
         }
+        border.sort_unstable_by_key(|&triangle| self.places[triangle as usize]);
         memory::append(&mut self.seeds, border);
         tile
     }
@@ -60,22 +72,16 @@ impl<T: Scalar> Growth<'_, T> {
     /// The place in `border` of the triangle to take next; `None` where all have too many new vertices.
     fn best(&self, border: &[u32], vertices: &[u32], centre: &Vector3<T>) -> Option<usize> {
         let ranked = border.iter().enumerate().filter_map(|(place, &triangle)| {
-            let corners = self.mesh.topology().triangles()[triangle as usize];
+            let corners = self.topology.triangles()[triangle as usize];
             let new = corners.iter().filter(|corner| !vertices.contains(corner)).count();
-            let distance = (self.centre(triangle) - centre).norm_squared();
-            (vertices.len() + new <= TILE_SIZE).then_some((new, distance, triangle, place))
+            let distance = (self.centres[triangle as usize] - centre).norm_squared();
+            (vertices.len() + new <= TILE_SIZE).then_some((new, distance, self.places[triangle as usize], place))
         });
         let best = ranked.min_by(|a, b| {
             let by_distance = a.1.partial_cmp(&b.1).unwrap_or(std::cmp::Ordering::Equal);
             a.0.cmp(&b.0).then(by_distance).then(a.2.cmp(&b.2))
         });
         best.map(|(.., place)| place)
-    }
-
-    /// Thrice the centre: all are compared alike.
-    fn centre(&self, triangle: u32) -> Vector3<T> {
-        let [a, b, c] = self.mesh.corners(triangle);
-        a + b + c
     }
 }
 

@@ -6,13 +6,14 @@ use crate::mesh::Mesh;
 /// The centre of a tile's box, and the tile.
 type Place<T> = (Vector3<T>, u32);
 
-/// Groups tiles, given by their triangles, into nodes of up to sixteen children, from the root down: a set of tiles is
+/// Groups tiles, given by their triangles, at the reference positions into nodes of up to sixteen children, from the root down: a set of tiles is
 /// halved along the longest side of its centres' box again and again, at places that leave as few nodes as can be. Gives
 /// the tiles in the order in which the nodes lead to them, so that neighbours in space are neighbours in memory.
 pub(super) fn group<T: Scalar>(mesh: &Mesh<T>, mut tiles: Vec<Vec<u32>>) -> (Vec<Node<T>>, Vec<Vec<u32>>) {
     let place = |(index, triangles): (usize, &Vec<u32>)| {
         let mut aabb = Aabb::empty();
-        triangles.iter().flat_map(|&triangle| mesh.corners(triangle)).for_each(|corner| aabb.include(&corner));
+        let corners = triangles.iter().flat_map(|&triangle| mesh.topology().triangles()[triangle as usize]);
+        corners.for_each(|vertex| aabb.include(&mesh.reference_positions()[vertex as usize]));
         (aabb.centre(), index as u32)
     };
     let mut places: Vec<Place<T>> = memory::listed(tiles.iter().enumerate().map(place));

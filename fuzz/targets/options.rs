@@ -1,0 +1,2 @@
+#![no_main]
+libfuzzer_sys::fuzz_target!(|input: &[u8]| raycontact_fuzz::options::run(&mut raycontact_fuzz::Bytes::new(input)));

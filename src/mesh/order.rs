@@ -1,0 +1,67 @@
+//! An order of a mesh's triangles that does not depend on how vertices, triangles and corners are numbered.
+
+use super::Mesh;
+use crate::math::{Scalar, Vector3};
+use crate::memory;
+use std::cmp::Ordering;
+
+/// The triangles in the order in which their corners come in space, at the reference positions: what is settled once for a
+/// mesh goes by it, so that other numbers give the same tiles and patches.
+pub(crate) struct OrderInSpace<'a, T: Scalar> {
+    positions: &'a [Vector3<T>],
+    triangles: &'a [[u32; 3]],
+    /// By vertex; vertices in one place have the same.
+    ranks: Vec<u32>,
+    /// The triangles, in order.
+    pub(crate) order: Vec<u32>,
+}
+
+impl<'a, T: Scalar> OrderInSpace<'a, T> {
+    pub(crate) fn new(mesh: &'a Mesh<T>) -> Self {
+        let (positions, triangles) = (mesh.reference_positions(), mesh.topology().triangles());
+        let ranks = ranks(positions);
+        let sorted = |corners: &[u32; 3]| first_rank_first(*corners, &ranks).map(|vertex| ranks[vertex as usize]);
+        let mut keys = memory::listed(triangles.iter().zip(0u32..).map(|(corners, number)| (sorted(corners), number)));
+        keys.sort_unstable();
+        let order = memory::listed(keys.iter().map(|&(_, triangle)| triangle));
+        Self { positions, triangles, ranks, order }
+    }
+
+    /// By triangle its place in the order.
+    pub(crate) fn places(&self) -> Vec<u32> {
+        let mut places = memory::filled(0, self.order.len());
+        self.order.iter().zip(0..).for_each(|(&triangle, place)| places[triangle as usize] = place);
+        places
+    }
+
+    /// The corners of a triangle at the reference positions, beginning with the first in space: sums over them have the
+    /// same bits however the triangle is numbered.
+    pub(crate) fn corners(&self, triangle: u32) -> [Vector3<T>; 3] {
+        let corners = first_rank_first(self.triangles[triangle as usize], &self.ranks);
+        corners.map(|vertex| self.positions[vertex as usize])
+    }
+}
+
+fn first_rank_first(mut corners: [u32; 3], ranks: &[u32]) -> [u32; 3] {
+    let [a, b, c] = corners.map(|vertex| ranks[vertex as usize]);
+    let first = if a <= b && a <= c { 0 } else { 1 + usize::from(c < b) };
+    corners.rotate_left(first);
+    corners
+}
+
+/// How many other places come before each position's.
+fn ranks<T: Scalar>(positions: &[Vector3<T>]) -> Vec<u32> {
+    let compare = |a: u32, b: u32| {
+        let [a, b] = [a, b].map(|vertex| positions[vertex as usize]);
+        [a.x, a.y, a.z].partial_cmp(&[b.x, b.y, b.z]).unwrap_or(Ordering::Equal)
+    };
+    let mut sorted = memory::listed(0..positions.len() as u32);
+    sorted.sort_unstable_by(|&a, &b| compare(a, b));
+    let mut ranks = memory::filled(0, positions.len());
+    let mut rank = 0;
+    for (place, &vertex) in sorted.iter().enumerate() {
+        rank += u32::from(place > 0 && compare(sorted[place - 1], vertex) != Ordering::Equal);
+        ranks[vertex as usize] = rank;
+    }
+    ranks
+}
