@@ -63,13 +63,20 @@ int main(int argc, char** argv) {
   check_broken("empty.obj", "", NULL);
   check_broken("binary.obj", "\x01\x02\xff\xfe\x80", NULL);
 
+  check_broken("continued.obj", "v 0 0 \\\n0\nv 1 0 \\\n zero\n" TETRAHEDRON_FACES, "line 3: 'zero'");
+
   /* Readable, but not a closed surface: the mesh's own statuses. */
   check_refused(write_file("open.obj", TETRAHEDRON_VERTICES "f 1 3 2\nf 1 2 4\nf 1 4 3\n"), "open.obj",
-                RAYC_STATUS_MESH_OPEN, "edge");
+                RAYC_STATUS_MESH_OPEN, "edge (2, 3) belongs to the face in line 5");
+  check_refused(write_file("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nv 0 0 1\n" TETRAHEDRON_FACES), "nan.obj",
+                RAYC_STATUS_NOT_FINITE, "vertex 1 has a coordinate that is NaN or infinite; check the input");
 
   rayc_mesh* mesh = NULL;
   size_t count = 0;
-  CHECK_OK(rayc_mesh_create_from_obj(NULL, write_file("good.obj", TETRAHEDRON_VERTICES TETRAHEDRON_FACES), &mesh));
+  /* With a byte-order mark, a comment in Latin-1, points, and a line that goes on. */
+  const char* good = write_file("good.obj", "\xef\xbb\xbf# Kr\xf6te\nvp 0.5\n" TETRAHEDRON_VERTICES
+                                            "p 1 2\nf 1 3 \\\n2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  CHECK_OK(rayc_mesh_create_from_obj(NULL, good, &mesh));
   CHECK_OK(rayc_mesh_triangle_count(mesh, &count));
   CHECK(count == 4);
   CHECK_OK(rayc_mesh_destroy(mesh));

@@ -119,12 +119,71 @@ static void refuses_an_inward_mesh(void) {
   check_refused("inside out", &mesh, RAYC_STATUS_MESH_INWARD, "inside out", NULL);
 }
 
+/* A second octahedron of half the size and inside out, `away` from the first along x. */
+static mesh_case with_inward_part(double away) {
+  mesh_case mesh = octahedron();
+  for (size_t i = 0; i < 3 * OCTAHEDRON_VERTICES; ++i) {
+    mesh.positions[3 * OCTAHEDRON_VERTICES + i] = mesh.positions[i] / 2 + (i % 3 == 0 ? away : 0);
+  }
+  for (size_t i = 0; i < OCTAHEDRON_TRIANGLES; ++i) {
+    for (size_t k = 0; k < 3; ++k) {
+      mesh.triangles[3 * (OCTAHEDRON_TRIANGLES + i) + k] = mesh.triangles[3 * i + k] + OCTAHEDRON_VERTICES;
+    }
+    flip(&mesh, OCTAHEDRON_TRIANGLES + i);
+  }
+  mesh.vertex_count = 2 * OCTAHEDRON_VERTICES;
+  mesh.triangle_count = 2 * OCTAHEDRON_TRIANGLES;
+  return mesh;
+}
+
+static void refuses_an_inward_part(void) {
+  mesh_case mesh = with_inward_part(5);
+  /* Its triangles are 8 to 15; the sum of both volumes is positive. */
+  mesh_case turned = mesh;
+  check_refused("beside", &mesh, RAYC_STATUS_MESH_INWARD, "inside out", "with triangle 1");
+  for (size_t i = 0; i < turned.triangle_count; ++i) {
+    flip(&turned, i);
+  }
+  check_refused("the other one", &turned, RAYC_STATUS_MESH_INWARD, "inside out", "count from 0");
+  mesh = with_inward_part(0.75);
+  check_refused("sticks out", &mesh, RAYC_STATUS_MESH_INWARD, "inside out", "with triangle ");
+}
+
+static void refuses_a_flat_part(void) {
+  static const uint32_t both_sides[] = {0, 2, 4, 0, 4, 2};
+  mesh_case mesh = octahedron();
+  memcpy(mesh.triangles, both_sides, sizeof both_sides);
+  mesh.triangle_count = 2;
+  check_refused("two sides of one triangle", &mesh, RAYC_STATUS_MESH_FLAT, "encloses no volume", "triangle 0");
+}
+
+/* Numbers, but too large for the mesh's precision: by themselves, or as areas. */
+static void refuses_what_is_beyond_the_range(void) {
+  mesh_case mesh = octahedron();
+  for (size_t i = 0; i < 3 * OCTAHEDRON_VERTICES; ++i) {
+    mesh.positions[i] *= 1e200;
+  }
+  check_refused("areas overflow", &mesh, RAYC_STATUS_MESH_BEYOND_RANGE, "triangle 0", "largest number");
+
+  rayc_mesh_options options;
+  CHECK_OK(rayc_default_mesh_options(sizeof options, &options));
+  options.precision = RAYC_SCALAR_F32;
+  mesh = octahedron();
+  mesh.positions[3 * 4 + 2] = 1e39;
+  const rayc_vectors vectors = packed(mesh.positions, mesh.vertex_count);
+  rayc_mesh* handle = NULL;
+  const rayc_status actual = rayc_mesh_create(&options, &vectors, mesh.triangles, mesh.triangle_count, &handle);
+  CHECK_STATUS(actual, RAYC_STATUS_MESH_BEYOND_RANGE, "vertex 4 has the coordinate 1e39");
+  CHECK_STATUS(actual, RAYC_STATUS_MESH_BEYOND_RANGE, "double precision");
+  CHECK(handle == NULL);
+}
+
 static void refuses_positions_that_are_not_finite(void) {
   const double bad[] = {NAN, INFINITY, -INFINITY};
   for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
     mesh_case mesh = octahedron();
     mesh.positions[3 * 4 + i] = bad[i];
-    check_refused("not finite", &mesh, RAYC_STATUS_NOT_FINITE, "4", NULL);
+    check_refused("not finite", &mesh, RAYC_STATUS_NOT_FINITE, "vertex 4", "check the input");
   }
 }
 
@@ -153,6 +212,12 @@ static void accepts_sheets_that_touch_in_a_vertex(void) {
   check_accepted(&mesh);
 }
 
+/* A hollow body: its inner surface faces the hollow. */
+static void accepts_a_cavity(void) {
+  const mesh_case mesh = with_inward_part(0);
+  check_accepted(&mesh);
+}
+
 int main(void) {
   refuses_an_empty_mesh();
   refuses_an_index_out_of_range();
@@ -161,7 +226,11 @@ int main(void) {
   refuses_an_inconsistent_orientation();
   refuses_a_non_manifold_mesh();
   refuses_an_inward_mesh();
+  refuses_an_inward_part();
+  refuses_a_flat_part();
+  refuses_what_is_beyond_the_range();
   refuses_positions_that_are_not_finite();
+  accepts_a_cavity();
   accepts_a_vertex_without_triangle();
   accepts_sheets_that_touch_in_a_vertex();
   return check_result();

@@ -313,6 +313,9 @@ void bad_rigid_bodies() {
   std::swap(inward.triangles[0], inward.triangles[1]);
   world.contact().remove_rigid_body(*moving);
   expect_refusal([&] { world.contact().add_rigid_body(*moving, inward); }, test, "MESH");
+  bullet::RigidSurface odd = bullet::surface_of_shape(box);
+  odd.triangles.push_back(0);
+  expect_refusal([&] { world.contact().add_rigid_body(*moving, odd); }, test, "no multiple of three");
 }
 
 }  // namespace

@@ -285,6 +285,18 @@ void bad_bodies() {
         for (std::size_t t = 0; t < s.triangles.size(); t += 3) std::swap(s.triangles[t], s.triangles[t + 1]);
       },
       "MESH_INWARD");
+  refused([](btSoftBody&, bullet::Skin& s) { s.triangles.push_back(0); }, "no multiple of three");
+  const demo::Surface torus = demo::torus(12, 6);
+  std::vector<double> positions = torus.positions;
+  std::vector<uint32_t> triangles = torus.triangles;
+  positions.push_back(0);
+  triangles.resize(triangles.size() - 1);
+  const char* said = "no multiple of three";
+  expect_refusal([&] { bullet::make_cage(positions, torus.triangles); }, "a number too many", said);
+  expect_refusal([&] { bullet::make_cage(torus.positions, triangles); }, "a number too few", said);
+  expect_refusal([&] { bullet::make_cage(torus.positions, triangles, {{2, 2, 2}}); }, "a number too few", said);
+  expect_refusal([&] { bullet::InsideTest(positions, torus.triangles); }, "a number too many", said);
+  expect_refusal([&] { bullet::InsideTest(torus.positions, triangles); }, "a number too few", said);
   bullet::ContactOptions options;
   options.damping_time = -1;
   expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "damping_time");

@@ -61,8 +61,18 @@ void views_show_arrays_as_they_are() {
   CHECK(five.data == &padded[0][0] && five.count == 5 && five.stride == sizeof(Padded));
   CHECK(five.scalar == RAYC_SCALAR_F32);
   CHECK(vectors(std::vector<Point>{}).count == 0);
-  const std::vector<double> odd(11);
-  check_throws(RAYC_STATUS_INVALID_STRIDE, "stride", [&] { Mesh(vectors(odd), faces); });
+  // One or two numbers too many are not left out.
+  for (std::size_t size : {1u, 2u, 10u, 11u, 13u}) {
+    const std::vector<double> odd(size);
+    std::vector<float> odd_floats(size);
+    const std::string said = "array of " + std::to_string(size) + " numbers, which is no multiple of three";
+    check_throws(RAYC_STATUS_INVALID_STRIDE, said.c_str(), [&] { Mesh(vectors(odd), faces); });
+    Mesh mesh(vectors(corners), faces);
+    check_throws(RAYC_STATUS_INVALID_STRIDE, said.c_str(), [&] { mesh.set_positions(vectors(odd)); });
+    const rayc_vectors_mut view = vectors_mut(odd_floats);
+    check_throws(RAYC_STATUS_INVALID_STRIDE, said.c_str(),
+                 [&] { raycontact::check(rayc_mesh_copy_positions(mesh.get(), &view)); });
+  }
 }
 
 void errors_are_exceptions() {

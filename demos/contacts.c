@@ -6,7 +6,8 @@
 
 #include "raycontact.h"
 
-enum { EXIT_OK = 0, EXIT_INPUT = 1, EXIT_USAGE = 2 };
+/* 1 is left to programs whose answer may be no. */
+enum { EXIT_OK = 0, EXIT_TROUBLE = 2 };
 
 typedef struct arguments {
   const char* paths[2];
@@ -45,14 +46,14 @@ static void print_usage(FILE* out) {
       "  --csv           print one row per contact instead of the table\n"
       "  --help          print this\n"
       "\n"
-      "Exit status: 0 done, 1 a file or surface cannot be used, 2 wrong command line.\n",
+      "Exit status: 0 done, 2 wrong usage or unusable input.\n",
       out);
 }
 
 static int usage_error(const char* what, const char* argument) {
   fprintf(stderr, "contacts: %s%s\n\n", what, argument);
   print_usage(stderr);
-  return EXIT_USAGE;
+  return EXIT_TROUBLE;
 }
 
 static int parse_number(const char* text, double* number) {
@@ -105,7 +106,7 @@ static void* allocate(size_t count, size_t size) {
   void* memory = calloc(count != 0 ? count : 1, size);
   if (memory == NULL) {
     fprintf(stderr, "contacts: out of memory for %zu items\n", count);
-    exit(EXIT_INPUT);
+    exit(EXIT_TROUBLE);
   }
   return memory;
 }
@@ -118,12 +119,12 @@ static rayc_vectors_mut vectors_mut(double* data, size_t count) {
 /* The mesh's positions as a new array. */
 static double* copy_positions(const rayc_mesh* mesh, size_t* count) {
   if (!succeeded(rayc_mesh_vertex_count(mesh, count), "counting vertices")) {
-    exit(EXIT_INPUT);
+    exit(EXIT_TROUBLE);
   }
   double* positions = allocate(3 * *count, sizeof *positions);
   const rayc_vectors_mut out = vectors_mut(positions, *count);
   if (!succeeded(rayc_mesh_copy_positions(mesh, &out), "reading positions")) {
-    exit(EXIT_INPUT);
+    exit(EXIT_TROUBLE);
   }
   return positions;
 }
@@ -290,5 +291,5 @@ int main(int argc, char** argv) {
   memset(&run, 0, sizeof run);
   const int done = detect(&arguments, &run) && read_contacts(&run) && report(&arguments, &run);
   free_run(&run);
-  return done ? EXIT_OK : EXIT_INPUT;
+  return done ? EXIT_OK : EXIT_TROUBLE;
 }

@@ -87,12 +87,14 @@ inline Options parse_options(int argc, char** argv) {
       {"--around", {&options.around, true, 6}},     {"--spacing", {&options.spacing, false, -1}},
       {"--tolerance", {&options.tolerance, false, 0}},
   };
+  // Whatever else is asked for.
+  for (int i = 1; i < argc; ++i)
+    if (std::string(argv[i]) == "--help" || std::string(argv[i]) == "-h") options.help = true;
+  if (options.help) return options;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     const auto number = numbers.find(argument);
-    if (argument == "--help" || argument == "-h") {
-      options.help = true;
-    } else if (number != numbers.end() || argument == "--out") {
+    if (number != numbers.end() || argument == "--out") {
       if (i + 1 == argc) throw UsageError(argument + " needs a value");
       const std::string value = argv[++i];
       if (argument == "--out") options.out = value;

@@ -126,13 +126,22 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_MESH_NON_MANIFOLD = 205,
   /**
-   * The surface is closed but inside out.
+   * A closed part of the surface is inside out, and no cavity of another.
    */
   RAYC_STATUS_MESH_INWARD = 206,
   /**
    * More vertices or triangles than 32-bit indices reach.
    */
   RAYC_STATUS_MESH_TOO_LARGE = 207,
+  /**
+   * A closed part of the surface encloses no volume.
+   */
+  RAYC_STATUS_MESH_FLAT = 208,
+  /**
+   * A finite coordinate, or the area of a triangle, is beyond the largest number of the mesh's precision. New positions
+   * may also be refused with this.
+   */
+  RAYC_STATUS_MESH_BEYOND_RANGE = 209,
   /**
    * The octree is older than its mesh's positions: call rayc_octree_update().
    */
@@ -796,8 +805,8 @@ enum rayc_status rayc_mesh_create(const struct rayc_mesh_options *options,
                                   struct rayc_mesh **mesh);
 
 /**
- * Reads a surface from a Wavefront .obj file: vertices in the file's order and through float, faces of all objects
- * together, polygons cut into triangle fans.
+ * Reads a surface from a Wavefront .obj file: vertices in the file's order, faces of all objects together, polygons cut
+ * into triangle fans. Messages count lines and vertices from 1, as the file does.
  *
  * options: NULL for the defaults. path: UTF-8, ended by zero. *mesh: the new handle.
  *
@@ -815,7 +824,8 @@ enum rayc_status rayc_mesh_destroy(struct rayc_mesh *mesh);
 /**
  * Renews the positions of all vertices. Octrees of this mesh are stale from here on.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; the positions are then as before.
+ * Errors: RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE; the positions are then as
+ * before.
  */
 enum rayc_status rayc_mesh_set_positions(struct rayc_mesh *mesh, const struct rayc_vectors *positions);
 
@@ -1058,7 +1068,8 @@ enum rayc_status rayc_scene_remove_body(struct rayc_scene *scene, uint32_t body)
 /**
  * Renews the positions of a body's vertices.
  *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; the positions are then as before.
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE; the
+ * positions are then as before.
  */
 enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
                                           uint32_t body,

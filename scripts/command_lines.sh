@@ -8,7 +8,8 @@ usage: scripts/command_lines.sh [--help]
 
 Runs every program with --help and with an unknown option: --help prints the usage and the exit statuses and ends with 0, an
 unknown option is named on standard error and ends with 2, and nothing is coloured that is not a terminal. On a
-terminal, colour is there, and not with NO_COLOR. The demos are those of 'cmake --workflow --preset test'.
+terminal, colour is there, and not with NO_COLOR. The demos contacts and two_bodies, which read the same files, end with
+the same status for the same fault. The demos are those of 'cmake --workflow --preset test'.
 Exit status: 0 when all programs keep to it, 1 when one does not, 2 for a wrong command line.
 END
 }
@@ -54,6 +55,53 @@ for program in "${programs[@]}"; do
     [[ ! -s "$out/stdout" ]] || fail "'$program' says what is wrong on standard output"
     count=$((count + 1))
 done
+
+# The same files and the same faults for both programs that take two of them.
+corners="v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+printf '%b' "${corners}f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n" >"$out/closed.obj"
+printf '%b' "${corners}f 1 3 2\nf 1 2 4\nf 1 4 3\n" >"$out/open.obj"
+printf '%b' "${corners}f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n" >"$out/inward.obj"
+printf '%b' "${corners}f 1 2 3\nf 1 3 2\n" >"$out/flat.obj"
+printf '%b' "${corners}f 1 3 9\n" >"$out/broken.obj"
+printf '%b' "${corners/0 0 1/0 0 nan}f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n" >"$out/nan.obj"
+: >"$out/empty.obj"
+mkdir "$out/folder.obj"
+
+# fault <expected status> <what standard error says> <argument>...
+fault() {
+    local expected="$1" said="$2" program
+    shift 2
+    for program in "$demos/contacts" "$demos/two_bodies"; do
+        run "$expected" "$program" "$@"
+        grep -q -- "$said" "$out/stderr" || fail "'$program $*' does not say '$said': $(head -n 3 "$out/stderr")"
+        [[ ! -s "$out/stdout" ]] || fail "'$program $*' says what is wrong on standard output"
+    done
+}
+
+for program in "$demos/contacts" "$demos/two_bodies"; do
+    run 0 "$program" --help
+    grep -q 'Exit status: 0 .*2 wrong usage or unusable input' "$out/stdout" || fail "'$program --help' tells other statuses"
+    run 0 "$program" --no-such-option --help
+done
+while read -r file said; do
+    fault 2 "$file.obj.*$said" "$out/$file.obj" "$out/closed.obj"
+    fault 2 "$file.obj.*$said" "$out/closed.obj" "$out/$file.obj"
+done <<END
+missing No such file
+folder directory
+empty no faces
+broken line 5
+open open
+inward inside out
+flat encloses no volume
+nan NaN
+END
+fault 2 'two .obj files' "$out/closed.obj"
+fault 2 'file' "$out/closed.obj" "$out/closed.obj" "$out/closed.obj"
+fault 2 'no-such-option' "$out/closed.obj" "$out/closed.obj" --no-such-option
+fault 2 '--spacing' "$out/closed.obj" "$out/closed.obj" --spacing
+fault 2 '--spacing' "$out/closed.obj" "$out/closed.obj" --spacing up
+fault 2 '--spacing' "$out/missing.obj" "$out/closed.obj" --spacing nan
 
 # colours <command>: whether it colours a terminal. `script` lends it one.
 colours() {

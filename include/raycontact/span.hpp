@@ -65,8 +65,8 @@ View view_of(Container& values) {
   using Element = std::remove_cv_t<std::remove_reference_t<decltype(*values.data())>>;
   const std::size_t size = static_cast<std::size_t>(values.size());
   if constexpr (std::is_arithmetic<Element>::value) {
-    // A stride that every call refuses; the length of the array is wrong.
-    return view<View, Element>(values.data(), size / 3, size % 3 == 0 ? 0 : 1);
+    // How many numbers are left over, 1 or 2, is a stride that every call refuses, and by which its message knows.
+    return view<View, Element>(values.data(), size / 3, size % 3);
   } else {
     using Scalar = std::remove_cv_t<std::remove_reference_t<decltype((*values.data())[0])>>;
     static_assert(sizeof(Element) >= 3 * sizeof(Scalar), "the elements are vectors of three numbers or more");

@@ -46,10 +46,15 @@ pub enum rayc_status {
     RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION = 204,
     /// An edge belongs to more than two triangles.
     RAYC_STATUS_MESH_NON_MANIFOLD = 205,
-    /// The surface is closed but inside out.
+    /// A closed part of the surface is inside out, and no cavity of another.
     RAYC_STATUS_MESH_INWARD = 206,
     /// More vertices or triangles than 32-bit indices reach.
     RAYC_STATUS_MESH_TOO_LARGE = 207,
+    /// A closed part of the surface encloses no volume.
+    RAYC_STATUS_MESH_FLAT = 208,
+    /// A finite coordinate, or the area of a triangle, is beyond the largest number of the mesh's precision. New positions
+    /// may also be refused with this.
+    RAYC_STATUS_MESH_BEYOND_RANGE = 209,
 
     /// The octree is older than its mesh's positions: call rayc_octree_update().
     RAYC_STATUS_OCTREE_STALE = 300,
@@ -95,19 +100,24 @@ impl Failure {
 
 impl From<MeshError> for Failure {
     fn from(error: MeshError) -> Self {
-        let status = match error {
-            MeshError::Empty => RAYC_STATUS_MESH_EMPTY,
-            MeshError::TooLarge { .. } => RAYC_STATUS_MESH_TOO_LARGE,
-            MeshError::IndexOutOfRange { .. } => RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE,
-            MeshError::DegenerateTriangle { .. } => RAYC_STATUS_MESH_DEGENERATE_TRIANGLE,
-            MeshError::Open { .. } => RAYC_STATUS_MESH_OPEN,
-            MeshError::InconsistentOrientation { .. } => RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION,
-            MeshError::NonManifold { .. } => RAYC_STATUS_MESH_NON_MANIFOLD,
-            MeshError::Inward { .. } => RAYC_STATUS_MESH_INWARD,
-            MeshError::WrongCount { .. } => RAYC_STATUS_WRONG_COUNT,
-            MeshError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
-        };
-        Self::new(status, text!("{error}"))
+        Self::new(mesh_status(&error), text!("{error}"))
+    }
+}
+
+pub(super) fn mesh_status(error: &MeshError) -> rayc_status {
+    match error {
+        MeshError::Empty => RAYC_STATUS_MESH_EMPTY,
+        MeshError::TooLarge { .. } => RAYC_STATUS_MESH_TOO_LARGE,
+        MeshError::IndexOutOfRange { .. } => RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE,
+        MeshError::DegenerateTriangle { .. } => RAYC_STATUS_MESH_DEGENERATE_TRIANGLE,
+        MeshError::Open { .. } => RAYC_STATUS_MESH_OPEN,
+        MeshError::InconsistentOrientation { .. } => RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION,
+        MeshError::NonManifold { .. } => RAYC_STATUS_MESH_NON_MANIFOLD,
+        MeshError::Inward { .. } => RAYC_STATUS_MESH_INWARD,
+        MeshError::WrongCount { .. } => RAYC_STATUS_WRONG_COUNT,
+        MeshError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
+        MeshError::Flat { .. } => RAYC_STATUS_MESH_FLAT,
+        MeshError::Overflow { .. } | MeshError::BeyondRange { .. } => RAYC_STATUS_MESH_BEYOND_RANGE,
     }
 }
 

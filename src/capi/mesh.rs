@@ -1,11 +1,11 @@
-use super::failure::{Failure, rayc_status};
+use super::failure::{Failure, mesh_status, rayc_status};
 use super::guard::{guard, guard_end};
 use super::options::{flag, rayc_mesh_options, read_options};
 use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
 use crate::math::Scalar;
 use crate::memory::{self, text};
-use crate::mesh::{Mesh, MeshError, read_obj_file};
+use crate::mesh::{InFile, Mesh, MeshError, read_obj_surface};
 use libc::c_char;
 use std::ffi::CStr;
 use std::path::Path;
@@ -27,15 +27,22 @@ pub(super) enum AnyMesh {
 }
 
 impl AnyMesh {
-    fn new(options: &rayc_mesh_options, positions: &Strided, triangles: &[[u32; 3]]) -> Result<Self, Failure> {
+    /// `failure` words what is wrong with the surface.
+    fn new(
+        options: &rayc_mesh_options,
+        positions: &Strided,
+        triangles: &[[u32; 3]],
+        failure: impl Fn(MeshError) -> Failure,
+    ) -> Result<Self, Failure> {
         fn make<T: Scalar>(open: bool, positions: &Strided, triangles: &[[u32; 3]]) -> Result<Mesh<T>, MeshError> {
-            let positions = read_all(positions);
-            if open { Mesh::open(&positions, triangles) } else { Mesh::new(&positions, triangles) }
+            let read = read_all(positions);
+            let made = if open { Mesh::open(&read, triangles) } else { Mesh::new(&read, triangles) };
+            made.map_err(|error| before_conversion::<T>(error, positions))
         }
         let open = flag("open", options.open)?;
         Ok(match scalar_from(options.precision, "precision")? {
-            rayc_scalar::RAYC_SCALAR_F32 => Self::F32(make(open, positions, triangles)?),
-            rayc_scalar::RAYC_SCALAR_F64 => Self::F64(make(open, positions, triangles)?),
+            rayc_scalar::RAYC_SCALAR_F32 => Self::F32(make(open, positions, triangles).map_err(failure)?),
+            rayc_scalar::RAYC_SCALAR_F64 => Self::F64(make(open, positions, triangles).map_err(failure)?),
         })
     }
 
@@ -52,7 +59,20 @@ fn read_all<T: Scalar>(vectors: &Strided) -> Vec<[T; 3]> {
 }
 
 pub(super) fn renew_positions<T: Scalar>(mesh: &mut Mesh<T>, positions: &Strided) -> Result<(), Failure> {
-    Ok(mesh.set_positions_with(positions.count(), |vertex| positions.read(vertex))?)
+    let renewed = mesh.set_positions_with(positions.count(), |vertex| positions.read(vertex));
+    Ok(renewed.map_err(|error| before_conversion::<T>(error, positions))?)
+}
+
+/// What was not finite may have been so before it was made a float.
+fn before_conversion<T: Scalar>(error: MeshError, positions: &Strided) -> MeshError {
+    let MeshError::NotFinite { vertex, .. } = error else { return error };
+    let given = positions.read::<f64>(vertex);
+    match given.iter().find(|&&x| x.is_finite() && !T::of(x).is_finite()) {
+        Some(&value) if given.iter().all(|x| x.is_finite()) => {
+            MeshError::BeyondRange { vertex, value, largest: T::LARGEST.to_f64() }
+        }
+        _ => error,
+    }
 }
 
 pub(super) fn precision_mismatch() -> Failure {
@@ -83,13 +103,13 @@ pub unsafe extern "C" fn rayc_mesh_create(
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
         let triangles = slice(triangles.cast::<[u32; 3]>(), triangle_count, "triangles")?;
         let place = Output::new(mesh, "mesh")?;
-        give(place, rayc_mesh { mesh: AnyMesh::new(&options, &positions, triangles)? });
+        give(place, rayc_mesh { mesh: AnyMesh::new(&options, &positions, triangles, Failure::from)? });
         Ok(())
     })
 }
 
-/// Reads a surface from a Wavefront .obj file: vertices in the file's order and through float, faces of all objects
-/// together, polygons cut into triangle fans.
+/// Reads a surface from a Wavefront .obj file: vertices in the file's order, faces of all objects together, polygons cut
+/// into triangle fans. Messages count lines and vertices from 1, as the file does.
 ///
 /// options: NULL for the defaults. path: UTF-8, ended by zero. *mesh: the new handle.
 ///
@@ -107,21 +127,19 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
             Failure::new(rayc_status::RAYC_STATUS_FILE_NOT_READABLE, "path is not UTF-8; pass it encoded so")
         })?;
         let place = Output::new(mesh, "mesh")?;
-        let (positions, triangles) = read_obj_file(Path::new(path))?;
+        let surface = read_obj_surface(Path::new(path))?;
         let positions = rayc_vectors {
-            data: positions.as_ptr().cast(),
-            count: positions.len(),
+            data: surface.positions.as_ptr().cast(),
+            count: surface.positions.len(),
             stride: 0,
             scalar: rayc_scalar::RAYC_SCALAR_F64 as u32,
         };
-        let mesh = AnyMesh::new(&options, &Strided::new(&positions, "positions")?, &triangles);
-        give(
-            place,
-            rayc_mesh {
-                mesh: mesh
-                    .map_err(|failure| Failure { message: text!("{path}: {}", failure.message).into(), ..failure })?,
-            },
-        );
+        let failure = |error: MeshError| {
+            let message = InFile { error: &error, surface: &surface };
+            Failure::new(mesh_status(&error), text!("{path}: {message}"))
+        };
+        let mesh = AnyMesh::new(&options, &Strided::new(&positions, "positions")?, &surface.triangles, failure)?;
+        give(place, rayc_mesh { mesh });
         Ok(())
     })
 }
@@ -138,7 +156,8 @@ pub unsafe extern "C" fn rayc_mesh_destroy(mesh: *mut rayc_mesh) -> rayc_status 
 
 /// Renews the positions of all vertices. Octrees of this mesh are stale from here on.
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; the positions are then as before.
+/// Errors: RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE; the positions are then as
+/// before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions: *const rayc_vectors) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.

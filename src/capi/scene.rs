@@ -126,7 +126,8 @@ pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u3
 
 /// Renews the positions of a body's vertices.
 ///
-/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; the positions are then as before.
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE; the
+/// positions are then as before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_set_positions(
     scene: *mut rayc_scene,

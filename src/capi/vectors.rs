@@ -90,10 +90,17 @@ impl Strided {
         };
         let stride = if stride == 0 { packed } else { stride };
         if stride < packed {
-            return Err(Failure::new(
-                rayc_status::RAYC_STATUS_INVALID_STRIDE,
-                text!("{name}.stride is {stride} bytes, but three numbers take {packed}; give at least that, or 0"),
-            ));
+            let message =
+                text!("{name}.stride is {stride} bytes, but three numbers take {packed}; give at least that, or 0");
+            // So the C++ headers show an array with one or two numbers too many.
+            let message = match count.checked_mul(3).and_then(|numbers| numbers.checked_add(stride)) {
+                Some(numbers) if stride < 3 => text!(
+                    "{message}. From raycontact::vectors() it stands for an array of {numbers} numbers, which is no \
+                     multiple of three; give three for each vector"
+                ),
+                _ => message,
+            };
+            return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_STRIDE, message));
         }
         // No array reaches so far; unchecked, the product would wrap and point anywhere.
         if count.checked_mul(stride).is_none_or(|bytes| bytes > isize::MAX as usize) {

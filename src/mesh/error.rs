@@ -1,3 +1,4 @@
+use super::obj_file::ObjSurface;
 use std::fmt;
 
 /// Why a mesh was refused. Nothing was created or changed.
@@ -47,10 +48,22 @@ pub enum MeshError {
         /// How many triangles share it.
         triangle_count: usize,
     },
-    /// Closed and consistent, but its normals point into the body.
+    /// A closed part is consistent, but its normals point into it, and it lies in no other part as a cavity would.
     Inward {
-        /// The enclosed volume, negative or zero.
+        /// One of its triangles.
+        triangle: usize,
+        /// The volume the part encloses, negative.
         volume: f64,
+    },
+    /// A closed part encloses no volume beyond rounding: two sheets back to back, or one half turned against the other.
+    Flat {
+        /// One of its triangles.
+        triangle: usize,
+    },
+    /// A triangle is so large that its area is beyond the largest number of the mesh's precision.
+    Overflow {
+        /// The triangle.
+        triangle: usize,
     },
     /// Positions for another number of vertices.
     WrongCount {
@@ -63,50 +76,161 @@ pub enum MeshError {
     NotFinite {
         /// The vertex.
         vertex: usize,
+        /// Whether the mesh had positions before, and these were to replace them.
+        is_renewal: bool,
     },
+    /// A coordinate is a finite number, but larger than any of the mesh's precision.
+    BeyondRange {
+        /// The vertex.
+        vertex: usize,
+        /// The coordinate.
+        value: f64,
+        /// The largest number of the mesh's precision.
+        largest: f64,
+    },
+}
+
+/// What to call triangles and vertices.
+#[derive(Clone, Copy)]
+enum Names<'a> {
+    /// Those of arrays, which count from 0.
+    OfArrays,
+    /// Those of a file, which counts lines and vertices from 1.
+    OfFile(&'a ObjSurface),
+}
+
+struct Triangle<'a>(Names<'a>, usize);
+
+struct Vertex<'a>(Names<'a>, usize);
+
+impl fmt::Display for Triangle<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Names::OfArrays => write!(f, "triangle {}", self.1),
+            Names::OfFile(surface) => write!(f, "the face in line {}", surface.lines[self.1]),
+        }
+    }
+}
+
+impl fmt::Display for Vertex<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Names::OfArrays => self.1.fmt(f),
+            Names::OfFile(_) => (self.1 + 1).fmt(f),
+        }
+    }
+}
+
+/// An error about the surface of a file, in the file's own numbers.
+pub(crate) struct InFile<'a> {
+    pub(crate) error: &'a MeshError,
+    pub(crate) surface: &'a ObjSurface,
+}
+
+impl fmt::Display for InFile<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.error.write(f, Names::OfFile(self.surface))
+    }
 }
 
 impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        self.write(f, Names::OfArrays)
+    }
+}
+
+impl MeshError {
+    fn write(&self, f: &mut fmt::Formatter<'_>, names: Names<'_>) -> fmt::Result {
+        self.write_fault(f, names)?;
+        match (self, names) {
+            (Self::Empty | Self::TooLarge { .. } | Self::WrongCount { .. }, _) => Ok(()),
+            (_, Names::OfArrays) => write!(f, " (numbers count from 0)"),
+            (_, Names::OfFile(_)) => write!(f, " (lines and vertices count from 1)"),
+        }
+    }
+
+    fn write_fault(&self, f: &mut fmt::Formatter<'_>, names: Names<'_>) -> fmt::Result {
+        let triangle = |number: usize| Triangle(names, number);
+        let vertex = |number: u32| Vertex(names, number as usize);
+        match *self {
             Self::Empty => write!(f, "the mesh has no triangle; give at least four, forming a closed surface"),
             Self::TooLarge { count } => {
-                write!(f, "{count} vertices or triangles are too many; at most {} are allowed", u32::MAX - 1)
+                write!(f, "{count} vertices or triangles are too many; at most {} are allowed", u32::MAX / 3 - 1)
             }
-            Self::IndexOutOfRange { triangle, index, vertex_count } => write!(
+            Self::IndexOutOfRange { triangle: t, index, vertex_count } => write!(
                 f,
-                "triangle {triangle} names vertex {index}, but there are {vertex_count} vertices; indices count from 0"
+                "{} names vertex {}, but there are {vertex_count} vertices; give the number of one of them",
+                triangle(t),
+                vertex(index)
             ),
-            Self::DegenerateTriangle { triangle, corners: [a, b, c] } => write!(
+            Self::DegenerateTriangle { triangle: t, corners } => {
+                let [a, b, c] = corners.map(vertex);
+                write!(
+                    f,
+                    "{} ({a}, {b}, {c}) has no area: a repeated vertex, or corners on one line; remove it or merge its \
+                     vertices",
+                    triangle(t)
+                )
+            }
+            Self::Open { triangle: t, edge } => {
+                let [a, b] = edge.map(vertex);
+                write!(
+                    f,
+                    "the mesh is open: edge ({a}, {b}) belongs to {} only; close the hole, merge duplicate vertices \
+                     along the seam, or say that it may be open",
+                    triangle(t)
+                )
+            }
+            Self::InconsistentOrientation { triangles, edge } => {
+                let ([s, t], [a, b]) = (triangles.map(triangle), edge.map(vertex));
+                write!(
+                    f,
+                    "{s} and {t} run through their shared edge ({a}, {b}) the same way; flip one of them so that all \
+                     face outward"
+                )
+            }
+            Self::NonManifold { edge, triangle_count } => {
+                let [a, b] = edge.map(vertex);
+                write!(
+                    f,
+                    "edge ({a}, {b}) is not manifold: {triangle_count} triangles share it, and only two may; split the \
+                     surface there"
+                )
+            }
+            Self::Inward { triangle: t, volume } => write!(
                 f,
-                "triangle {triangle} ({a}, {b}, {c}) has no area: a repeated vertex, or corners on one line; remove it \
-                 or merge its vertices"
+                "the closed part of the surface with {} is inside out: it encloses a volume of {volume:e}, and is no \
+                 cavity of another part; reverse the corner order of all its triangles",
+                triangle(t)
             ),
-            Self::Open { triangle, edge: [a, b] } => write!(
+            Self::Flat { triangle: t } => write!(
                 f,
-                "the mesh is open: edge ({a}, {b}) belongs to triangle {triangle} only; close the hole, merge \
-                 duplicate vertices along the seam, or say that it may be open"
+                "the closed part of the surface with {} encloses no volume beyond rounding: it is flat, or one half of it \
+                 is turned against the other; give it thickness, or remove one of its sides and say that the mesh may \
+                 be open",
+                triangle(t)
             ),
-            Self::InconsistentOrientation { triangles: [s, t], edge: [a, b] } => write!(
+            Self::Overflow { triangle: t } => write!(
                 f,
-                "triangles {s} and {t} run through their shared edge ({a}, {b}) the same way; flip one of them so that \
-                 all face outward"
-            ),
-            Self::NonManifold { edge: [a, b], triangle_count } => write!(
-                f,
-                "edge ({a}, {b}) is not manifold: {triangle_count} triangles share it, and only two may; split the \
-                 surface there"
-            ),
-            Self::Inward { volume } => write!(
-                f,
-                "the mesh is inside out: its enclosed volume is {volume:e}; reverse the corner order of every triangle"
+                "{} is so large that its area, or the volume around it, is beyond the largest number; scale all \
+                 coordinates down by another unit of length, or make the mesh of double precision",
+                triangle(t)
             ),
             Self::WrongCount { given, expected } => {
                 write!(f, "{given} positions were given for {expected} vertices; give one for each")
             }
-            Self::NotFinite { vertex } => {
-                write!(f, "vertex {vertex} has a coordinate that is NaN or infinite; check the simulation's last step")
-            }
+            Self::NotFinite { vertex, is_renewal } => write!(
+                f,
+                "vertex {} has a coordinate that is NaN or infinite; check the {}",
+                Vertex(names, vertex),
+                if is_renewal { "simulation's last step" } else { "input" }
+            ),
+            Self::BeyondRange { vertex, value, largest } => write!(
+                f,
+                "vertex {} has the coordinate {value:e}, beyond {largest:e}, the largest number of the mesh's \
+                 precision; scale the coordinates down, or make the mesh of double precision",
+                Vertex(names, vertex)
+            ),
         }
     }
 }

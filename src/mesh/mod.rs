@@ -3,15 +3,20 @@
 mod error;
 mod normals;
 mod obj_file;
+mod obj_text;
 mod order;
+mod orientation;
 mod patches;
 mod standing;
 mod survey;
 mod topology;
+mod winding;
 
+pub(crate) use error::InFile;
 pub use error::MeshError;
 pub(crate) use normals::NormalLanes;
-pub use obj_file::{ObjFileError, read_obj_file};
+pub(crate) use obj_file::read_obj_surface;
+pub use obj_file::{ObjFileError, Surface, read_obj_file};
 pub(crate) use order::OrderInSpace;
 pub(crate) use patches::Patches;
 pub(crate) use standing::Standing;
@@ -76,7 +81,8 @@ impl<T: Scalar> Mesh<T> {
     ///
     /// # Errors
     /// Every way in which the surface is not closed, manifold, consistently and outward oriented, without degenerate
-    /// triangles and finite has its own [`MeshError`].
+    /// triangles and finite has its own [`MeshError`]. Each part that is connected across edges must face outward; one
+    /// that faces inward is a cavity, and allowed, where it lies inside the others.
     pub fn new(positions: &[[T; 3]], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         Self::checked(positions, triangles, Border::Refused)
     }
@@ -92,7 +98,8 @@ impl<T: Scalar> Mesh<T> {
     /// All such pairs are counted ([`Statistics::open_pairs`](crate::contact::Statistics::open_pairs)).
     ///
     /// # Errors
-    /// Those of [`new`](Self::new), but for [`MeshError::Open`]; [`MeshError::Inward`] only where it is closed after all.
+    /// Those of [`new`](Self::new), but for [`MeshError::Open`]; [`MeshError::Inward`] and [`MeshError::Flat`] only for
+    /// parts that are closed.
     pub fn open(positions: &[[T; 3]], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         Self::checked(positions, triangles, Border::Allowed)
     }
@@ -106,9 +113,9 @@ impl<T: Scalar> Mesh<T> {
             stamp: 0,
             reference: memory::shared(Reference { positions: reference, patches: OnceLock::new() }),
         };
-        mesh.set_positions(positions)?;
+        mesh.place(positions, false)?;
         mesh.check_areas()?;
-        mesh.check_outward()?;
+        orientation::check(&mesh)?;
         Ok(mesh)
     }
 
@@ -117,6 +124,10 @@ impl<T: Scalar> Mesh<T> {
     /// # Errors
     /// [`MeshError::WrongCount`] and [`MeshError::NotFinite`]; the positions are then as before.
     pub fn set_positions(&mut self, positions: &[[T; 3]]) -> Result<(), MeshError> {
+        self.place(positions, true)
+    }
+
+    fn place(&mut self, positions: &[[T; 3]], is_renewal: bool) -> Result<(), MeshError> {
         let count = positions.len();
         if count != self.positions.len() {
             return Err(MeshError::WrongCount { given: count, expected: self.positions.len() });
@@ -124,7 +135,7 @@ impl<T: Scalar> Mesh<T> {
         let (are_finite, aabb) = dispatch::<T, _>(Survey { positions });
         if !are_finite {
             let vertex = positions.iter().position(|position| !position.iter().all(|x| x.is_finite()));
-            return Err(MeshError::NotFinite { vertex: vertex.unwrap_or_default() });
+            return Err(MeshError::NotFinite { vertex: vertex.unwrap_or_default(), is_renewal });
         }
         for (place, &position) in self.positions.iter_mut().zip(positions) {
             *place = position.into();
@@ -146,7 +157,7 @@ impl<T: Scalar> Mesh<T> {
             return Err(MeshError::WrongCount { given: count, expected: self.positions.len() });
         }
         if let Some(vertex) = (0..count).find(|&v| !position(v).iter().all(|x| x.is_finite())) {
-            return Err(MeshError::NotFinite { vertex });
+            return Err(MeshError::NotFinite { vertex, is_renewal: true });
         }
         for (vertex, place) in self.positions.iter_mut().enumerate() {
             *place = position(vertex);
@@ -235,18 +246,14 @@ impl<T: Scalar> Mesh<T> {
 
     fn check_areas(&self) -> Result<(), MeshError> {
         for (triangle, &corners) in self.topology.triangles().iter().enumerate() {
-            if self.scaled_normal(triangle as u32) == Vector3::zeros() {
+            let normal = self.scaled_normal(triangle as u32);
+            if normal == Vector3::zeros() {
                 return Err(MeshError::DegenerateTriangle { triangle, corners });
+            }
+            if !normal.iter().all(|x| x.is_finite()) {
+                return Err(MeshError::Overflow { triangle });
             }
         }
         Ok(())
-    }
-
-    fn check_outward(&self) -> Result<(), MeshError> {
-        if self.is_open() {
-            return Ok(());
-        }
-        let volume = self.volume();
-        if volume > T::zero() { Ok(()) } else { Err(MeshError::Inward { volume: volume.to_f64() }) }
     }
 }

@@ -59,7 +59,7 @@ impl Topology {
             ),
             around,
             around_start,
-            components: first_of_components(triangles.len(), &edges),
+            components: components(triangles.len(), &edges).1,
             edges,
             is_open,
         })
@@ -108,6 +108,11 @@ impl Topology {
     /// The first triangle of each part of the surface that is connected across edges, in ascending order.
     pub fn components(&self) -> &[u32] {
         &self.components
+    }
+
+    /// The component of every triangle, by its place in [`components`](Self::components).
+    pub(crate) fn component_of_triangles(&self) -> Vec<u32> {
+        components(self.triangles.len(), &self.edges).0
     }
 
     /// The vertices that at least one triangle uses, in ascending order.
@@ -233,7 +238,8 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
     (rings, start)
 }
 
-fn first_of_components(triangle_count: usize, edges: &[Edge]) -> Vec<u32> {
+/// The component of every triangle, and the first triangle of each component.
+fn components(triangle_count: usize, edges: &[Edge]) -> (Vec<u32>, Vec<u32>) {
     let mut neighbours = memory::filled([u32::MAX; 3], triangle_count);
     for [a, b] in edges.iter().map(|edge| edge.triangles) {
         for (from, to) in [(a, b), (b, a)] {
@@ -242,24 +248,25 @@ fn first_of_components(triangle_count: usize, edges: &[Edge]) -> Vec<u32> {
             of_from[free] = to;
         }
     }
-    let mut is_reached = memory::filled(false, triangle_count);
-    let mut components = Vec::new();
+    let mut component_of = memory::filled(u32::MAX, triangle_count);
+    let mut firsts = Vec::new();
     let mut waiting = Vec::new();
     for first in 0..triangle_count as u32 {
-        if is_reached[first as usize] {
+        if component_of[first as usize] != u32::MAX {
             continue;
         }
-        components.room_for(1).push(first);
-        is_reached[first as usize] = true;
+        let component = firsts.len() as u32;
+        firsts.room_for(1).push(first);
+        component_of[first as usize] = component;
         waiting.room_for(1).push(first);
         while let Some(triangle) = waiting.pop() {
             // At a border there is no neighbour.
             for neighbour in neighbours[triangle as usize].into_iter().filter(|&neighbour| neighbour != u32::MAX) {
-                if !std::mem::replace(&mut is_reached[neighbour as usize], true) {
+                if std::mem::replace(&mut component_of[neighbour as usize], component) == u32::MAX {
                     waiting.room_for(1).push(neighbour);
                 }
             }
         }
     }
-    components
+    (component_of, firsts)
 }

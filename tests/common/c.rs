@@ -3,6 +3,7 @@
 
 use super::shapes::Point;
 use raycontact::capi::*;
+use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
 pub use rayc_status::*;
@@ -35,6 +36,12 @@ destroyed_by! {
     Scene rayc_scene_destroy
 }
 
+/// Of this thread's last call.
+pub fn last_error() -> String {
+    // SAFETY: it is never NULL, and ends in zero.
+    unsafe { CStr::from_ptr(rayc_last_error_message()) }.to_str().expect("UTF-8").to_owned()
+}
+
 fn made<H, O>(status: rayc_status, handle: *mut H, owner: fn(*mut H) -> O) -> Result<O, rayc_status> {
     assert_eq!(status == RAYC_STATUS_OK, !handle.is_null(), "outputs are written on success only");
     if status == RAYC_STATUS_OK { Ok(owner(handle)) } else { Err(status) }
@@ -55,6 +62,20 @@ impl Mesh {
             assert_eq!(rayc_default_mesh_options(size_of::<rayc_mesh_options>(), &mut options), RAYC_STATUS_OK);
             (options.precision, options.open) = (precision / 32, u32::from(open));
             rayc_mesh_create(&options, positions, triangles.as_ptr().cast(), triangles.len(), &mut handle)
+        };
+        made(status, handle, Self)
+    }
+
+    /// precision: 32 or 64 bits.
+    pub fn from_obj(precision: u32, path: &str) -> Result<Self, rayc_status> {
+        let path = CString::new(path).expect("no zero within");
+        let mut handle = null_mut();
+        // SAFETY: the path ends in zero, and the place is writable.
+        let status = unsafe {
+            let mut options = std::mem::zeroed();
+            assert_eq!(rayc_default_mesh_options(size_of::<rayc_mesh_options>(), &mut options), RAYC_STATUS_OK);
+            options.precision = precision / 32;
+            rayc_mesh_create_from_obj(&options, path.as_ptr(), &mut handle)
         };
         made(status, handle, Self)
     }

@@ -325,7 +325,7 @@ fn bad_meshes_are_refused_and_bad_positions_change_nothing() {
     for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut positions: Vec<Point> = before.iter().map(|&position| position.into()).collect();
         positions[5][1] = number;
-        assert_eq!(mesh.set_positions(&positions), Err(MeshError::NotFinite { vertex: 5 }));
+        assert_eq!(mesh.set_positions(&positions), Err(MeshError::NotFinite { vertex: 5, is_renewal: true }));
         assert_eq!(mesh.positions(), before);
     }
     assert_eq!(mesh.set_positions(&[[0.0; 3]; 3]), Err(MeshError::WrongCount { given: 3, expected: 8 }));

@@ -199,7 +199,9 @@ struct Extent {
   std::array<double, 3> low, size;
 };
 
-inline Extent extent(const std::vector<double>& positions) {
+inline Extent extent(const std::vector<double>& positions, const std::vector<uint32_t>& triangles) {
+  check_threes(positions.size(), "positions", "vertex");
+  check_threes(triangles.size(), "triangles", "triangle");
   if (positions.size() < 9) throw std::invalid_argument("a cage needs a surface with at least three vertices");
   Extent box{{{positions[0], positions[1], positions[2]}}, {{0, 0, 0}}};
   std::array<double, 3> high = box.low;
@@ -218,7 +220,7 @@ inline Extent extent(const std::vector<double>& positions) {
  */
 inline Cage make_cage(const std::vector<double>& positions, const std::vector<uint32_t>& triangles,
                       const std::array<int, 3>& cells) {
-  const detail::Extent box = detail::extent(positions);
+  const detail::Extent box = detail::extent(positions, triangles);
   std::array<double, 3> edges{};
   for (std::size_t a = 0; a < 3; ++a) {
     if (cells[a] < 1) throw std::invalid_argument("a cage needs at least one cell along every axis");
@@ -231,7 +233,7 @@ inline Cage make_cage(const std::vector<double>& positions, const std::vector<ui
 /** A cage of cubes, `cells` of them along the longest side of the surface's box. */
 inline Cage make_cage(const std::vector<double>& positions, const std::vector<uint32_t>& triangles, int cells = 5) {
   if (cells < 1) throw std::invalid_argument("a cage needs at least one cell along the longest side");
-  const detail::Extent box = detail::extent(positions);
+  const detail::Extent box = detail::extent(positions, triangles);
   const double edge = *std::max_element(box.size.begin(), box.size.end()) / cells;
   if (!(edge > 0)) throw std::invalid_argument("the surface has no extent: all its vertices are in one place");
   std::array<int, 3> counts{};

@@ -11,6 +11,8 @@
 #include <limits>
 #include <vector>
 
+#include "raycontact/bullet/threes.hpp"
+
 namespace raycontact::bullet {
 
 /**
@@ -20,8 +22,13 @@ namespace raycontact::bullet {
  */
 class InsideTest {
  public:
-  /** `positions`: x, y, z packed. `triangles`: three vertex numbers each, outward. */
+  /**
+   * `positions`: x, y, z packed. `triangles`: three vertex numbers each, outward. Throws std::invalid_argument where either
+   * is no multiple of three numbers.
+   */
   InsideTest(const std::vector<double>& positions, const std::vector<uint32_t>& triangles) : triangles_(triangles) {
+    detail::check_threes(positions.size(), "positions", "vertex");
+    detail::check_threes(triangles.size(), "triangles", "triangle");
     points_.resize(positions.size() / 3);
     low_.fill(std::numeric_limits<double>::infinity());
     high_.fill(-std::numeric_limits<double>::infinity());

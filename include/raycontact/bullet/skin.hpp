@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "raycontact/bullet/precision.hpp"
+#include "raycontact/bullet/threes.hpp"
 
 namespace raycontact::bullet {
 
@@ -77,13 +78,17 @@ inline std::vector<btScalar> skin_areas(const std::vector<btScalar>& positions,
   return areas;
 }
 
-/** Throws std::invalid_argument when a point refers to a node the body does not have, or a triangle to no point. */
+/**
+ * Throws std::invalid_argument when a point refers to a node the body does not have, or a triangle to no point, or where
+ * the triangles' numbers are no multiple of three.
+ */
 inline void check_skin(const btSoftBody& body, const Skin& skin) {
   for (std::size_t i = 0; i < skin.points.size(); ++i)
     for (int node : skin.points[i].nodes)
       if (node < 0 || node >= body.m_nodes.size())
         throw std::invalid_argument("skin point " + std::to_string(i) + " is carried by node " + std::to_string(node) +
                                     ", but the body has " + std::to_string(body.m_nodes.size()) + " nodes");
+  detail::check_threes(skin.triangles.size(), "skin.triangles", "triangle");
   for (std::size_t i = 0; i < skin.triangles.size(); ++i)
     if (skin.triangles[i] >= skin.points.size())
       throw std::invalid_argument("skin triangle " + std::to_string(i / 3) + " refers to point " +

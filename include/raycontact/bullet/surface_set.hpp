@@ -73,6 +73,7 @@ class SurfaceSet {
 
   void add_rigid(btRigidBody& body, RigidSurface surface) {
     refuse_twice(&body);
+    detail::check_threes(surface.triangles.size(), "surface.triangles", "triangle");
     ContactBody added{nullptr, &body, {}, std::move(surface), 0, true, 0, {}, {}};
     place(added, {});
     // A triangle mesh may be a piece of terrain; a moving one must be closed to have an inside.
