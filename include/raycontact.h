@@ -973,7 +973,8 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
  * velocities NULL: no damping. Contacts are held: each stays at its points and along its direction, whatever the
  * positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
+ * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
+ * what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
  */
 enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
                                           const struct rayc_response_options *options,
@@ -989,8 +990,8 @@ enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
  *
  * options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_INVALID_OPTION
- * where a factor is not finite.
+ * Errors: RAYC_STATUS_WRONG_COUNT and RAYC_STATUS_NOT_FINITE as there, RAYC_STATUS_INVALID_OPTION where a factor is not
+ * finite.
  */
 enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *contacts,
                                                 const struct rayc_response_options *options,
@@ -1004,7 +1005,8 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
  * The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
  * elastic force is its negative gradient.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
+ * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
+ * what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
  */
 enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
                                       const struct rayc_response_options *options,

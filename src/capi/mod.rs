@@ -8,6 +8,7 @@ mod escape_push;
 mod failure;
 #[cfg(test)]
 mod faults;
+mod given;
 mod guard;
 mod host_threads;
 mod mesh;
