@@ -4,8 +4,9 @@
  *
  * Every call that can fail returns a rayc_status; outputs come last and are written only on success. After any other
  * status than RAYC_STATUS_OK nothing has changed, and rayc_last_error_message() says what was wrong where and what to
- * do. Of the errors, a NULL pointer (RAYC_STATUS_NULL_POINTER) and a fault inside the library (RAYC_STATUS_PANIC) are not
- * listed again at each call. Lengths are in the caller's unit, metres in this text.
+ * do. Of the errors, a NULL pointer (RAYC_STATUS_NULL_POINTER), what is no handle of its type (RAYC_STATUS_INVALID_HANDLE),
+ * a handle that another call is using (RAYC_STATUS_BUSY) and a fault inside the library (RAYC_STATUS_PANIC) are not listed
+ * again at each call. Lengths are in the caller's unit, metres in this text.
  *
  * Handles are freed by the caller, by the rayc_…_destroy() of their type. Arrays stay the caller's; the library copies what
  * it needs and keeps no pointer to them. A call with a const handle only reads it and may run beside others that do.
@@ -101,6 +102,16 @@ typedef enum rayc_status {
    * The library that is linked is of another ABI than the headers. Only the C++ headers say so: see rayc_abi_version().
    */
   RAYC_STATUS_OTHER_ABI = 108,
+  /**
+   * A pointer that should be a handle is none, is one of another type, or has been destroyed. Only what still lies
+   * there can tell, so after its end this is no promise: the memory may have been used again, or be gone.
+   */
+  RAYC_STATUS_INVALID_HANDLE = 109,
+  /**
+   * A call that has not returned is using the handle, and one of the two changes it: another thread's, or the query
+   * around a parallel_for. That call is not disturbed; wait for it.
+   */
+  RAYC_STATUS_BUSY = 110,
   /**
    * The mesh has no triangle.
    */
@@ -227,7 +238,8 @@ typedef enum rayc_weighting {
  * The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
  *
  * Threads: calls with const contacts may run at once. The caller frees it with rayc_contacts_destroy(); it stays
- * valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory.
+ * valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory. A destroyed one
+ * must not be used: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
  */
 typedef struct rayc_contacts rayc_contacts;
 
@@ -236,7 +248,8 @@ typedef struct rayc_contacts rayc_contacts;
  * each step. Vertices that no triangle uses are allowed (the inner nodes of a volume mesh).
  *
  * Threads: calls with a const mesh may run at once; no other call may run beside one that changes it. The caller
- * frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay.
+ * frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay. After that it must not be used:
+ * RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
  */
 typedef struct rayc_mesh rayc_mesh;
 
@@ -244,7 +257,8 @@ typedef struct rayc_mesh rayc_mesh;
  * The search structure over one mesh's triangles, for one state of its positions.
  *
  * Threads: calls with a const octree may run at once. The caller frees it with rayc_octree_destroy(), before or after
- * its mesh. After rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
+ * its mesh, and must not use it any more: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise. After
+ * rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
  */
 typedef struct rayc_octree rayc_octree;
 
@@ -252,8 +266,10 @@ typedef struct rayc_octree rayc_octree;
  * Many bodies, and all contacts among them. Bodies are numbered from 0; a scene holds copies of the meshes it is
  * given.
  *
- * Threads: one call at a time for one scene, from any thread; different scenes may be used at once. Whose threads work
- * is for rayc_scene_options to say. The caller frees it with rayc_scene_destroy(), which also ends its threads.
+ * Threads: one call at a time for one scene, from any thread; different scenes may be used at once, and calls with a const
+ * scene beside each other. Others say RAYC_STATUS_BUSY. Whose threads work is for rayc_scene_options to say. The caller
+ * frees it with rayc_scene_destroy(), which also ends its threads; after that it must not be used:
+ * RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
  */
 typedef struct rayc_scene rayc_scene;
 
@@ -364,7 +380,7 @@ typedef void (*rayc_task)(void *data, size_t index);
  * returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
  *
  * The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
- * cannot nest will do. It must not call the scene. An exception that leaves it ends the process: lend_threads() of
+ * cannot nest will do. It must not call the scene, nor use the contacts of the query: both say RAYC_STATUS_BUSY. An exception that leaves it ends the process: lend_threads() of
  * raycontact.hpp carries it past the library instead. Indices that it leaves out or calls twice do no harm.
  */
 typedef void (*rayc_parallel_for)(void *context, size_t count, rayc_task task, void *data);
@@ -864,7 +880,9 @@ enum rayc_status rayc_octree_update(struct rayc_octree *octree, const struct ray
 
 /**
  * Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
- * Benthin, Wald 2013): a ray through a shared edge or vertex hits.
+ * Benthin, Wald 2013): a ray through a shared edge or vertex hits. So that many threads may trace rays one by one
+ * without waiting for each other, they are not counted: a call that changes the octree or the mesh meanwhile does not
+ * say RAYC_STATUS_BUSY, and must not be made.
  *
  * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
  * RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.

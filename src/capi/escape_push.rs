@@ -1,7 +1,8 @@
 use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::pointers::{Output, reference};
+use super::handles::reading;
+use super::pointers::Output;
 use crate::contact::EscapePush;
 use crate::math::Scalar;
 use crate::memory::text;
@@ -50,7 +51,8 @@ pub unsafe extern "C" fn rayc_contacts_escape_push_count(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         Output::new(count, "count")?.write(push_count(list));
         Ok(())
     })
@@ -69,7 +71,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let present = push_count(list);
         if first.checked_add(count).is_none_or(|end| end > present) {
             let message =

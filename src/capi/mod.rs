@@ -10,6 +10,7 @@ mod failure;
 mod faults;
 mod given;
 mod guard;
+mod handles;
 mod host_threads;
 mod mesh;
 mod octree;

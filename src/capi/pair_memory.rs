@@ -1,7 +1,8 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
+use super::handles::{changing, reading};
 use super::options::flag;
-use super::pointers::{Output, reference, reference_mut, slice};
+use super::pointers::{Output, slice};
 use super::scene::{AnyScene, rayc_scene};
 use crate::contact::PairMemory;
 use crate::math::Scalar;
@@ -59,7 +60,8 @@ impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
 pub unsafe extern "C" fn rayc_scene_allow_escape(scene: *mut rayc_scene, a: u32, b: u32, allowed: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
         let allowed = flag("allowed", allowed)?;
         match scene {
             AnyScene::F32(scene) => scene.allow_escape(a, b, allowed)?,
@@ -82,7 +84,7 @@ pub unsafe extern "C" fn rayc_scene_may_escape(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let place = Output::new(allowed, "allowed")?;
-        place.write(u32::from(match &reference(scene, "scene")?.scene {
+        place.write(u32::from(match &reading(scene, "scene")?.scene {
             AnyScene::F32(scene) => scene.may_escape(a, b)?,
             AnyScene::F64(scene) => scene.may_escape(a, b)?,
         }));
@@ -95,7 +97,8 @@ pub unsafe extern "C" fn rayc_scene_may_escape(
 pub unsafe extern "C" fn rayc_scene_pair_memory_count(scene: *const rayc_scene, count: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &reference(scene, "scene")?.scene;
+        let scene = reading(scene, "scene")?;
+        let scene = &scene.scene;
         Output::new(count, "count")?.write(memory_count(scene));
         Ok(())
     })
@@ -114,7 +117,8 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &reference(scene, "scene")?.scene;
+        let scene = reading(scene, "scene")?;
+        let scene = &scene.scene;
         let present = memory_count(scene);
         if first.checked_add(count).is_none_or(|end| end > present) {
             let message = text!(
@@ -137,7 +141,8 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
 pub unsafe extern "C" fn rayc_scene_saved_length(scene: *const rayc_scene, length: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &reference(scene, "scene")?.scene;
+        let scene = reading(scene, "scene")?;
+        let scene = &scene.scene;
         Output::new(length, "length")?.write(match scene {
             AnyScene::F32(scene) => scene.saved_length(),
             AnyScene::F64(scene) => scene.saved_length(),
@@ -159,7 +164,8 @@ pub unsafe extern "C" fn rayc_scene_save_pair_memories(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &reference(scene, "scene")?.scene;
+        let scene = reading(scene, "scene")?;
+        let scene = &scene.scene;
         let mut saved = Vec::new();
         match scene {
             AnyScene::F32(scene) => scene.save_pair_memories(&mut saved),
@@ -187,7 +193,8 @@ pub unsafe extern "C" fn rayc_scene_restore_pair_memories(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
         let bytes = slice(bytes, length, "bytes")?;
         match scene {
             AnyScene::F32(scene) => scene.restore_pair_memories(bytes)?,

@@ -2,8 +2,9 @@ use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
 use super::given::{Arrays, Given, GivenMut};
 use super::guard::guard;
+use super::handles::reading;
 use super::options::{rayc_response_options, read_options};
-use super::pointers::{Output, reference};
+use super::pointers::Output;
 use super::vectors::{rayc_vectors, rayc_vectors_mut};
 use crate::contact::ContactList;
 use crate::math::Scalar;
@@ -37,7 +38,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let law = read_options(options)?.law()?;
         list.check_range(first, count)?;
         let out = Output::array(coefficients, count, "coefficients")?;
@@ -73,7 +75,8 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let law = read_options(options)?.law()?;
         let positions = Given::if_any(positions, body_count, "positions")?;
         let velocities = Given::if_any(velocities, body_count, "velocities")?;
@@ -105,7 +108,8 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let law = read_options(options)?.law()?;
         if !(stiffness_factor.is_finite() && damping_factor.is_finite()) {
             return Err(Failure::new(
@@ -138,7 +142,8 @@ pub unsafe extern "C" fn rayc_contacts_energy(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let law = read_options(options)?.law()?;
         let positions = Given::if_any(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
