@@ -400,7 +400,14 @@ typedef struct rayc_scene_options {
   /**
    * 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
    * destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. A
-   * step of fewer than about 1000 rays is done by the calling thread alone. Default 1.
+   * step of fewer than about 1000 rays is done by the calling thread alone.
+   *
+   * After fork() a scene may be used and destroyed in the child too, by copies of its handles: its pool's threads are
+   * started anew with the first query that needs them, or where the system gives none the calling thread works alone;
+   * what the old ones held, some KiB each, is not given back. Not promised: anything for a scene or contacts that a
+   * call of another thread was using at the fork (they stay RAYC_STATUS_BUSY in the child), and what the system's
+   * own libraries do not promise: a child of a process with several threads may have to call exec() first. The host
+   * looks after the threads of a parallel_for itself. Default 1.
    */
   uint32_t threads;
   /**

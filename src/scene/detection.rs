@@ -107,6 +107,7 @@ impl<T: Scalar> Scene<T> {
 
     /// Threads fill a list for each pair, which are then joined.
     fn detect_side_by_side(&mut self, contacts: &mut ContactList<T>) {
+        self.threads.follow_fork();
         let Self { bodies, broad_phase, pair_contacts, lists, pairs, options, threads } = self;
         let count = broad_phase.pairs().len();
         if pair_contacts.len() < count {

@@ -61,7 +61,8 @@ struct OwnContacts<T: Scalar> {
 
 impl<T: Scalar> Scene<T> {
     /// An empty scene with default options. `threads`: 1 works on the caller's own thread, n on a pool of n threads that the
-    /// scene owns and that have ended when it is dropped, 0 on a pool of one thread for each core.
+    /// scene owns and that have ended when it is dropped, 0 on a pool of one thread for each core. In a process forked
+    /// since, where the pool's threads are not, it starts them anew with the first query that needs them.
     ///
     /// # Errors
     /// [`SceneError::ThreadsNotStarted`].

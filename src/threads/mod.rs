@@ -8,7 +8,9 @@ pub(crate) mod faults;
 use rayon::ThreadPoolBuildError;
 use rayon::prelude::*;
 use std::fmt;
+use std::mem;
 use std::num::NonZeroUsize;
+use std::process;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle, available_parallelism};
 
@@ -146,6 +148,15 @@ impl Threads {
         Self { pool: None, helpers: Helpers::Host(host) }
     }
 
+    /// Starts the pool anew in a process that was forked since: its threads stayed behind. Where the system gives none, the
+    /// caller's own thread works.
+    pub(crate) fn follow_fork(&mut self) {
+        if let Some(count) = self.pool.as_ref().filter(|pool| !pool.is_here()).map(|pool| pool.threads.len()) {
+            self.pool = Pool::new(count).ok();
+            self.helpers = if self.pool.is_some() { Helpers::Pool } else { Helpers::Nobody };
+        }
+    }
+
     pub(crate) fn helpers(&self) -> &Helpers {
         &self.helpers
     }
@@ -168,6 +179,8 @@ impl Threads {
 
 /// A pool whose threads have ended when it is dropped, so that the library may then be unloaded.
 struct Pool {
+    /// The process that has the threads.
+    process: u32,
     /// Taken on dropping.
     pool: Option<rayon::ThreadPool>,
     threads: Vec<JoinHandle<()>>,
@@ -189,7 +202,7 @@ impl Pool {
             })
             .build();
         match pool {
-            Ok(pool) => Ok(Self { pool: Some(pool), threads, others: count.min(cores) - 1 }),
+            Ok(pool) => Ok(Self { process: process::id(), pool: Some(pool), threads, others: count.min(cores) - 1 }),
             Err(error) => {
                 // Those that had been started are told to end.
                 join(threads);
@@ -197,10 +210,20 @@ impl Pool {
             }
         }
     }
+
+    /// Not so in a process that was forked.
+    fn is_here(&self) -> bool {
+        self.process == process::id()
+    }
 }
 
 impl Drop for Pool {
     fn drop(&mut self) {
+        if !self.is_here() {
+            // Threads that are not there would be waited for, and may have held what they share.
+            mem::forget((self.pool.take(), mem::take(&mut self.threads)));
+            return;
+        }
         drop(self.pool.take());
         join(self.threads.drain(..));
     }
