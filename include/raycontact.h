@@ -32,7 +32,7 @@
 /**
  * Minor version of this header.
  */
-#define RAYC_VERSION_MINOR 1
+#define RAYC_VERSION_MINOR 2
 
 /**
  * Patch version of this header.
@@ -43,7 +43,7 @@
  * The ABI of this header: major · 100, and the minor version while the major is 0. The C++ headers compare it with
  * rayc_abi_version() before they make anything.
  */
-#define RAYC_ABI_VERSION 1
+#define RAYC_ABI_VERSION 2
 
 /**
  * The sample_spacing that follows the size of each overlap.
@@ -670,7 +670,7 @@ typedef struct rayc_statistics {
 /**
  * How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
  * whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
- * the first by a part of depth · direction, and the second against it.
+ * the first by a part of depth · direction, and the second against it. Later versions may tell more, at the end.
  */
 typedef struct rayc_escape_push {
   /**
@@ -685,6 +685,10 @@ typedef struct rayc_escape_push {
    * How many contacts the pair has.
    */
   uint32_t contact_count;
+  /**
+   * Always 0, so that equal pushes are equal byte by byte.
+   */
+  uint32_t reserved;
   /**
    * Of unit length.
    */
@@ -704,7 +708,8 @@ typedef struct rayc_escape_push {
 } rayc_escape_push;
 
 /**
- * What a pair of bodies of a scene remembers from query to query while their boxes overlap.
+ * What a pair of bodies of a scene remembers from query to query while their boxes overlap; later versions may tell more,
+ * at the end.
  */
 typedef struct rayc_pair_memory {
   /**
@@ -727,6 +732,10 @@ typedef struct rayc_pair_memory {
    * For how many queries `halved` has stood.
    */
   uint32_t halved_steps;
+  /**
+   * Always 0, so that equal memories are equal byte by byte.
+   */
+  uint32_t reserved;
   /**
    * The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
    */
@@ -1046,13 +1055,15 @@ enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *con
 
 /**
  * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
- * `count`. They stand in the order of the contacts.
+ * `count`. They stand in the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes
+ * no more of each than the caller knows.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
                                                   size_t first,
                                                   size_t count,
+                                                  size_t struct_size,
                                                   struct rayc_escape_push *out);
 
 /**
@@ -1153,13 +1164,15 @@ enum rayc_status rayc_scene_pair_memory_count(const struct rayc_scene *scene, si
 
 /**
  * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
- * order of their first, then their second body.
+ * order of their first, then their second body. struct_size: sizeof(rayc_pair_memory), so that a later library writes
+ * no more of each than the caller knows.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_scene_copy_pair_memories(const struct rayc_scene *scene,
                                                size_t first,
                                                size_t count,
+                                               size_t struct_size,
                                                struct rayc_pair_memory *out);
 
 /**

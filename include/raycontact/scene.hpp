@@ -167,7 +167,8 @@ class Scene {
     std::size_t count = 0;
     rayc_status status = rayc_scene_pair_memory_count(get(), &count);
     memories.resize(count);
-    if (status == RAYC_STATUS_OK) status = rayc_scene_copy_pair_memories(get(), 0, count, memories.data());
+    if (status == RAYC_STATUS_OK)
+      status = rayc_scene_copy_pair_memories(get(), 0, count, sizeof(rayc_pair_memory), memories.data());
     return check(status);
   }
 

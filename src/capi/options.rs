@@ -288,6 +288,32 @@ pub(super) unsafe fn write_known<V: Growing>(
     Ok(())
 }
 
+/// A place for an array of which the caller knows so much of each element.
+pub(super) struct Known<V> {
+    struct_size: usize,
+    place: *mut V,
+}
+
+impl<V: Growing> Known<V> {
+    pub(super) fn new(struct_size: usize, place: *mut V, count: usize, name: &str) -> Result<Self, Failure> {
+        check_size::<V>(struct_size)?;
+        Output::array(place, count, name)?;
+        Ok(Self { struct_size, place })
+    }
+
+    /// # Safety
+    /// The place is writable for as many times `struct_size` bytes as `values` yields.
+    pub(super) unsafe fn write_all(self, values: impl Iterator<Item = V>) {
+        for (index, value) in values.enumerate() {
+            // SAFETY: by this function's contract, and `value` holds no less.
+            unsafe {
+                let place = self.place.byte_add(index * self.struct_size).cast::<u8>();
+                std::ptr::copy_nonoverlapping((&raw const value).cast::<u8>(), place, self.struct_size);
+            }
+        }
+    }
+}
+
 /// # Safety
 /// `place` is writable for `struct_size` bytes.
 unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Result<(), Failure> {
