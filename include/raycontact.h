@@ -263,8 +263,8 @@ typedef struct rayc_mesh rayc_mesh;
 typedef struct rayc_octree rayc_octree;
 
 /**
- * Many bodies, and all contacts among them. Bodies are numbered from 0; a scene holds copies of the meshes it is
- * given.
+ * Many bodies, and all contacts among them. Bodies are numbered from 0, and keep their numbers; a scene holds copies of the
+ * meshes it is given.
  *
  * Threads: one call at a time for one scene, from any thread; different scenes may be used at once, and calls with a const
  * scene beside each other. Others say RAYC_STATUS_BUSY. Whose threads work is for rayc_scene_options to say. The caller
@@ -1080,14 +1080,21 @@ enum rayc_status rayc_scene_create(const struct rayc_scene_options *options, str
 enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
 
 /**
- * Adds a copy of `mesh` with its present positions. *body: its number, the smallest that is free.
+ * Adds a copy of `mesh` with its present positions. *body: its number.
+ *
+ * Without removals the n-th body has the number n − 1. The number of a removed body rests: it is given again after more
+ * than 1024 numbers are without a body, the one that has been so for longest first, and until then
+ * RAYC_STATUS_UNKNOWN_BODY tells whoever still uses it. So arrays by number need never be longer than the most bodies that
+ * were in the scene at once, and 1024 more. Numbers follow from the order of additions and removals alone.
  *
  * Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
  */
-enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene, const struct rayc_mesh *mesh, uint32_t *body);
+enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene,
+                                     const struct rayc_mesh *mesh,
+                                     uint32_t *body);
 
 /**
- * Removes a body; its number may be given to a later one.
+ * Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY.
  */

@@ -47,7 +47,7 @@ sees_a_fault() {
 }
 
 # Without misuse, which reads what it has destroyed.
-c_tests=(bad_arguments bad_mesh bad_positions bad_vectors bad_octree coarse_sampling query_pair response scene pair_memory
+c_tests=(bad_arguments bad_mesh bad_positions bad_vectors bad_octree coarse_sampling query_pair response scene body_numbers pair_memory
     self_collision)
 
 for kind in "${kinds[@]}"; do

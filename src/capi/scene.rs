@@ -12,8 +12,8 @@ use crate::memory::{self, text};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Many bodies, and all contacts among them. Bodies are numbered from 0; a scene holds copies of the meshes it is
-/// given.
+/// Many bodies, and all contacts among them. Bodies are numbered from 0, and keep their numbers; a scene holds copies of the
+/// meshes it is given.
 ///
 /// Threads: one call at a time for one scene, from any thread; different scenes may be used at once, and calls with a const
 /// scene beside each other. Others say RAYC_STATUS_BUSY. Whose threads work is for rayc_scene_options to say. The caller
@@ -88,7 +88,12 @@ pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_stat
     })
 }
 
-/// Adds a copy of `mesh` with its present positions. *body: its number, the smallest that is free.
+/// Adds a copy of `mesh` with its present positions. *body: its number.
+///
+/// Without removals the n-th body has the number n − 1. The number of a removed body rests: it is given again after more
+/// than 1024 numbers are without a body, the one that has been so for longest first, and until then
+/// RAYC_STATUS_UNKNOWN_BODY tells whoever still uses it. So arrays by number need never be longer than the most bodies that
+/// were in the scene at once, and 1024 more. Numbers follow from the order of additions and removals alone.
 ///
 /// Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
@@ -113,7 +118,7 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
     })
 }
 
-/// Removes a body; its number may be given to a later one.
+/// Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY.
 #[unsafe(no_mangle)]
