@@ -47,8 +47,8 @@ sees_a_fault() {
 }
 
 # Without misuse, which reads what it has destroyed.
-c_tests=(bad_arguments bad_mesh bad_positions bad_vectors bad_octree coarse_sampling query_pair response scene body_numbers pair_memory
-    self_collision)
+c_tests=(bad_arguments bad_mesh bad_positions bad_vectors bad_octree coarse_sampling query_pair response scene
+    body_numbers pair_memory self_collision)
 
 for kind in "${kinds[@]}"; do
     say "$kind"

@@ -41,6 +41,7 @@ impl Given {
 }
 
 impl<T: Scalar> Vectors<T> for Given {
+    #[inline]
     fn get(&self, vertex: u32) -> Vector3<T> {
         // SAFETY: only `all` makes this.
         unsafe { Strided::known(&self.0) }.read(vertex as usize)
@@ -65,6 +66,7 @@ impl GivenMut<'_> {
 }
 
 impl<T: Scalar> BodiesMut<T> for GivenMut<'_> {
+    #[inline]
     fn add_to(&mut self, body: u32, vertex: u32, vector: Vector3<T>) {
         // SAFETY: only `all` makes this.
         unsafe { Strided::known_mut(&self.0[body as usize]) }.add(vertex, vector);
@@ -82,43 +84,54 @@ impl<const N: usize> Arrays<'_, N> {
     /// or that are not finite there, before anything is changed.
     pub(super) fn check<T: Scalar>(&self, list: &ContactList<T>, law: &PenaltyLaw) -> Result<(), Failure> {
         for contact in &list.contacts {
-            for (body, point) in [(contact.colliding, &contact.p1), (contact.collided, &contact.p2)] {
-                point.vertices.iter().try_for_each(|&vertex| self.check_vertex::<T>(body, vertex))?;
-            }
+            self.check_vertices::<T, _>(contact.colliding, contact.p1.vertices)?;
+            self.check_vertices::<T, _>(contact.collided, contact.p2.vertices)?;
         }
         for push in list.pushes().iter().filter(|_| law.pushes_whole_bodies()) {
             for (&body, &count) in push.bodies.iter().zip(&push.vertex_counts) {
                 // The last one first: where the array is too short that is what it should reach to.
-                (0..count).rev().try_for_each(|vertex| self.check_vertex::<T>(body, vertex))?;
+                (0..count).rev().try_for_each(|vertex| self.check_vertices::<T, _>(body, [vertex]))?;
             }
         }
         Ok(())
     }
 
-    fn check_vertex<T: Scalar>(&self, body: u32, vertex: u32) -> Result<(), Failure> {
+    #[inline(always)]
+    fn check_vertices<T: Scalar, const M: usize>(&self, body: u32, vertices: [u32; M]) -> Result<(), Failure> {
         for (name, arrays) in &self.read {
             let Some(arrays) = arrays else { continue };
             let array = arrays.get(body as usize);
-            check_reach(body, vertex, array.map(|array| array.0.count))?;
-            let vector: Option<Vector3<T>> = array.map(|array| array.get(vertex));
-            if !vector.is_some_and(|vector| vector.iter().all(|x| x.is_finite())) {
-                return Err(not_finite(name, body, vertex));
+            check_reach(body, vertices, array.map(|array| array.0.count))?;
+            let get = |vertex: u32| array.map_or_else(Vector3::zeros, |array| array.get(vertex));
+            // Zero times anything finite is zero: one comparison for all.
+            let zero = vertices.iter().fold(Vector3::zeros(), |sum, &vertex| sum + get(vertex) * T::zero());
+            if zero != Vector3::zeros() {
+                let is_finite = |vertex: &u32| get(*vertex).iter().all(|x: &T| x.is_finite());
+                let vertex = vertices.into_iter().find(|vertex| !is_finite(vertex));
+                return Err(not_finite(name, body, vertex.unwrap_or(vertices[0])));
             }
         }
         let Some(GivenMut(arrays)) = self.written else { return Ok(()) };
-        check_reach(body, vertex, arrays.get(body as usize).map(|array| array.count))
+        check_reach(body, vertices, arrays.get(body as usize).map(|array| array.count))
     }
 }
 
-fn check_reach(body: u32, vertex: u32, count: Option<usize>) -> Result<(), Failure> {
-    if count.is_some_and(|count| (vertex as usize) < count) {
-        return Ok(());
+#[inline(always)]
+fn check_reach<const M: usize>(body: u32, vertices: [u32; M], count: Option<usize>) -> Result<(), Failure> {
+    let has = |vertex: &u32| count.is_some_and(|count| (*vertex as usize) < count);
+    match vertices.into_iter().find(|vertex| !has(vertex)) {
+        Some(vertex) => Err(out_of_reach(body, vertex, count)),
+        None => Ok(()),
     }
+}
+
+#[cold]
+fn out_of_reach(body: u32, vertex: u32, count: Option<usize>) -> Failure {
     let reach = count.map_or(text!("no array"), |count| text!("an array of {count} vectors"));
     let message = text!(
         "a contact needs vertex {vertex} of body {body}, which has {reach}; give one vector for each vertex of each body"
     );
-    Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+    Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message)
 }
 
 #[cold]

@@ -25,7 +25,7 @@ mod version;
 pub use contacts::*;
 pub use escape_push::*;
 pub use failure::rayc_status;
-pub use guard::rayc_last_error_message;
+pub use guard::{RAYC_STACK_SIZE, rayc_last_error_message};
 pub use host_threads::{rayc_parallel_for, rayc_task};
 pub use mesh::*;
 pub use octree::*;
