@@ -31,7 +31,7 @@ fn judge(bodies: &BTreeMap<u32, Shape>, ignored: [u32; 2]) -> (ContactList<f64>,
     let numbers: Vec<u32> = bodies.keys().copied().collect();
     for (&number, shape) in bodies {
         let body = scene.add(shape.mesh());
-        scene.set_self_collision(body, number % 2 == 0).expect("it was added");
+        scene.set_self_collision(body, number.is_multiple_of(2)).expect("it was added");
     }
     if let [Ok(a), Ok(b)] = ignored.map(|number| numbers.binary_search(&number)) {
         scene.set_pair_collision(a as u32, b as u32, false).expect("both are there");
@@ -55,7 +55,7 @@ fn contacts_do_not_depend_on_bodies_that_were_removed() {
         let add = |scene: &mut Scene<f64>, bodies: &mut BTreeMap<u32, Shape>, random: &mut Random| {
             let shape = shape(random);
             let body = scene.add(shape.mesh());
-            scene.set_self_collision(body, body % 2 == 0).expect("it was added");
+            scene.set_self_collision(body, body.is_multiple_of(2)).expect("it was added");
             assert!(bodies.insert(body, shape).is_none(), "body {body} is there");
             body
         };
