@@ -45,8 +45,9 @@ static void check_push(const rayc_contacts* contacts, const rayc_pair_memory* me
   CHECK_OK(rayc_contacts_count(contacts, &contact_count));
   CHECK_OK(rayc_contacts_escape_push_count(contacts, &count));
   CHECK(count == 1);
-  CHECK_STATUS(rayc_contacts_copy_escape_pushes(contacts, 1, 1, &push), RAYC_STATUS_WRONG_COUNT, "there are 1");
-  CHECK_OK(rayc_contacts_copy_escape_pushes(contacts, 0, 1, &push));
+  CHECK_STATUS(rayc_contacts_copy_escape_pushes(contacts, 1, 1, sizeof push, &push), RAYC_STATUS_WRONG_COUNT,
+               "there are 1");
+  CHECK_OK(rayc_contacts_copy_escape_pushes(contacts, 0, 1, sizeof push, &push));
   CHECK(push.first == 0 && push.second == 1 && push.contact_count == contact_count);
   CHECK(push.depth > 0 && push.area > 0);
   CHECK(memcmp(push.direction, memory->direction, sizeof push.direction) == 0);
@@ -94,11 +95,11 @@ int main(void) {
   CHECK_OK(rayc_scene_advance(scene, 1.0 / 60));
 
   rayc_pair_memory memory;
-  CHECK_OK(rayc_scene_copy_pair_memories(scene, 0, 1, &memory));
+  CHECK_OK(rayc_scene_copy_pair_memories(scene, 0, 1, sizeof memory, &memory));
   CHECK(memory.first == 0 && memory.second == 1 && memory.escaping == 1);
   const double* d = memory.direction;
   CHECK_NEAR(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], 1.0, 1e-14);
-  CHECK_STATUS(rayc_scene_copy_pair_memories(scene, 0, 2, &memory), RAYC_STATUS_WRONG_COUNT, "1");
+  CHECK_STATUS(rayc_scene_copy_pair_memories(scene, 0, 2, sizeof memory, &memory), RAYC_STATUS_WRONG_COUNT, "1");
 
   check_push(contacts, &memory);
 
@@ -112,7 +113,7 @@ int main(void) {
   rayc_scene* other = nested(RAYC_SCALAR_F64);
   CHECK_OK(rayc_scene_restore_pair_memories(other, LENGTH, bytes));
   rayc_pair_memory restored;
-  CHECK_OK(rayc_scene_copy_pair_memories(other, 0, 1, &restored));
+  CHECK_OK(rayc_scene_copy_pair_memories(other, 0, 1, sizeof restored, &restored));
   CHECK(restored.escaping == 1 && memcmp(restored.direction, memory.direction, sizeof memory.direction) == 0);
   const rayc_statistics next = query(other, contacts);
   CHECK(next.escapes_started == 0 && next.escaping_pairs == 1);

@@ -28,4 +28,15 @@ rayc_detection_options from_vertices(void);
 /* A mesh with default options; ends the program if it cannot be made. */
 rayc_mesh* octahedron_mesh(const double shift[3]);
 
+#define TORUS_VERTICES 2048
+
+/* Around the z axis, of radii 1 and 0.4. */
+void torus_shifted(const double shift[3], double positions[3 * TORUS_VERTICES]);
+
+/* Two that overlap have rays enough to be shared between threads. precision: a rayc_scalar. */
+rayc_mesh* torus_mesh(uint32_t precision, const double shift[3]);
+
+/* Overlapped like this with one that is not shifted. */
+extern const double torus_shift[3];
+
 #endif

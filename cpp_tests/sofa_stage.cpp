@@ -255,9 +255,10 @@ void models_come_and_go_and_mistakes_are_named() {
   CHECK(status_of([&] { row.stage.addForce({}, {}, {}); }) == RAYC_STATUS_WRONG_COUNT);
   row.detect({{0, 2}});
   CHECK(row.stage.zeroCollision());
-  CHECK(row.stage.addCollisionModel(row.surfaces[1].x, row.surfaces[1].triangles) == 1);
-  row.detect({{0, 1}, {1, 2}});
-  CHECK(!row.stage.getDetectionOutputs({0, 1}).empty() && !row.stage.getDetectionOutputs({1, 2}).empty());
+  CHECK(row.stage.addCollisionModel(row.surfaces[1].x, row.surfaces[1].triangles) == 3);
+  CHECK(status_of([&] { row.stage.addCollisionPair({0, 1}); }) == RAYC_STATUS_UNKNOWN_BODY);
+  row.detect({{0, 3}, {3, 2}});
+  CHECK(!row.stage.getDetectionOutputs({0, 3}).empty() && !row.stage.getDetectionOutputs({3, 2}).empty());
 }
 
 }  // namespace

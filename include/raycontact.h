@@ -4,8 +4,9 @@
  *
  * Every call that can fail returns a rayc_status; outputs come last and are written only on success. After any other
  * status than RAYC_STATUS_OK nothing has changed, and rayc_last_error_message() says what was wrong where and what to
- * do. Of the errors, a NULL pointer (RAYC_STATUS_NULL_POINTER) and a fault inside the library (RAYC_STATUS_PANIC) are not
- * listed again at each call. Lengths are in the caller's unit, metres in this text.
+ * do. Of the errors, a NULL pointer (RAYC_STATUS_NULL_POINTER), what is no handle of its type (RAYC_STATUS_INVALID_HANDLE),
+ * a handle that another call is using (RAYC_STATUS_BUSY) and a fault inside the library (RAYC_STATUS_PANIC) are not listed
+ * again at each call. Lengths are in the caller's unit, metres in this text.
  *
  * Handles are freed by the caller, by the rayc_…_destroy() of their type. Arrays stay the caller's; the library copies what
  * it needs and keeps no pointer to them. A call with a const handle only reads it and may run beside others that do.
@@ -31,7 +32,7 @@
 /**
  * Minor version of this header.
  */
-#define RAYC_VERSION_MINOR 1
+#define RAYC_VERSION_MINOR 2
 
 /**
  * Patch version of this header.
@@ -42,7 +43,14 @@
  * The ABI of this header: major · 100, and the minor version while the major is 0. The C++ headers compare it with
  * rayc_abi_version() before they make anything.
  */
-#define RAYC_ABI_VERSION 1
+#define RAYC_ABI_VERSION 2
+
+/**
+ * How many bytes of stack a call needs of the thread that makes it, and a task of a rayc_parallel_for of the thread that
+ * calls it, beside what is in use there and what the system keeps at its end: what was measured, 58 KB (88 KB in an
+ * unoptimised build), and room to spare. Threads of a pool have stacks of their own, large enough.
+ */
+#define RAYC_STACK_SIZE 131072
 
 /**
  * The sample_spacing that follows the size of each overlap.
@@ -101,6 +109,16 @@ typedef enum rayc_status {
    * The library that is linked is of another ABI than the headers. Only the C++ headers say so: see rayc_abi_version().
    */
   RAYC_STATUS_OTHER_ABI = 108,
+  /**
+   * A pointer that should be a handle is none, is one of another type, or has been destroyed. Only what still lies
+   * there can tell, so after its end this is no promise: the memory may have been used again, or be gone.
+   */
+  RAYC_STATUS_INVALID_HANDLE = 109,
+  /**
+   * A call that has not returned is using the handle, and one of the two changes it: another thread's, or the query
+   * around a parallel_for. That call is not disturbed; wait for it.
+   */
+  RAYC_STATUS_BUSY = 110,
   /**
    * The mesh has no triangle.
    */
@@ -236,7 +254,8 @@ typedef enum rayc_weighting {
  * The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
  *
  * Threads: calls with const contacts may run at once. The caller frees it with rayc_contacts_destroy(); it stays
- * valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory.
+ * valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory. A destroyed one
+ * must not be used: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
  */
 typedef struct rayc_contacts rayc_contacts;
 
@@ -245,7 +264,8 @@ typedef struct rayc_contacts rayc_contacts;
  * each step. Vertices that no triangle uses are allowed (the inner nodes of a volume mesh).
  *
  * Threads: calls with a const mesh may run at once; no other call may run beside one that changes it. The caller
- * frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay.
+ * frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay. After that it must not be used:
+ * RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
  */
 typedef struct rayc_mesh rayc_mesh;
 
@@ -253,16 +273,19 @@ typedef struct rayc_mesh rayc_mesh;
  * The search structure over one mesh's triangles, for one state of its positions.
  *
  * Threads: calls with a const octree may run at once. The caller frees it with rayc_octree_destroy(), before or after
- * its mesh. After rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
+ * its mesh, and must not use it any more: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise. After
+ * rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
  */
 typedef struct rayc_octree rayc_octree;
 
 /**
- * Many bodies, and all contacts among them. Bodies are numbered from 0; a scene holds copies of the meshes it is
- * given.
+ * Many bodies, and all contacts among them. Bodies are numbered from 0, and keep their numbers; a scene holds copies of the
+ * meshes it is given.
  *
- * Threads: one call at a time for one scene, from any thread; different scenes may be used at once. Whose threads work
- * is for rayc_scene_options to say. The caller frees it with rayc_scene_destroy(), which also ends its threads.
+ * Threads: one call at a time for one scene, from any thread; different scenes may be used at once, and calls with a const
+ * scene beside each other. Others say RAYC_STATUS_BUSY. Whose threads work is for rayc_scene_options to say. The caller
+ * frees it with rayc_scene_destroy(), which also ends its threads; after that it must not be used:
+ * RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
  */
 typedef struct rayc_scene rayc_scene;
 
@@ -373,7 +396,7 @@ typedef void (*rayc_task)(void *data, size_t index);
  * returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
  *
  * The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
- * cannot nest will do. It must not call the scene. An exception that leaves it ends the process: lend_threads() of
+ * cannot nest will do. It must not call the scene, nor use the contacts of the query: both say RAYC_STATUS_BUSY. An exception that leaves it ends the process: lend_threads() of
  * raycontact.hpp carries it past the library instead. Indices that it leaves out or calls twice do no harm.
  */
 typedef void (*rayc_parallel_for)(void *context, size_t count, rayc_task task, void *data);
@@ -393,7 +416,14 @@ typedef struct rayc_scene_options {
   /**
    * 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
    * destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. A
-   * step of fewer than about 1000 rays is done by the calling thread alone. Default 1.
+   * step of fewer than about 1000 rays is done by the calling thread alone.
+   *
+   * After fork() a scene may be used and destroyed in the child too, by copies of its handles: its pool's threads are
+   * started anew with the first query that needs them, or where the system gives none the calling thread works alone;
+   * what the old ones held, some KiB each, is not given back. Not promised: anything for a scene or contacts that a
+   * call of another thread was using at the fork (they stay RAYC_STATUS_BUSY in the child), and what the system's
+   * own libraries do not promise: a child of a process with several threads may have to call exec() first. The host
+   * looks after the threads of a parallel_for itself. Default 1.
    */
   uint32_t threads;
   /**
@@ -564,7 +594,7 @@ typedef struct rayc_contact {
 
 /**
  * What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
- * reason why it is none.
+ * reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced.
  */
 typedef struct rayc_statistics {
   /**
@@ -581,8 +611,8 @@ typedef struct rayc_statistics {
    */
   uint64_t rays;
   /**
-   * Rays that left the overlap box without meeting the other mesh; for a body with itself, rays from points that lie
-   * inside no other part of it.
+   * Rays that left the overlap box without meeting the other mesh, or along an escape its box; for a body with itself,
+   * rays from points that lie inside no other part of it.
    */
   uint64_t misses;
   /**
@@ -647,16 +677,20 @@ typedef struct rayc_statistics {
    */
   uint64_t patches;
   /**
-   * Rays beside those, traced only to find out how fine the sampling has to be: force_tolerance in
-   * rayc_detection_options.
+   * Rays beside those, traced only to find out how fine the sampling has to be (force_tolerance in
+   * rayc_detection_options), or whether and which way a pair is to escape.
    */
   uint64_t estimate_rays;
+  /**
+   * Contacts found and replaced by those of an escape that began in the same query.
+   */
+  uint64_t replaced;
 } rayc_statistics;
 
 /**
  * How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
  * whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
- * the first by a part of depth · direction, and the second against it.
+ * the first by a part of depth · direction, and the second against it. Later versions may tell more, at the end.
  */
 typedef struct rayc_escape_push {
   /**
@@ -671,6 +705,10 @@ typedef struct rayc_escape_push {
    * How many contacts the pair has.
    */
   uint32_t contact_count;
+  /**
+   * Always 0, so that equal pushes are equal byte by byte.
+   */
+  uint32_t reserved;
   /**
    * Of unit length.
    */
@@ -690,7 +728,8 @@ typedef struct rayc_escape_push {
 } rayc_escape_push;
 
 /**
- * What a pair of bodies of a scene remembers from query to query while their boxes overlap.
+ * What a pair of bodies of a scene remembers from query to query while their boxes overlap; later versions may tell more,
+ * at the end.
  */
 typedef struct rayc_pair_memory {
   /**
@@ -713,6 +752,10 @@ typedef struct rayc_pair_memory {
    * For how many queries `halved` has stood.
    */
   uint32_t halved_steps;
+  /**
+   * Always 0, so that equal memories are equal byte by byte.
+   */
+  uint32_t reserved;
   /**
    * The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
    */
@@ -874,7 +917,9 @@ enum rayc_status rayc_octree_update(struct rayc_octree *octree, const struct ray
 
 /**
  * Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
- * Benthin, Wald 2013): a ray through a shared edge or vertex hits.
+ * Benthin, Wald 2013): a ray through a shared edge or vertex hits. So that many threads may trace rays one by one
+ * without waiting for each other, they are not counted: a call that changes the octree or the mesh meanwhile does not
+ * say RAYC_STATUS_BUSY, and must not be made.
  *
  * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
  * RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.
@@ -983,7 +1028,8 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
  * velocities NULL: no damping. Contacts are held: each stays at its points and along its direction, whatever the
  * positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
+ * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
+ * what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
  */
 enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
                                           const struct rayc_response_options *options,
@@ -999,8 +1045,8 @@ enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
  *
  * options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_INVALID_OPTION
- * where a factor is not finite.
+ * Errors: RAYC_STATUS_WRONG_COUNT and RAYC_STATUS_NOT_FINITE as there, RAYC_STATUS_INVALID_OPTION where a factor is not
+ * finite.
  */
 enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *contacts,
                                                 const struct rayc_response_options *options,
@@ -1014,7 +1060,8 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
  * The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
  * elastic force is its negative gradient.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
+ * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
+ * what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
  */
 enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
                                       const struct rayc_response_options *options,
@@ -1029,13 +1076,15 @@ enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *con
 
 /**
  * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
- * `count`. They stand in the order of the contacts.
+ * `count`. They stand in the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes
+ * no more of each than the caller knows.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
                                                   size_t first,
                                                   size_t count,
+                                                  size_t struct_size,
                                                   struct rayc_escape_push *out);
 
 /**
@@ -1052,14 +1101,21 @@ enum rayc_status rayc_scene_create(const struct rayc_scene_options *options, str
 enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
 
 /**
- * Adds a copy of `mesh` with its present positions. *body: its number, the smallest that is free.
+ * Adds a copy of `mesh` with its present positions. *body: its number.
+ *
+ * Without removals the n-th body has the number n − 1. The number of a removed body rests: it is given again after more
+ * than 65536 numbers are without a body, the one that has been so for longest first, and until then
+ * RAYC_STATUS_UNKNOWN_BODY tells whoever still uses it. So arrays by number need never be longer than the most bodies that
+ * were in the scene at once, and 65536 more. Numbers follow from the order of additions and removals alone.
  *
  * Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
  */
-enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene, const struct rayc_mesh *mesh, uint32_t *body);
+enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene,
+                                     const struct rayc_mesh *mesh,
+                                     uint32_t *body);
 
 /**
- * Removes a body; its number may be given to a later one.
+ * Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY.
  */
@@ -1106,10 +1162,26 @@ enum rayc_status rayc_scene_set_pair_collision(struct rayc_scene *scene,
                                                uint32_t is_on);
 
 /**
+ * Ends a step of `seconds` seconds, ≥ 0: what the step's last query found goes into what pairs remember, by which they
+ * escape where contacts cannot part them. Call it once a step, after the last rayc_scene_query() of it; a host that queries
+ * several times a step, to look ahead or to detect anew, thus escapes no sooner.
+ *
+ * The rules count steps; those shorter than 1/60 s count as the part of it that they are. From the first call on, this
+ * alone ends a step: a host that queries several times in its first step calls it before, with 0. A scene for which it is
+ * never called ends a step, of 1/60 s or more, at each query before which any body was given positions since the last.
+ *
+ * Errors: RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite.
+ */
+enum rayc_status rayc_scene_advance(struct rayc_scene *scene,
+                                    double seconds);
+
+/**
  * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
  * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
  * need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with
  * itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+ *
+ * With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
  */
 enum rayc_status rayc_scene_query(struct rayc_scene *scene,
                                   struct rayc_contacts *contacts);
@@ -1137,13 +1209,15 @@ enum rayc_status rayc_scene_pair_memory_count(const struct rayc_scene *scene, si
 
 /**
  * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
- * order of their first, then their second body.
+ * order of their first, then their second body. struct_size: sizeof(rayc_pair_memory), so that a later library writes
+ * no more of each than the caller knows.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_scene_copy_pair_memories(const struct rayc_scene *scene,
                                                size_t first,
                                                size_t count,
+                                               size_t struct_size,
                                                struct rayc_pair_memory *out);
 
 /**

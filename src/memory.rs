@@ -3,7 +3,7 @@
 //! program in Rust may catch it.
 
 use std::cell::Cell;
-use std::collections::HashSet;
+use std::collections::{HashSet, VecDeque};
 use std::fmt;
 use std::hash::Hash;
 use std::hint::black_box;
@@ -77,6 +77,15 @@ impl<V: Eq + Hash> Room for HashSet<V> {
     }
 }
 
+impl<V> Room for VecDeque<V> {
+    fn room_for(&mut self, more: usize) -> &mut Self {
+        if self.try_reserve(more).is_err() {
+            unwind();
+        }
+        self
+    }
+}
+
 /// An empty list with room for just so many.
 pub(crate) fn with_room<V>(count: usize) -> Vec<V> {
     let mut list = Vec::new();
@@ -98,15 +107,6 @@ pub(crate) fn listed<V>(items: impl IntoIterator<Item = V>) -> Vec<V> {
     let mut list = Vec::new();
     append(&mut list, items);
     list
-}
-
-/// A list of all items, or the first error among them.
-pub(crate) fn tried<V, E>(items: impl IntoIterator<Item = Result<V, E>>) -> Result<Vec<V>, E> {
-    let mut list = Vec::new();
-    for item in items {
-        list.room_for(1).push(item?);
-    }
-    Ok(list)
 }
 
 /// Asks for so many bytes and gives them back: before what cannot say itself that there are none. Another thread may take

@@ -3,11 +3,14 @@
 mod common;
 
 use allocation_counter::measure;
+use common::c::RAYC_STATUS_OK;
 use common::shapes::{self, Shape};
+use raycontact::capi::*;
 use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::octree::{Layout, Octree};
 use raycontact::scene::Scene;
 use raycontact::threads::ParallelFor;
+use std::ptr::null;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -108,6 +111,49 @@ fn a_steady_step_with_self_collision_allocates_nothing() {
             assert!(step < 40 || allocations.count_total == 0, "touches: {touches}, step {step}: {allocations:?}");
         }
         assert_eq!(contacts.is_empty(), !touches);
+    }
+}
+
+/// What an integrator asks of the C interface once per iteration, with the arrays of many bodies.
+#[test]
+#[allow(unsafe_code)] // the C interface
+fn forces_and_differential_allocate_nothing() {
+    let torus = shapes::torus(16, 8, 0.4);
+    let mut scene = common::c::Scene::new(64, 1).expect("no thread is started");
+    let positions: Vec<_> = (0..20).map(|k| torus.moved([0.0, 0.1, 0.6 * f64::from(k)]).positions).collect();
+    for positions in &positions {
+        let mesh = common::c::Mesh::new(64, false, &common::c::vectors(positions), &torus.triangles).expect("closed");
+        scene.add(&mesh).expect("the same precision");
+    }
+    let mut contacts = common::c::Contacts::new();
+    assert_eq!(scene.query(&mut contacts), RAYC_STATUS_OK);
+    assert!(!contacts.all().is_empty());
+
+    let scalar = rayc_scalar::RAYC_SCALAR_F64 as u32;
+    let mut forces = vec![vec![[0.0f64; 3]; torus.positions.len()]; positions.len()];
+    let mut array = |forces: &mut Vec<[f64; 3]>| rayc_vectors_mut {
+        data: forces.as_mut_ptr().cast(),
+        count: forces.len(),
+        stride: 0,
+        scalar,
+    };
+    let out: Vec<_> = forces.iter_mut().map(&mut array).collect();
+    let given: Vec<_> = positions.iter().map(|positions| common::c::vectors(positions)).collect();
+    for step in 0..3 {
+        let allocations = measure(|| {
+            let (mut joules, options, count, read) = (0.0, null(), out.len(), given.as_ptr());
+            // SAFETY: the arrays are as they say.
+            let statuses = unsafe {
+                [
+                    rayc_contacts_add_forces(contacts.0, options, count, read, read, out.as_ptr()),
+                    rayc_contacts_add_differential(contacts.0, options, 1.0, 1.0, count, read, out.as_ptr()),
+                    rayc_contacts_energy(contacts.0, options, count, read, &mut joules),
+                ]
+            };
+            assert_eq!(statuses, [RAYC_STATUS_OK; 3]);
+        });
+        // The first call keeps the memory in reserve by which the thread could say that there is none.
+        assert!(step < 1 || allocations.count_total == 0, "step {step}: {allocations:?}");
     }
 }
 

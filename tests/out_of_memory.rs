@@ -254,7 +254,8 @@ fn steps(run: &mut Run, scene: *mut rayc_scene, more: &[Shape]) {
         assert!(total > 20, "{total}");
         let count = run.given(0, |count| rayc_scene_pair_memory_count(scene, count));
         let mut memories: Vec<rayc_pair_memory> = vec![std::mem::zeroed(); count];
-        run.ok(|| rayc_scene_copy_pair_memories(scene, 0, count, memories.as_mut_ptr()));
+        let size = size_of::<rayc_pair_memory>();
+        run.ok(|| rayc_scene_copy_pair_memories(scene, 0, count, size, memories.as_mut_ptr()));
         assert!(memories.iter().any(|memory| memory.escaping == 1), "the small body is on its way out");
         run.digest.extend(memories.iter().flat_map(|memory| [memory.lowest.to_bits(), memory.halved_steps.into()]));
         meshes.into_iter().for_each(|mesh| run.ok(|| rayc_mesh_destroy(mesh)));

@@ -32,21 +32,72 @@ static rayc_status statistics_of_contacts(size_t size, rayc_statistics* place) {
   return rayc_contacts_statistics(contacts, size, place);
 }
 
+static rayc_scene* scene = NULL;
+
+static rayc_status pair_memory_of_scene(size_t size, rayc_pair_memory* place) {
+  return rayc_scene_copy_pair_memories(scene, 0, 1, size, place);
+}
+
+static rayc_status push_of_contacts(size_t size, rayc_escape_push* place) {
+  return rayc_contacts_copy_escape_pushes(contacts, 0, 1, size, place);
+}
+
+/* An octahedron with two small ones inside, which escape. */
+static void make_escapes(void) {
+  CHECK_OK(rayc_scene_create(NULL, &scene));
+  for (int k = 0; k < 3; ++k) {
+    double positions[3 * OCTAHEDRON_VERTICES];
+    for (int i = 0; i < 3 * OCTAHEDRON_VERTICES; ++i) {
+      positions[i] = octahedron_positions[i] * (k == 0 ? 1.0 : 0.0625) + (k == 2 && i % 3 == 0 ? 0.25 : 0.0);
+    }
+    const rayc_vectors vectors = packed(positions, OCTAHEDRON_VERTICES);
+    rayc_mesh* mesh = NULL;
+    uint32_t body = 42;
+    CHECK_OK(rayc_mesh_create(NULL, &vectors, octahedron_triangles, OCTAHEDRON_TRIANGLES, &mesh));
+    CHECK_OK(rayc_scene_add_mesh(scene, mesh, &body));
+    CHECK_OK(rayc_mesh_destroy(mesh));
+  }
+  CHECK_OK(rayc_scene_query(scene, contacts));
+}
+
+/* Elements lie as far apart as the caller says, and no call writes where there is none. */
+static void arrays_are_written_in_steps_of_the_callers_size(void) {
+  rayc_pair_memory memories[3];
+  rayc_escape_push pushes[3];
+  memset(memories, 0xA5, sizeof memories);
+  memset(pushes, 0xA5, sizeof pushes);
+  const unsigned char* const after[2] = {(unsigned char*)&memories[2], (unsigned char*)&pushes[2]};
+  CHECK_OK(rayc_scene_copy_pair_memories(scene, 0, 2, sizeof memories[0], memories));
+  CHECK_OK(rayc_contacts_copy_escape_pushes(contacts, 0, 2, sizeof pushes[0], pushes));
+  for (uint32_t k = 0; k < 2; ++k) {
+    CHECK(memories[k].first == 0 && memories[k].second == k + 1 && memories[k].escaping == 1);
+    CHECK(pushes[k].first == 0 && pushes[k].second == k + 1 && pushes[k].depth > 0);
+    CHECK(memories[k].reserved == 0 && pushes[k].reserved == 0);
+  }
+  for (size_t at = 0; at < sizeof memories[2]; ++at) CHECK(after[0][at] == 0xA5);
+  for (size_t at = 0; at < sizeof pushes[2]; ++at) CHECK(after[1][at] == 0xA5);
+  CHECK_OK(rayc_scene_copy_pair_memories(scene, 2, 0, sizeof memories[0], NULL));
+  CHECK_OK(rayc_contacts_copy_escape_pushes(contacts, 2, 0, sizeof pushes[0], NULL));
+  CHECK_STATUS(rayc_scene_copy_pair_memories(scene, 0, 2, sizeof memories[0], NULL), RAYC_STATUS_NULL_POINTER, "out");
+  CHECK_STATUS(rayc_contacts_copy_escape_pushes(contacts, 0, 2, sizeof pushes[0], NULL), RAYC_STATUS_NULL_POINTER,
+               "out");
+}
+
 /* An options struct of the first version: shorter, with garbage behind it that must not be read. */
 static void older_options_are_read_as_far_as_they_go(void) {
   rayc_detection_options options;
   memset(&options, 0xFF, sizeof options);
   CHECK_OK(rayc_default_detection_options(END_OF(rayc_detection_options, escape), &options));
   CHECK(options.struct_size == END_OF(rayc_detection_options, escape));
-  rayc_scene* scene = NULL;
-  CHECK_OK(rayc_scene_create(NULL, &scene));
-  CHECK_OK(rayc_scene_set_detection_options(scene, &options));
+  rayc_scene* other = NULL;
+  CHECK_OK(rayc_scene_create(NULL, &other));
+  CHECK_OK(rayc_scene_set_detection_options(other, &options));
   options.struct_size = sizeof options;
-  CHECK_STATUS(rayc_scene_set_detection_options(scene, &options), RAYC_STATUS_INVALID_OPTION, "");
+  CHECK_STATUS(rayc_scene_set_detection_options(other, &options), RAYC_STATUS_INVALID_OPTION, "");
   CHECK_OK(rayc_default_detection_options(sizeof options, &options));
   options.reserved = 1;
-  CHECK_STATUS(rayc_scene_set_detection_options(scene, &options), RAYC_STATUS_INVALID_OPTION, "reserved");
-  CHECK_OK(rayc_scene_destroy(scene));
+  CHECK_STATUS(rayc_scene_set_detection_options(other, &options), RAYC_STATUS_INVALID_OPTION, "reserved");
+  CHECK_OK(rayc_scene_destroy(other));
 }
 
 /* Padding at the end would be read as an option once one lies there. */
@@ -56,6 +107,19 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_response_options, whole_body_escape) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
   CHECK(END_OF(rayc_statistics, estimate_rays) == sizeof(rayc_statistics));
+  CHECK(END_OF(rayc_pair_memory, net_push) == sizeof(rayc_pair_memory));
+  CHECK(END_OF(rayc_escape_push, centres) == sizeof(rayc_escape_push));
+}
+
+/* Nor a hole within, whose bytes would be whatever they were. */
+static void arrays_elements_have_no_holes(void) {
+  CHECK(END_OF(rayc_pair_memory, reserved) == offsetof(rayc_pair_memory, direction));
+  CHECK(sizeof(rayc_pair_memory) == 6 * sizeof(uint32_t) + 8 * sizeof(double));
+  CHECK(END_OF(rayc_escape_push, reserved) == offsetof(rayc_escape_push, direction));
+  CHECK(sizeof(rayc_escape_push) == 4 * sizeof(uint32_t) + 11 * sizeof(double));
+  CHECK(sizeof(rayc_contact) == 4 * sizeof(uint32_t) + 2 * sizeof(rayc_surface_point) + 6 * sizeof(double));
+  CHECK(sizeof(rayc_surface_point) == 4 * sizeof(uint32_t) + 6 * sizeof(double));
+  CHECK(sizeof(rayc_hit) == 2 * sizeof(uint32_t) + 4 * sizeof(double));
 }
 
 int main(void) {
@@ -67,7 +131,13 @@ int main(void) {
   CHECK_SIZES(rayc_statistics, END_OF(rayc_statistics, escapes_forbidden), statistics_of_contacts);
   CHECK_STATUS(rayc_contacts_statistics(contacts, sizeof(rayc_statistics), NULL), RAYC_STATUS_NULL_POINTER,
                "statistics");
+  make_escapes();
+  CHECK_SIZES(rayc_pair_memory, END_OF(rayc_pair_memory, net_push), pair_memory_of_scene);
+  CHECK_SIZES(rayc_escape_push, END_OF(rayc_escape_push, centres), push_of_contacts);
+  arrays_are_written_in_steps_of_the_callers_size();
+  CHECK_OK(rayc_scene_destroy(scene));
   older_options_are_read_as_far_as_they_go();
+  arrays_elements_have_no_holes();
   structs_have_no_padding_at_the_end();
   CHECK_OK(rayc_contacts_destroy(contacts));
   return check_result();

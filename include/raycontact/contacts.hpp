@@ -71,7 +71,8 @@ class Contacts {
     std::size_t count = 0;
     rayc_status status = rayc_contacts_escape_push_count(get(), &count);
     pushes.resize(count);
-    if (status == RAYC_STATUS_OK) status = rayc_contacts_copy_escape_pushes(get(), 0, count, pushes.data());
+    if (status == RAYC_STATUS_OK)
+      status = rayc_contacts_copy_escape_pushes(get(), 0, count, sizeof(rayc_escape_push), pushes.data());
     return check(status);
   }
 

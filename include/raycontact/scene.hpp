@@ -98,14 +98,14 @@ class Scene {
     return create(options);
   }
 
-  /** Copies the mesh; returns the body's number. */
+  /** Copies the mesh; returns the body's number: rayc_scene_add_mesh() says which. */
   Outcome<uint32_t> add(const Mesh& mesh) {
     uint32_t body = 0;
     const rayc_status status = rayc_scene_add_mesh(get(), mesh.get(), &body);
     return detail::outcome(status, body);
   }
 
-  /** Removes a body; its number may be given to a later one. */
+  /** Removes a body; its number is refused until, over a thousand removals later, another body gets it. */
   Outcome<void> remove(uint32_t body) { return check(rayc_scene_remove_body(get(), body)); }
 
   /** Renews the positions of a body's vertices. */
@@ -170,7 +170,8 @@ class Scene {
     std::size_t count = 0;
     rayc_status status = rayc_scene_pair_memory_count(get(), &count);
     memories.resize(count);
-    if (status == RAYC_STATUS_OK) status = rayc_scene_copy_pair_memories(get(), 0, count, memories.data());
+    if (status == RAYC_STATUS_OK)
+      status = rayc_scene_copy_pair_memories(get(), 0, count, sizeof(rayc_pair_memory), memories.data());
     return check(status);
   }
 

@@ -81,7 +81,7 @@ class CollisionStage {
 
   /**
    * Adds a closed triangle surface; `triangles` holds three vertex numbers each, of any type of integer.
-   * @return its number, the smallest that is free
+   * @return its number: the next one, and after tens of thousands of removals the one that has been free for longest
    */
   template <class Triangles>
   ModelId addCollisionModel(const VecCoord& x, const Triangles& triangles,
@@ -99,7 +99,7 @@ class CollisionStage {
     return id;
   }
 
-  /** Removes a model; its number may be given to a later one. */
+  /** Removes a model; its number is refused until, tens of thousands of removals later, another model gets it. */
   void removeCollisionModel(ModelId model) {
     scene_.remove(model);
     models_[model] = Model{};

@@ -1,9 +1,10 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
+use super::handles::{changing, give, reading, take_back};
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
 use super::options::{Growing, rayc_detection_options, read_options, write_known};
-use super::pointers::{Output, give, reference, reference_mut, take_back};
+use super::pointers::Output;
 use crate::contact::{Contact, ContactKind, ContactList, Statistics, SurfacePoint, query_pair, query_self};
 use crate::math::Scalar;
 use crate::memory::text;
@@ -11,7 +12,8 @@ use crate::memory::text;
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
 /// Threads: calls with const contacts may run at once. The caller frees it with rayc_contacts_destroy(); it stays
-/// valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory.
+/// valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory. A destroyed one
+/// must not be used: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
 pub struct rayc_contacts {
     pub(super) list: AnyContacts,
 }
@@ -223,8 +225,7 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
 pub unsafe extern "C" fn rayc_contacts_destroy(contacts: *mut rayc_contacts) -> rayc_status {
     guard_end(|| {
         // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(contacts) };
-        Ok(())
+        unsafe { take_back(contacts, "contacts") }
     })
 }
 
@@ -245,10 +246,11 @@ pub unsafe extern "C" fn rayc_query_pair(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let options = read_options(options)?;
-        let (a, octree_a) = (&reference(a, "a")?.mesh, &reference(octree_a, "octree_a")?.octree);
-        let (b, octree_b) = (&reference(b, "b")?.mesh, &reference(octree_b, "octree_b")?.octree);
-        let list = &mut reference_mut(contacts, "contacts")?.list;
-        match (a, octree_a, b, octree_b) {
+        let (a, octree_a) = (reading(a, "a")?, reading(octree_a, "octree_a")?);
+        let (b, octree_b) = (reading(b, "b")?, reading(octree_b, "octree_b")?);
+        let mut contacts = changing(contacts, "contacts")?;
+        let list = &mut contacts.list;
+        match (&a.mesh, &octree_a.octree, &b.mesh, &octree_b.octree) {
             (AnyMesh::F32(a), AnyOctree::F32(octree_a), AnyMesh::F32(b), AnyOctree::F32(octree_b)) => {
                 octree_a.tracer(a).and(octree_b.tracer(b))?;
                 Ok(query_pair(a, octree_a, b, octree_b, &options.detection()?, list.as_f32())?)
@@ -282,9 +284,10 @@ pub unsafe extern "C" fn rayc_query_self(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let options = read_options(options)?;
-        let (mesh, octree) = (&reference(mesh, "mesh")?.mesh, &reference(octree, "octree")?.octree);
-        let list = &mut reference_mut(contacts, "contacts")?.list;
-        match (mesh, octree) {
+        let (mesh, octree) = (reading(mesh, "mesh")?, reading(octree, "octree")?);
+        let mut contacts = changing(contacts, "contacts")?;
+        let list = &mut contacts.list;
+        match (&mesh.mesh, &octree.octree) {
             (AnyMesh::F32(mesh), AnyOctree::F32(octree)) => {
                 octree.tracer(mesh)?;
                 Ok(query_self(mesh, octree, &options.detection()?, list.as_f32())?)
@@ -303,7 +306,7 @@ pub unsafe extern "C" fn rayc_query_self(
 pub unsafe extern "C" fn rayc_contacts_count(contacts: *const rayc_contacts, count: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let contacts = reference(contacts, "contacts")?;
+        let contacts = reading(contacts, "contacts")?;
         Output::new(count, "count")?.write(contacts.list.len());
         Ok(())
     })
@@ -321,7 +324,8 @@ pub unsafe extern "C" fn rayc_contacts_copy(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         list.check_range(first, count)?;
         let out = Output::array(out, count, "out")?;
         match list {
@@ -344,7 +348,8 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let found = match list {
             AnyContacts::F32(list) => list.statistics,
             AnyContacts::F64(list) => list.statistics,

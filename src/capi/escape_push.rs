@@ -1,14 +1,16 @@
 use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::pointers::{Output, reference};
+use super::handles::reading;
+use super::options::{Growing, Known};
+use super::pointers::Output;
 use crate::contact::EscapePush;
 use crate::math::Scalar;
 use crate::memory::text;
 
 /// How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
 /// whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
-/// the first by a part of depth · direction, and the second against it.
+/// the first by a part of depth · direction, and the second against it. Later versions may tell more, at the end.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_escape_push {
@@ -18,6 +20,8 @@ pub struct rayc_escape_push {
     pub second: u32,
     /// How many contacts the pair has.
     pub contact_count: u32,
+    /// Always 0, so that equal pushes are equal byte by byte.
+    pub reserved: u32,
     /// Of unit length.
     pub direction: [f64; 3],
     /// How far the two have to move apart along it, as far as the rays tell, > 0.
@@ -28,12 +32,18 @@ pub struct rayc_escape_push {
     pub centres: [[f64; 3]; 2],
 }
 
+impl Growing for rayc_escape_push {
+    const NAME: &'static str = "rayc_escape_push";
+    const SMALLEST: usize = std::mem::offset_of!(Self, centres) + size_of::<[[f64; 3]; 2]>();
+}
+
 impl<T: Scalar> From<&EscapePush<T>> for rayc_escape_push {
     fn from(push: &EscapePush<T>) -> Self {
         Self {
             first: push.bodies[0],
             second: push.bodies[1],
             contact_count: push.contact_count,
+            reserved: 0,
             direction: push.direction.map(T::to_f64).into(),
             depth: push.depth.to_f64(),
             area: push.area.to_f64(),
@@ -50,33 +60,37 @@ pub unsafe extern "C" fn rayc_contacts_escape_push_count(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         Output::new(count, "count")?.write(push_count(list));
         Ok(())
     })
 }
 
 /// Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
-/// `count`. They stand in the order of the contacts.
+/// `count`. They stand in the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes
+/// no more of each than the caller knows.
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+/// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
     contacts: *const rayc_contacts,
     first: usize,
     count: usize,
+    struct_size: usize,
     out: *mut rayc_escape_push,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let present = push_count(list);
         if first.checked_add(count).is_none_or(|end| end > present) {
             let message =
                 text!("pushes {first} to {first} + {count} were asked for, but there are {present}; ask for fewer");
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
         }
-        let out = Output::array(out, count, "out")?;
+        let out = Known::new(struct_size, out, count, "out")?;
         let range = first..first + count;
         match list {
             AnyContacts::F32(list) => out.write_all(list.pushes()[range].iter().map(Into::into)),

@@ -33,6 +33,12 @@ pub enum rayc_status {
     RAYC_STATUS_NOT_FINITE = 107,
     /// The library that is linked is of another ABI than the headers. Only the C++ headers say so: see rayc_abi_version().
     RAYC_STATUS_OTHER_ABI = 108,
+    /// A pointer that should be a handle is none, is one of another type, or has been destroyed. Only what still lies
+    /// there can tell, so after its end this is no promise: the memory may have been used again, or be gone.
+    RAYC_STATUS_INVALID_HANDLE = 109,
+    /// A call that has not returned is using the handle, and one of the two changes it: another thread's, or the query
+    /// around a parallel_for. That call is not disturbed; wait for it.
+    RAYC_STATUS_BUSY = 110,
 
     /// The mesh has no triangle.
     RAYC_STATUS_MESH_EMPTY = 200,

@@ -94,7 +94,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contacts_copy(null(), 0, 0, null_mut());
         rayc_contacts_statistics(null(), 0, null_mut());
         rayc_contacts_escape_push_count(null(), null_mut());
-        rayc_contacts_copy_escape_pushes(null(), 0, 0, null_mut());
+        rayc_contacts_copy_escape_pushes(null(), 0, 0, 0, null_mut());
         rayc_contacts_copy_coefficients(null(), null(), 0, 0, null_mut());
         rayc_contacts_add_forces(null(), null(), 0, null(), null(), null());
         rayc_contacts_add_differential(null(), null(), 0.0, 0.0, 0, null(), null());
@@ -112,7 +112,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_scene_allow_escape(null_mut(), 0, 0, 0);
         rayc_scene_may_escape(null(), 0, 0, null_mut());
         rayc_scene_pair_memory_count(null(), null_mut());
-        rayc_scene_copy_pair_memories(null(), 0, 0, null_mut());
+        rayc_scene_copy_pair_memories(null(), 0, 0, 0, null_mut());
         rayc_scene_saved_length(null(), null_mut());
         rayc_scene_save_pair_memories(null(), 0, null_mut());
         rayc_scene_restore_pair_memories(null_mut(), 0, null());

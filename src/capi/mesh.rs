@@ -1,7 +1,8 @@
 use super::failure::{Failure, mesh_status, rayc_status};
 use super::guard::{guard, guard_end};
+use super::handles::{changing, give, reading, take_back};
 use super::options::{flag, rayc_mesh_options, read_options};
-use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
+use super::pointers::{Output, reference, slice};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
 use crate::math::Scalar;
 use crate::memory::{self, text};
@@ -14,7 +15,8 @@ use std::path::Path;
 /// each step. Vertices that no triangle uses are allowed (the inner nodes of a volume mesh).
 ///
 /// Threads: calls with a const mesh may run at once; no other call may run beside one that changes it. The caller
-/// frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay.
+/// frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay. After that it must not be used:
+/// RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
 pub struct rayc_mesh {
     pub(super) mesh: AnyMesh,
 }
@@ -149,8 +151,7 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
 pub unsafe extern "C" fn rayc_mesh_destroy(mesh: *mut rayc_mesh) -> rayc_status {
     guard_end(|| {
         // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(mesh) };
-        Ok(())
+        unsafe { take_back(mesh, "mesh") }
     })
 }
 
@@ -163,7 +164,7 @@ pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
-        match &mut reference_mut(mesh, "mesh")?.mesh {
+        match &mut changing(mesh, "mesh")?.mesh {
             AnyMesh::F32(mesh) => renew_positions(mesh, &positions),
             AnyMesh::F64(mesh) => renew_positions(mesh, &positions),
         }
@@ -175,7 +176,7 @@ pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions
 pub unsafe extern "C" fn rayc_mesh_vertex_count(mesh: *const rayc_mesh, count: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mesh = reference(mesh, "mesh")?;
+        let mesh = reading(mesh, "mesh")?;
         Output::new(count, "count")?.write(mesh.mesh.topology().vertex_count());
         Ok(())
     })
@@ -186,7 +187,7 @@ pub unsafe extern "C" fn rayc_mesh_vertex_count(mesh: *const rayc_mesh, count: *
 pub unsafe extern "C" fn rayc_mesh_triangle_count(mesh: *const rayc_mesh, count: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mesh = reference(mesh, "mesh")?;
+        let mesh = reading(mesh, "mesh")?;
         Output::new(count, "count")?.write(mesh.mesh.topology().triangles().len());
         Ok(())
     })
@@ -208,7 +209,7 @@ pub unsafe extern "C" fn rayc_mesh_copy_positions(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut positions = Strided::new_mut(reference(positions, "positions")?, "positions")?;
-        match &reference(mesh, "mesh")?.mesh {
+        match &reading(mesh, "mesh")?.mesh {
             AnyMesh::F32(mesh) => copy(mesh, &mut positions),
             AnyMesh::F64(mesh) => copy(mesh, &mut positions),
         }
@@ -226,7 +227,8 @@ pub unsafe extern "C" fn rayc_mesh_copy_triangles(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let indices = reference(mesh, "mesh")?.mesh.topology().triangles().as_flattened();
+        let mesh = reading(mesh, "mesh")?;
+        let indices = mesh.mesh.topology().triangles().as_flattened();
         check_count("triangles", index_count, indices.len())?;
         Output::array(triangles, index_count, "triangles")?.write_all(indices.iter().copied());
         Ok(())

@@ -8,7 +8,9 @@ mod escape_push;
 mod failure;
 #[cfg(test)]
 mod faults;
+mod given;
 mod guard;
+mod handles;
 mod host_threads;
 mod mesh;
 mod octree;
@@ -23,7 +25,7 @@ mod version;
 pub use contacts::*;
 pub use escape_push::*;
 pub use failure::rayc_status;
-pub use guard::rayc_last_error_message;
+pub use guard::{RAYC_STACK_SIZE, rayc_last_error_message};
 pub use host_threads::{rayc_parallel_for, rayc_task};
 pub use mesh::*;
 pub use octree::*;

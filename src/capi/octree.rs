@@ -1,7 +1,8 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
+use super::handles::{changing, give, glancing, reading, take_back};
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
-use super::pointers::{Output, give, reference, reference_mut, slice, take_back};
+use super::pointers::{Output, slice};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::mesh::Mesh;
@@ -14,7 +15,8 @@ pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
 /// The search structure over one mesh's triangles, for one state of its positions.
 ///
 /// Threads: calls with a const octree may run at once. The caller frees it with rayc_octree_destroy(), before or after
-/// its mesh. After rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
+/// its mesh, and must not use it any more: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise. After
+/// rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
 pub struct rayc_octree {
     pub(super) octree: AnyOctree,
 }
@@ -58,7 +60,7 @@ pub struct rayc_hit {
 pub unsafe extern "C" fn rayc_octree_create(mesh: *const rayc_mesh, octree: *mut *mut rayc_octree) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mesh = reference(mesh, "mesh")?;
+        let mesh = reading(mesh, "mesh")?;
         let place = Output::new(octree, "octree")?;
         let octree = match &mesh.mesh {
             AnyMesh::F32(mesh) => AnyOctree::F32(Octree::new(mesh)),
@@ -74,8 +76,7 @@ pub unsafe extern "C" fn rayc_octree_create(mesh: *const rayc_mesh, octree: *mut
 pub unsafe extern "C" fn rayc_octree_destroy(octree: *mut rayc_octree) -> rayc_status {
     guard_end(|| {
         // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(octree) };
-        Ok(())
+        unsafe { take_back(octree, "octree") }
     })
 }
 
@@ -86,8 +87,8 @@ pub unsafe extern "C" fn rayc_octree_destroy(octree: *mut rayc_octree) -> rayc_s
 pub unsafe extern "C" fn rayc_octree_update(octree: *mut rayc_octree, mesh: *const rayc_mesh) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let octree = reference_mut(octree, "octree")?;
-        match (&mut octree.octree, &reference(mesh, "mesh")?.mesh) {
+        let mut octree = changing(octree, "octree")?;
+        match (&mut octree.octree, &reading(mesh, "mesh")?.mesh) {
             (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => Ok(octree.update(mesh)?),
             (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => Ok(octree.update(mesh)?),
             _ => Err(precision_mismatch()),
@@ -96,7 +97,9 @@ pub unsafe extern "C" fn rayc_octree_update(octree: *mut rayc_octree, mesh: *con
 }
 
 /// Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
-/// Benthin, Wald 2013): a ray through a shared edge or vertex hits.
+/// Benthin, Wald 2013): a ray through a shared edge or vertex hits. So that many threads may trace rays one by one
+/// without waiting for each other, they are not counted: a call that changes the octree or the mesh meanwhile does not
+/// say RAYC_STATUS_BUSY, and must not be made.
 ///
 /// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
 /// RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.
@@ -108,7 +111,10 @@ pub unsafe extern "C" fn rayc_octree_trace_ray(
     hit: *mut rayc_hit,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { trace_all(octree, mesh, slice(ray, 1, "ray")?, Output::new(hit, "hit")?) })
+    guard(|| unsafe {
+        let (octree, mesh) = (&glancing(octree, "octree")?.octree, &glancing(mesh, "mesh")?.mesh);
+        trace_all(octree, mesh, slice(ray, 1, "ray")?, Output::new(hit, "hit")?)
+    })
 }
 
 /// Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray().
@@ -123,21 +129,25 @@ pub unsafe extern "C" fn rayc_octree_trace_rays(
     hits: *mut rayc_hit,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { trace_all(octree, mesh, slice(rays, count, "rays")?, Output::array(hits, count, "hits")?) })
+    guard(|| unsafe {
+        let (octree, mesh) = (reading(octree, "octree")?, reading(mesh, "mesh")?);
+        let (rays, hits) = (slice(rays, count, "rays")?, Output::array(hits, count, "hits")?);
+        trace_all(&octree.octree, &mesh.mesh, rays, hits)
+    })
 }
 
 /// # Safety
-/// `octree` and `mesh` are NULL or handles; `hits` has room for one hit per ray.
+/// `hits` has room for one hit per ray.
 unsafe fn trace_all(
-    octree: *const rayc_octree,
-    mesh: *const rayc_mesh,
+    octree: &AnyOctree,
+    mesh: &AnyMesh,
     rays: &[rayc_ray],
     hits: Output<rayc_hit>,
 ) -> Result<(), Failure> {
     rays.iter().enumerate().try_for_each(|(index, ray)| check_ray(index, ray))?;
     // SAFETY: by this function's contract.
     unsafe {
-        match (&reference(octree, "octree")?.octree, &reference(mesh, "mesh")?.mesh) {
+        match (octree, mesh) {
             (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => trace_into(octree, mesh, rays, hits),
             (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => trace_into(octree, mesh, rays, hits),
             _ => Err(precision_mismatch()),

@@ -90,7 +90,14 @@ pub struct rayc_scene_options {
     pub precision: u32,
     /// 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
     /// destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. A
-    /// step of fewer than about 1000 rays is done by the calling thread alone. Default 1.
+    /// step of fewer than about 1000 rays is done by the calling thread alone.
+    ///
+    /// After fork() a scene may be used and destroyed in the child too, by copies of its handles: its pool's threads are
+    /// started anew with the first query that needs them, or where the system gives none the calling thread works alone;
+    /// what the old ones held, some KiB each, is not given back. Not promised: anything for a scene or contacts that a
+    /// call of another thread was using at the fork (they stay RAYC_STATUS_BUSY in the child), and what the system's
+    /// own libraries do not promise: a child of a process with several threads may have to call exec() first. The host
+    /// looks after the threads of a parallel_for itself. Default 1.
     pub threads: u32,
     /// The host's threads, to be used instead; `threads` must then be 1. Results do not depend on it either. Default NULL.
     pub parallel_for: rayc_parallel_for,
@@ -279,6 +286,32 @@ pub(super) unsafe fn write_known<V: Growing>(
     // SAFETY: struct_size bytes are writable by this function's contract, and no more than `value` holds.
     unsafe { std::ptr::copy_nonoverlapping((&raw const value).cast::<u8>(), place.cast::<u8>(), struct_size) };
     Ok(())
+}
+
+/// A place for an array of which the caller knows so much of each element.
+pub(super) struct Known<V> {
+    struct_size: usize,
+    place: *mut V,
+}
+
+impl<V: Growing> Known<V> {
+    pub(super) fn new(struct_size: usize, place: *mut V, count: usize, name: &str) -> Result<Self, Failure> {
+        check_size::<V>(struct_size)?;
+        Output::array(place, count, name)?;
+        Ok(Self { struct_size, place })
+    }
+
+    /// # Safety
+    /// The place is writable for as many times `struct_size` bytes as `values` yields.
+    pub(super) unsafe fn write_all(self, values: impl Iterator<Item = V>) {
+        for (index, value) in values.enumerate() {
+            // SAFETY: by this function's contract, and `value` holds no less.
+            unsafe {
+                let place = self.place.byte_add(index * self.struct_size).cast::<u8>();
+                std::ptr::copy_nonoverlapping((&raw const value).cast::<u8>(), place, self.struct_size);
+            }
+        }
+    }
 }
 
 /// # Safety

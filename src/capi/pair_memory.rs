@@ -1,13 +1,15 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::options::flag;
-use super::pointers::{Output, reference, reference_mut, slice};
+use super::handles::{changing, reading};
+use super::options::{Growing, Known, flag};
+use super::pointers::{Output, slice};
 use super::scene::{AnyScene, rayc_scene};
 use crate::contact::PairMemory;
 use crate::math::Scalar;
 use crate::memory::text;
 
-/// What a pair of bodies of a scene remembers from query to query while their boxes overlap.
+/// What a pair of bodies of a scene remembers from query to query while their boxes overlap; later versions may tell more,
+/// at the end.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_pair_memory {
@@ -21,6 +23,8 @@ pub struct rayc_pair_memory {
     pub lowest_steps: u32,
     /// For how many queries `halved` has stood.
     pub halved_steps: u32,
+    /// Always 0, so that equal memories are equal byte by byte.
+    pub reserved: u32,
     /// The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
     pub direction: [f64; 3],
     /// The smallest overlap so far, renewed where one is smaller by a tenth: Σ area · depth · cos α in m³, or while the
@@ -34,6 +38,11 @@ pub struct rayc_pair_memory {
     pub net_push: [f64; 3],
 }
 
+impl Growing for rayc_pair_memory {
+    const NAME: &'static str = "rayc_pair_memory";
+    const SMALLEST: usize = std::mem::offset_of!(Self, net_push) + size_of::<[f64; 3]>();
+}
+
 impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
     fn from(([first, second], memory): &([u32; 2], PairMemory<T>)) -> Self {
         Self {
@@ -42,6 +51,7 @@ impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
             escaping: u32::from(memory.escape.is_some()),
             lowest_steps: memory.lowest.steps,
             halved_steps: memory.halved.steps,
+            reserved: 0,
             direction: memory.escape.unwrap_or_default().map(T::to_f64).into(),
             lowest: memory.lowest.value.to_f64(),
             halved: memory.halved.value.to_f64(),
@@ -59,7 +69,8 @@ impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
 pub unsafe extern "C" fn rayc_scene_allow_escape(scene: *mut rayc_scene, a: u32, b: u32, allowed: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
         let allowed = flag("allowed", allowed)?;
         match scene {
             AnyScene::F32(scene) => scene.allow_escape(a, b, allowed)?,
@@ -82,7 +93,7 @@ pub unsafe extern "C" fn rayc_scene_may_escape(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let place = Output::new(allowed, "allowed")?;
-        place.write(u32::from(match &reference(scene, "scene")?.scene {
+        place.write(u32::from(match &reading(scene, "scene")?.scene {
             AnyScene::F32(scene) => scene.may_escape(a, b)?,
             AnyScene::F64(scene) => scene.may_escape(a, b)?,
         }));
@@ -95,26 +106,30 @@ pub unsafe extern "C" fn rayc_scene_may_escape(
 pub unsafe extern "C" fn rayc_scene_pair_memory_count(scene: *const rayc_scene, count: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &reference(scene, "scene")?.scene;
+        let scene = reading(scene, "scene")?;
+        let scene = &scene.scene;
         Output::new(count, "count")?.write(memory_count(scene));
         Ok(())
     })
 }
 
 /// Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
-/// order of their first, then their second body.
+/// order of their first, then their second body. struct_size: sizeof(rayc_pair_memory), so that a later library writes
+/// no more of each than the caller knows.
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+/// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
     scene: *const rayc_scene,
     first: usize,
     count: usize,
+    struct_size: usize,
     out: *mut rayc_pair_memory,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &reference(scene, "scene")?.scene;
+        let scene = reading(scene, "scene")?;
+        let scene = &scene.scene;
         let present = memory_count(scene);
         if first.checked_add(count).is_none_or(|end| end > present) {
             let message = text!(
@@ -122,7 +137,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
             );
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
         }
-        let out = Output::array(out, count, "out")?;
+        let out = Known::new(struct_size, out, count, "out")?;
         let range = first..first + count;
         match scene {
             AnyScene::F32(scene) => out.write_all(scene.pair_memories()[range].iter().map(Into::into)),
@@ -137,7 +152,8 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
 pub unsafe extern "C" fn rayc_scene_saved_length(scene: *const rayc_scene, length: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &reference(scene, "scene")?.scene;
+        let scene = reading(scene, "scene")?;
+        let scene = &scene.scene;
         Output::new(length, "length")?.write(match scene {
             AnyScene::F32(scene) => scene.saved_length(),
             AnyScene::F64(scene) => scene.saved_length(),
@@ -159,7 +175,8 @@ pub unsafe extern "C" fn rayc_scene_save_pair_memories(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &reference(scene, "scene")?.scene;
+        let scene = reading(scene, "scene")?;
+        let scene = &scene.scene;
         let mut saved = Vec::new();
         match scene {
             AnyScene::F32(scene) => scene.save_pair_memories(&mut saved),
@@ -187,7 +204,8 @@ pub unsafe extern "C" fn rayc_scene_restore_pair_memories(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
         let bytes = slice(bytes, length, "bytes")?;
         match scene {
             AnyScene::F32(scene) => scene.restore_pair_memories(bytes)?,

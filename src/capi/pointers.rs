@@ -1,7 +1,7 @@
 use super::failure::{Failure, rayc_status};
-use crate::memory::{self, text};
+use crate::memory::text;
 
-fn null(name: &str) -> Failure {
+pub(super) fn null(name: &str) -> Failure {
     Failure::new(rayc_status::RAYC_STATUS_NULL_POINTER, text!("{name} is NULL; pass a valid pointer"))
 }
 
@@ -10,13 +10,6 @@ fn null(name: &str) -> Failure {
 pub(super) unsafe fn reference<'a, V>(pointer: *const V, name: &str) -> Result<&'a V, Failure> {
     // SAFETY: by this function's contract.
     unsafe { pointer.as_ref() }.ok_or_else(|| null(name))
-}
-
-/// # Safety
-/// `pointer` is NULL or points to a `V` that nobody else uses during `'a`.
-pub(super) unsafe fn reference_mut<'a, V>(pointer: *mut V, name: &str) -> Result<&'a mut V, Failure> {
-    // SAFETY: by this function's contract.
-    unsafe { pointer.as_mut() }.ok_or_else(|| null(name))
 }
 
 /// # Safety
@@ -57,25 +50,5 @@ impl<V> Output<V> {
             // SAFETY: by this function's contract.
             unsafe { self.0.add(index).write(value) }
         }
-    }
-}
-
-/// Gives a new handle to the caller: a box of one value, which is laid out as the value itself.
-///
-/// # Safety
-/// `place` is writable.
-pub(super) unsafe fn give<V>(place: Output<*mut V>, value: V) {
-    // SAFETY: by this function's contract.
-    unsafe { place.write(Box::into_raw(memory::boxed(value)).cast()) }
-}
-
-/// Takes a handle back and drops it; NULL does nothing.
-///
-/// # Safety
-/// `handle` is NULL or came from [`give`] and has not been taken back.
-pub(super) unsafe fn take_back<V>(handle: *mut V) {
-    if !handle.is_null() {
-        // SAFETY: by this function's contract it is a box's pointer, and the last one.
-        drop(unsafe { Box::from_raw(handle) });
     }
 }

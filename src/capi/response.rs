@@ -1,12 +1,14 @@
 use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
+use super::given::{Arrays, Given, GivenMut};
 use super::guard::guard;
+use super::handles::reading;
 use super::options::{rayc_response_options, read_options};
-use super::pointers::{Output, reference, slice};
-use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
+use super::pointers::Output;
+use super::vectors::{rayc_vectors, rayc_vectors_mut};
 use crate::contact::ContactList;
 use crate::math::Scalar;
-use crate::memory::{self, text};
+use crate::memory::text;
 use crate::response::{
     PenaltyLaw, add_differential, add_forces, add_push_differential, add_push_forces, energy, push_energy,
 };
@@ -36,7 +38,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let law = read_options(options)?.law()?;
         list.check_range(first, count)?;
         let out = Output::array(coefficients, count, "coefficients")?;
@@ -59,7 +62,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 /// velocities NULL: no damping. Contacts are held: each stays at its points and along its direction, whatever the
 /// positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
+/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
+/// what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_add_forces(
     contacts: *const rayc_contacts,
@@ -71,19 +75,16 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let law = read_options(options)?.law()?;
-        let positions = optional_arrays(positions, body_count, "positions")?;
-        let velocities = optional_arrays(velocities, body_count, "velocities")?;
-        let mut forces = arrays_mut(forces, body_count, "forces")?;
-        let given = [positions.as_deref(), velocities.as_deref(), Some(&forces)];
-        check_arrays(list, &law, given)?;
-        let (positions, velocities) = (positions.as_deref(), velocities.as_deref());
+        let positions = Given::if_any(positions, body_count, "positions")?;
+        let velocities = Given::if_any(velocities, body_count, "velocities")?;
+        let forces = GivenMut::all(forces, body_count, "forces")?;
         match list {
-            AnyContacts::F32(list) => add_all_forces(list, &law, positions, velocities, &mut forces),
-            AnyContacts::F64(list) => add_all_forces(list, &law, positions, velocities, &mut forces),
+            AnyContacts::F32(list) => add_all_forces(list, &law, positions, velocities, forces),
+            AnyContacts::F64(list) => add_all_forces(list, &law, positions, velocities, forces),
         }
-        Ok(())
     })
 }
 
@@ -93,8 +94,8 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
 ///
 /// options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_INVALID_OPTION
-/// where a factor is not finite.
+/// Errors: RAYC_STATUS_WRONG_COUNT and RAYC_STATUS_NOT_FINITE as there, RAYC_STATUS_INVALID_OPTION where a factor is not
+/// finite.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_add_differential(
     contacts: *const rayc_contacts,
@@ -107,7 +108,8 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let law = read_options(options)?.law()?;
         if !(stiffness_factor.is_finite() && damping_factor.is_finite()) {
             return Err(Failure::new(
@@ -115,22 +117,21 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
                 text!("the factors are {stiffness_factor} and {damping_factor}; give finite numbers"),
             ));
         }
-        let displacements = arrays(displacements, body_count, "displacements")?;
-        let mut forces = arrays_mut(forces, body_count, "forces")?;
-        check_arrays(list, &law, [Some(&displacements), Some(&forces)])?;
+        let displacements = Given::all(displacements, body_count, "displacements")?;
+        let forces = GivenMut::all(forces, body_count, "forces")?;
         let factors = [stiffness_factor, damping_factor];
         match list {
-            AnyContacts::F32(list) => add_all_differentials(list, &law, factors, &displacements, &mut forces),
-            AnyContacts::F64(list) => add_all_differentials(list, &law, factors, &displacements, &mut forces),
+            AnyContacts::F32(list) => add_all_differentials(list, &law, factors, displacements, forces),
+            AnyContacts::F64(list) => add_all_differentials(list, &law, factors, displacements, forces),
         }
-        Ok(())
     })
 }
 
 /// The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
 /// elastic force is its negative gradient.
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays.
+/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
+/// what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_energy(
     contacts: *const rayc_contacts,
@@ -141,14 +142,14 @@ pub unsafe extern "C" fn rayc_contacts_energy(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let list = &reference(contacts, "contacts")?.list;
+        let contacts = reading(contacts, "contacts")?;
+        let list = &contacts.list;
         let law = read_options(options)?.law()?;
-        let positions = optional_arrays(positions, body_count, "positions")?;
+        let positions = Given::if_any(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
-        check_arrays(list, &law, [positions.as_deref()])?;
         place.write(match list {
-            AnyContacts::F32(list) => all_energy(list, &law, positions.as_deref()),
-            AnyContacts::F64(list) => all_energy(list, &law, positions.as_deref()),
+            AnyContacts::F32(list) => all_energy(list, &law, positions)?,
+            AnyContacts::F64(list) => all_energy(list, &law, positions)?,
         });
         Ok(())
     })
@@ -157,93 +158,31 @@ pub unsafe extern "C" fn rayc_contacts_energy(
 fn add_all_forces<T: Scalar>(
     list: &ContactList<T>,
     law: &PenaltyLaw,
-    positions: Option<&[Strided]>,
-    velocities: Option<&[Strided]>,
-    forces: &mut [Strided],
-) {
-    add_forces(&list.contacts, law, positions, velocities, forces);
-    add_push_forces(list.pushes(), law, positions, velocities, forces);
+    positions: Option<&[Given]>,
+    velocities: Option<&[Given]>,
+    mut forces: GivenMut<'_>,
+) -> Result<(), Failure> {
+    let read = [("positions", positions), ("velocities", velocities)];
+    Arrays { read, written: Some(&forces) }.check(list, law)?;
+    add_forces(&list.contacts, law, positions, velocities, &mut forces);
+    add_push_forces(list.pushes(), law, positions, velocities, &mut forces);
+    Ok(())
 }
 
 fn add_all_differentials<T: Scalar>(
     list: &ContactList<T>,
     law: &PenaltyLaw,
     [stiffness, damping]: [f64; 2],
-    displacements: &[Strided],
-    forces: &mut [Strided],
-) {
-    add_differential(&list.contacts, law, stiffness, damping, displacements, forces);
-    add_push_differential(list.pushes(), law, stiffness, damping, displacements, forces);
-}
-
-fn all_energy<T: Scalar>(list: &ContactList<T>, law: &PenaltyLaw, positions: Option<&[Strided]>) -> f64 {
-    (energy(&list.contacts, law, positions) + push_energy(list.pushes(), law, positions)).to_f64()
-}
-
-/// # Safety
-/// `bodies` is NULL or points to `count` arrays that are as they say.
-unsafe fn arrays(bodies: *const rayc_vectors, count: usize, name: &str) -> Result<Vec<Strided>, Failure> {
-    // SAFETY: by this function's contract.
-    unsafe {
-        let bodies = slice(bodies, count, name)?.iter().enumerate();
-        memory::tried(bodies.map(|(body, vectors)| Strided::new(vectors, format_args!("{name}[{body}]"))))
-    }
-}
-
-/// # Safety
-/// As [`arrays`].
-unsafe fn optional_arrays(
-    bodies: *const rayc_vectors,
-    count: usize,
-    name: &str,
-) -> Result<Option<Vec<Strided>>, Failure> {
-    // SAFETY: by this function's contract.
-    if bodies.is_null() { Ok(None) } else { unsafe { arrays(bodies, count, name) }.map(Some) }
-}
-
-/// # Safety
-/// As [`arrays`], and nobody else uses the arrays.
-unsafe fn arrays_mut(bodies: *const rayc_vectors_mut, count: usize, name: &str) -> Result<Vec<Strided>, Failure> {
-    // SAFETY: by this function's contract.
-    unsafe {
-        let bodies = slice(bodies, count, name)?.iter().enumerate();
-        memory::tried(bodies.map(|(body, vectors)| Strided::new_mut(vectors, format_args!("{name}[{body}]"))))
-    }
-}
-
-/// Refuses arrays that do not reach to every body and vertex of the contacts, and of the pushes where they are used,
-/// before anything is changed.
-fn check_arrays<const N: usize>(
-    list: &AnyContacts,
-    law: &PenaltyLaw,
-    given: [Option<&[Strided]>; N],
+    displacements: &[Given],
+    mut forces: GivenMut<'_>,
 ) -> Result<(), Failure> {
-    fn check<T: Scalar>(list: &ContactList<T>, law: &PenaltyLaw, bodies: &[Strided]) -> Result<(), Failure> {
-        for contact in &list.contacts {
-            let ends = [(contact.colliding, &contact.p1), (contact.collided, &contact.p2)];
-            for (body, vertex) in ends.iter().flat_map(|(body, point)| point.vertices.map(|vertex| (*body, vertex))) {
-                check_reach(body, vertex, bodies)?;
-            }
-        }
-        for push in list.pushes().iter().filter(|_| law.pushes_whole_bodies()) {
-            (0..2).try_for_each(|end| check_reach(push.bodies[end], push.vertex_counts[end] - 1, bodies))?;
-        }
-        Ok(())
-    }
-    given.into_iter().flatten().try_for_each(|bodies| match list {
-        AnyContacts::F32(list) => check(list, law, bodies),
-        AnyContacts::F64(list) => check(list, law, bodies),
-    })
+    Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list, law)?;
+    add_differential(&list.contacts, law, stiffness, damping, displacements, &mut forces);
+    add_push_differential(list.pushes(), law, stiffness, damping, displacements, &mut forces);
+    Ok(())
 }
 
-fn check_reach(body: u32, vertex: u32, bodies: &[Strided]) -> Result<(), Failure> {
-    let count = bodies.get(body as usize).map(Strided::count);
-    if count.is_some_and(|count| (vertex as usize) < count) {
-        return Ok(());
-    }
-    let reach = count.map_or(text!("no array"), |count| text!("an array of {count} vectors"));
-    let message = text!(
-        "a contact needs vertex {vertex} of body {body}, which has {reach}; give one vector for each vertex of each body"
-    );
-    Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+fn all_energy<T: Scalar>(list: &ContactList<T>, law: &PenaltyLaw, positions: Option<&[Given]>) -> Result<f64, Failure> {
+    Arrays { read: [("positions", positions)], written: None }.check(list, law)?;
+    Ok((energy(&list.contacts, law, positions) + push_energy(list.pushes(), law, positions)).to_f64())
 }

@@ -1,21 +1,24 @@
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
+use super::handles::{changing, give, reading, take_back};
 use super::host_threads::HostThreads;
 use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh, renew_positions};
 use super::options::{flag, rayc_detection_options, rayc_scene_options, read_options};
-use super::pointers::{Output, give, reference, reference_mut, take_back};
+use super::pointers::{Output, reference};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
 use crate::math::Scalar;
 use crate::memory::{self, text};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Many bodies, and all contacts among them. Bodies are numbered from 0; a scene holds copies of the meshes it is
-/// given.
+/// Many bodies, and all contacts among them. Bodies are numbered from 0, and keep their numbers; a scene holds copies of the
+/// meshes it is given.
 ///
-/// Threads: one call at a time for one scene, from any thread; different scenes may be used at once. Whose threads work
-/// is for rayc_scene_options to say. The caller frees it with rayc_scene_destroy(), which also ends its threads.
+/// Threads: one call at a time for one scene, from any thread; different scenes may be used at once, and calls with a const
+/// scene beside each other. Others say RAYC_STATUS_BUSY. Whose threads work is for rayc_scene_options to say. The caller
+/// frees it with rayc_scene_destroy(), which also ends its threads; after that it must not be used:
+/// RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
 pub struct rayc_scene {
     pub(super) scene: AnyScene,
 }
@@ -81,12 +84,16 @@ fn new_scene<T: Scalar>(options: &rayc_scene_options) -> Result<Scene<T>, Failur
 pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_status {
     guard_end(|| {
         // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(scene) };
-        Ok(())
+        unsafe { take_back(scene, "scene") }
     })
 }
 
-/// Adds a copy of `mesh` with its present positions. *body: its number, the smallest that is free.
+/// Adds a copy of `mesh` with its present positions. *body: its number.
+///
+/// Without removals the n-th body has the number n − 1. The number of a removed body rests: it is given again after more
+/// than 65536 numbers are without a body, the one that has been so for longest first, and until then
+/// RAYC_STATUS_UNKNOWN_BODY tells whoever still uses it. So arrays by number need never be longer than the most bodies that
+/// were in the scene at once, and 65536 more. Numbers follow from the order of additions and removals alone.
 ///
 /// Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
@@ -97,8 +104,10 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
-        let mesh = &reference(mesh, "mesh")?.mesh;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
+        let mesh = reading(mesh, "mesh")?;
+        let mesh = &mesh.mesh;
         let place = Output::new(body, "body")?;
         place.write(match (scene, mesh) {
             (AnyScene::F32(scene), AnyMesh::F32(mesh)) => scene.add(mesh.clone()),
@@ -109,14 +118,14 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
     })
 }
 
-/// Removes a body; its number may be given to a later one.
+/// Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        match &mut reference_mut(scene, "scene")?.scene {
+        match &mut changing(scene, "scene")?.scene {
             AnyScene::F32(scene) => scene.remove(body).map(drop)?,
             AnyScene::F64(scene) => scene.remove(body).map(drop)?,
         }
@@ -140,7 +149,8 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
     }
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
         match scene {
             AnyScene::F32(scene) => set(scene, body, &positions),
@@ -160,7 +170,7 @@ pub unsafe extern "C" fn rayc_scene_set_detection_options(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let options = read_options(options)?;
-        match &mut reference_mut(scene, "scene")?.scene {
+        match &mut changing(scene, "scene")?.scene {
             AnyScene::F32(scene) => scene.set_options(options.detection()?),
             AnyScene::F64(scene) => scene.set_options(options.detection()?),
         }
@@ -177,7 +187,8 @@ pub unsafe extern "C" fn rayc_scene_set_detection_options(
 pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, body: u32, is_on: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
         let is_on = flag("is_on", is_on)?;
         match scene {
             AnyScene::F32(scene) => scene.set_self_collision(body, is_on)?,
@@ -200,7 +211,8 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
         let is_on = flag("is_on", is_on)?;
         match scene {
             AnyScene::F32(scene) => scene.set_pair_collision(a, b, is_on)?,
@@ -223,7 +235,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
 pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        match &mut reference_mut(scene, "scene")?.scene {
+        match &mut changing(scene, "scene")?.scene {
             AnyScene::F32(scene) => scene.advance(seconds)?,
             AnyScene::F64(scene) => scene.advance(seconds)?,
         }
@@ -241,8 +253,10 @@ pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64
 pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = &mut reference_mut(scene, "scene")?.scene;
-        let list = &mut reference_mut(contacts, "contacts")?.list;
+        let mut scene = changing(scene, "scene")?;
+        let scene = &mut scene.scene;
+        let mut contacts = changing(contacts, "contacts")?;
+        let list = &mut contacts.list;
         match scene {
             AnyScene::F32(scene) => scene.query(list.as_f32()),
             AnyScene::F64(scene) => scene.query(list.as_f64()),

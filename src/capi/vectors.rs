@@ -2,7 +2,7 @@ use super::failure::{Failure, rayc_status};
 use super::options::unknown_enum;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
-use crate::response::{Vectors, VectorsMut};
+use crate::response::VectorsMut;
 use libc::c_void;
 use std::fmt::Display;
 
@@ -54,6 +54,14 @@ pub(super) fn scalar_from(value: u32, field: impl Display) -> Result<rayc_scalar
     }
 }
 
+/// Bytes of three numbers.
+fn packed(scalar: rayc_scalar) -> usize {
+    3 * match scalar {
+        rayc_scalar::RAYC_SCALAR_F32 => size_of::<f32>(),
+        rayc_scalar::RAYC_SCALAR_F64 => size_of::<f64>(),
+    }
+}
+
 /// A checked array of the caller's, readable and, where it came from a `rayc_vectors_mut`, writable.
 #[derive(Clone, Copy)]
 pub(super) struct Strided {
@@ -84,10 +92,7 @@ impl Strided {
         name: impl Display,
     ) -> Result<Self, Failure> {
         let scalar = scalar_from(scalar, format_args!("{name}.scalar"))?;
-        let packed = 3 * match scalar {
-            rayc_scalar::RAYC_SCALAR_F32 => size_of::<f32>(),
-            rayc_scalar::RAYC_SCALAR_F64 => size_of::<f64>(),
-        };
+        let packed = packed(scalar);
         let stride = if stride == 0 { packed } else { stride };
         if stride < packed {
             let message =
@@ -116,6 +121,29 @@ impl Strided {
             ));
         }
         Ok(Self { data: data.cast(), count, stride, scalar })
+    }
+
+    /// # Safety
+    /// As [`new`](Self::new), which has found no fault with it.
+    #[inline]
+    pub(super) unsafe fn known(vectors: &rayc_vectors) -> Self {
+        let rayc_vectors { data, count, stride, scalar } = *vectors;
+        Self::of_known(data.cast_mut(), count, stride, scalar)
+    }
+
+    /// # Safety
+    /// As [`new_mut`](Self::new_mut), which has found no fault with it.
+    #[inline]
+    pub(super) unsafe fn known_mut(vectors: &rayc_vectors_mut) -> Self {
+        let rayc_vectors_mut { data, count, stride, scalar } = *vectors;
+        Self::of_known(data, count, stride, scalar)
+    }
+
+    #[inline]
+    fn of_known(data: *mut c_void, count: usize, stride: usize, scalar: u32) -> Self {
+        let is_single = scalar == rayc_scalar::RAYC_SCALAR_F32 as u32;
+        let scalar = if is_single { rayc_scalar::RAYC_SCALAR_F32 } else { rayc_scalar::RAYC_SCALAR_F64 };
+        Self { data: data.cast(), count, stride: if stride == 0 { packed(scalar) } else { stride }, scalar }
     }
 
     pub(super) fn count(&self) -> usize {
@@ -152,12 +180,6 @@ impl Strided {
                 rayc_scalar::RAYC_SCALAR_F64 => place.cast::<[f64; 3]>().write_unaligned(vector),
             }
         }
-    }
-}
-
-impl<T: Scalar> Vectors<T> for Strided {
-    fn get(&self, vertex: u32) -> Vector3<T> {
-        self.read(vertex as usize)
     }
 }
 

@@ -7,13 +7,13 @@ use std::ffi::CStr;
 /// program runs with any library of that version that is no older than the program's header.
 pub const RAYC_VERSION_MAJOR: u32 = 0;
 /// Minor version of this header.
-pub const RAYC_VERSION_MINOR: u32 = 1;
+pub const RAYC_VERSION_MINOR: u32 = 2;
 /// Patch version of this header.
 pub const RAYC_VERSION_PATCH: u32 = 0;
 
 /// The ABI of this header: major · 100, and the minor version while the major is 0. The C++ headers compare it with
 /// rayc_abi_version() before they make anything.
-pub const RAYC_ABI_VERSION: u32 = 1;
+pub const RAYC_ABI_VERSION: u32 = 2;
 
 /// The version of the library that is linked: major · 10000 + minor · 100 + patch. Any thread may ask at any time.
 #[unsafe(no_mangle)]
@@ -55,6 +55,8 @@ status_names! {
     RAYC_STATUS_UNKNOWN_BODY
     RAYC_STATUS_NOT_FINITE
     RAYC_STATUS_OTHER_ABI
+    RAYC_STATUS_INVALID_HANDLE
+    RAYC_STATUS_BUSY
     RAYC_STATUS_MESH_EMPTY
     RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE
     RAYC_STATUS_MESH_DEGENERATE_TRIANGLE

@@ -12,7 +12,7 @@ mod vectors;
 mod whole_body;
 
 pub use law::{LawError, PenaltyLaw, Weighting};
-pub use vectors::{Vectors, VectorsMut};
+pub use vectors::{BodiesMut, Vectors, VectorsMut};
 pub use whole_body::{add_push_differential, add_push_forces, push_energy};
 
 use crate::contact::{Contact, SurfacePoint};
@@ -47,12 +47,12 @@ impl<'a, T: Scalar> Spring<'a, T> {
     }
 
     /// Pulls p1 along the direction and p2 against it.
-    fn pull<F: VectorsMut<T>>(&self, force: T, forces: &mut [F]) {
+    fn pull<F: BodiesMut<T> + ?Sized>(&self, force: T, forces: &mut F) {
         let Contact { p1, p2, colliding, collided, direction, .. } = self.contact;
         for (point, body, force) in [(p1, colliding, *direction * force), (p2, collided, *direction * -force)] {
             for i in 0..3 {
                 if point.weights[i] != T::zero() {
-                    forces[*body as usize].add(point.vertices[i], force * point.weights[i]);
+                    forces.add_to(*body, point.vertices[i], force * point.weights[i]);
                 }
             }
         }
@@ -64,12 +64,12 @@ impl<'a, T: Scalar> Spring<'a, T> {
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
-pub fn add_forces<T: Scalar, P: Vectors<T>, F: VectorsMut<T>>(
+pub fn add_forces<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     contacts: &[Contact<T>],
     law: &PenaltyLaw,
     positions: Option<&[P]>,
     velocities: Option<&[P]>,
-    forces: &mut [F],
+    forces: &mut F,
 ) {
     let damping_time = T::of(law.damping_time());
     for contact in contacts {
@@ -85,13 +85,13 @@ pub fn add_forces<T: Scalar, P: Vectors<T>, F: VectorsMut<T>>(
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
-pub fn add_differential<T: Scalar, P: Vectors<T>, F: VectorsMut<T>>(
+pub fn add_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     contacts: &[Contact<T>],
     law: &PenaltyLaw,
     stiffness_factor: f64,
     damping_factor: f64,
     displacements: &[P],
-    forces: &mut [F],
+    forces: &mut F,
 ) {
     let factor = T::of(stiffness_factor + damping_factor * law.damping_time());
     for contact in contacts {

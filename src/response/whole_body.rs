@@ -4,7 +4,7 @@
 //! A push is one spring between the means of all vertices of the two bodies, along the pair's direction. Its coefficient
 //! is the sum of those of the contacts it stands for, so the two bodies are pushed as hard either way.
 
-use super::{PenaltyLaw, Vectors, VectorsMut};
+use super::{BodiesMut, PenaltyLaw, Vectors};
 use crate::contact::EscapePush;
 use crate::math::{Scalar, Vector3};
 
@@ -24,10 +24,10 @@ fn depth<T: Scalar, V: Vectors<T>>(push: &EscapePush<T>, positions: Option<&[V]>
     positions.map_or(push.depth, |positions| closing(push, positions) - at_detection + push.depth)
 }
 
-fn spread<T: Scalar, F: VectorsMut<T>>(push: &EscapePush<T>, force: T, forces: &mut [F]) {
+fn spread<T: Scalar, F: BodiesMut<T> + ?Sized>(push: &EscapePush<T>, force: T, forces: &mut F) {
     for (end, sign) in [(0, T::one()), (1, -T::one())] {
         let share = push.direction * (sign * force / T::of(f64::from(push.vertex_counts[end])));
-        (0..push.vertex_counts[end]).for_each(|vertex| forces[push.bodies[end] as usize].add(vertex, share));
+        (0..push.vertex_counts[end]).for_each(|vertex| forces.add_to(push.bodies[end], vertex, share));
     }
 }
 
@@ -36,12 +36,12 @@ fn spread<T: Scalar, F: VectorsMut<T>>(push: &EscapePush<T>, force: T, forces: &
 ///
 /// # Panics
 /// Where a body or vertex of a push lies beyond the given arrays.
-pub fn add_push_forces<T: Scalar, P: Vectors<T>, F: VectorsMut<T>>(
+pub fn add_push_forces<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     pushes: &[EscapePush<T>],
     law: &PenaltyLaw,
     positions: Option<&[P]>,
     velocities: Option<&[P]>,
-    forces: &mut [F],
+    forces: &mut F,
 ) {
     let damping_time = T::of(law.damping_time());
     for push in law.effective(pushes) {
@@ -55,13 +55,13 @@ pub fn add_push_forces<T: Scalar, P: Vectors<T>, F: VectorsMut<T>>(
 ///
 /// # Panics
 /// Where a body or vertex of a push lies beyond the given arrays.
-pub fn add_push_differential<T: Scalar, P: Vectors<T>, F: VectorsMut<T>>(
+pub fn add_push_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     pushes: &[EscapePush<T>],
     law: &PenaltyLaw,
     stiffness_factor: f64,
     damping_factor: f64,
     displacements: &[P],
-    forces: &mut [F],
+    forces: &mut F,
 ) {
     let factor = T::of(stiffness_factor + damping_factor * law.damping_time());
     for push in law.effective(pushes) {

@@ -9,8 +9,8 @@ pub(super) struct BroadPhase<T: Scalar> {
     pairs: Vec<[u32; 2]>,
     /// Every pair both ways, in ascending order.
     meetings: Vec<[u32; 2]>,
-    /// The boxes by body; empty for a number without a body.
-    boxes: Vec<Aabb<T>>,
+    /// The boxes in ascending order of their bodies.
+    boxes: Vec<(Aabb<T>, u32)>,
 }
 
 impl<T: Scalar> Default for BroadPhase<T> {
@@ -20,18 +20,16 @@ impl<T: Scalar> Default for BroadPhase<T> {
 }
 
 impl<T: Scalar> BroadPhase<T> {
-    /// Finds the pairs anew, of those that are wanted; `None` stands for a number without a body.
+    /// Finds the pairs anew, of those that are wanted. The boxes are in ascending order of their bodies.
     pub(super) fn update(
         &mut self,
-        boxes: impl Iterator<Item = Option<Aabb<T>>>,
+        boxes: impl Iterator<Item = (Aabb<T>, u32)>,
         is_wanted: impl Fn(&[u32; 2]) -> bool,
     ) {
         self.sorted.clear();
         self.boxes.clear();
-        for (body, aabb) in boxes.enumerate() {
-            self.boxes.room_for(1).push(aabb.unwrap_or_else(Aabb::empty));
-            memory::append(&mut self.sorted, aabb.map(|aabb| (aabb, body as u32)));
-        }
+        memory::append(&mut self.boxes, boxes);
+        memory::append(&mut self.sorted, self.boxes.iter().copied());
         let axis = self.longest_axis();
         self.sorted.sort_unstable_by(|(a, i), (b, j)| {
             a.lower[axis].partial_cmp(&b.lower[axis]).expect("positions are finite").then(i.cmp(j))
@@ -59,10 +57,19 @@ impl<T: Scalar> BroadPhase<T> {
     }
 
     /// The boxes of the bodies that meet this one.
-    pub(super) fn met_by(&self, body: usize) -> impl Iterator<Item = &Aabb<T>> {
-        let first = self.meetings.partition_point(|&[one, _]| (one as usize) < body);
-        let own = self.meetings[first..].iter().take_while(move |&&[one, _]| one as usize == body);
-        own.map(|&[_, other]| &self.boxes[other as usize])
+    pub(super) fn met_by(&self, body: u32) -> impl Iterator<Item = &Aabb<T>> {
+        let first = self.meetings.partition_point(|&[one, _]| one < body);
+        let own = self.meetings[first..].iter().take_while(move |&&[one, _]| one == body);
+        own.map(|&[_, other]| self.box_of(other))
+    }
+
+    fn box_of(&self, body: u32) -> &Aabb<T> {
+        let place = match self.boxes.get(body as usize) {
+            // As long as none has been removed.
+            Some((_, number)) if *number == body => body as usize,
+            _ => self.boxes.binary_search_by_key(&body, |(_, number)| *number).expect("pairs name present bodies"),
+        };
+        &self.boxes[place].0
     }
 
     /// The axis along which the scene is longest: there the fewest intervals meet.

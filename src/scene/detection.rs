@@ -1,5 +1,6 @@
+use super::bodies::{Bodies, Body};
 use super::pairs::Remembered;
-use super::{Body, OwnContacts, Scene};
+use super::{OwnContacts, Scene};
 use crate::contact::{ContactList, DetectionOptions, detect_pair, detect_self, overlap_region};
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
@@ -16,7 +17,7 @@ const TRIANGLES_SEARCHED_PER_RAY: f64 = 8.0;
 /// One list of contacts.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum List {
-    /// Of this body with itself.
+    /// Of the body at this place with itself.
     Body(usize),
     /// Of the pair at this place.
     Pair(usize),
@@ -35,7 +36,7 @@ impl<T: Scalar> Scene<T> {
         let found = catch_unwind(AssertUnwindSafe(|| self.detect(contacts)));
         if let Err(panic) = found {
             // As if the query had not been: what bodies know of themselves saves time only.
-            let owns = self.bodies.iter_mut().flatten().filter_map(|body| body.own.as_mut());
+            let owns = self.bodies.iter_mut().filter_map(|body| body.own.as_mut());
             owns.for_each(|own| *own = OwnContacts::default());
             contacts.clear();
             resume_unwind(panic);
@@ -43,7 +44,7 @@ impl<T: Scalar> Scene<T> {
     }
 
     fn detect(&mut self, contacts: &mut ContactList<T>) {
-        let boxes = self.bodies.iter().map(|body| body.as_ref().map(|body| *body.mesh.aabb()));
+        let boxes = self.bodies.iter().map(|body| (*body.mesh.aabb(), body.number));
         let ignored = &self.pairs.ignored;
         self.broad_phase.update(boxes, |pair| ignored.is_empty() || !ignored.contains(pair));
         let stamp = self.newest_stamp();
@@ -62,10 +63,9 @@ impl<T: Scalar> Scene<T> {
         let lists = &mut self.lists;
         lists.clear();
         let mut next_pair = self.broad_phase.pairs().iter().enumerate().peekable();
-        for (number, body) in self.bodies.iter().enumerate() {
-            let has_own = body.as_ref().is_some_and(|body| body.own.is_some());
-            memory::append(lists, has_own.then_some((List::Body(number), 0)));
-            while let Some((place, _)) = next_pair.next_if(|(_, pair)| pair[0] as usize == number) {
+        for (place, body) in self.bodies.iter().enumerate() {
+            memory::append(lists, body.own.is_some().then_some((List::Body(place), 0)));
+            while let Some((place, _)) = next_pair.next_if(|(_, pair)| pair[0] == body.number) {
                 lists.room_for(1).push((List::Pair(place), 0));
             }
         }
@@ -73,12 +73,11 @@ impl<T: Scalar> Scene<T> {
 
     /// About how many rays take as long as all there is to do.
     fn rays_expected(&self) -> f64 {
-        let body = |number: u32| self.bodies[number as usize].as_ref();
         let of_pairs = self.broad_phase.pairs().iter().map(|pair| {
-            let [Some(a), Some(b)] = pair.map(body) else { return 0.0 };
+            let [Some(a), Some(b)] = pair.map(|number| self.bodies.get(number)) else { return 0.0 };
             a.rays_expected_into(b) + b.rays_expected_into(a)
         });
-        let of_bodies = self.bodies.iter().flatten().filter(|body| body.own.is_some()).map(Body::triangle_count);
+        let of_bodies = self.bodies.iter().filter(|body| body.own.is_some()).map(Body::triangle_count);
         of_pairs.sum::<f64>() + of_bodies.sum::<f64>() / TRIANGLES_SEARCHED_PER_RAY
     }
 
@@ -91,18 +90,18 @@ impl<T: Scalar> Scene<T> {
         let mut next = 0;
         for (list, _) in lists {
             let last = match *list {
-                List::Body(number) => number,
-                List::Pair(place) => pairs.history.after[place].0[1] as usize,
+                List::Body(place) => place,
+                List::Pair(place) => bodies.place(pairs.history.after[place].0[1]).expect("pairs name present bodies"),
             };
             let end = next.max(last + 1);
-            Helpers::Nobody.for_each(&mut bodies[next..end], |place, body| {
-                let number = next + place;
-                body.iter_mut().for_each(|body| body.update(number, broad_phase.met_by(number), options));
+            Helpers::Nobody.for_each(&mut bodies.list_mut()[next..end], |_, body| {
+                let [body] = &mut **body;
+                body.update(broad_phase.met_by(body.number), options);
             });
             next = end;
             let narrow_phase = NarrowPhase { bodies, options, forbidden: &pairs.without_escape };
             match *list {
-                List::Body(number) => contacts.append(narrow_phase.own(number)),
+                List::Body(place) => contacts.append(narrow_phase.own(place)),
                 List::Pair(place) => narrow_phase.detect(&mut pairs.history.after[place], contacts),
             }
         }
@@ -110,6 +109,7 @@ impl<T: Scalar> Scene<T> {
 
     /// Threads fill a list for each pair, which are then joined.
     fn detect_side_by_side(&mut self, contacts: &mut ContactList<T>) {
+        self.threads.follow_fork();
         let Self { bodies, broad_phase, pair_contacts, lists, pairs, options, threads } = self;
         let count = broad_phase.pairs().len();
         if pair_contacts.len() < count {
@@ -118,8 +118,9 @@ impl<T: Scalar> Scene<T> {
         let found = &mut pair_contacts[..count];
         let helpers = threads.helpers();
         threads.run(|| {
-            helpers.for_each(bodies, |number, body| {
-                body.iter_mut().for_each(|body| body.update(number, broad_phase.met_by(number), options));
+            helpers.for_each(bodies.list_mut(), |_, body| {
+                let [body] = &mut **body;
+                body.update(broad_phase.met_by(body.number), options);
             });
             let narrow_phase = NarrowPhase { bodies, options, forbidden: &pairs.without_escape };
             let [with_pairs, within_pairs] = helpers.outside_and_within(count);
@@ -134,7 +135,7 @@ impl<T: Scalar> Scene<T> {
                 return;
             }
             let found = |list: &List| match *list {
-                List::Body(number) => narrow_phase.own(number),
+                List::Body(place) => narrow_phase.own(place),
                 List::Pair(place) => &found[place],
             };
             let mut sum = 0;
@@ -152,7 +153,7 @@ impl<T: Scalar> Scene<T> {
 
 /// Detection between two bodies of a scene.
 struct NarrowPhase<'a, T: Scalar> {
-    bodies: &'a [Option<Body<T>>],
+    bodies: &'a Bodies<T>,
     options: &'a DetectionOptions<T>,
     /// The pairs that may not escape.
     forbidden: &'a [[u32; 2]],
@@ -160,14 +161,14 @@ struct NarrowPhase<'a, T: Scalar> {
 
 impl<T: Scalar> NarrowPhase<'_, T> {
     /// The contacts of a body with itself.
-    fn own(&self, number: usize) -> &ContactList<T> {
-        let own = self.bodies[number].as_ref().and_then(|body| body.own.as_ref());
-        &own.expect("lists name bodies that may collide with themselves").contacts
+    fn own(&self, place: usize) -> &ContactList<T> {
+        let [body] = &*self.bodies.list()[place];
+        &body.own.as_ref().expect("lists name bodies that may collide with themselves").contacts
     }
 
     /// Adds a pair's contacts.
     fn detect(&self, (pair, memory): &mut Remembered<T>, contacts: &mut ContactList<T>) {
-        let bodies = pair.map(|number| self.bodies[number as usize].as_ref().expect("pairs name present bodies"));
+        let bodies = pair.map(|number| self.bodies.get(number).expect("pairs name present bodies"));
         let tracers = bodies.map(|body| body.octree.tracer(&body.mesh).expect("octrees are up to date"));
         let may_escape = self.forbidden.binary_search(pair).is_err();
         let may_overlap = |body: &Body<T>| body.own.as_ref().is_some_and(|own| own.may_overlap);
@@ -195,8 +196,8 @@ impl<T: Scalar> Body<T> {
     }
 
     /// Finds the body's contacts with itself, where they are asked for; the octree follows the mesh where it is needed.
-    fn update<'a>(&mut self, number: usize, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
-        let Self { mesh, octree, regions, tiles, own } = self;
+    fn update<'a>(&mut self, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
+        let Self { number, mesh, octree, regions, tiles, own } = self;
         if let Some(own) = own {
             own.contacts.clear();
             own.may_overlap = false;
@@ -204,7 +205,7 @@ impl<T: Scalar> Body<T> {
         let own = own.as_mut().and_then(|own| (!own.memory.is_clear(mesh, octree)).then_some(own));
         if let Some(own) = own {
             octree.update(mesh).expect("a body keeps its own octree");
-            let found = detect_self(number as u32, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
+            let found = detect_self(*number, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
             own.may_overlap = found.expect("the octree is up to date");
             return;
         }

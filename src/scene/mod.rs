@@ -1,5 +1,6 @@
 //! Many meshes at once: which boxes overlap (broad phase), then their contacts, pairs in parallel (narrow phase).
 
+mod bodies;
 mod broad_phase;
 mod detection;
 mod error;
@@ -10,11 +11,11 @@ pub use error::SceneError;
 pub use saved::SavedStateError;
 
 use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory};
-use crate::math::{Aabb, Scalar};
+use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::octree::Octree;
 use crate::threads::{ParallelFor, Threads};
+use bodies::Bodies;
 use broad_phase::BroadPhase;
 use detection::List;
 use pairs::Pairs;
@@ -25,7 +26,7 @@ use std::sync::Arc;
 /// The contacts and their order do not depend on the number of threads.
 #[derive(Debug)]
 pub struct Scene<T: Scalar> {
-    bodies: Vec<Option<Body<T>>>,
+    bodies: Bodies<T>,
     broad_phase: BroadPhase<T>,
     /// The contacts of each overlapping pair, where threads find them side by side; kept so that a steady step allocates
     /// nothing.
@@ -36,18 +37,6 @@ pub struct Scene<T: Scalar> {
     pairs: Pairs<T>,
     options: DetectionOptions<T>,
     threads: Threads,
-}
-
-#[derive(Debug)]
-struct Body<T: Scalar> {
-    mesh: Mesh<T>,
-    octree: Octree<T>,
-    /// Room for where it meets other bodies.
-    regions: Vec<Aabb<T>>,
-    /// Room for a list of the octree's tiles.
-    tiles: Vec<u32>,
-    /// Where self-collision is switched on.
-    own: Option<OwnContacts<T>>,
 }
 
 /// The contacts of a body with itself.
@@ -61,7 +50,8 @@ struct OwnContacts<T: Scalar> {
 
 impl<T: Scalar> Scene<T> {
     /// An empty scene with default options. `threads`: 1 works on the caller's own thread, n on a pool of n threads that the
-    /// scene owns and that have ended when it is dropped, 0 on a pool of one thread for each core.
+    /// scene owns and that have ended when it is dropped, 0 on a pool of one thread for each core. In a process forked
+    /// since, where the pool's threads are not, it starts them anew with the first query that needs them.
     ///
     /// # Errors
     /// [`SceneError::ThreadsNotStarted`].
@@ -77,7 +67,7 @@ impl<T: Scalar> Scene<T> {
 
     fn working_with(threads: Threads) -> Self {
         Self {
-            bodies: Vec::new(),
+            bodies: Bodies::default(),
             broad_phase: BroadPhase::default(),
             pair_contacts: Vec::new(),
             lists: Vec::new(),
@@ -92,30 +82,21 @@ impl<T: Scalar> Scene<T> {
         self.options = options;
     }
 
-    /// Adds a body; gives its number: the smallest that is free.
+    /// Adds a body; gives its number: the smallest that no body had yet, or where more than 1024 numbers are without a body,
+    /// of these the one that has been so for longest. So the number of a removed body is refused
+    /// ([`SceneError::UnknownBody`]) until 1024 others have been removed after it, and numbers stay below those that were
+    /// in use at once and 1024 more.
     pub fn add(&mut self, mesh: Mesh<T>) -> u32 {
-        let octree = Octree::new(&mesh);
-        let body = Some(Body { mesh, octree, regions: Vec::new(), tiles: Vec::new(), own: None });
-        match self.bodies.iter().position(Option::is_none) {
-            Some(free) => {
-                self.bodies[free] = body;
-                free as u32
-            }
-            None => {
-                self.bodies.room_for(1).push(body);
-                (self.bodies.len() - 1) as u32
-            }
-        }
+        self.bodies.add(mesh)
     }
 
-    /// Removes a body; its number may be given to a later one.
+    /// Removes a body. Its number is refused from here on, until [`add`](Self::add) gives it to another body.
     ///
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn remove(&mut self, body: u32) -> Result<Mesh<T>, SceneError> {
         self.pairs.forget(body);
-        let removed = self.bodies.get_mut(body as usize).and_then(Option::take);
-        removed.map(|body| body.mesh).ok_or(SceneError::UnknownBody { body })
+        self.bodies.remove(body).map(|body| body.mesh).ok_or(SceneError::UnknownBody { body })
     }
 
     /// A body's mesh.
@@ -123,8 +104,7 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn mesh(&self, body: u32) -> Result<&Mesh<T>, SceneError> {
-        let found = self.bodies.get(body as usize).and_then(Option::as_ref);
-        found.map(|body| &body.mesh).ok_or(SceneError::UnknownBody { body })
+        self.bodies.get(body).map(|body| &body.mesh).ok_or(SceneError::UnknownBody { body })
     }
 
     /// A body's mesh, to renew its positions.
@@ -132,8 +112,7 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn mesh_mut(&mut self, body: u32) -> Result<&mut Mesh<T>, SceneError> {
-        let found = self.bodies.get_mut(body as usize).and_then(Option::as_mut);
-        found.map(|body| &mut body.mesh).ok_or(SceneError::UnknownBody { body })
+        self.bodies.get_mut(body).map(|body| &mut body.mesh).ok_or(SceneError::UnknownBody { body })
     }
 
     /// Lets two bodies escape from one another, as they may by default, or forbids it: a press fit, a body meant to stay
@@ -222,7 +201,7 @@ impl<T: Scalar> Scene<T> {
 
     /// Of the bodies' positions the stamp of the newest; other positions have another.
     fn newest_stamp(&self) -> u64 {
-        self.bodies.iter().flatten().map(|body| body.mesh.stamp()).max().unwrap_or_default()
+        self.bodies.iter().map(|body| body.mesh.stamp()).max().unwrap_or_default()
     }
 
     fn known_pair(&self, a: u32, b: u32) -> Result<[u32; 2], SceneError> {
@@ -236,8 +215,7 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn set_self_collision(&mut self, body: u32, is_on: bool) -> Result<(), SceneError> {
-        let found = self.bodies.get_mut(body as usize).and_then(Option::as_mut);
-        let own = &mut found.ok_or(SceneError::UnknownBody { body })?.own;
+        let own = &mut self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?.own;
         match (is_on, own.is_some()) {
             (true, false) => *own = Some(OwnContacts::default()),
             (false, _) => *own = None,

@@ -2,11 +2,15 @@
 
 mod append;
 mod awake;
+#[cfg(test)]
+pub(crate) mod faults;
 
 use rayon::ThreadPoolBuildError;
 use rayon::prelude::*;
 use std::fmt;
+use std::mem;
 use std::num::NonZeroUsize;
+use std::process;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle, available_parallelism};
 
@@ -63,9 +67,11 @@ impl Helpers {
 
     /// Does the work for each item, with the item's place.
     pub(crate) fn for_each<I: Send>(&self, items: &mut [I], work: impl Fn(usize, &mut I) + Sync) {
+        #[cfg(test)]
+        let fault = faults::Fault::of_this_thread();
         let work = |place: usize, item: &mut I| {
             #[cfg(test)]
-            faults::strike();
+            let _taken_along = fault.strike();
             work(place, item);
         };
         match self {
@@ -85,9 +91,11 @@ impl Helpers {
         second: &mut [J],
         work: impl Fn(&mut I, &mut J) + Sync,
     ) {
+        #[cfg(test)]
+        let fault = faults::Fault::of_this_thread();
         let both = |(i, j): (&mut I, &mut J)| {
             #[cfg(test)]
-            faults::strike();
+            let _taken_along = fault.strike();
             work(i, j);
         };
         match self {
@@ -140,12 +148,28 @@ impl Threads {
         Self { pool: None, helpers: Helpers::Host(host) }
     }
 
+    /// Starts the pool anew in a process that was forked since: its threads stayed behind. Where the system gives none, the
+    /// caller's own thread works.
+    pub(crate) fn follow_fork(&mut self) {
+        if let Some(count) = self.pool.as_ref().filter(|pool| !pool.is_here()).map(|pool| pool.threads.len()) {
+            self.pool = Pool::new(count).ok();
+            self.helpers = if self.pool.is_some() { Helpers::Pool } else { Helpers::Nobody };
+        }
+    }
+
     pub(crate) fn helpers(&self) -> &Helpers {
         &self.helpers
     }
 
     /// Runs the work where the helpers can help.
     pub(crate) fn run(&self, work: impl FnOnce() + Send) {
+        #[cfg(test)]
+        let fault = faults::Fault::of_this_thread();
+        #[cfg(test)]
+        let work = || {
+            let _taken_along = fault.take_along();
+            work();
+        };
         match &self.pool {
             Some(Pool { pool: Some(pool), others, .. }) => pool.install(|| awake::keep_awake(*others, work)),
             _ => work(),
@@ -155,6 +179,8 @@ impl Threads {
 
 /// A pool whose threads have ended when it is dropped, so that the library may then be unloaded.
 struct Pool {
+    /// The process that has the threads.
+    process: u32,
     /// Taken on dropping.
     pool: Option<rayon::ThreadPool>,
     threads: Vec<JoinHandle<()>>,
@@ -176,7 +202,7 @@ impl Pool {
             })
             .build();
         match pool {
-            Ok(pool) => Ok(Self { pool: Some(pool), threads, others: count.min(cores) - 1 }),
+            Ok(pool) => Ok(Self { process: process::id(), pool: Some(pool), threads, others: count.min(cores) - 1 }),
             Err(error) => {
                 // Those that had been started are told to end.
                 join(threads);
@@ -184,10 +210,20 @@ impl Pool {
             }
         }
     }
+
+    /// Not so in a process that was forked.
+    fn is_here(&self) -> bool {
+        self.process == process::id()
+    }
 }
 
 impl Drop for Pool {
     fn drop(&mut self) {
+        if !self.is_here() {
+            // Threads that are not there would be waited for, and may have held what they share.
+            mem::forget((self.pool.take(), mem::take(&mut self.threads)));
+            return;
+        }
         drop(self.pool.take());
         join(self.threads.drain(..));
     }
@@ -200,27 +236,25 @@ fn join(threads: impl IntoIterator<Item = JoinHandle<()>>) {
     }
 }
 
-/// A panic on purpose on whichever thread takes the n-th item of work, for tests of this crate alone.
 #[cfg(test)]
-pub(crate) mod faults {
-    use std::sync::atomic::{AtomicUsize, Ordering};
+mod tests {
+    use super::*;
 
-    /// How many items are done before; usize::MAX: no panic.
-    static ITEMS_BEFORE: AtomicUsize = AtomicUsize::new(usize::MAX);
-
-    pub(crate) fn strike_after(items: usize) {
-        ITEMS_BEFORE.store(items, Ordering::SeqCst);
-    }
-
-    /// Whether the panic is still to come; it does not come any more.
-    pub(crate) fn call_off() -> bool {
-        ITEMS_BEFORE.swap(usize::MAX, Ordering::SeqCst) != usize::MAX
-    }
-
-    pub(super) fn strike() {
-        let count_down = |items: usize| (items != usize::MAX).then(|| items.wrapping_sub(1));
-        if ITEMS_BEFORE.fetch_update(Ordering::SeqCst, Ordering::SeqCst, count_down) == Ok(0) {
-            panic!("an item on purpose");
+    /// Tests run side by side in one process: the fault of one is not to hit the work of another.
+    #[test]
+    fn a_fault_strikes_what_its_own_thread_asked_for_and_nothing_else() {
+        let works = |threads: usize| {
+            let threads = Threads::new(threads).expect("the threads start");
+            let work = || threads.run(|| threads.helpers().for_each(&mut [0; 3], |place, item| *item = place));
+            std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).is_ok()
+        };
+        for threads in [1, 2] {
+            faults::strike_after(0);
+            let other = std::thread::spawn(move || works(threads)).join().expect("it is caught");
+            let own = works(threads);
+            faults::call_off();
+            assert!(other, "{threads} threads: the other thread's work was hit");
+            assert!(!own, "{threads} threads: the own work was not hit");
         }
     }
 }

@@ -6,6 +6,7 @@ mod common;
 mod algorithm;
 mod bad_geometry;
 mod beyond_the_paper;
+mod body_numbers;
 mod coarse_sampling;
 mod completeness;
 mod contact_lists;

@@ -197,10 +197,7 @@ class SurfaceSet {
   void copy_pushes() {
     pushes_.clear();
     if (response_.whole_body_escape == 0) return;
-    std::size_t count = 0;
-    check(rayc_contacts_escape_push_count(found_.get(), &count));
-    pushes_.resize(count);
-    check(rayc_contacts_copy_escape_pushes(found_.get(), 0, count, pushes_.data()));
+    found_.copy_escape_pushes_to(pushes_);
     for (rayc_escape_push& push : pushes_) {
       push.first = static_cast<uint32_t>(index_of_number_[push.first]);
       push.second = static_cast<uint32_t>(index_of_number_[push.second]);

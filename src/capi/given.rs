@@ -1,0 +1,142 @@
+//! The arrays of all bodies that a call is given, read and written where they lie.
+
+use super::failure::{Failure, rayc_status};
+use super::pointers::slice;
+use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
+use crate::contact::ContactList;
+use crate::math::{Scalar, Vector3};
+use crate::memory::text;
+use crate::response::{BodiesMut, PenaltyLaw, Vectors, VectorsMut};
+
+/// One body's array, known to be as it should.
+#[repr(transparent)]
+pub(super) struct Given(rayc_vectors);
+
+impl Given {
+    /// # Safety
+    /// `bodies` is NULL or points to `count` arrays that are as they say and stay so during `'a`.
+    pub(super) unsafe fn all<'a>(bodies: *const rayc_vectors, count: usize, name: &str) -> Result<&'a [Self], Failure> {
+        // SAFETY: by this function's contract.
+        let bodies = unsafe { slice(bodies, count, name) }?;
+        for (body, vectors) in bodies.iter().enumerate() {
+            // SAFETY: by this function's contract.
+            unsafe { Strided::new(vectors, format_args!("{name}[{body}]")) }?;
+        }
+        // SAFETY: an array known to be as it should is laid out as any other.
+        Ok(unsafe { std::slice::from_raw_parts(bodies.as_ptr().cast(), count) })
+    }
+
+    /// The same; NULL stands for none.
+    ///
+    /// # Safety
+    /// As [`all`](Self::all).
+    pub(super) unsafe fn if_any<'a>(
+        bodies: *const rayc_vectors,
+        count: usize,
+        name: &str,
+    ) -> Result<Option<&'a [Self]>, Failure> {
+        // SAFETY: by this function's contract.
+        if bodies.is_null() { Ok(None) } else { unsafe { Self::all(bodies, count, name) }.map(Some) }
+    }
+}
+
+impl<T: Scalar> Vectors<T> for Given {
+    #[inline]
+    fn get(&self, vertex: u32) -> Vector3<T> {
+        // SAFETY: only `all` makes this.
+        unsafe { Strided::known(&self.0) }.read(vertex as usize)
+    }
+}
+
+/// The arrays to which all bodies' forces are added.
+pub(super) struct GivenMut<'a>(&'a [rayc_vectors_mut]);
+
+impl GivenMut<'_> {
+    /// # Safety
+    /// As [`Given::all`], and nobody else uses the arrays.
+    pub(super) unsafe fn all(bodies: *const rayc_vectors_mut, count: usize, name: &str) -> Result<Self, Failure> {
+        // SAFETY: by this function's contract.
+        let bodies = unsafe { slice(bodies, count, name) }?;
+        for (body, vectors) in bodies.iter().enumerate() {
+            // SAFETY: by this function's contract.
+            unsafe { Strided::new_mut(vectors, format_args!("{name}[{body}]")) }?;
+        }
+        Ok(Self(bodies))
+    }
+}
+
+impl<T: Scalar> BodiesMut<T> for GivenMut<'_> {
+    #[inline]
+    fn add_to(&mut self, body: u32, vertex: u32, vector: Vector3<T>) {
+        // SAFETY: only `all` makes this.
+        unsafe { Strided::known_mut(&self.0[body as usize]) }.add(vertex, vector);
+    }
+}
+
+/// What a call is to read, with its names, and to write.
+pub(super) struct Arrays<'a, const N: usize> {
+    pub(super) read: [(&'static str, Option<&'a [Given]>); N],
+    pub(super) written: Option<&'a GivenMut<'a>>,
+}
+
+impl<const N: usize> Arrays<'_, N> {
+    /// Refuses arrays that do not reach to every body and vertex of the contacts, and of the pushes where they are used,
+    /// or that are not finite there, before anything is changed.
+    pub(super) fn check<T: Scalar>(&self, list: &ContactList<T>, law: &PenaltyLaw) -> Result<(), Failure> {
+        for contact in &list.contacts {
+            self.check_vertices::<T, _>(contact.colliding, contact.p1.vertices)?;
+            self.check_vertices::<T, _>(contact.collided, contact.p2.vertices)?;
+        }
+        for push in list.pushes().iter().filter(|_| law.pushes_whole_bodies()) {
+            for (&body, &count) in push.bodies.iter().zip(&push.vertex_counts) {
+                // The last one first: where the array is too short that is what it should reach to.
+                (0..count).rev().try_for_each(|vertex| self.check_vertices::<T, _>(body, [vertex]))?;
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn check_vertices<T: Scalar, const M: usize>(&self, body: u32, vertices: [u32; M]) -> Result<(), Failure> {
+        for (name, arrays) in &self.read {
+            let Some(arrays) = arrays else { continue };
+            let array = arrays.get(body as usize);
+            check_reach(body, vertices, array.map(|array| array.0.count))?;
+            let get = |vertex: u32| array.map_or_else(Vector3::zeros, |array| array.get(vertex));
+            // Zero times anything finite is zero: one comparison for all.
+            let zero = vertices.iter().fold(Vector3::zeros(), |sum, &vertex| sum + get(vertex) * T::zero());
+            if zero != Vector3::zeros() {
+                let is_finite = |vertex: &u32| get(*vertex).iter().all(|x: &T| x.is_finite());
+                let vertex = vertices.into_iter().find(|vertex| !is_finite(vertex));
+                return Err(not_finite(name, body, vertex.unwrap_or(vertices[0])));
+            }
+        }
+        let Some(GivenMut(arrays)) = self.written else { return Ok(()) };
+        check_reach(body, vertices, arrays.get(body as usize).map(|array| array.count))
+    }
+}
+
+#[inline(always)]
+fn check_reach<const M: usize>(body: u32, vertices: [u32; M], count: Option<usize>) -> Result<(), Failure> {
+    let has = |vertex: &u32| count.is_some_and(|count| (*vertex as usize) < count);
+    match vertices.into_iter().find(|vertex| !has(vertex)) {
+        Some(vertex) => Err(out_of_reach(body, vertex, count)),
+        None => Ok(()),
+    }
+}
+
+#[cold]
+fn out_of_reach(body: u32, vertex: u32, count: Option<usize>) -> Failure {
+    let reach = count.map_or(text!("no array"), |count| text!("an array of {count} vectors"));
+    let message = text!(
+        "a contact needs vertex {vertex} of body {body}, which has {reach}; give one vector for each vertex of each body"
+    );
+    Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message)
+}
+
+#[cold]
+fn not_finite(name: &str, body: u32, vertex: u32) -> Failure {
+    let message =
+        text!("{name}[{body}]: vertex {vertex} has a number that is NaN or infinite; check the simulation's last step");
+    Failure::new(rayc_status::RAYC_STATUS_NOT_FINITE, message)
+}
