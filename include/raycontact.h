@@ -728,8 +728,8 @@ typedef struct rayc_escape_push {
 } rayc_escape_push;
 
 /**
- * What a pair of bodies of a scene remembers from query to query while their boxes overlap; later versions may tell more,
- * at the end.
+ * What a pair of bodies of a scene remembers from step to step, which rayc_scene_advance() ends, while their boxes overlap;
+ * later versions may tell more, at the end.
  */
 typedef struct rayc_pair_memory {
   /**
@@ -745,11 +745,11 @@ typedef struct rayc_pair_memory {
    */
   uint32_t escaping;
   /**
-   * For how many queries `lowest` has stood.
+   * For how many steps `lowest` has stood.
    */
   uint32_t lowest_steps;
   /**
-   * For how many queries `halved` has stood.
+   * For how many steps `halved` has stood.
    */
   uint32_t halved_steps;
   /**
@@ -770,7 +770,7 @@ typedef struct rayc_pair_memory {
    */
   double halved;
   /**
-   * The net push on the first body as a part of the sum of all pushes, averaged over about eight queries: of length 1
+   * The net push on the first body as a part of the sum of all pushes, averaged over about eight steps: of length 1
    * where all have pushed one way, near 0 where they push against each other or to and fro. While the pair escapes it
    * rests.
    */

@@ -8,8 +8,8 @@ use crate::contact::PairMemory;
 use crate::math::Scalar;
 use crate::memory::text;
 
-/// What a pair of bodies of a scene remembers from query to query while their boxes overlap; later versions may tell more,
-/// at the end.
+/// What a pair of bodies of a scene remembers from step to step, which rayc_scene_advance() ends, while their boxes overlap;
+/// later versions may tell more, at the end.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_pair_memory {
@@ -19,9 +19,9 @@ pub struct rayc_pair_memory {
     pub second: u32,
     /// 1: the pair is escaping; 0: its contacts part it.
     pub escaping: u32,
-    /// For how many queries `lowest` has stood.
+    /// For how many steps `lowest` has stood.
     pub lowest_steps: u32,
-    /// For how many queries `halved` has stood.
+    /// For how many steps `halved` has stood.
     pub halved_steps: u32,
     /// Always 0, so that equal memories are equal byte by byte.
     pub reserved: u32,
@@ -32,7 +32,7 @@ pub struct rayc_pair_memory {
     pub lowest: f64,
     /// The same, renewed where one is smaller by half; while the pair escapes it rests.
     pub halved: f64,
-    /// The net push on the first body as a part of the sum of all pushes, averaged over about eight queries: of length 1
+    /// The net push on the first body as a part of the sum of all pushes, averaged over about eight steps: of length 1
     /// where all have pushed one way, near 0 where they push against each other or to and fro. While the pair escapes it
     /// rests.
     pub net_push: [f64; 3],

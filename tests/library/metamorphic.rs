@@ -90,6 +90,15 @@ fn load(pair: &Pair, options: &DetectionOptions<f64>) -> [Vector3<f64>; 2] {
     [forces[0].iter().sum(), torques.sum()]
 }
 
+/// The same force and torque but for rounding, escapes included.
+fn assert_same_load(found: &Pair, expected: &Pair) -> Result<(), TestCaseError> {
+    let options = DetectionOptions::default();
+    let ([found_force, found_torque], [force, torque]) = (load(found, &options), load(expected, &options));
+    prop_assert!((found_force - force).amax() < 1e-9, "{found_force}, not {force}");
+    prop_assert!((found_torque - torque).amax() < 1e-9, "{found_torque}, not {torque}");
+    Ok(())
+}
+
 /// A permutation of 0, …, count − 1 out of random numbers.
 fn permutation(count: usize, seed: u64) -> Vec<u32> {
     let mut order: Vec<u32> = (0..count as u32).collect();
@@ -118,6 +127,7 @@ proptest! {
             let [found, expected] = [&shuffled, &pair].map(|pair| pair.contacts(layout, &DetectionOptions::paper()));
             assert_close(&sorted_by_vertex(found), &sorted_by_vertex(expected))?;
         }
+        assert_same_load(&shuffled, &pair)?;
     }
 
     #[test]
@@ -133,6 +143,7 @@ proptest! {
             let found = rotated.contacts(layout, &DetectionOptions::paper());
             assert_close(&found, &pair.contacts(layout, &DetectionOptions::paper()))?;
         }
+        assert_same_load(&rotated, &pair)?;
     }
 
     #[test]
@@ -156,6 +167,7 @@ proptest! {
             let found = shuffled.contacts(layout, &DetectionOptions::paper());
             assert_close(&sorted_by_vertex(found), &sorted_by_vertex(expected))?;
         }
+        assert_same_load(&shuffled, &pair)?;
     }
 
     #[test]
