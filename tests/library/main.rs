@@ -6,6 +6,7 @@ mod common;
 mod algorithm;
 mod bad_geometry;
 mod beyond_the_paper;
+mod closest_points;
 mod coarse_sampling;
 mod completeness;
 mod contact_lists;
