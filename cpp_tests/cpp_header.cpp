@@ -108,6 +108,27 @@ void a_ray_hits_where_it_should() {
   check_throws(RAYC_STATUS_WRONG_COUNT, "room for 1", [&] { octree.trace(mesh, {}, hits); });
 }
 
+void closest_points_and_winding_numbers() {
+  const Mesh mesh(vectors(corners), faces);
+  const Octree octree(mesh);
+  const std::vector<Point> points = {{0.1, 0.2, 0.3}, {-3, 0.25, 0.25}};
+  std::vector<rayc_closest_point> closest(2);
+  std::vector<int32_t> numbers(2);
+  octree.closest_points(mesh, vectors(points), closest);
+  CHECK_NEAR(closest[0].distance, 0.1, 1e-15);
+  CHECK(closest[1].distance == 3 && closest[1].position[1] == 0.25);
+  const std::vector<double> bounds = {0.05, 4};
+  octree.closest_points(mesh, vectors(points), closest, bounds);
+  CHECK(closest[0].triangle == RAYC_NO_TRIANGLE && closest[1].distance == 3);
+  octree.winding_numbers(mesh, vectors(points), numbers);
+  CHECK(numbers[0] == 1 && numbers[1] == 0);
+  const std::vector<double> one_bound = {1};
+  check_throws(RAYC_STATUS_WRONG_COUNT, "1 bounds",
+               [&] { octree.closest_points(mesh, vectors(points), closest, one_bound); });
+  numbers.resize(1);
+  check_throws(RAYC_STATUS_WRONG_COUNT, "room for 1", [&] { octree.winding_numbers(mesh, vectors(points), numbers); });
+}
+
 /** All that a scene and its contacts offer, on the example of README.md, whose forces have a closed form. */
 void a_scene_answers_as_the_c_functions_do() {
   std::vector<Point> a = corners, b = shifted(0.2);
@@ -193,6 +214,7 @@ int main() {
   views_show_arrays_as_they_are();
   errors_are_exceptions();
   a_ray_hits_where_it_should();
+  closest_points_and_winding_numbers();
   a_scene_answers_as_the_c_functions_do();
   pairs_and_selves_without_a_scene();
   const int without_exceptions = check_results_without_exceptions();

@@ -777,6 +777,34 @@ typedef struct rayc_pair_memory {
   double net_push[3];
 } rayc_pair_memory;
 
+/**
+ * The point of a surface that is nearest to a given one.
+ */
+typedef struct rayc_closest_point {
+  /**
+   * The triangle it lies on, or RAYC_NO_TRIANGLE where none is within the bound; the other fields are then zero. Of
+   * several as near, the one with the smallest number.
+   */
+  uint32_t triangle;
+  /**
+   * 1 where there is one, 0 where there is none.
+   */
+  uint32_t is_found;
+  /**
+   * How far it is from the given point; ≥ 0.
+   */
+  double distance;
+  /**
+   * Barycentric weights at the triangle's three corners: none is negative, and those of corners that are not on the
+   * point's edge or vertex are exactly zero.
+   */
+  double weights[3];
+  /**
+   * Where it is: the weighted sum of the corners.
+   */
+  double position[3];
+} rayc_closest_point;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1242,6 +1270,42 @@ enum rayc_status rayc_scene_save_pair_memories(const struct rayc_scene *scene, s
  * saved pair is not in the scene; the memories are then as before.
  */
 enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size_t length, const uint8_t *bytes);
+
+/**
+ * Finds the points of the surface, open or closed, that are nearest to some points: closest[i] for point i.
+ *
+ * points: finite, anywhere, in the mesh's unit of length; fastest where each 16 that follow one another are neighbours.
+ * bounds: NULL, or for each point how far away the surface may be to count, ≥ 0 or infinite: a tight one saves time.
+ * closest: room for points->count structs.
+ *
+ * Distances are right to within 64 rounding units (2⁻²⁴ of float, 2⁻⁵³ of double meshes) of the largest coordinate difference
+ * between the point and the mesh's box, however thin the triangles. With rayc_octree_winding_numbers() they make signed
+ * distances: negative where that number is not zero.
+ *
+ * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+ * RAYC_STATUS_NOT_FINITE and, for a bound, RAYC_STATUS_INVALID_OPTION, with a message that names the point, and those of the
+ * array: RAYC_STATUS_INVALID_STRIDE, RAYC_STATUS_UNKNOWN_ENUM.
+ */
+enum rayc_status rayc_octree_closest_points(const struct rayc_octree *octree,
+                                            const struct rayc_mesh *mesh,
+                                            const struct rayc_vectors *points,
+                                            const double *bounds,
+                                            struct rayc_closest_point *closest);
+
+/**
+ * Counts how often a closed surface winds around some points: numbers[i] for point i; 0 outside, 1 inside, more where the
+ * surface folds over itself, negative where it is inside out.
+ *
+ * points: finite, anywhere. numbers: room for points->count numbers. The count is exact, through edges and vertices too. A
+ * point on the surface, or so near that rounding decides, has the number of one of its sides. Where coordinates differ by
+ * more than 10¹⁹ (float meshes) or 10¹⁵⁴ (double), crossings are lost.
+ *
+ * Errors: RAYC_STATUS_MESH_OPEN, since an open surface has no inside; and those of rayc_octree_closest_points().
+ */
+enum rayc_status rayc_octree_winding_numbers(const struct rayc_octree *octree,
+                                             const struct rayc_mesh *mesh,
+                                             const struct rayc_vectors *points,
+                                             int32_t *numbers);
 
 #ifdef __cplusplus
 }  // extern "C"

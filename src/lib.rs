@@ -14,6 +14,7 @@
 //! | [`contact`] | the detection between two meshes, [`contact::Contact`], [`contact::ContactList`] |
 //! | [`octree`] | the search structure over one mesh's triangles |
 //! | [`mesh`] | topology, positions, normals, areas, boxes |
+//! | [`closest`] | the nearest point of a triangle |
 //! | [`ray`] | rays, hits, ray–triangle tests |
 //! | [`math`] | scalars, boxes |
 //! | [`threads`] | whose threads work: the caller's, a pool's, the host's |
@@ -45,6 +46,7 @@
 //! ```
 
 pub mod capi;
+pub mod closest;
 pub mod contact;
 pub mod math;
 pub mod memory;

@@ -109,6 +109,15 @@ pub(crate) fn listed<V>(items: impl IntoIterator<Item = V>) -> Vec<V> {
     list
 }
 
+/// A list of all items, or the first error among them.
+pub(crate) fn tried<V, E>(items: impl IntoIterator<Item = Result<V, E>>) -> Result<Vec<V>, E> {
+    let mut list = Vec::new();
+    for item in items {
+        list.room_for(1).push(item?);
+    }
+    Ok(list)
+}
+
 /// Asks for so many bytes and gives them back: before what cannot say itself that there are none. Another thread may take
 /// them in between.
 pub(crate) fn ask(bytes: usize) {

@@ -50,6 +50,24 @@ fn a_steady_step_allocates_nothing() {
     }
 }
 
+/// Neighbours, and points that are none.
+#[test]
+fn asking_for_closest_points_again_allocates_nothing() {
+    let mesh = shapes::torus(32, 16, 0.4).mesh::<f64>();
+    let mut points: Vec<_> = mesh.positions().iter().map(|position| position * 0.95).collect();
+    points.extend(mesh.positions().iter().step_by(37).map(|position| position * 1e9));
+    let bounds = vec![f64::INFINITY; points.len()];
+    for layout in [Layout::Wide, Layout::Classic] {
+        let octree = Octree::with_layout(&mesh, layout);
+        let tracer = octree.tracer(&mesh).expect("it is new");
+        let mut found = Vec::new();
+        tracer.closest_points(&points, &bounds, &mut found);
+        let allocations = measure(|| tracer.closest_points(&points, &bounds, &mut found));
+        assert_eq!(allocations.count_total, 0, "{layout:?}: {allocations:?}");
+        assert_eq!(found.iter().flatten().count(), points.len());
+    }
+}
+
 /// A host that has one thread only, where allocations are counted, and how often it was called.
 #[derive(Default)]
 struct OneThread(AtomicUsize);

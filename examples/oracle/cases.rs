@@ -91,6 +91,11 @@ impl<T: Scalar> Target<T> {
         }
     }
 
+    /// About how large the mesh is.
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
     /// Random rays of this case. In every second batch they are all cut, and neighbours stand together: the library
     /// traces each 16 as a packet, which should then be a small one.
     pub fn rays(&self, count: usize, random: &mut Random) -> Vec<Ray<T>> {
@@ -140,7 +145,7 @@ impl<T: Scalar> Target<T> {
         }
     }
 
-    fn vertex(&self, random: &mut Random) -> Vector3<T> {
+    pub fn vertex(&self, random: &mut Random) -> Vector3<T> {
         *random.pick(self.mesh.positions())
     }
 
@@ -153,26 +158,26 @@ impl<T: Scalar> Target<T> {
     }
 
     /// A point at most so many sizes away from the middle.
-    fn around(&self, sizes: f64, random: &mut Random) -> Vector3<T> {
+    pub fn around(&self, sizes: f64, random: &mut Random) -> Vector3<T> {
         let middle = *random.pick(&self.shape.inside);
         let offset = random.point(sizes * self.size);
         self.rounded(std::array::from_fn(|axis| middle[axis] + offset[axis]))
     }
 
-    fn on_edge(&self, random: &mut Random) -> Vector3<T> {
+    pub fn on_edge(&self, random: &mut Random) -> Vector3<T> {
         let [a, b, _] = self.corners(random);
         let part = if random.once_in(4) { 0.5 } else { random.unit() };
         a + (b - a) * T::of(part)
     }
 
-    fn on_surface(&self, random: &mut Random) -> Vector3<T> {
+    pub fn on_surface(&self, random: &mut Random) -> Vector3<T> {
         let [a, b, c] = self.corners(random);
         let (first, second) = (random.unit(), random.unit());
         let (first, second) = if first + second > 1.0 { (1.0 - first, 1.0 - second) } else { (first, second) };
         a + (b - a) * T::of(first) + (c - a) * T::of(second)
     }
 
-    fn origin(&self, random: &mut Random) -> Vector3<T> {
+    pub fn origin(&self, random: &mut Random) -> Vector3<T> {
         match random.below(8) {
             0 | 1 => self.rounded(*random.pick(&self.shape.inside)),
             2 => self.around(0.2, random),

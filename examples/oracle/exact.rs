@@ -11,7 +11,7 @@ use std::ops::{Add, Mul, Sub};
 
 /// mantissa · 2^exponent.
 #[derive(Clone, Debug)]
-struct Dyadic {
+pub struct Dyadic {
     mantissa: IBig,
     exponent: i32,
 }
@@ -49,11 +49,11 @@ impl Dyadic {
         (shifted(self), shifted(other), exponent)
     }
 
-    fn squared(&self) -> Self {
+    pub fn squared(&self) -> Self {
         self * self
     }
 
-    fn is_above(&self, other: &Self) -> bool {
+    pub fn is_above(&self, other: &Self) -> bool {
         let (left, right, _) = self.aligned(other);
         left.cmp(&right) == Ordering::Greater
     }

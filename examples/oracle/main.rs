@@ -16,12 +16,17 @@
 //!   that can be asked, since there a small shift of the ray is a large shift of `t`;
 //! * a ray that starts inside hits something.
 //!
+//! Each batch also asks for the nearest points of its mesh ([`nearest`]).
+//!
 //! Every batch of 256 rays has a mesh and random numbers of its own, so that the result depends on the seed alone.
 
 mod cases;
+mod distance;
 mod exact;
 mod judge;
+mod nearest;
 mod options;
+mod points;
 mod query;
 mod random;
 mod range;
@@ -92,6 +97,11 @@ fn print(tally: &Tally, options: &Options, seconds: f64) {
     let [f32_error, f64_error] = tally.point_errors;
     println!("largest point error: {f32_error:.2} rounding units in f32, {f64_error:.2} in f64");
     println!("edges decided by exact arithmetic: {}", tally.exact_decisions);
+    let [f32_error, f64_error] = tally.distance_errors;
+    println!(
+        "{} nearest points; distances right to within {f32_error} rounding units in f32, {f64_error} in f64",
+        tally.points
+    );
     let Tally { queries, missing, spurious, wrong, leaks, .. } = tally;
     eprintln!("{seconds:.1} s, {:.2} µs per query", seconds * 1e6 / (*queries).max(1) as f64);
     println!(

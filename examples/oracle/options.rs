@@ -9,7 +9,7 @@ pub const HELP: &str = "\
 usage: cargo run --release --example oracle -- [options]
 
 Aims rays at small meshes and holds every answer of the library against exact arithmetic: both octree layouts, rays
-alone and many at once, and testing every triangle, in f32 and f64.
+alone and many at once, and testing every triangle, in f32 and f64. For each 8 rays it asks for one nearest point too.
 
   --queries N   how many rays; 1e7 and 10_000_000 are understood (default 100000)
   --seed S      another seed asks other questions (default 1); the answers do not depend on the threads
@@ -23,7 +23,7 @@ alone and many at once, and testing every triangle, in f32 and f64.
 The last line is the result: queries=N missing=0 spurious=0 wrong=0 leaks=0 seed=S
   missing   a certain crossing has no hit, or the answer lies beyond it
   spurious  a triangle is hit that the ray passes
-  wrong     answers differ in a bit, or a hit's distance, weights or side is wrong
+  wrong     answers differ in a bit, or a hit's or nearest point's distance, weights or side is wrong
   leaks     a ray that starts inside hits nothing
 The first fault is printed in full. Exit status: 0 without faults, 1 with any, 2 for a wrong command line.";
 

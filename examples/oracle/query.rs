@@ -2,8 +2,9 @@
 
 use crate::cases::{Case, Target};
 use crate::judge::{Judge, Line};
+use crate::nearest::run_points;
 use crate::random::Random;
-use crate::report::{Origin, describe};
+use crate::report::{Origin, describe, mesh_text};
 use crate::tally::{Failure, Tally};
 use crate::verdict::Verdict;
 use raycontact::math::Scalar;
@@ -67,6 +68,11 @@ pub fn run_batch<T: Scalar>(case: Case, seed: u64, batch: u64, count: u64, test:
             Failure { batch, place, text }
         });
     }
+    run_points(&target, &tracers, count, &mut random, &mut tally, |place, what| {
+        let text =
+            format!("{what}\ncase {}, seed {seed}, batch {batch}, point {place}\n{}", case.name(), mesh_text(mesh));
+        Failure { batch, place, text }
+    });
     tally.queries += count;
     tally.exact_decisions += judge.exact_decisions;
     tally

@@ -2,6 +2,7 @@
 
 use crate::cases::{Case, Target};
 use raycontact::math::{Scalar, Vector3};
+use raycontact::mesh::Mesh;
 use raycontact::ray::{Hit, Ray};
 use std::fmt::Write;
 
@@ -29,8 +30,13 @@ pub fn describe<T: Scalar>(
     for (name, answer) in answers {
         let _ = writeln!(text, "{name}: {answer:?}");
     }
-    let _ = writeln!(text, "triangles {:?}", target.mesh.topology().triangles());
-    for (vertex, position) in target.mesh.positions().iter().enumerate() {
+    text + &mesh_text(&target.mesh)
+}
+
+/// All triangles and vertices.
+pub fn mesh_text<T: Scalar>(mesh: &Mesh<T>) -> String {
+    let mut text = format!("triangles {:?}\n", mesh.topology().triangles());
+    for (vertex, position) in mesh.positions().iter().enumerate() {
         let _ = writeln!(text, "vertex {vertex:2} {} {:?}", bits(position), position.as_slice());
     }
     text

@@ -3,6 +3,7 @@
 
 #![allow(unsafe_code, non_camel_case_types, clippy::missing_safety_doc)] // C names; safety stands in each function's text
 
+mod closest;
 mod contacts;
 mod escape_push;
 mod failure;
@@ -22,6 +23,7 @@ mod scene;
 mod vectors;
 mod version;
 
+pub use closest::*;
 pub use contacts::*;
 pub use escape_push::*;
 pub use failure::rayc_status;

@@ -5,6 +5,8 @@ mod lanes;
 mod scalar;
 
 pub use aabb::Aabb;
+#[cfg(all(test, target_arch = "x86_64"))]
+pub(crate) use lanes::on_every_path;
 pub(crate) use lanes::{Kernel, LANE_COUNT, Lanes, Mask, Vectors, dispatch};
 pub use scalar::Scalar;
 
@@ -42,6 +44,19 @@ pub fn cosine<T: Scalar>(v: &Vector3<T>, unit: &Vector3<T>) -> T {
     let scaled = v * if is_safe { T::one() } else { rescue_factor(square) };
     let length = scaled.norm();
     if length > T::zero() && length.is_finite() { scaled.dot(unit) / length } else { T::zero() }
+}
+
+/// A power of two that brings a number to between 1 and 2, if both it and its inverse are in range, and that inverse; one for
+/// zero.
+pub(crate) fn normalising_factor<T: Scalar>(number: T) -> (T, T) {
+    let exponent = |number: T| (number.to_f64().to_bits() >> 52 & 0x7ff) as i32 - 1023;
+    if number == T::zero() {
+        return (T::one(), T::one());
+    }
+    let most = exponent(T::LARGEST) - 1;
+    let exponent = exponent(number).clamp(-most, most);
+    let power_of_two = |exponent: i32| T::of(f64::from_bits(((exponent + 1023) as u64) << 52));
+    (power_of_two(-exponent), power_of_two(exponent))
 }
 
 fn rescue_factor<T: Scalar>(square: T) -> T {

@@ -3,6 +3,7 @@
 //! Everything is relative to the mesh's own box: there is no world size, no smallest triangle, no absolute tolerance.
 
 mod classic;
+mod closest;
 mod groups;
 mod near;
 mod slabs;
@@ -11,6 +12,7 @@ mod standing;
 pub(crate) mod test_mesh;
 mod tracer;
 mod wide;
+mod winding;
 
 pub(crate) use near::{NearParts, Reach};
 pub use tracer::Tracer;

@@ -7,6 +7,7 @@ mod algorithm;
 mod bad_geometry;
 mod beyond_the_paper;
 mod body_numbers;
+mod closest_points;
 mod coarse_sampling;
 mod completeness;
 mod contact_lists;

@@ -74,6 +74,9 @@ proptest! {
             let octree = Octree::with_layout(&mesh, layout);
             let found = winding_by_ray(&mesh, &octree, origin, towards);
             prop_assert_eq!(f64::from(found), expected.round(), "{:?}, f64", layout);
+            let tracer = octree.tracer(&mesh).expect("the octree is new");
+            let number = tracer.winding_number(&origin, &mut Vec::new());
+            prop_assert_eq!(number.map(f64::from), Some(expected.round()), "{:?}, along z", layout);
             let octree = Octree::with_layout(&narrow, layout);
             let found = winding_by_ray(&narrow, &octree, origin.cast(), towards.cast());
             prop_assert_eq!(f64::from(found), expected.round(), "{:?}, f32", layout);

@@ -20,6 +20,8 @@ pub(crate) fn dispatch<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86_64::dispatch;
 #[cfg(all(test, target_arch = "x86_64"))]
+pub(crate) use x86_64::on_every_path;
+#[cfg(all(test, target_arch = "x86_64"))]
 pub(super) use x86_64::{Path, best, run_on};
 
 #[cfg(target_arch = "x86_64")]
@@ -63,6 +65,16 @@ mod x86_64 {
             Some("avx2") => Path::Avx2,
             _ => Path::Avx512,
         }
+    }
+
+    /// What the kernel gives on plain loops and on each path that this processor has.
+    #[cfg(test)]
+    #[allow(unsafe_code)] // calling code for processors that may not be this one
+    pub(crate) fn on_every_path<T: HasLanes, K: Kernel<T> + Copy>(kernel: K) -> Vec<K::Output> {
+        let paths = [Path::Baseline, Path::Avx2, Path::Avx512].into_iter().filter(|&path| path <= best());
+        let portable = kernel.run::<crate::math::lanes::portable::Portable<T>>();
+        // SAFETY: it is none above the best.
+        [portable].into_iter().chain(paths.map(|path| unsafe { run_on(path, kernel) })).collect()
     }
 
     /// The best path that this processor has.

@@ -26,6 +26,8 @@ mod sse2_lists;
 mod tests;
 mod vectors;
 
+#[cfg(all(test, target_arch = "x86_64"))]
+pub(crate) use dispatch::on_every_path;
 pub(crate) use dispatch::{Kernel, dispatch};
 pub(crate) use vectors::Vectors;
 

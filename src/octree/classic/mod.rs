@@ -2,6 +2,7 @@
 //! the at most eight cells its box touches there.
 
 mod build;
+mod closest;
 mod trace;
 mod validate;
 

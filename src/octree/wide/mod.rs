@@ -2,6 +2,7 @@
 //! side by side, so that one step tests all of them. Which triangles share a tile, and which tiles a node, is settled once
 //! for a mesh; new positions only renew boxes, from the tiles upward.
 
+mod closest;
 mod cluster;
 mod group;
 mod leaving;
@@ -15,13 +16,15 @@ mod tile;
 mod trace;
 mod validate;
 
+use crate::closest::{PointPacket, QueryPoint};
 use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
+use crate::octree::closest::Nearest;
 use crate::ray::{PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
 use runs::Runs;
-use tile::{Outline, Tile};
+use tile::{Outline, TILE_SIZE, Tile};
 
 pub(super) use near::NearTiles;
 pub(crate) use packet::{Candidates, PacketHits};
@@ -33,6 +36,8 @@ pub(super) struct Wide<T: Scalar> {
     tiles: Vec<Tile<T>>,
     /// Of each tile.
     outlines: Vec<Outline<T>>,
+    /// Of each tile the places of its triangles' corners in ascending order of the vertices' numbers, for distances.
+    ascending: Vec<[[u8; TILE_SIZE]; 3]>,
     /// Children come after their parent; the first is the root.
     nodes: Vec<Node<T>>,
     runs: Runs<T>,
@@ -52,8 +57,9 @@ impl<T: Scalar> Wide<T> {
             tiles.push(tile);
             outlines.push(outline);
         }
+        let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
         let runs = Runs::new(mesh, &nodes, &outlines);
-        let mut wide = Self { tiles, outlines, nodes, runs, is_tight: false };
+        let mut wide = Self { tiles, outlines, ascending, nodes, runs, is_tight: false };
         wide.refit(mesh, None);
         wide.load(mesh, None);
         wide
@@ -83,6 +89,28 @@ impl<T: Scalar> Wide<T> {
         visitor: &mut impl FnMut(u32) -> T,
     ) {
         crate::math::dispatch::<T, _>(trace::Walk::new(self, ray, prepared, mesh, visitor));
+    }
+
+    /// Finds the triangle nearest to the point.
+    pub(super) fn find_closest(&self, mesh: &Mesh<T>, query: &QueryPoint<T>, nearest: &mut Nearest<T>) {
+        crate::math::dispatch::<T, _>(closest::Closest { cells: self, mesh, query, nearest });
+    }
+
+    /// The same on some lanes.
+    #[cfg(all(test, target_arch = "x86_64"))]
+    pub(super) fn find_closest_with<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        query: &QueryPoint<T>,
+        nearest: &mut Nearest<T>,
+    ) {
+        crate::math::Kernel::run::<L>(closest::Closest { cells: self, mesh, query, nearest });
+    }
+
+    /// Finds the nearest triangles of a packet's points.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn find_closest_of_packet<L: Lanes<T>>(&self, mesh: &Mesh<T>, packet: &mut PointPacket<T>) {
+        closest::closest_of_packet::<T, L>(self, mesh, packet);
     }
 
     /// The nearest hit of each ray.

@@ -82,6 +82,17 @@ impl<T: Scalar> Tile<T> {
         }
     }
 
+    /// The places of the corners in ascending order of the vertices' numbers.
+    pub(super) fn ascending(&self, outline: &Outline<T>) -> [[u8; TILE_SIZE]; 3] {
+        let mut ascending = [[0; TILE_SIZE]; 3];
+        for triangle in 0..self.triangles().len() {
+            let mut places = self.corners.map(|corner| corner[triangle]);
+            places.sort_unstable_by_key(|&place| outline.vertices[usize::from(place)]);
+            (0..3).for_each(|corner| ascending[corner][triangle] = places[corner]);
+        }
+        ascending
+    }
+
     pub(super) fn triangles(&self) -> &[u32] {
         &self.triangles[..self.present.count_ones() as usize]
     }

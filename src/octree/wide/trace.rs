@@ -4,9 +4,11 @@ use crate::mesh::Mesh;
 use crate::octree::slabs::Slabs;
 use crate::ray::{PreparedRay, Ray};
 
-/// Nodes that can wait at once: fifteen for each level but the last, and 2³² tiles have no more than eight levels; and
-/// room behind them that may be overwritten.
-pub(super) const STACK_SIZE: usize = 15 * 8 + LANE_COUNT;
+/// 2³² tiles have no more than so many levels of nodes.
+pub(super) const LEVEL_COUNT: usize = 8;
+
+/// Nodes that can wait at once: fifteen for each level but the last; and room behind them that may be overwritten.
+pub(super) const STACK_SIZE: usize = 15 * LEVEL_COUNT + LANE_COUNT;
 
 /// One ray's way through the cells.
 pub(super) struct Walk<'a, T: Scalar, V> {

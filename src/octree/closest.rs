@@ -1,0 +1,222 @@
+use super::{Cells, Tracer};
+use crate::closest::{ClosestPoint, MeshScale, PointPacket, QueryPoint, TrianglePoint, TrianglePoints, ascending};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Scalar, Vector3, Vectors, dispatch};
+use crate::memory::Room;
+
+/// The nearest triangle so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest<T: Scalar> {
+    /// What a squared distance must not exceed.
+    pub(super) square: T,
+    pub(super) triangle: Option<u32>,
+}
+
+impl<T: Scalar> Nearest<T> {
+    /// None within the bound yet.
+    pub(super) fn within(query: &QueryPoint<T>, bound: T) -> Self {
+        Self { square: query.square_of_bound(bound), triangle: None }
+    }
+
+    /// Of equally near triangles the first counts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn keep_nearer(&mut self, square: T, triangle: u32) {
+        let is_before = square < self.square || self.triangle.is_none_or(|known| triangle < known);
+        if square <= self.square && is_before {
+            (self.square, self.triangle) = (square, Some(triangle));
+        }
+    }
+}
+
+impl<T: Scalar> Tracer<'_, T> {
+    /// The point of the surface that is nearest to `point`, if it is at most `bound` away (which may be infinite); of
+    /// several, the one on the triangle with the smallest index. `None` too where the point or the bound is NaN, or the
+    /// point infinite. It is the same to the bit as [`closest_point_of_all`](Self::closest_point_of_all).
+    ///
+    /// The distance is right to within 64 rounding units of the reach, the largest coordinate difference between the
+    /// point and the mesh's box, however thin the triangles; on a shared edge or vertex all triangles there agree to the bit.
+    /// Scaling mesh, point and bound by a power of two scales it exactly.
+    pub fn closest_point(&self, point: &Vector3<T>, bound: T) -> Option<ClosestPoint<T>> {
+        let query = QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?;
+        let mut nearest = Nearest::within(&query, bound);
+        match self.cells {
+            Cells::Wide(cells) => cells.find_closest(self.mesh(), &query, &mut nearest),
+            Cells::Classic(cells) => cells.visit_near(&query, nearest.square, &mut |triangle| {
+                nearest.keep_nearer(self.square_to(&query, triangle), triangle);
+                nearest.square
+            }),
+        }
+        self.resolved(&query, &nearest, bound)
+    }
+
+    /// [`closest_point`](Self::closest_point) by testing every triangle, without the octree: slow, and the standard it is
+    /// held to.
+    pub fn closest_point_of_all(&self, point: &Vector3<T>, bound: T) -> Option<ClosestPoint<T>> {
+        let query = QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?;
+        let mut nearest = Nearest::within(&query, bound);
+        for triangle in 0..self.mesh().topology().triangles().len() as u32 {
+            nearest.keep_nearer(self.square_to(&query, triangle), triangle);
+        }
+        self.resolved(&query, &nearest, bound)
+    }
+
+    /// [`closest_point`](Self::closest_point) of each of many points, each with a bound of its own, into `found`, which is
+    /// cleared first. Fastest where each 16 points are neighbours.
+    ///
+    /// # Panics
+    /// Where there are not as many bounds as points.
+    pub fn closest_points(&self, points: &[Vector3<T>], bounds: &[T], found: &mut Vec<Option<ClosestPoint<T>>>) {
+        assert_eq!(points.len(), bounds.len(), "each point has a bound");
+        found.clear();
+        found.room_for(points.len()).resize(points.len(), None);
+        dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, found });
+    }
+
+    fn closest_one_by_one(&self, points: &[Vector3<T>], bounds: &[T], found: &mut [Option<ClosestPoint<T>>]) {
+        for ((point, &bound), found) in points.iter().zip(bounds).zip(found) {
+            *found = self.closest_point(point, bound);
+        }
+    }
+
+    /// The squared distance of one triangle.
+    fn square_to(&self, query: &QueryPoint<T>, triangle: u32) -> T {
+        self.on_triangle(query, triangle).square
+    }
+
+    fn on_triangle(&self, query: &QueryPoint<T>, triangle: u32) -> TrianglePoint<T> {
+        TrianglePoint::new(query, &self.ascending_corners(triangle).0)
+    }
+
+    /// The corners of a triangle in ascending order of their vertices, and their places in it.
+    fn ascending_corners(&self, triangle: u32) -> ([Vector3<T>; 3], [usize; 3]) {
+        let corners = self.mesh().corners(triangle);
+        let places = ascending(self.mesh().topology().triangles()[triangle as usize]);
+        (places.map(|place| corners[place]), places)
+    }
+
+    pub(super) fn resolved(&self, query: &QueryPoint<T>, nearest: &Nearest<T>, bound: T) -> Option<ClosestPoint<T>> {
+        let triangle = nearest.triangle?;
+        let (corners, places) = self.ascending_corners(triangle);
+        let found = TrianglePoint::new(query, &corners).resolved(query, triangle, &corners, places);
+        // Squares are rounded: the root decides.
+        (found.distance <= bound).then_some(found)
+    }
+}
+
+/// [`Tracer::closest_points`].
+struct ClosestPoints<'a, 'b, T: Scalar> {
+    tracer: &'a Tracer<'b, T>,
+    points: &'a [Vector3<T>],
+    bounds: &'a [T],
+    found: &'a mut [Option<ClosestPoint<T>>],
+}
+
+impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let mesh = self.tracer.mesh();
+        let scale = MeshScale::new(mesh.aabb());
+        let (mut packet, mut resolved) = (PointPacket::empty(), TrianglePoints::empty());
+        let chunks = self.points.chunks(LANE_COUNT).zip(self.bounds.chunks(LANE_COUNT));
+        for ((points, bounds), found) in chunks.zip(self.found.chunks_mut(LANE_COUNT)) {
+            let Cells::Wide(cells) = self.tracer.cells else {
+                self.tracer.closest_one_by_one(points, bounds, found);
+                continue;
+            };
+            if !packet.set::<L>(points, bounds, &scale) {
+                self.tracer.closest_one_by_one(points, bounds, found);
+                continue;
+            }
+            cells.find_closest_of_packet::<L>(mesh, &mut packet);
+            // Lanes without a triangle take the first one.
+            let triangles = mesh.topology().triangles();
+            let (mut places, mut corners) = ([[0; 3]; LANE_COUNT], [[0; LANE_COUNT]; 3]);
+            for lane in 0..LANE_COUNT {
+                let has_one = packet.found >> lane & 1 == 1;
+                let vertices = triangles[if has_one { packet.triangle[lane] as usize } else { 0 }];
+                places[lane] = ascending(vertices);
+                for corner in 0..3 {
+                    corners[corner][lane] = vertices[places[lane][corner]];
+                }
+            }
+            let a = Vectors::<T, L>::gather(mesh.positions(), &corners[0]);
+            let b = Vectors::<T, L>::gather(mesh.positions(), &corners[1]);
+            let c = Vectors::<T, L>::gather(mesh.positions(), &corners[2]);
+            resolved.set::<L>(&packet.position, [a, b, c], scale.factors);
+            for (lane, found) in found.iter_mut().enumerate() {
+                let is_found = packet.found >> lane & 1 == 1 && resolved.distance[lane] <= bounds[lane];
+                *found = is_found.then(|| resolved.get(lane, packet.triangle[lane], places[lane]));
+            }
+        }
+    }
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use crate::math::on_every_path;
+    use crate::mesh::Mesh;
+    use crate::octree::Octree;
+    use crate::octree::test_mesh::{torus_positions, torus_triangles};
+
+    /// Points asked one by one, and many at a time.
+    #[derive(Clone, Copy)]
+    struct Asked<'a, T: Scalar> {
+        tracer: &'a Tracer<'a, T>,
+        points: &'a [Vector3<T>],
+        bounds: &'a [T],
+    }
+
+    impl<T: Scalar> Kernel<T> for Asked<'_, T> {
+        type Output = [Vec<Option<ClosestPoint<T>>>; 2];
+
+        fn run<L: Lanes<T>>(self) -> Self::Output {
+            let Self { tracer, points, bounds } = self;
+            let mut found = vec![None; points.len()];
+            ClosestPoints { tracer, points, bounds, found: &mut found }.run::<L>();
+            let Cells::Wide(cells) = tracer.cells else { unreachable!("it is the default") };
+            let one = |(point, &bound): (&Vector3<T>, &T)| {
+                let query = QueryPoint::new(point, &MeshScale::new(tracer.mesh().aabb()))?;
+                let mut nearest = Nearest::within(&query, bound);
+                cells.find_closest_with::<L>(tracer.mesh(), &query, &mut nearest);
+                tracer.resolved(&query, &nearest, bound)
+            };
+            [found, points.iter().zip(bounds).map(one).collect()]
+        }
+    }
+
+    /// On, below and above the surface, in the middle of the tube, scattered and far away; within bounds of all sizes.
+    fn assert_same_on_all_paths<T: Scalar>() {
+        let sides = [48, 12];
+        let positions: Vec<_> = torus_positions(sides, 3).into_iter().map(|point| point.map(T::of)).collect();
+        let mesh = Mesh::new(&positions, &torus_triangles(sides)).expect("it is closed");
+        let octree = Octree::new(&mesh);
+        let tracer = octree.tracer(&mesh).expect("it is new");
+        let (mut points, mut bounds) = (Vec::new(), Vec::new());
+        for (place, position) in mesh.positions().iter().enumerate() {
+            let ring = position.xy().normalize();
+            let middle = Vector3::new(ring.x, ring.y, T::zero());
+            let part = T::of([0.0, 0.1, 0.5, 1.0, 3.0, -200.0, 1e7][place / 20 % 7]);
+            let scattered = if place / 100 % 3 == 0 { positions[place * 37 % positions.len()] } else { [T::zero(); 3] };
+            points.push(position + (middle - position) * part + Vector3::from(scattered));
+            bounds.push(T::of([f64::INFINITY, 0.3, 0.05, 0.0][place / 50 % 4]));
+        }
+        let expected: Vec<_> =
+            points.iter().zip(&bounds).map(|(point, &bound)| tracer.closest_point_of_all(point, bound)).collect();
+        assert!(expected.iter().flatten().count() > 200 && expected.contains(&None));
+        let answers = on_every_path::<T, _>(Asked { tracer: &tracer, points: &points, bounds: &bounds });
+        for (path, [many, one_by_one]) in answers.iter().enumerate() {
+            for (place, point) in points.iter().enumerate() {
+                let answers = [many[place], one_by_one[place]];
+                assert_eq!(answers, [expected[place]; 2], "path {path}, {point:?} within {:?}", bounds[place]);
+            }
+        }
+    }
+
+    #[test]
+    fn all_paths_find_the_same_closest_points() {
+        assert_same_on_all_paths::<f64>();
+        assert_same_on_all_paths::<f32>();
+    }
+}

@@ -1,0 +1,207 @@
+use super::trace::LEVEL_COUNT;
+use super::{CHILD_COUNT, Node, Wide};
+use crate::closest::{NearTriangles, PointPacket, QueryPoint};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vectors};
+use crate::mesh::Mesh;
+use crate::octree::closest::Nearest;
+
+/// Who looks for what is near.
+trait Seeker<T: Scalar> {
+    /// The squared distance to boxes beyond which nothing counts.
+    fn limit(&self) -> T;
+
+    /// Looks at a tile, a child of a node.
+    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize);
+}
+
+/// The children of a node on the way down that are still to be visited.
+#[derive(Clone, Copy)]
+struct Level<T> {
+    squares: [T; CHILD_COUNT],
+    left: Mask,
+    node: u32,
+}
+
+/// Visits the tiles near a point, the nearest child first at each node.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn walk<T: Scalar, L: Lanes<T>, S: Seeker<T>>(cells: &Wide<T>, mesh: &Mesh<T>, centre: &QueryPoint<T>, seeker: &mut S) {
+    let mut levels = [Level { squares: [T::zero(); CHILD_COUNT], left: 0, node: 0 }; LEVEL_COUNT];
+    levels[0].enter::<L>(cells, 0, centre);
+    let mut depth = 0;
+    loop {
+        let level = &mut levels[depth];
+        let squares = L::load(&level.squares);
+        level.left &= squares.is_at_most(L::splat(seeker.limit()));
+        if level.left == 0 {
+            if depth == 0 {
+                return;
+            }
+            depth -= 1;
+            continue;
+        }
+        let squares = L::select(level.left, squares, L::splat(T::INFINITY));
+        let nearest = squares.is_at_most(L::splat(squares.smallest())) & level.left;
+        level.left &= !(nearest & nearest.wrapping_neg());
+        let node = &cells.nodes[level.node as usize];
+        let place = nearest.trailing_zeros() as usize;
+        if node.is_leaf {
+            seeker.look::<L>(cells, mesh, node, place);
+        } else {
+            let child = node.first + place as u32;
+            depth += 1;
+            levels[depth].enter::<L>(cells, child, centre);
+        }
+    }
+}
+
+impl<T: Scalar> Level<T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter<L: Lanes<T>>(&mut self, cells: &Wide<T>, node: u32, centre: &QueryPoint<T>) {
+        self.node = node;
+        let node = &cells.nodes[node as usize];
+        let factor = L::splat(centre.factor);
+        let factor = Vectors::<T, L>::new(factor, factor, factor);
+        let centre = Vectors::splat(&centre.position);
+        // Scaling is exact, so that it makes no difference whether it is rounded by itself.
+        let below = Vectors::load(&node.lower).times_add(factor, centre.negate());
+        let above = Vectors::load(&node.upper).negate().times_add(factor, centre);
+        let apart = below.larger(above).larger(Vectors::zeros());
+        apart.dot(apart).store(&mut self.squares);
+        self.left = ((1u32 << node.count) - 1) as Mask;
+    }
+}
+
+/// The search for the triangle nearest to one point.
+pub(super) struct Closest<'a, T: Scalar> {
+    pub(super) cells: &'a Wide<T>,
+    pub(super) mesh: &'a Mesh<T>,
+    pub(super) query: &'a QueryPoint<T>,
+    pub(super) nearest: &'a mut Nearest<T>,
+}
+
+impl<T: Scalar> Kernel<T> for Closest<'_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let limit = self.query.square_of_boxes(self.nearest.square);
+        let mut one = One { query: self.query, nearest: self.nearest, limit };
+        walk::<T, L, _>(self.cells, self.mesh, self.query, &mut one);
+    }
+}
+
+/// One point.
+struct One<'a, T: Scalar> {
+    query: &'a QueryPoint<T>,
+    nearest: &'a mut Nearest<T>,
+    limit: T,
+}
+
+impl<T: Scalar> Seeker<T> for One<'_, T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn limit(&self) -> T {
+        self.limit
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
+        let index = node.first as usize + place;
+        let mut room = [[T::zero(); LANE_COUNT]; 3];
+        let positions = cells.positions_of::<L>(index, mesh, &mut room);
+        let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], self.query.factor);
+        let squares = triangles.squares(&self.query.position);
+        if keep_nearest::<T, L>(cells, index, squares, self.nearest) {
+            self.limit = self.query.square_of_boxes(self.nearest.square);
+        }
+    }
+}
+
+/// Points are neighbours if they are at most so many times the width of a tile away from their middle. The mesh has a size of
+/// about 1.
+const MOST_SPREAD: f64 = 6.0;
+
+/// Finds the nearest triangles of a packet's points.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn closest_of_packet<T: Scalar, L: Lanes<T>>(cells: &Wide<T>, mesh: &Mesh<T>, packet: &mut PointPacket<T>) {
+    let centre = packet.centre;
+    if packet.spread::<L>() * T::of(cells.tiles.len() as f64).sqrt() <= T::of(MOST_SPREAD) {
+        walk::<T, L, _>(cells, mesh, &centre, packet);
+    } else {
+        packet.centre_limit = -T::one();
+    }
+    if packet.centre_limit < T::zero() {
+        // The last lanes repeat a point where there are fewer.
+        for lane in 0..packet.present.count_ones() as usize {
+            let (query, mut nearest) = (packet.query(lane), nearest_of(packet, lane));
+            Closest { cells, mesh, query: &query, nearest: &mut nearest }.run::<L>();
+            keep(packet, lane, &nearest);
+        }
+    }
+}
+
+/// What is known of one of the points.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn nearest_of<T: Scalar>(packet: &PointPacket<T>, lane: usize) -> Nearest<T> {
+    let known = (packet.found >> lane & 1 == 1).then_some(packet.triangle[lane]);
+    Nearest { square: packet.square[lane], triangle: known }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn keep<T: Scalar>(packet: &mut PointPacket<T>, lane: usize, nearest: &Nearest<T>) {
+    if let Some(triangle) = nearest.triangle {
+        (packet.square[lane], packet.triangle[lane]) = (nearest.square, triangle);
+        packet.found |= 1 << lane;
+    }
+}
+
+impl<T: Scalar> Seeker<T> for PointPacket<T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn limit(&self) -> T {
+        self.centre_limit
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
+        let mut near = self.near::<L>(&node.child_box(place));
+        let count = near.count_ones();
+        if near == 0 {
+            return self.count_looks(0);
+        }
+        let index = node.first as usize + place;
+        let mut room = [[T::zero(); LANE_COUNT]; 3];
+        let positions = cells.positions_of::<L>(index, mesh, &mut room);
+        let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], self.centre.factor);
+        let mut is_nearer = false;
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize;
+            near &= near - 1;
+            let squares = triangles.squares(&self.point(lane));
+            let mut nearest = nearest_of(self, lane);
+            if keep_nearest::<T, L>(cells, index, squares, &mut nearest) {
+                keep(self, lane, &nearest);
+                is_nearer = true;
+            }
+        }
+        if is_nearer {
+            self.renew_limits::<L>();
+        }
+        self.count_looks(count);
+    }
+}
+
+/// Keeps the nearest triangle of a tile, if it is nearer than what is known; gives whether it is.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn keep_nearest<T: Scalar, L: Lanes<T>>(cells: &Wide<T>, index: usize, squares: L, nearest: &mut Nearest<T>) -> bool {
+    let tile = &cells.tiles[index];
+    let squares = L::select(tile.present, squares, L::splat(T::INFINITY));
+    let smallest = squares.smallest();
+    if smallest > nearest.square {
+        return false;
+    }
+    let mut of_these = squares.is_at_most(L::splat(smallest)) & tile.present;
+    while of_these != 0 {
+        nearest.keep_nearer(smallest, tile.triangles[of_these.trailing_zeros() as usize]);
+        of_these &= of_these - 1;
+    }
+    true
+}
