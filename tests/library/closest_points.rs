@@ -160,6 +160,30 @@ fn closest_points_of_a_box_are_known() {
     }
 }
 
+/// Where triangles meet, each of them would give the same answer: the order of triangles and corners does not matter.
+#[test]
+fn triangles_agree_on_their_edges_and_vertices() {
+    for shape in [shapes::torus(40, 20, 0.4).turned(0.3, 0.7), shapes::star().turned(0.2, 1.1), shapes::sphere(2)] {
+        let mut other = shape.clone();
+        other.triangles.reverse();
+        other.triangles.iter_mut().enumerate().for_each(|(place, corners)| corners.rotate_left(place % 3));
+        let [mesh, other] = [shape, other].map(|shape| shape.mesh::<f64>());
+        let [octree, other_octree] = [&mesh, &other].map(Octree::new);
+        let tracer = octree.tracer(&mesh).expect("it is new");
+        let other = other_octree.tracer(&other).expect("it is new");
+        let (mut on_edges, mut random) = (0, Random::new(11));
+        for _ in 0..4000 / STRIDE {
+            let point = Vector3::from(random.point(2.0));
+            let [found, again] =
+                [tracer, other].map(|tracer| tracer.closest_point(&point, f64::INFINITY).expect("it is somewhere"));
+            assert_eq!(found.distance.to_bits(), again.distance.to_bits(), "{point:?}: {found:?}, {again:?}");
+            assert_eq!(found.position, again.position, "{point:?}");
+            on_edges += usize::from(found.weights.iter().filter(|&&weight| weight == 0.0).count() == 1);
+        }
+        assert!(on_edges > 1000 / STRIDE, "only {on_edges} on edges");
+    }
+}
+
 /// Lengths of a power of two more or less: the same bits, as far as the numbers reach.
 #[test]
 fn scaling_by_powers_of_two_scales_the_answer() {
