@@ -642,6 +642,12 @@ typedef struct rayc_statistics {
    * rayc_detection_options.
    */
   uint64_t estimate_rays;
+  /**
+   * Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 128 triangles or more,
+   * which touch about 48 others or more each on average, so that no inside is left to tell; or with more than 64
+   * pairs of near parts, of up to 16 triangles, for each triangle.
+   */
+  uint64_t tangled_bodies;
 } rayc_statistics;
 
 /**

@@ -12,7 +12,7 @@ pub(crate) mod test_mesh;
 mod tracer;
 mod wide;
 
-pub(crate) use near::{NearParts, Reach};
+pub(crate) use near::{NearParts, Reach, is_merged};
 pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};
 
