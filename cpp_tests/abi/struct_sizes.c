@@ -55,7 +55,7 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_detection_options, force_tolerance) == sizeof(rayc_detection_options));
   CHECK(END_OF(rayc_response_options, whole_body_escape) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
-  CHECK(END_OF(rayc_statistics, tangled_bodies) == sizeof(rayc_statistics));
+  CHECK(END_OF(rayc_statistics, crowded_pairs) == sizeof(rayc_statistics));
 }
 
 int main(void) {

@@ -166,10 +166,12 @@ pub struct rayc_statistics {
     /// Rays beside those, traced only to find out how fine the sampling has to be: force_tolerance in
     /// rayc_detection_options.
     pub estimate_rays: u64,
-    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 128 triangles or more,
-    /// which touch about 48 others or more each on average, so that no inside is left to tell; or with more than 64
-    /// pairs of near parts, of up to 16 triangles, for each triangle.
+    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 512 triangles or more,
+    /// which touch about 24 others or more each on average, or about 6 among 96 or more whose boxes overlap theirs, so that no
+    /// inside is left to tell; or with more than 64 pairs of near parts, of up to 16 triangles, for each triangle.
     pub tangled_bodies: u64,
+    /// Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
+    pub crowded_pairs: u64,
 }
 
 impl Growing for rayc_statistics {
@@ -357,7 +359,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
         let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
         let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
         let Statistics { escapes_turned, escapes_forbidden, patches, estimate_rays, .. } = found;
-        let Statistics { tangled_bodies, .. } = found;
+        let Statistics { tangled_bodies, crowded_pairs, .. } = found;
         let known = rayc_statistics {
             pairs,
             open_pairs,
@@ -380,6 +382,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             patches,
             estimate_rays,
             tangled_bodies,
+            crowded_pairs,
         };
         write_known(struct_size, statistics, "statistics", known)
     })

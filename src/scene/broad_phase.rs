@@ -11,11 +11,13 @@ pub(super) struct BroadPhase<T: Scalar> {
     meetings: Vec<[u32; 2]>,
     /// The boxes by body; empty for a number without a body.
     boxes: Vec<Aabb<T>>,
+    /// By body: how many others it meets.
+    neighbours: Vec<u32>,
 }
 
 impl<T: Scalar> Default for BroadPhase<T> {
     fn default() -> Self {
-        Self { sorted: Vec::new(), pairs: Vec::new(), meetings: Vec::new(), boxes: Vec::new() }
+        Self { sorted: Vec::new(), pairs: Vec::new(), meetings: Vec::new(), boxes: Vec::new(), neighbours: Vec::new() }
     }
 }
 
@@ -51,6 +53,14 @@ impl<T: Scalar> BroadPhase<T> {
         self.meetings.clear();
         self.meetings.room_for(2 * self.pairs.len()).extend(self.pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]));
         self.meetings.sort_unstable();
+        self.neighbours.clear();
+        self.neighbours.room_for(self.boxes.len()).resize(self.boxes.len(), 0);
+        self.meetings.iter().for_each(|&[one, _]| self.neighbours[one as usize] += 1);
+    }
+
+    /// How many others each of the two bodies meets at least.
+    pub(super) fn neighbours(&self, pair: &[u32; 2]) -> u32 {
+        pair.map(|body| self.neighbours[body as usize]).into_iter().fold(u32::MAX, u32::min)
     }
 
     /// Overlapping pairs, smaller number first, in ascending order.

@@ -33,6 +33,7 @@ fn counts(first: u64, step: u64) -> Statistics {
         escapes_turned: count(),
         escapes_forbidden: count(),
         tangled_bodies: count(),
+        crowded_pairs: count(),
     }
 }
 

@@ -16,6 +16,7 @@ mod winding;
 pub(crate) use memory::SelfMemory;
 pub(super) use winding::{leaves_body_before_end, way_out_past_folds};
 
+use super::cutter::Cutter;
 use super::found::cos_alpha;
 use super::samples::{Sample, Sampling, for_each_sample};
 use super::{Contact, ContactKind, ContactList, DetectionOptions, SurfacePoint};
@@ -43,9 +44,9 @@ pub(super) struct SelfWorkspace<T: Scalar> {
 ///
 /// Rays start where the surface touches others of its triangles, and where it winds around more than once: if it touches
 /// itself nowhere, at no more than one point of each connected part. A scene also remembers that from step to step. An
-/// open mesh has no inside, and so no contacts with itself; it is counted. Nor has a tangled one, of 128 triangles or more
-/// of which each touches about 48 others or more on average: no inside is left to tell, and the search would take as long as
-/// there are pairs of triangles. It is counted too ([`Statistics::tangled_bodies`](super::Statistics::tangled_bodies)).
+/// open mesh has no inside, and so no contacts with itself; it is counted. Nor has a tangled one, in
+/// which everything touches everything: no inside is left to tell, and the search would take as long as there are pairs of
+/// triangles. It is counted too ([`Statistics::tangled_bodies`](super::Statistics::tangled_bodies)).
 ///
 /// # Errors
 /// [`OctreeError`] where the octree is stale or another mesh's; `contacts` is then as before.
@@ -163,7 +164,7 @@ impl<T: Scalar> Body<'_, T> {
         };
         let largest = region.lower.amax().max(region.upper.amax());
         let region = region.grown(largest * T::ROUNDING_UNIT * T::of(8.0));
-        for_each_sample(mesh, &overlap, &region, self.options.sampling, |sample| {
+        for_each_sample(mesh, &region, Cutter::new(self.options.sampling, &overlap, &region), |sample| {
             if !is_wanted(&sample) {
                 return;
             }
