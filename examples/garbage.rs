@@ -64,7 +64,7 @@ fn main() -> ExitCode {
     let size: usize = arguments.value("--size", 110);
     let bodies: usize = arguments.value("--bodies", 1000);
     let runs: usize = arguments.value("--runs", 9);
-    if size < 6 || bodies == 0 || runs % 2 == 0 {
+    if size < 6 || bodies == 0 || runs.is_multiple_of(2) {
         arguments.fail("at least 6 quads around, 1 body, and an odd number of runs");
     }
     arguments.finish();

@@ -21,8 +21,8 @@ const MOST_HALVINGS: u32 = 1 << 20;
 /// How many rays stand on the largest face of the overlap box where the sampling is automatic.
 const RAYS_ON_LARGEST_FACE: f64 = 128.0;
 
-/// Where both bodies of a pair meet more others than so many, their rays are shared out among these: the errors of many
-/// pairs cancel out in what pushes a body.
+/// Where both bodies of a pair meet more others than so many, their rays are shared out among these, so that rays grow
+/// with the number of bodies and not of pairs.
 const MOST_WITH_ALL_RAYS: u32 = 12;
 /// But no fewer stand on the largest face, or large triangles would miss the overlap.
 const FEWEST_ON_LARGEST_FACE: f64 = 8.0;

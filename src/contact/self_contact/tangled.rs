@@ -36,7 +36,7 @@ pub(super) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
         }
         // Every second, those between, and so on, and any other: Knuth's linear congruential generator.
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let other = (state >> 32) * count as u64 >> 32;
+        let other = ((state >> 32) * count as u64) >> 32;
         let one = (2 * tried + 2 * tried / count) % count;
         let found = nearness(mesh, [one as u32, other as u32]);
         close += usize::from(found != Nearness::Apart);
