@@ -325,7 +325,9 @@ typedef struct rayc_detection_options {
    * larger triangles are cut into pieces of that size, and smaller ones joined to patches, connected and nearly flat,
    * of which one triangle casts for all. RAYC_SPACING_AUTOMATIC (the default): in the middle of each triangle, larger
    * ones being cut so that about 128 rays stand on the overlap's largest side; forces then hardly depend on the
-   * triangulation, for about two rays a vertex on fine meshes.
+   * triangulation, for about two rays a vertex on fine meshes. In a scene, where the boxes of both bodies of a pair overlap
+   * those of more than 12 others, n at the least, it is 12/n as many, but no fewer than 8: crowded_pairs in
+   * rayc_statistics.
    */
   double sample_spacing;
   /**
@@ -685,6 +687,15 @@ typedef struct rayc_statistics {
    * Contacts found and replaced by those of an escape that began in the same query.
    */
   uint64_t replaced;
+   * Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 512 triangles or more,
+   * which touch about 24 others or more each on average, or about 6 among 96 or more whose boxes overlap theirs, so that no
+   * inside is left to tell; or with more than 64 pairs of near parts, of up to 16 triangles, for each triangle.
+   */
+  uint64_t tangled_bodies;
+  /**
+   * Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
+   */
+  uint64_t crowded_pairs;
 } rayc_statistics;
 
 /**

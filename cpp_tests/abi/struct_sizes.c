@@ -106,7 +106,7 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_detection_options, force_tolerance) == sizeof(rayc_detection_options));
   CHECK(END_OF(rayc_response_options, whole_body_escape) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
-  CHECK(END_OF(rayc_statistics, estimate_rays) == sizeof(rayc_statistics));
+  CHECK(END_OF(rayc_statistics, crowded_pairs) == sizeof(rayc_statistics));
   CHECK(END_OF(rayc_pair_memory, net_push) == sizeof(rayc_pair_memory));
   CHECK(END_OF(rayc_escape_push, centres) == sizeof(rayc_escape_push));
 }

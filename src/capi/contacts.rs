@@ -170,6 +170,12 @@ pub struct rayc_statistics {
     pub estimate_rays: u64,
     /// Contacts found and replaced by those of an escape that began in the same query.
     pub replaced: u64,
+    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 512 triangles or more,
+    /// which touch about 24 others or more each on average, or about 6 among 96 or more whose boxes overlap theirs, so that no
+    /// inside is left to tell; or with more than 64 pairs of near parts, of up to 16 triangles, for each triangle.
+    pub tangled_bodies: u64,
+    /// Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
+    pub crowded_pairs: u64,
 }
 
 impl Growing for rayc_statistics {
@@ -360,6 +366,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
         let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
         let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
         let Statistics { escapes_turned, escapes_forbidden, patches, estimate_rays, replaced, .. } = found;
+        let Statistics { tangled_bodies, crowded_pairs, .. } = found;
         let known = rayc_statistics {
             pairs,
             open_pairs,
@@ -382,6 +389,8 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             patches,
             estimate_rays,
             replaced,
+            tangled_bodies,
+            crowded_pairs,
         };
         write_known(struct_size, statistics, "statistics", known)
     })

@@ -52,7 +52,7 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
     fn run<L: Lanes<T>>(mut self) {
         let pair = self.direction.pair;
         // Small functions that fill packets, and one loop that traces them: what is inlined here is large.
-        let cutter = Cutter::new(pair.options.sampling, pair.overlap, pair.region);
+        let cutter = pair.cutter();
         let mut source = Source::new(match pair.patch_area {
             Some(area) => cutter.map(|cutter| cutter.with_patches(area)),
             None => cutter,

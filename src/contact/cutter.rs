@@ -21,6 +21,19 @@ const MOST_HALVINGS: u32 = 1 << 20;
 /// How many rays stand on the largest face of the overlap box where the sampling is automatic.
 const RAYS_ON_LARGEST_FACE: f64 = 128.0;
 
+/// Where both bodies of a pair meet more others than so many, their rays are shared out among these, so that rays grow
+/// with the number of bodies and not of pairs.
+const MOST_WITH_ALL_RAYS: u32 = 12;
+/// But no fewer stand on the largest face, or large triangles would miss the overlap.
+const FEWEST_ON_LARGEST_FACE: f64 = 8.0;
+
+/// Which part of the rays on the overlap box's largest face a pair casts whose bodies both meet at least `neighbours`
+/// others.
+pub(super) fn part_of_rays<T: Scalar>(neighbours: u32) -> T {
+    let part = f64::from(MOST_WITH_ALL_RAYS) / f64::from(neighbours.max(1));
+    T::of(part.clamp(FEWEST_ON_LARGEST_FACE / RAYS_ON_LARGEST_FACE, 1.0))
+}
+
 /// The area of the largest face of a box.
 pub(super) fn largest_face<T: Scalar>(aabb: &Aabb<T>) -> T {
     let sides = aabb.upper - aabb.lower;
@@ -72,6 +85,12 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         // A region that is no more than a line or a point gives no measure: one ray for each triangle then.
         let longest_allowed = if squared_spacing > T::zero() { squared_spacing * T::of(2.0) } else { T::INFINITY };
         Some(Self { region, longest_allowed, uncut: 0, halvings_left })
+    }
+
+    /// The same with so many times as few rays.
+    pub(super) fn with_part_of_rays(mut self, part: T) -> Self {
+        self.longest_allowed /= part;
+        self
     }
 
     /// The same with no piece smaller than patches of this area.

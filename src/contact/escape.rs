@@ -135,7 +135,7 @@ fn inside_samples<T: Scalar>(
     samples.clear();
     rays.clear();
     let mesh = pair.tracers[side].mesh();
-    for_each_sample(mesh, pair.overlap, pair.region, pair.options.sampling, |sample| {
+    for_each_sample(mesh, pair.region, pair.cutter(), |sample| {
         rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
         samples.room_for(1).push(sample);
     });

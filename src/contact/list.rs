@@ -125,6 +125,12 @@ pub struct Statistics {
     pub escapes_turned: u64,
     /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
     pub escapes_forbidden: u64,
+    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 512 triangles or more,
+    /// which touch about 24 others or more each on average, or about 6 among 96 or more whose boxes overlap theirs, so that no
+    /// inside is left to tell; or with more than 64 pairs of near parts, of up to 16 triangles, for each triangle.
+    pub tangled_bodies: u64,
+    /// Pairs of a crowd, whose triangles are cut into fewer pieces ([`Sampling::Automatic`](super::Sampling::Automatic)).
+    pub crowded_pairs: u64,
 }
 
 impl std::ops::AddAssign for Statistics {
@@ -149,6 +155,8 @@ impl std::ops::AddAssign for Statistics {
         self.escape_contacts += more.escape_contacts;
         self.escapes_turned += more.escapes_turned;
         self.escapes_forbidden += more.escapes_forbidden;
+        self.tangled_bodies += more.tangled_bodies;
+        self.crowded_pairs += more.crowded_pairs;
     }
 }
 

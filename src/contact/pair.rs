@@ -1,3 +1,4 @@
+use super::cutter::{Cutter, part_of_rays};
 use super::direction::Direction;
 use super::escape::{choose_direction, push_apart};
 use super::load::share_load;
@@ -70,6 +71,19 @@ pub fn detect_pair<T: Scalar>(
     may_escape: bool,
     contacts: &mut ContactList<T>,
 ) {
+    detect_pair_among(0, bodies, tracers, options, memory, may_escape, contacts);
+}
+
+/// [`detect_pair`] of two bodies that both meet at least `neighbours` others.
+pub(crate) fn detect_pair_among<T: Scalar>(
+    neighbours: u32,
+    bodies: [u32; 2],
+    tracers: [&Tracer<'_, T>; 2],
+    options: &DetectionOptions<T>,
+    memory: Option<&mut PairMemory<T>>,
+    may_escape: bool,
+    contacts: &mut ContactList<T>,
+) {
     let meshes = tracers.map(|tracer| tracer.mesh());
     let boxes = meshes.map(|mesh| mesh.aabb());
     if boxes[0].intersection(boxes[1]).is_empty() {
@@ -86,7 +100,13 @@ pub fn detect_pair<T: Scalar>(
         [true, true] => return,
     };
     let patch_area = options.sampling.patch_area();
-    let pair = Pair { bodies, tracers, overlap: &overlap, region: &region, options, may_escape, patch_area };
+    let part_of_rays = match options.sampling {
+        Sampling::Automatic | Sampling::Tolerance(_) => part_of_rays(neighbours),
+        Sampling::Spacing(_) | Sampling::Vertices => T::one(),
+    };
+    contacts.statistics.crowded_pairs += u64::from(part_of_rays < T::one());
+    let (overlap, region) = (&overlap, &region);
+    let pair = Pair { bodies, tracers, overlap, region, options, may_escape, patch_area, part_of_rays };
     match memory {
         _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
         Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
@@ -118,6 +138,8 @@ pub(super) struct Pair<'a, T: Scalar> {
     pub(super) may_escape: bool,
     /// Triangles are joined to patches of at most this area; `None`: each casts for itself.
     pub(super) patch_area: Option<T>,
+    /// Of the rays on the overlap box's largest face.
+    pub(super) part_of_rays: T,
 }
 
 /// What a step's contacts leave open.
@@ -219,6 +241,12 @@ impl<T: Scalar> Pair<'_, T> {
         } else {
             Outcome::Settled
         }
+    }
+
+    /// What cuts the bodies' triangles; `None` where rays start at vertices.
+    pub(super) fn cutter(&self) -> Option<Cutter<'_, T>> {
+        let cutter = Cutter::new(self.options.sampling, self.overlap, self.region);
+        cutter.map(|cutter| cutter.with_part_of_rays(self.part_of_rays))
     }
 
     fn cast_both_ways(&self, contacts: &mut ContactList<T>) {

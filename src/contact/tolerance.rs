@@ -139,7 +139,16 @@ mod tests {
         let options = DetectionOptions { sampling: Sampling::Tolerance(0.1), ..DetectionOptions::default() };
         let (bodies, tracers) = ([0, 1], [&tracer; 2]);
         let (overlap, region) = (&overlap, &overlap);
-        ask(&Pair { bodies, tracers, overlap, region, options: &options, may_escape: true, patch_area: None })
+        ask(&Pair {
+            bodies,
+            tracers,
+            overlap,
+            region,
+            options: &options,
+            may_escape: true,
+            patch_area: None,
+            part_of_rays: 1.0,
+        })
     }
 
     const OVERLAP: [[f64; 3]; 2] = [[1.0, 1.0, 1.0], [3.0, 5.0, 5.0]];

@@ -21,24 +21,30 @@ pub(crate) struct Reach<T: Scalar> {
     pub(crate) margin: T,
     /// Parts are listed whose boxes are that and this much apart.
     pub(crate) part_margin: T,
+    /// The most pairs of parts that are listed.
+    pub(crate) most_pairs: usize,
 }
 
 impl<T: Scalar> Octree<T> {
     /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others; `offer` gives
-    /// how much nearer they may come.
+    /// how much nearer they may come. Triangles of which two corners are one point are left out: no ray meets them. Gives
+    /// false where it gave up, since there are too many pairs.
     pub(crate) fn search_near(
         &self,
         mesh: &Mesh<T>,
         reach: &Reach<T>,
         near: &mut NearParts<T>,
         mut offer: impl FnMut(u32, u32) -> T,
-    ) {
+    ) -> bool {
         match &self.cells {
             Cells::Wide(cells) => {
                 let distances = [reach.touch + reach.part_margin, reach.touch + reach.margin, reach.margin];
-                cells.search_near(mesh, distances, &mut near.tiles, &mut offer);
+                cells.search_near(mesh, distances, reach.most_pairs, &mut near.tiles, &mut offer)
             }
-            Cells::Classic(_) => sweep(mesh, reach.touch, &mut near.sorted, |a, b| _ = offer(a, b)),
+            Cells::Classic(_) => {
+                sweep(mesh, reach.touch, &mut near.sorted, |a, b| _ = offer(a, b));
+                true
+            }
         }
     }
 
@@ -66,14 +72,22 @@ impl<T: Scalar> Octree<T> {
     }
 }
 
+/// Whether two corners of a triangle are one point: no ray meets it, and it casts none.
+pub(crate) fn is_merged<T: Scalar>([a, b, c]: &[Vector3<T>; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
 /// Offers each two triangles that have no vertex in common and whose boxes are at most `distance` apart along every axis:
 /// the boxes are sorted along the mesh's longest axis.
 fn sweep<T: Scalar>(mesh: &Mesh<T>, distance: T, sorted: &mut Vec<(Aabb<T>, u32)>, mut offer: impl FnMut(u32, u32)) {
     let axis = (mesh.aabb().upper - mesh.aabb().lower).imax();
     let triangles = mesh.topology().triangles();
     sorted.clear();
-    let boxed = |triangle: u32| (Aabb::of_triangle(&mesh.corners(triangle)), triangle);
-    memory::append(sorted, (0..triangles.len() as u32).map(boxed));
+    let boxed = |triangle: u32| {
+        let corners = mesh.corners(triangle);
+        (!is_merged(&corners)).then(|| (Aabb::of_triangle(&corners), triangle))
+    };
+    memory::append(sorted, (0..triangles.len() as u32).filter_map(boxed));
     sorted.sort_unstable_by(|(a, i), (b, j)| {
         a.lower[axis].partial_cmp(&b.lower[axis]).expect("positions are finite").then(i.cmp(j))
     });
@@ -143,7 +157,7 @@ mod tests {
         ] {
             let (octree, mut near) = (Octree::with_layout(&mesh, layout), NearParts::default());
             // What lies in the same part, or in one that is listed, is offered by its own distance.
-            let reach = Reach { touch, margin, part_margin: margin };
+            let reach = Reach { touch, margin, part_margin: margin, most_pairs: usize::MAX };
             let offered = collect(|offer| {
                 octree.search_near(&mesh, &reach, &mut near, |a, b| {
                     offer(a, b);
@@ -170,9 +184,8 @@ mod tests {
             mesh.set_positions_with(rest.len(), |vertex| at(vertex, 0.0, 0.3)).expect("finite");
             let (mut octree, mut near) = (Octree::new(&mesh), NearParts::default());
             let (then, boxes, known) = (mesh.positions().to_vec(), boxes(&mesh), pairs_within(&mesh, touch));
-            octree.search_near(&mesh, &Reach { touch, margin, part_margin }, &mut near, |a, b| {
-                gap(&boxes, [a as usize, b as usize]) - touch
-            });
+            let reach = Reach { touch, margin, part_margin, most_pairs: usize::MAX };
+            octree.search_near(&mesh, &reach, &mut near, |a, b| gap(&boxes, [a as usize, b as usize]) - touch);
             mesh.set_positions_with(rest.len(), |vertex| at(vertex, 5.0, 0.3 * left)).expect("finite");
             octree.update(&mesh).expect("its own");
             let part = octree.find_lapsed(&mut near, [&then, mesh.positions()]);

@@ -51,6 +51,13 @@ impl<T: Scalar> BroadPhase<T> {
         self.meetings.sort_unstable();
     }
 
+    /// How many others each of the two bodies meets at least.
+    pub(super) fn neighbours(&self, pair: &[u32; 2]) -> u32 {
+        let met_before = |body: u32| self.meetings.partition_point(|&[one, _]| one < body);
+        let [first, second] = pair.map(|body| met_before(body + 1) - met_before(body));
+        first.min(second) as u32
+    }
+
     /// Overlapping pairs, smaller number first, in ascending order.
     pub(super) fn pairs(&self) -> &[[u32; 2]] {
         &self.pairs

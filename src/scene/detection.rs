@@ -1,7 +1,8 @@
 use super::bodies::{Bodies, Body};
+use super::broad_phase::BroadPhase;
 use super::pairs::Remembered;
 use super::{OwnContacts, Scene};
-use crate::contact::{ContactList, DetectionOptions, detect_pair, detect_self, overlap_region};
+use crate::contact::{ContactList, DetectionOptions, detect_pair_among, detect_self, overlap_region};
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::threads::Helpers;
@@ -99,7 +100,7 @@ impl<T: Scalar> Scene<T> {
                 body.update(broad_phase.met_by(body.number), options);
             });
             next = end;
-            let narrow_phase = NarrowPhase { bodies, options, forbidden: &pairs.without_escape };
+            let narrow_phase = NarrowPhase { bodies, broad_phase, options, forbidden: &pairs.without_escape };
             match *list {
                 List::Body(place) => contacts.append(narrow_phase.own(place)),
                 List::Pair(place) => narrow_phase.detect(&mut pairs.history.after[place], contacts),
@@ -122,7 +123,7 @@ impl<T: Scalar> Scene<T> {
                 let [body] = &mut **body;
                 body.update(broad_phase.met_by(body.number), options);
             });
-            let narrow_phase = NarrowPhase { bodies, options, forbidden: &pairs.without_escape };
+            let narrow_phase = NarrowPhase { bodies, broad_phase, options, forbidden: &pairs.without_escape };
             let [with_pairs, within_pairs] = helpers.outside_and_within(count);
             with_pairs.for_each_two(&mut pairs.history.after, found, |remembered, found| {
                 found.clear();
@@ -154,6 +155,7 @@ impl<T: Scalar> Scene<T> {
 /// Detection between two bodies of a scene.
 struct NarrowPhase<'a, T: Scalar> {
     bodies: &'a Bodies<T>,
+    broad_phase: &'a BroadPhase<T>,
     options: &'a DetectionOptions<T>,
     /// The pairs that may not escape.
     forbidden: &'a [[u32; 2]],
@@ -174,7 +176,8 @@ impl<T: Scalar> NarrowPhase<'_, T> {
         let may_overlap = |body: &Body<T>| body.own.as_ref().is_some_and(|own| own.may_overlap);
         let past_folds = self.options.past_folds || bodies.into_iter().any(may_overlap);
         let options = DetectionOptions { past_folds, ..*self.options };
-        detect_pair(*pair, tracers.each_ref(), &options, Some(memory), may_escape, contacts);
+        let (neighbours, tracers) = (self.broad_phase.neighbours(pair), tracers.each_ref());
+        detect_pair_among(neighbours, *pair, tracers, &options, Some(memory), may_escape, contacts);
     }
 }
 

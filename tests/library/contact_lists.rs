@@ -33,6 +33,8 @@ fn counts(first: u64, step: u64) -> Statistics {
         escape_contacts: count(),
         escapes_turned: count(),
         escapes_forbidden: count(),
+        tangled_bodies: count(),
+        crowded_pairs: count(),
     }
 }
 

@@ -12,6 +12,7 @@ mod coarse_sampling;
 mod completeness;
 mod contact_lists;
 mod counts;
+mod crowds;
 mod escape_push;
 mod faults;
 mod figures;

@@ -1,8 +1,9 @@
+use super::tangled::is_tangled;
 use super::touching::{Touching, rounding};
 use crate::math::{Aabb, Scalar, Vector3, length};
 use crate::memory;
 use crate::mesh::Mesh;
-use crate::octree::{NearParts, Octree};
+use crate::octree::{NearParts, Octree, Reach};
 
 /// What a body remembers from step to step of its search for contacts with itself: where its vertices were when nothing
 /// was found, and how far they may move against each other before it must be looked into again. The contacts found do
@@ -71,6 +72,10 @@ impl<T: Scalar> SelfMemory<T> {
         if self.lapsed <= MOST_LAPSED && !touching.any && !Touching::any_lapsed_touch(octree, mesh, &mut self.near) {
             return;
         }
+        touching.is_tangled = is_tangled(mesh);
+        if touching.is_tangled {
+            return;
+        }
         let part_margin = self.part_margin(mesh);
         let margin = part_margin.min(self.fineness * T::of(0.25));
         if !self.fans_hold {
@@ -78,7 +83,12 @@ impl<T: Scalar> SelfMemory<T> {
             self.fineness = found.fineness;
             self.fans.set(mesh, found.strain, !touching.any);
         }
-        touching.search_pairs(octree, mesh, [margin, part_margin], &mut self.near);
+        let reach = Reach { margin, part_margin, ..Touching::reach(mesh) };
+        touching.search_pairs(octree, mesh, &reach, &mut self.near);
+        if touching.is_tangled {
+            self.pairs.is_valid = false;
+            return;
+        }
         // Where no clearance has been looked for, the positions are only needed to know the pace.
         if part_margin > T::zero() || self.pause <= 1 {
             self.pairs.set(mesh, part_margin, !touching.any);

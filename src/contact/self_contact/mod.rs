@@ -9,12 +9,14 @@ mod culling;
 mod memory;
 mod own_side;
 mod sets;
+mod tangled;
 mod touching;
 mod winding;
 
 pub(crate) use memory::SelfMemory;
 pub(super) use winding::{leaves_body_before_end, way_out_past_folds};
 
+use super::cutter::Cutter;
 use super::found::cos_alpha;
 use super::samples::{Sample, Sampling, for_each_sample};
 use super::{Contact, ContactKind, ContactList, DetectionOptions, SurfacePoint};
@@ -25,6 +27,7 @@ use crate::octree::{Octree, OctreeError, Tracer};
 use crate::ray::{Hit, Ray};
 use culling::Culling;
 use own_side::Folds;
+use tangled::is_collapsed;
 use touching::Touching;
 use winding::{inward_ray, way_out, winding_number};
 
@@ -41,7 +44,9 @@ pub(super) struct SelfWorkspace<T: Scalar> {
 ///
 /// Rays start where the surface touches others of its triangles, and where it winds around more than once: if it touches
 /// itself nowhere, at no more than one point of each connected part. A scene also remembers that from step to step. An
-/// open mesh has no inside, and so no contacts with itself; it is counted.
+/// open mesh has no inside, and so no contacts with itself; it is counted. Nor has a tangled one, in
+/// which everything touches everything: no inside is left to tell, and the search would take as long as there are pairs of
+/// triangles. It is counted too ([`Statistics::tangled_bodies`](super::Statistics::tangled_bodies)).
 ///
 /// # Errors
 /// [`OctreeError`] where the octree is stale or another mesh's; `contacts` is then as before.
@@ -55,7 +60,8 @@ pub fn query_self<T: Scalar>(
     contacts.refill(|contacts| detect_self(0, mesh, octree, options, None, contacts).map(drop))
 }
 
-/// [`query_self`] by casting every ray: slow, and the standard it is held to. The contacts are the same to the bit.
+/// [`query_self`] by casting every ray: slow, and the standard it is held to. The contacts are the same to the bit, but for
+/// those of a tangled body, which are found here however long it takes.
 ///
 /// # Errors
 /// As [`query_self`].
@@ -73,7 +79,7 @@ pub fn query_self_with_all_rays<T: Scalar>(
     }
     let body = Body { number: 0, tracer, options };
     if body.trace(false, contacts) {
-        contacts.workspace.own.touching.search(octree, mesh);
+        contacts.workspace.own.touching.search_all(octree, mesh);
     }
     body.add_contacts(contacts);
     Ok(())
@@ -100,11 +106,18 @@ pub(crate) fn detect_self<T: Scalar>(
     if memory.as_mut().is_some_and(|memory| memory.is_clear(mesh, octree)) {
         return Ok(false);
     }
+    if is_collapsed(mesh) {
+        return Ok(false);
+    }
     let ContactList { statistics, workspace, .. } = &mut *contacts;
     let SelfWorkspace { touching, culling, .. } = &mut workspace.own;
     match memory {
         Some(memory) => memory.search(octree, mesh, touching),
         None => touching.search(octree, mesh),
+    }
+    if touching.is_tangled {
+        statistics.tangled_bodies += 1;
+        return Ok(false);
     }
     let is_any_wanted = culling.choose(&tracer, touching, &mut workspace.crossings, statistics);
     if is_any_wanted {
@@ -151,7 +164,7 @@ impl<T: Scalar> Body<'_, T> {
         };
         let largest = region.lower.amax().max(region.upper.amax());
         let region = region.grown(largest * T::ROUNDING_UNIT * T::of(8.0));
-        for_each_sample(mesh, &overlap, &region, self.options.sampling, |sample| {
+        for_each_sample(mesh, &region, Cutter::new(self.options.sampling, &overlap, &region), |sample| {
             if !is_wanted(&sample) {
                 return;
             }

@@ -1,10 +1,11 @@
 //! Which triangles of a surface touch others of it. Where none does, the surface neither passes through itself nor folds
 //! over, and no ray need be traced to know it.
 
-use crate::math::{Scalar, Vector3, direction, length};
+use super::tangled::is_tangled;
+use crate::math::{Aabb, Scalar, Vector3, direction, length};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::octree::{NearParts, Octree, Reach};
+use crate::octree::{NearParts, Octree, Reach, is_merged};
 
 /// What the search found, and the memory it needs.
 #[derive(Clone, Debug, Default)]
@@ -14,8 +15,13 @@ pub(super) struct Touching<T: Scalar> {
     pub(super) any: bool,
     /// Triangles without a common vertex that touch.
     pub(super) pairs: Vec<[u32; 2]>,
+    /// The body is tangled, and nothing else is told.
+    pub(super) is_tangled: bool,
     facets: Vec<Facet<T>>,
     near: NearParts<T>,
+    /// Pairs of triangles held against each other.
+    #[cfg(test)]
+    pub(super) tried: u64,
 }
 
 /// A triangle as its fans see it.
@@ -34,10 +40,44 @@ pub(super) struct Fans<T: Scalar> {
     pub(super) fineness: T,
 }
 
+/// A body is tangled, too, where more pairs of its parts are near each other than so many for each triangle: their list
+/// would take more memory than all else. Fans of long slivers come near it with 30 000 triangles.
+const MOST_PAIRS_OF_PARTS: usize = 64;
+
 /// By how much positions may be off in what rays see of them: projections, hits and the rays' origins are each rounded
 /// to a few units of the largest coordinate.
 pub(super) fn rounding<T: Scalar>(mesh: &Mesh<T>) -> T {
     mesh.aabb().lower.amax().max(mesh.aabb().upper.amax()) * T::ROUNDING_UNIT * T::of(64.0)
+}
+
+/// What is nearer touches.
+fn touch_distance<T: Scalar>(mesh: &Mesh<T>) -> T {
+    rounding(mesh) * T::of(4.0)
+}
+
+/// How near two triangles without a common vertex are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Nearness {
+    Apart,
+    /// Their boxes overlap.
+    Close,
+    Touching,
+}
+
+/// How near two triangles are that may touch: others are apart.
+pub(super) fn nearness<T: Scalar>(mesh: &Mesh<T>, pair: [u32; 2]) -> Nearness {
+    let touch = touch_distance(mesh);
+    let corners = pair.map(|triangle| mesh.corners(triangle));
+    let [a, b] = corners.each_ref().map(Aabb::of_triangle);
+    let [first, second] = pair.map(|triangle| mesh.topology().triangles()[triangle as usize]);
+    let may_touch = a.grown(touch).overlaps(&b)
+        && !corners.iter().any(is_merged)
+        && !first.iter().any(|vertex| second.contains(vertex));
+    match may_touch {
+        false => Nearness::Apart,
+        true if separation(&corners, touch) < touch => Nearness::Touching,
+        true => Nearness::Close,
+    }
 }
 
 impl<T: Scalar> Touching<T> {
@@ -46,6 +86,7 @@ impl<T: Scalar> Touching<T> {
     pub(super) fn reset(&mut self, mesh: &Mesh<T>) {
         let rounding = rounding(mesh);
         self.pairs.clear();
+        self.is_tangled = false;
         self.touched.clear();
         let square = rounding * rounding;
         self.any = !(T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1);
@@ -53,13 +94,32 @@ impl<T: Scalar> Touching<T> {
         self.touched.room_for(count).resize(count, self.any);
     }
 
-    /// Looks at the whole surface.
+    /// Looks at the whole surface, but for a tangled one.
     pub(super) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
         self.reset(mesh);
+        self.is_tangled = is_tangled(mesh);
+        if !self.is_tangled {
+            self.search_fans(mesh);
+            let mut near = std::mem::take(&mut self.near);
+            self.search_pairs(octree, mesh, &Self::reach(mesh), &mut near);
+            self.near = near;
+        }
+    }
+
+    /// Looks at the whole surface, however long it takes.
+    pub(super) fn search_all(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
+        self.reset(mesh);
         self.search_fans(mesh);
+        let reach = Reach { most_pairs: usize::MAX, ..Self::reach(mesh) };
         let mut near = std::mem::take(&mut self.near);
-        self.search_pairs(octree, mesh, [T::zero(); 2], &mut near);
+        self.search_pairs(octree, mesh, &reach, &mut near);
         self.near = near;
+    }
+
+    /// That of what touches.
+    pub(super) fn reach(mesh: &Mesh<T>) -> Reach<T> {
+        let pairs = MOST_PAIRS_OF_PARTS * mesh.topology().triangles().len();
+        Reach { touch: touch_distance(mesh), margin: T::zero(), part_margin: T::zero(), most_pairs: pairs }
     }
 
     fn touch(&mut self, triangle: u32) {
@@ -117,17 +177,19 @@ impl<T: Scalar> Touching<T> {
         if turns == 1 && least > T::zero() { least } else { T::zero() }
     }
 
-    /// Looks at the triangles without a common vertex. `margins`: how much nearer triangles, and parts of the mesh, may
-    /// come for which nothing is noted; 0 is quickest.
+    /// Looks at the triangles without a common vertex; a margin of 0 is quickest. Where parts are near each other beyond
+    /// all bounds, the body is tangled.
     pub(super) fn search_pairs(
         &mut self,
         octree: &Octree<T>,
         mesh: &Mesh<T>,
-        [margin, part_margin]: [T; 2],
+        reach: &Reach<T>,
         near: &mut NearParts<T>,
     ) {
-        let touch = rounding(mesh) * T::of(4.0);
-        octree.search_near(mesh, &Reach { touch, margin, part_margin }, near, |a, b| {
+        let Reach { touch, margin, .. } = *reach;
+        let is_done = octree.search_near(mesh, reach, near, |a, b| {
+            #[cfg(test)]
+            (self.tried += 1);
             // The smaller number first, so that the layout does not matter to the last bit.
             let pair = [a.min(b), a.max(b)];
             let corners = [mesh.corners(pair[0]), mesh.corners(pair[1])];
@@ -141,11 +203,12 @@ impl<T: Scalar> Touching<T> {
             }
             distance - touch
         });
+        self.is_tangled = !is_done;
     }
 
     /// Whether any triangles touch among the parts that have lapsed.
     pub(super) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearParts<T>) -> bool {
-        let touch = rounding(mesh) * T::of(4.0);
+        let touch = touch_distance(mesh);
         let mut any = false;
         octree.search_lapsed(mesh, touch, near, |a, b| {
             any |= separation(&[mesh.corners(a), mesh.corners(b)], touch) < touch;
@@ -188,17 +251,18 @@ fn separation_along_any<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], mut best: T, 
     let [a, b] = corners;
     let mut try_axis = |axis: Vector3<T>| {
         if best < enough {
-            best = best.max(gap_along(corners, &axis)).max(gap_along(corners, &-axis));
+            best = best.max(gap_along_either(corners, &axis));
         }
     };
-    // The axes of the boxes: what is offered for rounded boxes does not touch where the boxes themselves do not.
-    (0..3).for_each(|axis| try_axis(Vector3::ith(axis, T::one())));
     for corners in corners {
         try_axis((corners[1] - corners[0]).cross(&(corners[2] - corners[0])));
     }
     for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
         try_axis((a[(i + 1) % 3] - a[i]).cross(&(b[(j + 1) % 3] - b[j])));
     }
+    // The axes of the boxes last, which nearly always overlap: what is offered for rounded boxes does not touch where the
+    // boxes themselves do not.
+    (0..3).for_each(|axis| try_axis(Vector3::ith(axis, T::one())));
     best
 }
 
@@ -209,7 +273,20 @@ fn gap_along<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T 
     if gap > T::zero() { gap / length(axis) } else { T::zero() }
 }
 
-/// The same, times the axis' length; 0 or less where the second does not lie beyond the first.
+/// How far either triangle lies beyond the other along an axis or its reverse; 0 where none does.
+#[inline]
+fn gap_along_either<T: Scalar>([a, b]: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T {
+    let along = |corner: &Vector3<T>| (corner - a[0]).dot(axis);
+    let (a, b) = ([T::zero(), along(&a[1]), along(&a[2])], b.each_ref().map(along));
+    let larger = |x: T, y: T| if x > y { x } else { y };
+    let smaller = |x: T, y: T| if x < y { x } else { y };
+    let upper = |[x, y, z]: [T; 3]| larger(larger(y, z), x);
+    let lower = |[x, y, z]: [T; 3]| smaller(smaller(y, z), x);
+    let beyond = [lower(b) - upper(a), lower(a) - upper(b)];
+    beyond.into_iter().find(|gap| *gap > T::zero()).map_or(T::zero(), |gap| gap / length(axis))
+}
+
+/// How far the second triangle lies beyond the first, times the axis' length; 0 or less where it does not.
 #[inline]
 fn projected_gap<T: Scalar>([a, b]: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T {
     let along = |corner: &Vector3<T>| (corner - a[0]).dot(axis);

@@ -71,25 +71,32 @@ impl<T: Scalar> Narrow<T> {
 impl<T: Scalar> Wide<T> {
     /// Lists the pairs of tiles whose boxes are at most `tile_distance` apart along every axis; of these, offers each two
     /// triangles that have no vertex in common and are at most `distance` apart along every axis. `offer` gives how much
-    /// nearer they may come; two that are not offered may by `margin`.
+    /// nearer they may come; two that are not offered may by `margin`. Gives up, and false, where more pairs of tiles
+    /// than `most_pairs` are near.
     pub(in crate::octree) fn search_near(
         &self,
         mesh: &Mesh<T>,
         [tile_distance, distance, margin]: [T; 3],
+        most_pairs: usize,
         near: &mut NearTiles<T>,
         offer: &mut impl FnMut(u32, u32) -> T,
-    ) {
+    ) -> bool {
         let NearTiles { blocks, tile_pairs, clearances, .. } = near;
         let narrow = Narrow::new(mesh.aabb());
         dispatch::<T, _>(MakeBlocks { cells: self, tiles: 0..self.tile_count(), mesh, narrow, blocks });
         tile_pairs.clear();
-        Descent { cells: self, distance: tile_distance, tile_pairs }.within(Child::Node(0));
+        Descent { cells: self, distance: tile_distance, tile_pairs, most_pairs }.within(Child::Node(0));
         clearances.clear();
+        if tile_pairs.len() > most_pairs {
+            tile_pairs.clear();
+            return false;
+        }
         clearances.room_for(tile_pairs.len()).resize(tile_pairs.len(), margin);
         let distance = narrow.distance(distance);
         let block_of = |_: usize, tile: u32| tile as usize;
         let offer = |place: usize, a: u32, b: u32| clearances[place] = clearances[place].min(offer(a, b));
         dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, distance, offer });
+        true
     }
 
     /// Looks for the listed pairs of tiles that have come nearer by more than they may, from `then` to `now`; gives which
@@ -170,6 +177,8 @@ struct Descent<'a, T: Scalar> {
     cells: &'a Wide<T>,
     distance: T,
     tile_pairs: &'a mut Vec<[u32; 2]>,
+    /// With one more the descent ends.
+    most_pairs: usize,
 }
 
 /// What lies under a box.
@@ -204,6 +213,9 @@ impl<T: Scalar> Descent<'_, T> {
     }
 
     fn between(&mut self, first: Boxed<T>, second: Boxed<T>) {
+        if self.tile_pairs.len() > self.most_pairs {
+            return;
+        }
         match (first.child, second.child) {
             (Child::Tile(first), Child::Tile(second)) => self.tile_pairs.room_for(1).push([first, second]),
             (Child::Node(node), _) => self.descend(node, second),
@@ -298,6 +310,12 @@ fn corners_at<T: Scalar, L: Lanes<T>>(positions: Vectors<T, L>, places: &[u8; TI
     Vectors::new(positions.x.permute(places), positions.y.permute(places), positions.z.permute(places))
 }
 
+/// Bit i: both have the same coordinates there.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn are_equal<T: Scalar, L: Lanes<T>>(a: Vectors<T, L>, b: Vectors<T, L>) -> Mask {
+    a.are_at_most(b) & b.are_at_most(a)
+}
+
 impl Block {
     const EMPTY: Self =
         Self { whole: [f32::INFINITY; 6], sides: [[f32::INFINITY; TILE_SIZE]; 6], vertices: [[0; TILE_SIZE]; 3] };
@@ -311,6 +329,8 @@ impl Block {
         let a = corners_at(positions, &tile.corners[0]);
         let b = corners_at(positions, &tile.corners[1]);
         let c = corners_at(positions, &tile.corners[2]);
+        // No ray meets a triangle of which two corners are one point.
+        let merged = are_equal(a, b) | are_equal(b, c) | are_equal(c, a);
         let (mut lower, mut upper) = ([[T::zero(); TILE_SIZE]; 3], [[T::zero(); TILE_SIZE]; 3]);
         a.smaller(b).smaller(c).store(&mut lower);
         a.larger(b).larger(c).store(&mut upper);
@@ -320,9 +340,12 @@ impl Block {
                 sides[axis][place] = narrow.lower(axis, lower[axis][place]);
                 sides[axis + 3][place] = narrow.upper(axis, upper[axis][place]);
             }
-            for place in tile.present.count_ones() as usize..TILE_SIZE {
-                (sides[axis][place], sides[axis + 3][place]) = (f32::INFINITY, f32::INFINITY);
-            }
+        }
+        let mut absent = !tile.present | merged;
+        while absent != 0 {
+            let place = absent.trailing_zeros() as usize;
+            absent &= absent - 1;
+            sides.iter_mut().for_each(|side| side[place] = f32::INFINITY);
         }
         *whole = [f32::INFINITY; 6];
         for side in 0..6 {

@@ -32,6 +32,10 @@ fn two_edges(height: f64) -> [[[f64; 3]; 3]; 2] {
     [[[-1.0, 0.0, 0.0], [1.5, 0.0, 0.0], [0.2, 0.3, -0.8]], [[0.1, -1.0, height], [0.1, 1.2, height], [-0.5, 0.3, 0.9]]]
 }
 
+fn within(mesh: &Mesh<f64>, margin: f64) -> Reach<f64> {
+    Reach { margin, part_margin: margin, ..Touching::reach(mesh) }
+}
+
 #[test]
 fn separation_is_the_distance_across_a_face_or_two_edges() {
     for height in [0.001, 0.25] {
@@ -165,7 +169,7 @@ fn a_tip_touches_what_it_is_near_to() {
         for (layout, margin) in [(Layout::Wide, 0.0), (Layout::Wide, 0.5), (Layout::Classic, 0.0)] {
             let (octree, mut touching) = (Octree::with_layout(&mesh, layout), Touching::default());
             touching.reset(&mesh);
-            touching.search_pairs(&octree, &mesh, [margin; 2], &mut NearParts::default());
+            touching.search_pairs(&octree, &mesh, &within(&mesh, margin), &mut NearParts::default());
             touching.pairs.sort();
             let expected: &[[u32; 2]] = if is_touching { &[[0, 4], [0, 5], [0, 6]] } else { &[] };
             assert_eq!((touching.pairs.as_slice(), touching.any), (expected, is_touching), "{gap:e} {layout:?}");
@@ -181,7 +185,7 @@ fn a_tip_may_come_as_near_as_it_does_not_touch() {
     let mut mesh = tip_above_face(10.0 * TOUCH);
     let (mut octree, mut touching, mut near) = (Octree::new(&mesh), Touching::default(), NearParts::default());
     touching.reset(&mesh);
-    touching.search_pairs(&octree, &mesh, [20.0 * TOUCH; 2], &mut near);
+    touching.search_pairs(&octree, &mesh, &within(&mesh, 20.0 * TOUCH), &mut near);
     let then = mesh.positions().to_vec();
     for (gap, has_lapsed, touches) in
         [(10.0, false, false), (1.1, false, false), (0.9, true, true), (30.0, true, false)]

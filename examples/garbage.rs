@@ -1,0 +1,241 @@
+//! What garbage and crowds cost: bodies in which everything touches everything, and bodies that all overlap many others,
+//! beside the ordinary step of as many triangles.
+
+mod support;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use raycontact::contact::{ContactList, DetectionOptions, Sampling, Statistics, query_pair};
+use raycontact::octree::Octree;
+use raycontact::scene::Scene;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use support::arguments::Arguments;
+use support::shapes::{self, Shape};
+use support::{Vector, random};
+
+const HELP: &str = "\
+usage: cargo run --release --example garbage -- [options]
+
+Measures what self-collision costs bodies of garbage, beside a torus of as many triangles that touches nothing of itself; and what
+a crowd of tetrahedra costs that all overlap many others, beside as many that overlap a few.
+
+  --size N      quads around the torus, half as many across (default 110: 12 100 triangles)
+  --bodies N    tetrahedra in the crowd (default 1000); its rows take about 2 MB for each
+  --runs N      steps timed of each, in turns, after 2 to warm up; odd (default 9)
+  --help        this text
+
+Garbage: the torus with all vertices in one point, on a line, in a plane or anywhere in a box, with a tenth of them anywhere, or
+each thrown about; all grow a little before every step. Prints for each the median time of a step, also as a multiple of that of
+the torus moving by a ripple and of the torus at rest, and what its statistics count.
+The crowd: tetrahedra of size 1 anywhere in a cube, so that the boxes of each overlap those of about 50 others. Its ordinary step: as many
+boxes in rows, each overlapping its 26 neighbours by a tenth. Both with the default options and the paper's.
+Target: at most 20 times the ordinary step, for what is marked with a star.
+Exit status: 0; 1 where the target is missed; 2 for a wrong command line.";
+
+/// What is timed: moved on by one step, then queried.
+struct Timed {
+    name: &'static str,
+    scene: Scene<f64>,
+    step: Box<dyn FnMut(usize) -> Vec<Vec<[f64; 3]>>>,
+    contacts: ContactList<f64>,
+    times: Vec<Duration>,
+}
+
+impl Timed {
+    fn run(&mut self, number: usize) {
+        let positions = (self.step)(number);
+        for (body, positions) in positions.iter().enumerate() {
+            self.scene.mesh_mut(body as u32).expect("it was added").set_positions(positions).expect("finite");
+        }
+        let start = Instant::now();
+        self.scene.query(&mut self.contacts);
+        self.times.push(start.elapsed());
+    }
+
+    fn median(&self) -> f64 {
+        let mut times = self.times.clone();
+        times.sort();
+        times[times.len() / 2].as_secs_f64()
+    }
+}
+
+fn main() -> ExitCode {
+    let mut arguments = Arguments::new(HELP);
+    let size: usize = arguments.value("--size", 110);
+    let bodies: usize = arguments.value("--bodies", 1000);
+    let runs: usize = arguments.value("--runs", 9);
+    if size < 6 || bodies == 0 || runs.is_multiple_of(2) {
+        arguments.fail("at least 6 quads around, 1 body, and an odd number of runs");
+    }
+    arguments.finish();
+    let torus = shapes::torus(size, size / 2, 0.4, false);
+    println!("{} triangles", torus.triangles.len());
+    let mut worst = measure(garbage(&torus), 2, runs);
+    println!("{bodies} tetrahedra");
+    worst = worst.max(measure(crowds(bodies), 1, runs));
+    net_forces();
+    if worst <= 20.0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Times all in turns, of which the first `ordinary` are what the others are held to; prints them, and gives the largest
+/// multiple of the first among those with a star.
+fn measure(mut timed: Vec<Timed>, ordinary: usize, runs: usize) -> f64 {
+    const WARM_UP: usize = 2;
+    let progress = ProgressBar::new(((runs + WARM_UP) * timed.len()) as u64);
+    progress.set_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} steps, {eta} left").expect("the template is valid"),
+    );
+    for number in 0..runs + WARM_UP {
+        for one in &mut timed {
+            one.run(number);
+            progress.inc(1);
+        }
+        if number + 1 == WARM_UP {
+            timed.iter_mut().for_each(|one| one.times.clear());
+        }
+    }
+    progress.finish_and_clear();
+    let mut worst = 0.0f64;
+    for one in &timed {
+        let time = one.median();
+        let multiples: Vec<f64> = timed[..ordinary].iter().map(|ordinary| time / ordinary.median()).collect();
+        let Statistics { pairs, rays, tangled_bodies, crowded_pairs, .. } = one.contacts.statistics;
+        let shown: Vec<String> = multiples.iter().map(|multiple| format!("{multiple:9.2}")).collect();
+        println!(
+            "{:28} {:10.3} ms {} {rays:10} rays {:9} contacts, {tangled_bodies} tangled, {crowded_pairs} of {pairs} crowded",
+            one.name,
+            time * 1e3,
+            shown.join(""),
+            one.contacts.len()
+        );
+        worst = if one.name.ends_with('*') { worst.max(multiples[0]) } else { worst };
+    }
+    worst
+}
+
+/// The torus, moving and at rest, then garbage.
+fn garbage(torus: &Shape) -> Vec<Timed> {
+    let in_place = |name, place: fn(&Vector, &mut dyn FnMut() -> f64) -> Vector| {
+        let mut next = random(1);
+        let points: Vec<Vector> = torus.points.iter().map(|point| place(point, &mut next)).collect();
+        one_body(name, torus, move |number| {
+            points.iter().map(|p| (p * (1.0 + 1e-3 * (number % 2) as f64)).into()).collect()
+        })
+    };
+    let rest = torus.points.clone();
+    let rippled = move |number: usize| {
+        let at = |p: &Vector| {
+            let height = 0.02 * (3.0 * p.x + 2.0 * p.y + 0.3 * number as f64).sin();
+            (p + Vector::new(p.y, -p.x, 0.5).normalize() * height).into()
+        };
+        rest.iter().map(at).collect()
+    };
+    let still = torus.points.clone();
+    vec![
+        one_body("torus, moving", torus, rippled),
+        one_body("torus, at rest", torus, move |_| still.iter().map(|p| (*p).into()).collect()),
+        in_place("all in one point *", |_, _| Vector::new(1.0, 2.0, 3.0)),
+        in_place("all nearly in one point *", |p, _| Vector::new(1.0, 2.0, 3.0) + p * 1e-14),
+        in_place("a tenth in one point", |p, next| if next() < -0.8 { Vector::new(1.0, 0.0, 0.0) } else { *p }),
+        in_place("all on a line *", |p, _| Vector::new(p.x, 2.0 * p.x, 3.0 * p.x)),
+        in_place("all in a plane", |p, _| Vector::new(p.x, p.y, 0.0)),
+        in_place("all in a slanting plane", |p, _| Vector::new(p.x, p.y, 0.3 * p.x + 0.7 * p.y)),
+        in_place("anywhere *", |_, next| Vector::new(next(), next(), next())),
+        in_place("a tenth anywhere", |p, next| if next() < -0.8 { Vector::new(next(), next(), next()) } else { *p }),
+        in_place("thrown about by half an edge", |p, next| p + Vector::new(next(), next(), next()) * 0.03),
+        in_place("thrown about by five edges", |p, next| p + Vector::new(next(), next(), next()) * 0.3),
+    ]
+}
+
+fn one_body(name: &'static str, shape: &Shape, mut step: impl FnMut(usize) -> Vec<[f64; 3]> + 'static) -> Timed {
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let body = scene.add(shape.mesh(|point| *point));
+    scene.set_self_collision(body, true).expect("it was added");
+    let step = Box::new(move |number| vec![step(number)]);
+    Timed { name, scene, step, contacts: ContactList::default(), times: Vec::new() }
+}
+
+/// Boxes in rows, and tetrahedra in a crowd.
+fn crowds(count: usize) -> Vec<Timed> {
+    let side = (count as f64).cbrt().ceil() as usize;
+    let row = |number: usize| {
+        Vector::new((number % side) as f64, (number / side % side) as f64, (number / side / side) as f64)
+    };
+    let mut next = random(7);
+    let width = (count as f64 / 40.0 * 2.0).cbrt();
+    let places: Vec<Vector> = (0..count).map(|_| Vector::new(next(), next(), next()) * 0.5 * width).collect();
+    vec![
+        crowd("in rows, default", DetectionOptions::default(), (0..count).map(|n| row(n) * 0.9).collect(), true),
+        crowd("in rows, the paper's", DetectionOptions::paper(), (0..count).map(|n| row(n) * 0.9).collect(), true),
+        crowd("crowd, default *", DetectionOptions::default(), places.clone(), false),
+        crowd("crowd, the paper's", DetectionOptions::paper(), places, false),
+    ]
+}
+
+/// Prints how far the net forces on the bodies of a crowd are off, with as few rays as a scene casts and with all.
+fn net_forces() {
+    const COUNT: usize = 120;
+    let mut next = random(11);
+    let places = (0..COUNT).map(|_| Vector::new(next(), next(), next())).collect();
+    let ray = |sampling| DetectionOptions { sampling, edges: false, escape: false, past_folds: false };
+    let mut timed = crowd("", ray(Sampling::Automatic), places, false);
+    timed.run(0);
+    let meshes: Vec<_> = (0..COUNT as u32).map(|body| timed.scene.mesh(body).expect("it was added").clone()).collect();
+    let octrees: Vec<_> = meshes.iter().map(Octree::new).collect();
+    let alone = |options: DetectionOptions<f64>| {
+        let (mut forces, mut list) = (vec![Vector::zeros(); COUNT], ContactList::default());
+        for (a, b) in (0..COUNT).flat_map(|a| (a + 1..COUNT).map(move |b| (a, b))) {
+            query_pair(&meshes[a], &octrees[a], &meshes[b], &octrees[b], &options, &mut list).expect("up to date");
+            add_net_forces(&list, [a, b], &mut forces);
+        }
+        forces
+    };
+    let finest = alone(ray(Sampling::Spacing(0.03)));
+    let mut shared = vec![Vector::zeros(); COUNT];
+    add_net_forces(&timed.contacts, std::array::from_fn::<_, COUNT, _>(|body| body), &mut shared);
+    let Statistics { pairs, crowded_pairs, .. } = timed.contacts.statistics;
+    println!("{COUNT} tetrahedra, {pairs} pairs, {crowded_pairs} crowded: net forces of the bodies off by");
+    for (name, forces) in [("as a scene casts", shared), ("each pair alone", alone(ray(Sampling::Automatic)))] {
+        let mut errors: Vec<f64> =
+            forces.iter().zip(&finest).map(|(f, exact)| (f - exact).norm() / exact.norm()).collect();
+        errors.sort_by(f64::total_cmp);
+        println!("{name:28} median {:.4}, worst tenth {:.4}", errors[COUNT / 2], errors[COUNT * 9 / 10]);
+    }
+}
+
+/// Adds each contact's force for unit stiffness to its two bodies, of these numbers.
+fn add_net_forces<const N: usize>(list: &ContactList<f64>, bodies: [usize; N], forces: &mut [Vector]) {
+    for contact in &list.contacts {
+        let force = contact.direction * (contact.area * contact.depth * contact.cos_alpha);
+        forces[bodies[contact.colliding as usize]] += force;
+        forces[bodies[contact.collided as usize]] -= force;
+    }
+}
+
+fn crowd(name: &'static str, options: DetectionOptions<f64>, places: Vec<Vector>, boxes: bool) -> Timed {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let tetrahedron = Shape {
+        points: corners.map(Vector::from).to_vec(),
+        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+    };
+    let shape = if boxes { shapes::cuboid([0.0; 3], [1.0; 3]) } else { tetrahedron };
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    scene.set_options(options);
+    let mut next = random(3);
+    let mut points = Vec::new();
+    for place in &places {
+        let turn = if boxes {
+            shapes::turn([1.0, 0.0, 0.0], 0.0)
+        } else {
+            shapes::turn([next(), next(), next()], 3.0 * next())
+        };
+        let at = |p: &Vector| turn * p + place;
+        scene.add(shape.mesh(at));
+        points.push(shape.points.iter().map(at).collect::<Vec<Vector>>());
+    }
+    let step = Box::new(move |number| {
+        let by = 1.0 + 1e-4 * (number % 2) as f64;
+        points.iter().map(|points| points.iter().map(|p| (p * by).into()).collect()).collect()
+    });
+    Timed { name, scene, step, contacts: ContactList::default(), times: Vec::new() }
+}
