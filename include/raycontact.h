@@ -687,6 +687,7 @@ typedef struct rayc_statistics {
    * Contacts found and replaced by those of an escape that began in the same query.
    */
   uint64_t replaced;
+  /**
    * Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 512 triangles or more,
    * which touch about 24 others or more each on average, or about 6 among 96 or more whose boxes overlap theirs, so that no
    * inside is left to tell; or with more than 64 pairs of near parts, of up to 16 triangles, for each triangle.
