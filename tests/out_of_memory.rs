@@ -306,12 +306,15 @@ fn every_allocation(work: fn(&mut Run), stays_short: bool) -> usize {
     let (undisturbed, _) = run(None);
     let mut n = 0;
     loop {
-        let before = LIVE.load(SeqCst);
-        let (disturbed, has_failed) = run(Some(n));
-        assert_eq!(disturbed.digest, undisturbed.digest, "allocation {n}");
-        drop(disturbed);
-        assert_eq!(LIVE.load(SeqCst), before, "allocation {n}: nothing is left");
-        if !has_failed {
+        // What is left is left each time. The threads of the test harness also allocate, but now and then.
+        let has_failed = (0..3).find_map(|_| {
+            let before = LIVE.load(SeqCst);
+            let (disturbed, has_failed) = run(Some(n));
+            assert_eq!(disturbed.digest, undisturbed.digest, "allocation {n}");
+            drop(disturbed);
+            (LIVE.load(SeqCst) == before).then_some(has_failed)
+        });
+        if !has_failed.unwrap_or_else(|| panic!("allocation {n}: something is left")) {
             return n;
         }
         n += common::STRIDE;

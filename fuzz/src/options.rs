@@ -39,7 +39,7 @@ fn body(bytes: &mut Bytes) -> Option<Mesh<f64>> {
 /// Any there are, spacings not so far below the bodies' size that a million rays are asked for.
 fn options(bytes: &mut Bytes, meshes: &[Mesh<f64>]) -> DetectionOptions<f64> {
     let sizes = meshes.iter().map(|mesh| (mesh.aabb().upper - mesh.aabb().lower).amax());
-    let fraction = f64::from(1 + bytes.byte()) / 256.0;
+    let fraction = (1.0 + f64::from(bytes.byte())) / 256.0;
     let spacing = sizes.fold(0.0, f64::max) * fraction.max(1.0 / 32.0);
     DetectionOptions {
         sampling: match bytes.below(6) {

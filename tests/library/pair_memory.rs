@@ -191,7 +191,7 @@ fn an_escape_is_forbidden_for_one_pair_alone() {
     assert!(matches!(motion.scene.allow_escape(0, 3, false), Err(SceneError::UnknownBody { body: 3 })));
     // A body that takes the number of one removed, after it has rested, is another.
     let mut body = 1;
-    for _ in 0..1025 {
+    for _ in 0..65_537 {
         let mesh = motion.scene.remove(body).expect("it is there");
         body = motion.scene.add(mesh);
     }
