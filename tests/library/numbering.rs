@@ -85,7 +85,8 @@ fn stretched(shape: Shape, by: Point) -> Shape {
 /// surfaces in the same place: there rounding decides what a ray meets.
 fn pairs() -> Vec<(String, [Shape; 2])> {
     let mut random = Random::new(7);
-    let kinds: [(&str, fn() -> Shape); 8] = [
+    type Kind = (&'static str, fn() -> Shape);
+    let kinds: [Kind; 8] = [
         ("torus", || shapes::torus(20, 10, 0.4)),
         ("ball", || shapes::sphere(2)),
         ("star", shapes::star),
