@@ -29,7 +29,7 @@ pub struct rayc_closest_point {
     pub position: [f64; 3],
 }
 
-/// Finds the points of the surface, open or closed, that are nearest to some points: closest[i] for point i.
+/// Finds the points of the surface, open or closed, that are nearest to some points: `closest[i]` for point i.
 ///
 /// points: finite, anywhere, in the mesh's unit of length; fastest where each 16 that follow one another are neighbours.
 /// bounds: NULL, or for each point how far away the surface may be to count, ≥ 0 or infinite: a tight one saves time.
@@ -84,7 +84,7 @@ pub unsafe extern "C" fn rayc_octree_closest_points(
     })
 }
 
-/// Counts how often a closed surface winds around some points: numbers[i] for point i; 0 outside, 1 inside, more where the
+/// Counts how often a closed surface winds around some points: `numbers[i]` for point i; 0 outside, 1 inside, more where the
 /// surface folds over itself, negative where it is inside out.
 ///
 /// points: finite, anywhere. numbers: room for points->count numbers. The count is exact, through edges and vertices too. A

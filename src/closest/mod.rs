@@ -1,6 +1,6 @@
 //! The nearest point of a triangle to a point, and how far away it is.
 //!
-//! One function decides, for single triangles ([`TrianglePoint`]) and for sixteen side by side ([`NearTriangles`]), operation
+//! One function decides, for single triangles (`TrianglePoint`) and for sixteen side by side (`NearTriangles`), operation
 //! by operation the same, so that all ways of asking give the same bits. A vertex's distance is computed from that vertex
 //! alone, and an edge's from its two ends in the order of their numbers, so that all triangles there agree to the bit.
 //!
@@ -8,7 +8,7 @@
 //! Every distance is that of a point of the triangle: where the foot of the perpendicular cannot be told from rounding, the
 //! edges compete with it. So thin triangles, and ones without an area, are no worse than others: distances are right to
 //! within 64 rounding units of the point's reach, the largest coordinate difference to the mesh's box. See
-//! [`QueryPoint::margin`] for the sum.
+//! `QueryPoint::margin` for the sum.
 
 mod packet;
 mod query_point;
