@@ -17,7 +17,7 @@ const HELP: &str = "\
 usage: cargo run --release --example garbage -- [options]
 
 Measures what self-collision costs bodies of garbage, beside a torus of as many triangles that touches nothing of itself; and what
-a crowd of tetrahedra costs that all overlap many others, beside as many that overlap one.
+a crowd of tetrahedra costs that all overlap many others, beside as many that overlap four.
 
   --size N      quads around the torus, half as many across (default 110: 12 100 triangles)
   --bodies N    tetrahedra in the crowd (default 10000)
@@ -27,8 +27,8 @@ a crowd of tetrahedra costs that all overlap many others, beside as many that ov
 Garbage: the torus with all vertices in one point, on a line, in a plane or anywhere in a box, with a tenth of them anywhere, or
 each thrown about; all grow a little before every step. Prints for each the median time of a step, also as a multiple of that of
 the torus moving by a ripple and of the torus at rest, and what its statistics count.
-The crowd: tetrahedra of one size anywhere in a cube, so that the boxes of each overlap those of about 32 others. Its ordinary
-step: as many in a larger cube, so that each meets about one other. Both with the default options and the paper's.
+The crowd: tetrahedra of one size anywhere in a cube, so that the boxes of each overlap those of about 110 others. Its ordinary
+step: as many in a larger cube, so that each meets about four others. Both with the default options and the paper's.
 Target: at most 20 times the ordinary step, for what is marked with a star.
 Exit status: 0; 1 where the target is missed; 2 for a wrong command line.";
 
@@ -155,17 +155,17 @@ fn one_body(name: &'static str, shape: &Shape, mut step: impl FnMut(usize) -> Ve
     Timed { name, scene, step, contacts: ContactList::default(), times: Vec::new() }
 }
 
-/// Tetrahedra that meet one other each, and a crowd of them.
+/// Tetrahedra that meet four others each, and a crowd of them.
 fn crowds(count: usize) -> Vec<Timed> {
-    let places = |neighbours: f64| -> Vec<Vector> {
-        let (mut next, half_width) = (random(7), 0.5 * (2.5 * count as f64 / neighbours).cbrt());
+    let places = |volume_of_each: f64| -> Vec<Vector> {
+        let (mut next, half_width) = (random(7), 0.5 * (volume_of_each * count as f64).cbrt());
         (0..count).map(|_| Vector::new(next(), next(), next()) * half_width).collect()
     };
     vec![
-        crowd("one other, default", DetectionOptions::default(), places(1.0)),
-        crowd("one other, the paper's", DetectionOptions::paper(), places(1.0)),
-        crowd("crowd, default *", DetectionOptions::default(), places(32.0)),
-        crowd("crowd, the paper's", DetectionOptions::paper(), places(32.0)),
+        crowd("four others, default", DetectionOptions::default(), places(2.5)),
+        crowd("four others, the paper's", DetectionOptions::paper(), places(2.5)),
+        crowd("crowd, default *", DetectionOptions::default(), places(2.5 / 32.0)),
+        crowd("crowd, the paper's", DetectionOptions::paper(), places(2.5 / 32.0)),
     ]
 }
 
