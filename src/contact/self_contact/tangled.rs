@@ -20,7 +20,7 @@ const FIRST_PART: usize = 4;
 /// A body whose triangles are each close to fewer is in order.
 const FEWEST_CLOSE: usize = 12;
 
-/// Whether a body is tangled, by pairs of its triangles thrown together; it depends on nothing but the mesh. A body in
+/// Whether a body is tangled, by pairs of its triangles thrown together; it depends on nothing but the mesh and its numbering. A body in
 /// order takes a pair for every two triangles, one that is all tangled few pairs in all.
 pub(super) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
     let count = mesh.topology().triangles().len();
