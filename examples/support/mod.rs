@@ -7,7 +7,7 @@ pub mod limits;
 pub mod shapes;
 
 use nalgebra::Vector3;
-use raycontact::contact::{ContactList, DetectionOptions, query_pair};
+use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, query_pair};
 use raycontact::mesh::Mesh;
 use raycontact::octree::Octree;
 use raycontact::response::{PenaltyLaw, Weighting, add_forces};
@@ -22,6 +22,8 @@ pub enum Mode {
     Paper,
     /// From the vertices, weighted by area.
     Vertices,
+    /// The library's defaults, but with the paper's law, weighted by area.
+    RayLength,
     /// The library's defaults.
     Default,
 }
@@ -32,6 +34,7 @@ impl Mode {
         match self {
             Self::Paper => "paper",
             Self::Vertices => "vertices",
+            Self::RayLength => "ray length",
             Self::Default => "default",
         }
     }
@@ -39,6 +42,7 @@ impl Mode {
     fn options(self) -> DetectionOptions<f64> {
         match self {
             Self::Paper | Self::Vertices => DetectionOptions::paper(),
+            Self::RayLength => DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() },
             Self::Default => DetectionOptions::default(),
         }
     }
@@ -46,7 +50,7 @@ impl Mode {
     fn weighting(self) -> Weighting {
         match self {
             Self::Paper => Weighting::Vertex,
-            Self::Vertices | Self::Default => Weighting::Area,
+            Self::Vertices | Self::RayLength | Self::Default => Weighting::Area,
         }
     }
 }

@@ -3,7 +3,7 @@ use super::host_threads::rayc_parallel_for;
 use super::pointers::{Output, reference};
 use super::vectors::rayc_scalar;
 use super::{guard::guard, response::rayc_weighting};
-use crate::contact::{DetectionOptions, Sampling};
+use crate::contact::{ContactLaw, DetectionOptions, Sampling};
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::response::{PenaltyLaw, Weighting};
@@ -51,14 +51,28 @@ pub struct rayc_detection_options {
     /// out of it is not taken for one from outside. 0: not. For bodies that overlap themselves; a scene does so by itself
     /// for those whose self-collision is switched on. Default 0.
     pub past_folds: u32,
-    /// Must be 0. It fills the struct up, so that what a later version adds lies beyond its end.
-    pub reserved: u32,
+    /// What forces grow with, a rayc_law. Default RAYC_LAW_PRESSURE.
+    pub law: u32,
     /// How far the net force of each pair may be from that of all rays, as a part of it, 0 to 1, and its torque as a part
     /// of the force times half the overlap box's diagonal: triangles are joined to patches as large as that leaves. It is
     /// an estimate: patches get smaller until two tries agree clearly better than that; where two tries would take more
     /// than a third of the triangles, or leave no hope to agree, all cast. 0: no triangles are joined. With
     /// RAYC_SPACING_AUTOMATIC alone. Default 0.
     pub force_tolerance: f64,
+}
+
+/// What a contact's force grows with.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub enum rayc_law {
+    /// Pressure by depth below the surface: at every surface point inside the other body, k times the distance to the nearest
+    /// point of that body's surface, along the inward normal; a contact's cos_alpha is that distance over its depth. The
+    /// force is a gradient, so closed paths cost no work; it is that of Archimedes on round bodies in flat faces, and near that
+    /// of hydroelastic contact (Elandt et al., IROS 2019) elsewhere. Where a body folds over itself, the rays' own law stays.
+    RAYC_LAW_PRESSURE = 0,
+    /// The paper's: k times the ray's length times the cosine of its angle, at points whose ray leaves the other body before
+    /// their own (Hermann, Faure, Raffin 2008, section 4). Beside edges such forces may point the wrong way.
+    RAYC_LAW_RAY_LENGTH = 1,
 }
 
 /// The sample_spacing that follows the size of each overlap.
@@ -109,12 +123,6 @@ pub struct rayc_scene_options {
 
 impl rayc_detection_options {
     pub(super) fn detection<T: Scalar>(&self) -> Result<DetectionOptions<T>, Failure> {
-        if self.reserved != 0 {
-            return Err(Failure::new(
-                rayc_status::RAYC_STATUS_INVALID_OPTION,
-                text!("reserved is {}; fill the struct with rayc_default_detection_options() first", self.reserved),
-            ));
-        }
         let (spacing, tolerance) = (self.sample_spacing, self.force_tolerance);
         if !(0.0..=1.0).contains(&tolerance) || (tolerance > 0.0 && spacing != RAYC_SPACING_AUTOMATIC) {
             let message = text!(
@@ -135,7 +143,13 @@ impl rayc_detection_options {
                 ));
             }
         };
+        let law = match self.law {
+            law if law == rayc_law::RAYC_LAW_PRESSURE as u32 => ContactLaw::Pressure,
+            law if law == rayc_law::RAYC_LAW_RAY_LENGTH as u32 => ContactLaw::RayLength,
+            other => return Err(unknown_enum("law", other, "rayc_law")),
+        };
         Ok(DetectionOptions {
+            law,
             sampling,
             edges: flag("edges", self.edges)?,
             escape: flag("escape", self.escape)?,
@@ -175,8 +189,9 @@ impl Growing for rayc_detection_options {
 impl Options for rayc_detection_options {
     fn defaults() -> Self {
         let sample_spacing = RAYC_SPACING_AUTOMATIC;
+        let law = rayc_law::RAYC_LAW_PRESSURE as u32;
         let struct_size = size_of::<Self>();
-        Self { struct_size, sample_spacing, edges: 1, escape: 1, past_folds: 0, reserved: 0, force_tolerance: 0.0 }
+        Self { struct_size, sample_spacing, edges: 1, escape: 1, past_folds: 0, law, force_tolerance: 0.0 }
     }
 }
 

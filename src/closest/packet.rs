@@ -58,6 +58,24 @@ impl<T: Scalar> PointPacket<T> {
     /// Takes up to sixteen points and their bounds. False where they cannot be asked about together: one is far away, or
     /// not finite, or a bound is NaN or negative.
     #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn set_lanes<L: Lanes<T>>(
+        &mut self,
+        points: &[[T; LANE_COUNT]; 3],
+        present: Mask,
+        bounds: &[T; LANE_COUNT],
+        scale: &MeshScale<T>,
+    ) -> bool {
+        // Lanes that are not asked about repeat the first that is.
+        let first = present.trailing_zeros() as usize;
+        let one = Vectors::<T, L>::splat(&Vector3::new(points[0][first], points[1][first], points[2][first]));
+        Vectors::select(present, Vectors::load(points), one).store(&mut self.position);
+        L::select(present, L::load(bounds), L::splat(bounds[first])).store(&mut self.square);
+        self.present = present;
+        self.look_from_the_middle::<L>(scale)
+    }
+
+    /// The same for points one by one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn set<L: Lanes<T>>(&mut self, points: &[Vector3<T>], bounds: &[T], scale: &MeshScale<T>) -> bool {
         // Places behind the last repeat it.
         let last = points.len() - 1;
@@ -69,6 +87,12 @@ impl<T: Scalar> PointPacket<T> {
             self.square[lane] = bounds[lane.min(last)];
         }
         self.present = ((1u32 << points.len()) - 1) as Mask;
+        self.look_from_the_middle::<L>(scale)
+    }
+
+    /// Scales the points, and finds their middle and how far they are from it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look_from_the_middle<L: Lanes<T>>(&mut self, scale: &MeshScale<T>) -> bool {
         (self.found, self.looks) = (0, [0; 2]);
         let [factor, inverse] = scale.factors;
         let bound = L::load(&self.square);

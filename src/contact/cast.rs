@@ -1,13 +1,14 @@
 use super::cutter::Cutter;
 use super::direction::Direction;
-use super::found::{Found, Origins, vector};
+use super::distance::{ContactLaw, distances_over_depths};
+use super::found::{Found, Origins, cosines, vector};
 use super::load::{CastSurfaceLanes, Turning};
 use super::samples::Sample;
 use super::{Contact, Statistics, past_folds, starts_outside};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
 use crate::memory::Room;
 use crate::mesh::{Mesh, NormalLanes, Standing};
-use crate::octree::{Candidates, PacketHits, Tracer};
+use crate::octree::{Candidates, PacketHits, PointDistances, Tracer};
 use crate::ray::{Hit, RayPacket};
 
 /// The rays from some of a body's groups of vertices or triangles through the other body, sixteen at a time through
@@ -84,6 +85,7 @@ struct Rays<T: Scalar> {
     packet: RayPacket<T>,
     candidates: Candidates<T>,
     hits: PacketHits<T>,
+    distances: PointDistances<T>,
 }
 
 impl<T: Scalar> Rays<T> {
@@ -95,6 +97,7 @@ impl<T: Scalar> Rays<T> {
             packet: RayPacket::empty(),
             candidates: Candidates::new(),
             hits: PacketHits::empty(),
+            distances: PointDistances::new(),
         }
     }
 }
@@ -189,14 +192,16 @@ impl<T: Scalar> Cast<'_, T> {
     fn cast<L: Lanes<T>>(&mut self, rays: &mut Rays<T>) {
         let Direction { pair, side } = *self.direction;
         let other = pair.tracers[1 - side];
-        let Rays { samples, origins, surface, packet, candidates, hits } = rays;
+        let Rays { samples, origins, surface, packet, candidates, hits, distances } = rays;
         self.statistics.rays += u64::from(samples.found.count_ones());
         surface.add::<L>(samples);
-        packet.set_inward::<L>(samples.found, &samples.position, &samples.normal, pair.region);
+        packet.set_inward::<L>(samples.found, &samples.position, &samples.normal, &pair.ray_regions[side]);
         other.nearest_of_packet::<L>(packet, candidates, hits);
         let goes_past_folds = pair.options.past_folds;
+        let mut followed = 0;
         if goes_past_folds {
-            self.statistics.past_folds += past_folds::follow(other, packet, hits, self.crossings);
+            followed = past_folds::follow(other, packet, hits, self.crossings);
+            self.statistics.past_folds += u64::from(followed.count_ones());
         }
         let exits = hits.found & hits.exits;
         self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
@@ -204,21 +209,50 @@ impl<T: Scalar> Cast<'_, T> {
         if exits == 0 {
             return;
         }
+        let hidden = if pair.hides_behind_own_surface {
+            self.hidden::<L>(packet, hits, exits, samples.outward, origins, candidates)
+        } else {
+            0
+        };
+        let accepted = exits & !hidden;
+        let measured = if pair.options.law == ContactLaw::Pressure { accepted & !followed } else { 0 };
+        let without_depth = L::load(&hits.t).is_at_most(L::splat(T::zero()));
+        let by_normals = accepted & (!measured | without_depth);
+        let mut cos_alpha = [T::zero(); LANE_COUNT];
+        if by_normals != 0 {
+            cos_alpha = cosines::<T, L>(packet, hits, by_normals, other.mesh());
+        }
+        distances_over_depths::<T, L>(other, packet, measured, hits, distances, &mut cos_alpha);
+        let found = Found { packet, samples, origins, hits, cos_alpha };
+        found.accept::<L>(accepted, self.direction, self.contacts);
+    }
+
+    /// Which of the rays leave their own body before the other.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn hidden<L: Lanes<T>>(
+        &mut self,
+        packet: &RayPacket<T>,
+        hits: &PacketHits<T>,
+        exits: Mask,
+        outward: Mask,
+        origins: &Origins<T>,
+        candidates: &mut Candidates<T>,
+    ) -> Mask {
+        let Direction { pair, side } = *self.direction;
         let own = pair.tracers[side];
         let touched = origins.touched(own.mesh());
         let mut hidden = own.hidden_of_packet::<L>(packet, exits, &hits.t, &touched, candidates);
-        let doubtful = exits & !hidden & !samples.outward;
+        let doubtful = exits & !hidden & !outward;
         if origins.are_vertices && doubtful != 0 {
             hidden |= starts_outside::entering(own, packet, doubtful, &hits.t, &origins.indices, self.crossings);
         }
-        if goes_past_folds && hidden != 0 {
+        if pair.options.past_folds && hidden != 0 {
             let uncovered = past_folds::uncovered(own, packet, hidden, &hits.t, &touched, self.crossings);
             self.statistics.past_folds += u64::from(uncovered.count_ones());
             hidden &= !uncovered;
         }
         self.statistics.own_surface_hits += u64::from(hidden.count_ones());
-        let found = Found { packet, samples, origins, hits };
-        found.accept::<L>(exits & !hidden, self.direction, self.contacts);
+        hidden
     }
 }
 

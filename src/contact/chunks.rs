@@ -1,6 +1,6 @@
 use super::cast::{Cast, Starts};
 use super::direction::Direction;
-use super::load::{CastLoad, share_load, shares};
+use super::load::{CastLoad, scale_contacts, shares};
 use super::pair::Pair;
 use super::samples::Sample;
 use super::workspace::Workspace;
@@ -55,7 +55,8 @@ impl<T: Scalar> Pair<'_, T> {
         let ContactList { contacts, workspace, statistics, .. } = list;
         let Workspace { helpers, chunks, groups, places, vertices, samples, crossings, .. } = workspace;
         let [first, second] = places;
-        let starts = [self.starts(0, &groups[0], first), self.starts(1, &groups[1], second)];
+        let groups = [0, 1].map(|side| if self.casts(side) { groups[side].as_slice() } else { &[] });
+        let starts = [self.starts(0, groups[0], first), self.starts(1, groups[1], second)];
         let [of_first, of_second] = starts.map(Starts::chunk_count);
         let count = of_first + of_second;
         let mut loads = [CastLoad::default(); 2];
@@ -76,11 +77,12 @@ impl<T: Scalar> Pair<'_, T> {
                     vertices,
                     crossings,
                 });
-                load.add_contacts(&contacts[before..]);
+                load.add_contacts(&contacts[before..], self.options.law);
                 loads[side].merge(&load);
                 middle = if side == 0 { contacts.len() } else { middle };
             }
-            share_load(&loads, &mut contacts[start..], middle - start);
+            let shares = self.fixed_shares.unwrap_or_else(|| shares(&loads));
+            scale_contacts(shares, &mut contacts[start..], middle - start);
             return;
         }
         if chunks.len() < count {
@@ -99,13 +101,18 @@ impl<T: Scalar> Pair<'_, T> {
             loads[side_and_number(place).0].merge(&chunk.load);
         }
         let chunks = &*chunks;
-        let shares = shares(&loads);
+        let shares = self.fixed_shares.unwrap_or_else(|| shares(&loads));
         helpers.append(
             contacts,
             chunks.len(),
             |place| (chunks[place].before, chunks[place].contacts.as_slice()),
             |place, contact| Contact { area: contact.area * shares[side_and_number(place).0], ..*contact },
         );
+    }
+
+    /// Whether a direction carries any of the load.
+    fn casts(&self, side: usize) -> bool {
+        self.fixed_shares.is_none_or(|shares| shares[side] > T::zero())
     }
 
     /// Where one direction's rays start; `places` is room for them.
@@ -127,7 +134,7 @@ impl<T: Scalar> Chunk<T> {
         let Self { load, statistics, contacts, pieces, vertices, crossings, .. } = self;
         let surface = &mut load.surface;
         dispatch::<T, _>(Cast { direction, starts, surface, statistics, contacts, pieces, vertices, crossings });
-        load.add_contacts(contacts);
+        load.add_contacts(contacts, direction.pair.options.law);
     }
 }
 

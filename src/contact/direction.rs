@@ -1,3 +1,4 @@
+use super::distance::{ContactLaw, distance_over_depth};
 use super::edges::for_each_inside_stretch;
 use super::found::cos_alpha;
 use super::load::CastLoad;
@@ -32,7 +33,7 @@ impl<T: Scalar> Direction<'_, T> {
         });
         let stretches = contacts.workspace.samples.len();
         self.filter(ContactKind::Edge, contacts);
-        load.add_contacts(&contacts.contacts[first..]);
+        load.add_contacts(&contacts.contacts[first..], self.pair.options.law);
         (stretches, load)
     }
 
@@ -47,7 +48,12 @@ impl<T: Scalar> Direction<'_, T> {
         }
         workspace.keep_exits(statistics);
         workspace.cut_at_hits();
-        own.leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
+        if self.pair.hides_behind_own_surface {
+            own.leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
+        } else {
+            workspace.hidden.clear();
+            workspace.hidden.room_for(workspace.rays.len()).resize(workspace.rays.len(), false);
+        }
         if self.pair.options.past_folds {
             statistics.past_folds += workspace.uncover_past_folds(own);
         }
@@ -70,11 +76,16 @@ impl<T: Scalar> Direction<'_, T> {
     /// so in both boxes.
     fn inward_ray(&self, sample: &Sample<T>) -> Ray<T> {
         let ray = Ray::new(sample.point.position, -sample.normal);
-        ray.until(ray.exit_from(self.pair.region))
+        ray.until(ray.exit_from(&self.pair.ray_regions[self.side]))
     }
 
     fn contact(&self, kind: ContactKind, sample: &Sample<T>, ray: &Ray<T>, hit: &Hit<T>) -> Contact<T> {
-        let collided = self.pair.tracers[1 - self.side].mesh();
+        let other = self.pair.tracers[1 - self.side];
+        let collided = other.mesh();
+        let mut cos_alpha = cos_alpha(collided, hit.triangle, &ray.direction);
+        if self.pair.options.law == ContactLaw::Pressure {
+            cos_alpha = distance_over_depth(other, ray, hit, cos_alpha);
+        }
         Contact {
             kind,
             colliding: self.pair.bodies[self.side],
@@ -83,7 +94,7 @@ impl<T: Scalar> Direction<'_, T> {
             p2: SurfacePoint::of_hit(collided, ray, hit),
             direction: ray.direction,
             depth: hit.t,
-            cos_alpha: cos_alpha(collided, hit.triangle, &ray.direction),
+            cos_alpha,
             area: sample.area,
         }
     }

@@ -26,6 +26,7 @@ pub(super) struct Found<'a, T: Scalar> {
     pub(super) samples: &'a NormalLanes<T>,
     pub(super) origins: &'a Origins<T>,
     pub(super) hits: &'a PacketHits<T>,
+    pub(super) cos_alpha: [T; LANE_COUNT],
 }
 
 impl<T: Scalar> Origins<T> {
@@ -56,7 +57,6 @@ impl<T: Scalar> Found<'_, T> {
     ) {
         let Direction { pair, side } = *of;
         let [own, collided] = [pair.tracers[side].mesh(), pair.tracers[1 - side].mesh()];
-        let cos_alpha = self.cos_alpha::<L>(accepted, collided);
         let directions = Vectors::<T, L>::load(&self.packet.direction);
         let mut ends = [[T::zero(); LANE_COUNT]; 3];
         Vectors::load(&self.packet.origin).add(directions.scaled(L::load(&self.hits.t))).store(&mut ends);
@@ -79,7 +79,7 @@ impl<T: Scalar> Found<'_, T> {
                 },
                 direction: vector(&self.packet.direction, lane),
                 depth: self.hits.t[lane],
-                cos_alpha: cos_alpha[lane],
+                cos_alpha: self.cos_alpha[lane],
                 area: self.samples.area[lane],
             });
         }
@@ -99,38 +99,43 @@ impl<T: Scalar> Found<'_, T> {
             position: vector(&self.packet.origin, lane),
         }
     }
+}
 
-    /// The cosines between the rays and the normals where they end; zero where a triangle has no normal.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn cos_alpha<L: Lanes<T>>(&self, accepted: Mask, collided: &Mesh<T>) -> [T; LANE_COUNT] {
-        let mut vertices = [[0; LANE_COUNT]; 3];
-        for lane in 0..LANE_COUNT {
-            let [a, b, c] = collided.topology().triangles()[self.hits.triangle[lane] as usize];
-            (vertices[0][lane], vertices[1][lane], vertices[2][lane]) = (a, b, c);
-        }
-        let a = Vectors::<T, L>::gather(collided.positions(), &vertices[0]);
-        let b = Vectors::gather(collided.positions(), &vertices[1]);
-        let c = Vectors::gather(collided.positions(), &vertices[2]);
-        let scaled = b.sub(a).cross(c.sub(a));
-        let square = scaled.dot(scaled);
-        let along = scaled.dot(Vectors::load(&self.packet.direction)).div(square.sqrt());
-        let mut cos_alpha = [T::zero(); LANE_COUNT];
-        along.larger(L::splat(T::zero())).smaller(L::splat(T::one())).store(&mut cos_alpha);
-        let is_safe = L::splat(T::SAFE_SQUARES.0).is_at_most(square) & square.is_at_most(L::splat(T::SAFE_SQUARES.1));
-        let mut left = !is_safe & accepted;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
-            cos_alpha[lane] = self.one_cos_alpha(lane, collided);
-        }
-        cos_alpha
+/// The cosines between rays and the normals where they end, of those in `asked`; zero where a triangle has no normal.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn cosines<T: Scalar, L: Lanes<T>>(
+    packet: &RayPacket<T>,
+    hits: &PacketHits<T>,
+    asked: Mask,
+    collided: &Mesh<T>,
+) -> [T; LANE_COUNT] {
+    let mut vertices = [[0; LANE_COUNT]; 3];
+    for lane in 0..LANE_COUNT {
+        let [a, b, c] = collided.topology().triangles()[hits.triangle[lane] as usize];
+        (vertices[0][lane], vertices[1][lane], vertices[2][lane]) = (a, b, c);
     }
+    let a = Vectors::<T, L>::gather(collided.positions(), &vertices[0]);
+    let b = Vectors::gather(collided.positions(), &vertices[1]);
+    let c = Vectors::gather(collided.positions(), &vertices[2]);
+    let scaled = b.sub(a).cross(c.sub(a));
+    let square = scaled.dot(scaled);
+    let along = scaled.dot(Vectors::load(&packet.direction)).div(square.sqrt());
+    let mut cos_alpha = [T::zero(); LANE_COUNT];
+    along.larger(L::splat(T::zero())).smaller(L::splat(T::one())).store(&mut cos_alpha);
+    let is_safe = L::splat(T::SAFE_SQUARES.0).is_at_most(square) & square.is_at_most(L::splat(T::SAFE_SQUARES.1));
+    let mut left = !is_safe & asked;
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize;
+        left &= left - 1;
+        cos_alpha[lane] = one_cosine(packet, hits, lane, collided);
+    }
+    cos_alpha
+}
 
-    /// The lane's cosine with all care that too large and too small squares need.
-    #[cold]
-    fn one_cos_alpha(&self, lane: usize, collided: &Mesh<T>) -> T {
-        cos_alpha(collided, self.hits.triangle[lane], &vector(&self.packet.direction, lane))
-    }
+/// The lane's cosine with all care that too large and too small squares need.
+#[cold]
+fn one_cosine<T: Scalar>(packet: &RayPacket<T>, hits: &PacketHits<T>, lane: usize, collided: &Mesh<T>) -> T {
+    cos_alpha(collided, hits.triangle[lane], &vector(&packet.direction, lane))
 }
 
 /// The cosine between a ray and the normal of the triangle where it ends; zero where that has none.

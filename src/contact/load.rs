@@ -1,4 +1,4 @@
-use super::Contact;
+use super::{Contact, ContactLaw};
 use crate::math::{LANE_COUNT, Lanes, Scalar, Vector3, Vectors, length};
 use crate::mesh::NormalLanes;
 
@@ -67,13 +67,19 @@ impl<T: Scalar> CastSurfaceLanes<T> {
 pub(super) struct CastLoad<T: Scalar> {
     /// The normals of the surface that casts, by area.
     pub(super) surface: Turning<T>,
-    /// The contacts' directions, by area · depth.
+    /// The contacts' directions, by area · depth, or by area · pressure.
     pressure: Turning<T>,
 }
 
 impl<T: Scalar> CastLoad<T> {
-    pub(super) fn add_contacts(&mut self, contacts: &[Contact<T>]) {
-        contacts.iter().for_each(|contact| self.pressure.add(&contact.direction, contact.area * contact.depth));
+    pub(super) fn add_contacts(&mut self, contacts: &[Contact<T>], law: ContactLaw) {
+        for contact in contacts {
+            let pressure = match law {
+                ContactLaw::Pressure => contact.depth * contact.cos_alpha,
+                ContactLaw::RayLength => contact.depth,
+            };
+            self.pressure.add(&contact.direction, contact.area * pressure);
+        }
     }
 
     pub(super) fn merge(&mut self, other: &Self) {
@@ -109,12 +115,34 @@ pub(super) fn shares<T: Scalar>(loads: &[CastLoad<T>; 2]) -> [T; 2] {
     claims.map(|claim| if sum > T::zero() { claim / sum } else { T::of(0.5) })
 }
 
-/// Scales the contacts of both directions, of which the second's begin at `middle`.
-pub(super) fn share_load<T: Scalar>(loads: &[CastLoad<T>; 2], contacts: &mut [Contact<T>], middle: usize) {
+/// What the directions of two bodies with this roundness carry of the load between them, whatever their pose.
+///
+/// The rays of one body are the gradient of an energy in the field of distances inside the other, so any shares that stay
+/// the same leave forces that do no work on closed paths. In the field of a flat face the force is that of Archimedes; in
+/// that of a ball it is less. So the rounder body casts the rays, and the other none where it is flat beside it.
+pub(super) fn fixed_shares<T: Scalar>(roundness: [f64; 2]) -> [T; 2] {
+    const LITTLE: f64 = 1.0 / 128.0;
+    const NOTHING: f64 = 1.0 / 512.0;
+    let claims = roundness.map(|roundness| (roundness + LITTLE).powi(2));
+    let part = claims[0] / (claims[0] + claims[1]);
+    match part {
+        _ if part < NOTHING => [T::zero(), T::one()],
+        _ if part > 1.0 - NOTHING => [T::one(), T::zero()],
+        _ => [T::of(part), T::of(1.0 - part)],
+    }
+}
+
+/// Scales the contacts of both directions by what each carries.
+pub(super) fn scale_contacts<T: Scalar>(shares: [T; 2], contacts: &mut [Contact<T>], middle: usize) {
     let (first, second) = contacts.split_at_mut(middle);
-    for (share, contacts) in shares(loads).into_iter().zip([first, second]) {
+    for (share, contacts) in shares.into_iter().zip([first, second]) {
         contacts.iter_mut().for_each(|contact| contact.area *= share);
     }
+}
+
+/// Scales the contacts of both directions, of which the second's begin at `middle`.
+pub(super) fn share_load<T: Scalar>(loads: &[CastLoad<T>; 2], contacts: &mut [Contact<T>], middle: usize) {
+    scale_contacts(shares(loads), contacts, middle);
 }
 
 #[cfg(test)]

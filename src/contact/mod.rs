@@ -4,6 +4,7 @@ mod cast;
 mod chunks;
 mod cutter;
 mod direction;
+mod distance;
 mod edges;
 mod escape;
 mod found;
@@ -21,6 +22,7 @@ mod test_contact;
 mod tolerance;
 mod workspace;
 
+pub use distance::ContactLaw;
 pub use list::{Contact, ContactKind, ContactList, Statistics, SurfacePoint};
 pub use memory::{PairMemory, Record};
 pub use pair::{DetectionOptions, detect_pair, query_pair};

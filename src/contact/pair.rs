@@ -1,7 +1,8 @@
 use super::cutter::{Cutter, part_of_rays};
 use super::direction::Direction;
+use super::distance::ContactLaw;
 use super::escape::{choose_direction, push_apart};
-use super::load::share_load;
+use super::load::{fixed_shares, share_load};
 use super::memory::{PairMemory, Progress};
 use super::samples::Sampling;
 use super::{Contact, ContactKind, ContactList, Statistics};
@@ -14,6 +15,8 @@ use crate::ray::Ray;
 /// How contacts are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetectionOptions<T: Scalar> {
+    /// What forces grow with. Default: the distance to the other body's surface.
+    pub law: ContactLaw,
     /// Where rays start.
     pub sampling: Sampling<T>,
     /// Whether edges are traced too where no ray settles whether the bodies overlap. Default: yes.
@@ -30,14 +33,15 @@ pub struct DetectionOptions<T: Scalar> {
 
 impl<T: Scalar> Default for DetectionOptions<T> {
     fn default() -> Self {
-        Self { sampling: Sampling::default(), edges: true, escape: true, past_folds: false }
+        Self { law: ContactLaw::default(), sampling: Sampling::default(), edges: true, escape: true, past_folds: false }
     }
 }
 
 impl<T: Scalar> DetectionOptions<T> {
-    /// Just what the paper does: rays from the vertices, both filters, nothing else.
+    /// Just what the paper does: rays from the vertices, both filters, its law, nothing else.
     pub fn paper() -> Self {
-        Self { sampling: Sampling::Vertices, edges: false, escape: false, past_folds: false }
+        let (law, sampling) = (ContactLaw::RayLength, Sampling::Vertices);
+        Self { law, sampling, edges: false, escape: false, past_folds: false }
     }
 }
 
@@ -99,14 +103,13 @@ pub(crate) fn detect_pair_among<T: Scalar>(
         [false, true] => overlap_region(boxes[0], boxes[0]),
         [true, true] => return,
     };
-    let patch_area = options.sampling.patch_area();
     let part_of_rays = match options.sampling {
         Sampling::Automatic | Sampling::Tolerance(_) => part_of_rays(neighbours),
         Sampling::Spacing(_) | Sampling::Vertices => T::one(),
     };
     contacts.statistics.crowded_pairs += u64::from(part_of_rays < T::one());
     let (overlap, region) = (&overlap, &region);
-    let pair = Pair { bodies, tracers, overlap, region, options, may_escape, patch_area, part_of_rays };
+    let pair = Pair { may_escape, part_of_rays, ..Pair::new(bodies, tracers, [overlap, region], options) };
     match memory {
         _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
         Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
@@ -140,6 +143,12 @@ pub(super) struct Pair<'a, T: Scalar> {
     pub(super) patch_area: Option<T>,
     /// Of the rays on the overlap box's largest face.
     pub(super) part_of_rays: T,
+    /// Where the rays of either body end.
+    pub(super) ray_regions: [Aabb<T>; 2],
+    /// Whether rays count only that leave the other body before their own.
+    pub(super) hides_behind_own_surface: bool,
+    /// What either direction carries of the load; `None`: as its contacts tell.
+    pub(super) fixed_shares: Option<[T; 2]>,
 }
 
 /// What a step's contacts leave open.
@@ -149,6 +158,44 @@ enum Outcome {
     Settled,
     /// Points lie inside the other body without a way out through their own.
     Targetless,
+}
+
+impl<'a, T: Scalar> Pair<'a, T> {
+    /// Two bodies with their overlap box, as it is and with a margin.
+    pub(super) fn new(
+        bodies: [u32; 2],
+        tracers: [&'a Tracer<'a, T>; 2],
+        [overlap, region]: [&'a Aabb<T>; 2],
+        options: &'a DetectionOptions<T>,
+    ) -> Self {
+        let meshes = tracers.map(|tracer| tracer.mesh());
+        // Behind a sheet there is no telling whether a point is inside, but by its own body.
+        let hides_behind_own_surface = options.law == ContactLaw::RayLength || meshes.iter().any(|mesh| mesh.is_open());
+        // A ray that leaves its own body first may end outside that body's box.
+        let ray_regions = if hides_behind_own_surface {
+            [*region; 2]
+        } else {
+            [1, 0].map(|side| overlap_region(meshes[side].aabb(), meshes[side].aabb()).1)
+        };
+        // A coarse flat body casts nothing from its corners: there each direction has to make up for the other.
+        let is_fixed = !hides_behind_own_surface && options.sampling != Sampling::Vertices;
+        let fixed_shares = is_fixed.then(|| fixed_shares(meshes.map(Mesh::roundness)));
+        let patch_area = options.sampling.patch_area();
+        let (may_escape, part_of_rays) = (true, T::one());
+        Self {
+            bodies,
+            tracers,
+            overlap,
+            region,
+            options,
+            may_escape,
+            patch_area,
+            part_of_rays,
+            ray_regions,
+            hides_behind_own_surface,
+            fixed_shares,
+        }
+    }
 }
 
 impl<T: Scalar> Pair<'_, T> {

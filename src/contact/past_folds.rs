@@ -6,18 +6,21 @@ use crate::octree::{PacketHits, Tracer};
 use crate::ray::{Hit, RayPacket};
 
 /// A ray that starts inside the other body may enter another fold of it before it leaves: its hit is the way out then. Gives
-/// how many there are.
+/// which do.
 pub(super) fn follow<T: Scalar>(
     other: &Tracer<'_, T>,
     packet: &RayPacket<T>,
     hits: &mut PacketHits<T>,
     crossings: &mut Vec<Hit<T>>,
-) -> u64 {
+) -> Mask {
     let entries = hits.found & !hits.exits;
     lanes(entries)
         .filter_map(|lane| Some((lane, way_out_past_folds(other, &packet.ray(lane), crossings)?)))
-        .map(|(lane, way_out)| hits.set(lane, &way_out))
-        .count() as u64
+        .map(|(lane, way_out)| {
+            hits.set(lane, &way_out);
+            1 << lane
+        })
+        .fold(0, |followed, lane| followed | lane)
 }
 
 /// A ray that meets another fold of its own body has not left the body: which of the hidden rays do.

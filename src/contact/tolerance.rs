@@ -138,17 +138,7 @@ mod tests {
         let overlap = Aabb { lower: lower.into(), upper: upper.into() };
         let options = DetectionOptions { sampling: Sampling::Tolerance(0.1), ..DetectionOptions::default() };
         let (bodies, tracers) = ([0, 1], [&tracer; 2]);
-        let (overlap, region) = (&overlap, &overlap);
-        ask(&Pair {
-            bodies,
-            tracers,
-            overlap,
-            region,
-            options: &options,
-            may_escape: true,
-            patch_area: None,
-            part_of_rays: 1.0,
-        })
+        ask(&Pair::new(bodies, tracers, [&overlap; 2], &options))
     }
 
     const OVERLAP: [[f64; 3]; 2] = [[1.0, 1.0, 1.0], [3.0, 5.0, 5.0]];

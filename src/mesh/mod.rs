@@ -7,6 +7,7 @@ mod obj_text;
 mod order;
 mod orientation;
 mod patches;
+mod roundness;
 mod standing;
 mod survey;
 mod topology;
@@ -51,6 +52,7 @@ struct Reference<T: Scalar> {
     positions: Vec<Vector3<T>>,
     /// Found when first asked for.
     patches: OnceLock<Patches<T>>,
+    roundness: OnceLock<f64>,
 }
 
 impl<T: Scalar> Clone for Mesh<T> {
@@ -111,7 +113,11 @@ impl<T: Scalar> Mesh<T> {
             positions: memory::filled(Vector3::zeros(), positions.len()),
             aabb: Aabb::empty(),
             stamp: 0,
-            reference: memory::shared(Reference { positions: reference, patches: OnceLock::new() }),
+            reference: memory::shared(Reference {
+                positions: reference,
+                patches: OnceLock::new(),
+                roundness: OnceLock::new(),
+            }),
         };
         mesh.place(positions, false)?;
         mesh.check_areas()?;
@@ -183,6 +189,12 @@ impl<T: Scalar> Mesh<T> {
     /// Its patches, by its reference positions; found when they are first asked for.
     pub(crate) fn patches(&self) -> &Patches<T> {
         self.reference.patches.get_or_init(|| Patches::new(self))
+    }
+
+    /// How round it is, from 0 for flat faces to 1 for a ball or more, by its reference positions; found when it is first
+    /// asked for.
+    pub(crate) fn roundness(&self) -> f64 {
+        *self.reference.roundness.get_or_init(|| roundness::roundness(&self.topology, &self.reference.positions))
     }
 
     /// The positions at creation.

@@ -1,6 +1,6 @@
 use super::{Cells, Tracer};
 use crate::closest::{ClosestPoint, MeshScale, PointPacket, QueryPoint, TrianglePoint, TrianglePoints, ascending};
-use crate::math::{Kernel, LANE_COUNT, Lanes, Scalar, Vector3, Vectors, dispatch};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, dispatch};
 use crate::memory::Room;
 
 /// The nearest triangle so far.
@@ -99,6 +99,54 @@ impl<T: Scalar> Tracer<'_, T> {
         let found = TrianglePoint::new(query, &corners).resolved(query, triangle, &corners, places);
         // Squares are rounded: the root decides.
         (found.distance <= bound).then_some(found)
+    }
+}
+
+/// How far up to sixteen points are from a surface, and room for finding out.
+#[derive(Clone, Debug)]
+pub(crate) struct PointDistances<T: Scalar> {
+    packet: PointPacket<T>,
+    pub(crate) distances: [T; LANE_COUNT],
+}
+
+impl<T: Scalar> PointDistances<T> {
+    pub(crate) fn new() -> Self {
+        Self { packet: PointPacket::empty(), distances: [T::zero(); LANE_COUNT] }
+    }
+}
+
+impl<T: Scalar> Tracer<'_, T> {
+    /// How far the points in `asked` are from the surface, of which the bounds are known not to be nearer.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn distances_of_packet<L: Lanes<T>>(
+        &self,
+        points: &[[T; LANE_COUNT]; 3],
+        asked: Mask,
+        bounds: &[T; LANE_COUNT],
+        room: &mut PointDistances<T>,
+    ) {
+        let PointDistances { packet, distances } = room;
+        *distances = *bounds;
+        if asked == 0 {
+            return;
+        }
+        let scale = MeshScale::new(self.mesh().aabb());
+        if let Cells::Wide(cells) = self.cells
+            && packet.set_lanes::<L>(points, asked, bounds, &scale)
+        {
+            cells.find_closest_of_packet::<L>(self.mesh(), packet);
+            let found = packet.found & asked;
+            let squares = L::load(&packet.square);
+            let roots = squares.sqrt().mul(L::splat(scale.factors[1]));
+            L::select(found, roots.smaller(L::load(bounds)), L::load(bounds)).store(distances);
+            return;
+        }
+        for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+            let point = Vector3::new(points[0][lane], points[1][lane], points[2][lane]);
+            if let Some(nearest) = self.closest_point(&point, bounds[lane]) {
+                distances[lane] = nearest.distance;
+            }
+        }
     }
 }
 

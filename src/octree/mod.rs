@@ -14,6 +14,7 @@ mod tracer;
 mod wide;
 mod winding;
 
+pub(crate) use closest::PointDistances;
 pub(crate) use near::{NearParts, Reach, is_merged};
 pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};

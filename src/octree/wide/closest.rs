@@ -130,8 +130,8 @@ pub(super) fn closest_of_packet<T: Scalar, L: Lanes<T>>(cells: &Wide<T>, mesh: &
         packet.centre_limit = -T::one();
     }
     if packet.centre_limit < T::zero() {
-        // The last lanes repeat a point where there are fewer.
-        for lane in 0..packet.present.count_ones() as usize {
+        let present = packet.present;
+        for lane in (0..LANE_COUNT).filter(|lane| present >> lane & 1 == 1) {
             let (query, mut nearest) = (packet.query(lane), nearest_of(packet, lane));
             Closest { cells, mesh, query: &query, nearest: &mut nearest }.run::<L>();
             keep(packet, lane, &nearest);

@@ -1,0 +1,95 @@
+use super::Topology;
+use crate::math::{Scalar, Vector3, normalising_factor};
+
+/// Up to this angle between two faces, in degrees, their edge belongs to a smooth surface, and from the second on it is an
+/// edge of a body with faces. Between the two it is partly either, so that no rounding decides.
+const CREASES: [f64; 2] = [50.0, 70.0];
+
+/// How round a surface is, whatever its size and its triangulation: its mean curvature, averaged over the area and without
+/// what is bent in edges between faces, times the radius of the ball with the same area. 1 for a ball, 0 for a body with flat
+/// faces; bulges and dents cancel out.
+pub(super) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> f64 {
+    // In a scale in which nothing overflows.
+    let largest = positions.iter().fold(T::zero(), |largest, position| largest.max(position.amax()));
+    let (factor, _) = normalising_factor(largest);
+    let at = |vertex: u32| (positions[vertex as usize] * factor).map(Scalar::to_f64);
+    let doubled_area = |triangle: u32| {
+        let [a, b, c] = topology.triangles()[triangle as usize].map(at);
+        (b - a).cross(&(c - a))
+    };
+    let area: f64 = (0..topology.triangles().len() as u32).map(|triangle| 0.5 * doubled_area(triangle).norm()).sum();
+    let [smooth, crease] = CREASES.map(f64::to_radians);
+    let mut bent = 0.0;
+    for edge in topology.edges() {
+        let [first, second] = edge.triangles.map(doubled_area);
+        let [from, to] = edge.vertices.map(at);
+        let angle = first.cross(&second).norm().atan2(first.dot(&second));
+        let part = ((crease - angle) / (crease - smooth)).clamp(0.0, 1.0);
+        let corners = topology.triangles()[edge.triangles[1] as usize];
+        let bulge = corners.map(|corner| -first.dot(&(at(corner) - from))).into_iter().sum::<f64>();
+        bent += angle.copysign(bulge) * part * (to - from).norm();
+    }
+    // Of a ball the lengths of the edges times their angles sum to 8 π r, and the area is 4 π r².
+    let roundness = bent.abs() / (4.0 * (std::f64::consts::PI * area).sqrt());
+    if roundness.is_finite() { roundness } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::contact::test_contact::boxes;
+    use crate::mesh::Mesh;
+    use crate::octree::test_mesh::torus;
+
+    /// A ball by latitude and longitude.
+    fn ball(rings: u32, radius: f64) -> Mesh<f64> {
+        let sides = 2 * rings;
+        let mut positions = vec![[0.0, 0.0, radius], [0.0, 0.0, -radius]];
+        for ring in 1..rings {
+            let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(rings)).sin_cos();
+            positions.extend((0..sides).map(|side| {
+                let (y, x) = (std::f64::consts::TAU * f64::from(side) / f64::from(sides)).sin_cos();
+                [radius * sin * x, radius * sin * y, radius * cos]
+            }));
+        }
+        let at = |ring: u32, side: u32| 2 + (ring - 1) * sides + side % sides;
+        let mut triangles = Vec::new();
+        for side in 0..sides {
+            triangles.push([0, at(1, side), at(1, side + 1)]);
+            triangles.push([1, at(rings - 1, side + 1), at(rings - 1, side)]);
+            for ring in 1..rings - 1 {
+                let [a, b] = [at(ring, side), at(ring, side + 1)];
+                let [c, d] = [at(ring + 1, side), at(ring + 1, side + 1)];
+                triangles.extend([[a, c, d], [a, d, b]]);
+            }
+        }
+        Mesh::new(&positions, &triangles).expect("it is closed")
+    }
+
+    #[test]
+    fn balls_are_round_and_boxes_are_not() {
+        for (rings, margin) in [(5, 0.07), (10, 0.02), (40, 0.001)] {
+            for radius in [1e-9, 1.0, 1e9] {
+                let roundness = ball(rings, radius).roundness();
+                assert!((roundness - 1.0).abs() < margin, "{rings} rings: {roundness}");
+            }
+        }
+        assert_eq!(boxes(&[[[0.0; 3], [1.0, 2.0, 0.3]]]).roundness(), 0.0);
+        // ∫ 2 H dA of a torus with the radii 1 and r is 4 π², its area 4 π² r.
+        let (tube, pi) = (0.4f64, std::f64::consts::PI);
+        let expected = 4.0 * pi * pi / (4.0 * (pi * 4.0 * pi * pi * tube).sqrt());
+        let roundness = torus([96, 48]).roundness();
+        assert!((roundness / expected - 1.0).abs() < 0.01, "{roundness} {expected}");
+    }
+
+    /// The reference positions tell, in whatever pose.
+    #[test]
+    fn what_is_bent_later_is_as_round_as_before() {
+        let mut mesh = torus([24, 12]);
+        let before = mesh.clone().roundness();
+        let flat: Vec<[f64; 3]> = mesh.positions().iter().map(|p| [p.x, p.y, p.z * 0.1]).collect();
+        mesh.set_positions(&flat).expect("finite");
+        assert_eq!(mesh.roundness().to_bits(), before.to_bits());
+        let other = Mesh::new(&flat, mesh.topology().triangles()).expect("it is closed");
+        assert!((other.roundness() - before).abs() > 0.1, "{}", other.roundness());
+    }
+}
