@@ -228,8 +228,8 @@ impl<T: Scalar> Pair<'_, T> {
         let stuck = match memory.observe(self.bodies[0], &contacts.contacts[start..]) {
             _ if contacts.len() == start => targetless,
             Progress::OneWay => false,
-            Progress::Balanced => targetless,
-            Progress::Slow => targetless || self.any_is_deep(start, contacts),
+            Progress::Balanced => targetless || self.any_passes_its_own(start, contacts),
+            Progress::Slow => targetless || self.any_leaves_own(start, T::of(2.0), contacts),
             Progress::Jammed => true,
         };
         if stuck && let Some(away) = self.start_to_escape(start, contacts) {
@@ -331,18 +331,23 @@ impl<T: Scalar> Pair<'_, T> {
         })
     }
 
-    /// Whether any contact is deeper than half its body is thick there.
-    fn any_is_deep(&self, start: usize, contacts: &mut ContactList<T>) -> bool {
+    /// Whether any contact's ray leaves its own body before the other.
+    fn any_passes_its_own(&self, start: usize, contacts: &mut ContactList<T>) -> bool {
+        !self.hides_behind_own_surface && self.any_leaves_own(start, T::one(), contacts)
+    }
+
+    /// Whether any contact's ray leaves its own body within so many times its depth.
+    fn any_leaves_own(&self, start: usize, factor: T, contacts: &mut ContactList<T>) -> bool {
         let ContactList { contacts, workspace, statistics, .. } = contacts;
-        let twice = |contact: &Contact<T>| Ray {
+        let longer = |contact: &Contact<T>| Ray {
             origin: contact.p1.position,
             direction: contact.direction,
-            t_max: contact.depth * T::of(2.0),
+            t_max: contact.depth * factor,
         };
         [0, 1].into_iter().any(|side| {
             let own = || contacts[start..].iter().filter(|contact| contact.colliding == self.bodies[side]);
             workspace.rays.clear();
-            memory::append(&mut workspace.rays, own().map(twice));
+            memory::append(&mut workspace.rays, own().map(longer));
             workspace.touched.clear();
             memory::append(&mut workspace.touched, own().map(|contact| contact.p1.touched()));
             statistics.estimate_rays += workspace.rays.len() as u64;
