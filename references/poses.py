@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT OR Apache-2.0
 """Writes poses.csv, where the second body of each pair stands; the first stays as in its .obj: python3 poses.py
 
 random: the second body is turned uniformly at random and comes from afar along a uniformly random line through both
@@ -16,7 +17,8 @@ import numpy
 from shapes.make import SHAPES
 
 SEED = 20261122
-RANDOM = ["cube-cube", "box-box", "l-l", "cylinder-cylinder", "cube-box", "cylinder-box", "l-cube", "cone-cone", "cone-cube"]
+RANDOM = ["cube-cube", "box-box", "l-l", "cylinder-cylinder", "cube-box", "cylinder-box", "l-cube"]
+RANDOM += ["cone-cone", "cone-cube"]
 RANDOM_COUNT = 250
 PRESSED_COUNT = 40
 
@@ -98,9 +100,10 @@ def aside(generator, gap):
 
 
 def block_in_channel(generator):
-    """The block's lower face ends 0.03 to 0.2 above the channel's floor; both are centred along the channel within 0.2."""
+    """The block ends 0.03 to 0.2 above the channel's floor, its middle within 0.2 of the channel's along it."""
     above_floor = generator.uniform(0.03, 0.2)
-    return tilt(generator), numpy.array([aside(generator, 0.6), -0.25 + 0.2 - above_floor, generator.uniform(-0.2, 0.2)])
+    turn, x = tilt(generator), aside(generator, 0.6)
+    return turn, numpy.array([x, -0.25 + 0.2 - above_floor, generator.uniform(-0.2, 0.2)])
 
 
 def peg_in_hole(generator):
@@ -119,8 +122,7 @@ def rows():
 
 
 if __name__ == "__main__":
-    header = "id,pair,kind,quaternion_w,quaternion_x,quaternion_y,quaternion_z,translation_x,translation_y,translation_z"
-    lines = [header]
+    lines = [",".join(["id,pair,kind", *("quaternion_" + c for c in "wxyz"), *("translation_" + c for c in "xyz")])]
     for id, (pair, kind, q, t) in enumerate(rows()):
         numbers = [repr(float(x)) for x in q] + [repr(round(float(x), 9)) for x in t]
         lines.append(",".join([str(id), pair, kind] + numbers))

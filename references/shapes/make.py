@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT OR Apache-2.0
 """Writes the closed, outward-oriented triangle meshes of this folder: python3 shapes/make.py
 
-Every shape but the cone is a prism along z: its profile is one or more loops of points (the outer one counter-clockwise,
-holes clockwise) and the triangles that fill it.
+Every shape but the cone is a prism along z: its profile is one or more loops of points (the outer one
+counter-clockwise, holes clockwise) and the triangles that fill it.
 """
 import math
 import pathlib
