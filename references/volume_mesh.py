@@ -10,6 +10,7 @@ dimensions into convex cells on which its distance is linear and entirely below 
 over each triangle of it stand three layers: nearest to the lower end, nearest to a side, nearest to the upper end.
 """
 import collections
+import itertools
 import math
 
 import numpy
@@ -102,7 +103,7 @@ def sectors_of(corner, before, after, count):
     if angle > math.pi:
         start, angle = end, 2 * math.pi - angle
     directions = [(math.cos(start + angle * i / count), math.sin(start + angle * i / count)) for i in range(count + 1)]
-    return [Sector(corner, *map(numpy.array, pair)) for pair in zip(directions, directions[1:])]
+    return [Sector(corner, *map(numpy.array, pair)) for pair in itertools.pairwise(directions)]
 
 
 def cells_of_profile(loops, cap, half_height, sectors):
