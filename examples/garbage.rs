@@ -174,7 +174,7 @@ fn net_forces() {
     const COUNT: usize = 120;
     let mut next = random(11);
     let places = (0..COUNT).map(|_| Vector::new(next(), next(), next())).collect();
-    let ray = |sampling| DetectionOptions { sampling, edges: false, escape: false, past_folds: false };
+    let ray = |sampling| DetectionOptions { sampling, edges: false, escape: false, ..DetectionOptions::default() };
     let mut timed = crowd("", ray(Sampling::Automatic), places);
     timed.run(0);
     let meshes: Vec<_> = (0..COUNT as u32).map(|body| timed.scene.mesh(body).expect("it was added").clone()).collect();

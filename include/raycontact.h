@@ -223,6 +223,24 @@ typedef enum rayc_contact_kind {
 } rayc_contact_kind;
 
 /**
+ * What a contact's force grows with.
+ */
+typedef enum rayc_law {
+  /**
+   * Pressure by depth below the surface: at every surface point inside the other body, k times the distance to the nearest
+   * point of that body's surface, along the inward normal; a contact's cos_alpha is that distance over its depth. The
+   * force is a gradient, so closed paths cost no work; it is that of Archimedes on round bodies in flat faces, and near that
+   * of hydroelastic contact (Elandt et al., IROS 2019) elsewhere. Where a body folds over itself, the rays' own law stays.
+   */
+  RAYC_LAW_PRESSURE = 0,
+  /**
+   * The paper's: k times the ray's length times the cosine of its angle, at points whose ray leaves the other body before
+   * their own (Hermann, Faure, Raffin 2008, section 4). Beside edges such forces may point the wrong way.
+   */
+  RAYC_LAW_RAY_LENGTH = 1,
+} rayc_law;
+
+/**
  * The type of a number. In structs it stands as a uint32_t and is checked.
  */
 typedef enum rayc_scalar {
@@ -347,9 +365,9 @@ typedef struct rayc_detection_options {
    */
   uint32_t past_folds;
   /**
-   * Must be 0. It fills the struct up, so that what a later version adds lies beyond its end.
+   * What forces grow with, a rayc_law. Default RAYC_LAW_PRESSURE.
    */
-  uint32_t reserved;
+  uint32_t law;
   /**
    * How far the net force of each pair may be from that of all rays, as a part of it, 0 to 1, and its torque as a part
    * of the force times half the overlap box's diagonal: triangles are joined to patches as large as that leaves. It is

@@ -2,6 +2,7 @@
 
 mod closed_paths;
 mod cubes_aside;
+mod references;
 mod slab;
 mod steps;
 #[path = "../support/mod.rs"]
@@ -16,7 +17,7 @@ usage: cargo run --release --example forces -- [options]
 
 Measures default contact forces, and those of the paper's law, against what is known of them.
 
-  --only NAME     one case of: aside, steps, paths, slab, rolled (default: all)
+  --only NAME     one case of: references, aside, steps, paths, slab, rolled (default: all)
   --poses N       random poses of each case (default 1000)
   --seed S        of the random poses (default 1)
   --help          this text
@@ -43,7 +44,8 @@ impl Row {
 /// Measures one case.
 type Measure = fn(poses: usize, seed: u64) -> Vec<Row>;
 
-const CASES: [(&str, Measure); 5] = [
+const CASES: [(&str, Measure); 6] = [
+    ("references", references::measure),
     ("aside", cubes_aside::measure),
     ("steps", steps::measure),
     ("paths", closed_paths::measure),

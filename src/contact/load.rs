@@ -178,6 +178,19 @@ mod tests {
     }
 
     /// Shares go by the load, times how much it turns, and a little of how much the surface does.
+    /// Rounder bodies carry more, equal ones the same, and beside a ball a flat body none.
+    #[test]
+    fn the_rounder_body_casts() {
+        let share = |roundness: [f64; 2]| fixed_shares::<f64>(roundness)[0];
+        for roundness in [0.0, 1.0, 2.5] {
+            assert_eq!(fixed_shares::<f64>([roundness; 2]), [0.5; 2]);
+        }
+        assert_eq!((share([1.0, 0.0]), share([0.0, 1.0]), share([0.3, 0.0])), (1.0, 0.0, 1.0));
+        assert!((share([1.0, 0.5]) - 0.8).abs() < 0.01 && (share([0.01, 0.0]) - 0.84).abs() < 0.01);
+        let [first, second] = fixed_shares::<f64>([0.7, 0.4]);
+        assert_eq!(first + second, 1.0);
+    }
+
     #[test]
     fn shares_follow_what_turns() {
         let load = |pressure: &[([f64; 3], f64)], surface: &[([f64; 3], f64)]| CastLoad {
@@ -207,13 +220,17 @@ mod tests {
         assert!((twice.claim() - 4.0 * little * (1.0 - 7.0 / 9.0 + little)).abs() < 1e-15);
     }
 
-    /// The pressure of a contact counts by area · depth, whatever the angle.
+    /// Rays count by area · depth, whatever the angle, and pressure by area · distance.
     #[test]
     fn contacts_press_by_area_and_depth() {
         let mut load = CastLoad::default();
         load.surface.add(&Vector3::x(), 1.0);
-        load.add_contacts(&[contact(0, X, X, [3.0, 0.5, 0.1]), contact(0, Y, Y, [0.5, 4.0, 0.9])]);
+        let contacts = [contact(0, X, X, [3.0, 0.5, 0.1]), contact(0, Y, Y, [0.5, 4.0, 0.9])];
+        load.add_contacts(&contacts, ContactLaw::RayLength);
         assert_eq!((load.pressure.whole, load.pressure.vector), (3.5, Vector3::new(1.5, 2.0, 0.0)));
+        let mut load = CastLoad::default();
+        load.add_contacts(&contacts, ContactLaw::Pressure);
+        assert!((load.pressure.whole - (0.15 + 1.8)).abs() < 1e-15);
         let mut contacts = [contact(0, X, X, [3.0, 0.5, 0.1]), contact(1, Y, Y, [2.0, 4.0, 0.9])];
         share_load(&[load, CastLoad::default()], &mut contacts, 1);
         assert_eq!(contacts.map(|contact| contact.area), [3.0, 0.0]);

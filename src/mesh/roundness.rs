@@ -36,7 +36,7 @@ pub(super) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]
 
 #[cfg(test)]
 mod tests {
-    use crate::contact::test_contact::boxes;
+    use crate::cuboid::CUBOID_FACES;
     use crate::mesh::Mesh;
     use crate::octree::test_mesh::torus;
 
@@ -73,7 +73,8 @@ mod tests {
                 assert!((roundness - 1.0).abs() < margin, "{rings} rings: {roundness}");
             }
         }
-        assert_eq!(boxes(&[[[0.0; 3], [1.0, 2.0, 0.3]]]).roundness(), 0.0);
+        let corners: Vec<_> = (0..8).map(|k| [f64::from(k & 1), f64::from(k & 2), f64::from(k & 4) * 0.1]).collect();
+        assert_eq!(Mesh::new(&corners, &CUBOID_FACES).expect("it is closed").roundness(), 0.0);
         // ∫ 2 H dA of a torus with the radii 1 and r is 4 π², its area 4 π² r.
         let (tube, pi) = (0.4f64, std::f64::consts::PI);
         let expected = 4.0 * pi * pi / (4.0 * (pi * 4.0 * pi * pi * tube).sqrt());
