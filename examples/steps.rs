@@ -2,7 +2,7 @@
 
 mod support;
 
-use raycontact::contact::{ContactList, DetectionOptions, Sampling};
+use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling};
 use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 use std::error::Error;
@@ -16,8 +16,8 @@ Runs steps of detection on a workload of moving tori, for tools that count what 
 
   --workload NAME   stackN: N tori 40x20 in a pile; pairMxN: two tori MxN (default stack2)
   --steps N         how many steps (default 10)
-  --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults; spacing:LENGTH and
-                    tolerance:PART: the defaults with such a sampling (default paper)
+  --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults; ray-length:
+                    the defaults with the paper's law; spacing:LENGTH and tolerance:PART: the defaults with such a sampling (default paper)
   --help            this text
 
 Prints steps=N contacts=N, the contacts of the last step.
@@ -71,6 +71,9 @@ fn options(mode: &str) -> Option<DetectionOptions<f32>> {
     match mode.split_once(':') {
         None if mode == "paper" => Some(DetectionOptions::paper()),
         None if mode == "default" => Some(DetectionOptions::default()),
+        None if mode == "ray-length" => {
+            Some(DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() })
+        }
         Some(("spacing", length)) => Some(with(Sampling::Spacing(positive(length)?))),
         Some(("tolerance", part)) => Some(with(Sampling::Tolerance(positive(part)?))),
         _ => None,
