@@ -1,7 +1,7 @@
 //! What the forces should be: exact volumes, and the law on smooth surfaces.
 
 use super::Vector;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3};
 use raycontact::mesh::Mesh;
 use std::f64::consts::{PI, TAU};
 
@@ -40,14 +40,8 @@ pub fn spheres(distance: f64) -> f64 {
         .map(|step| {
             // Archimedes' hat box: the area between two planes across x is 2π times their distance.
             let x = lowest + (step as f64 + 0.5) * width;
-            let start = Vector::new(x, (1.0 - x * x).sqrt(), 0.0);
-            let direction = -start;
-            let from_other = start - Vector::x() * distance;
-            let half = from_other.dot(&direction);
-            let depth = -half + (half * half - from_other.norm_squared() + 1.0).sqrt();
-            let cos_alpha = (from_other + direction * depth).dot(&direction).clamp(0.0, 1.0);
-            // The own surface lies at depth 2.
-            if depth < 2.0 { depth * cos_alpha * direction.x * TAU * width } else { 0.0 }
+            let below_the_other = 1.0 - (1.0 + distance * distance - 2.0 * distance * x).sqrt();
+            -x * below_the_other * TAU * width
         })
         .sum()
 }
@@ -55,98 +49,33 @@ pub fn spheres(distance: f64) -> f64 {
 /// Radius of a torus's tube; that of its circle is 1.
 pub const TUBE: f64 = 0.4;
 
-/// One body's rays against another.
-struct OneWay {
-    force: Vector,
-    torque: Vector,
-    claim: f64,
-}
-
-/// The law on two smooth tori: force on the first and its moment about `about`, for stiffness 1, `samples` rays along
-/// each circle and half as many across. The load is shared between the two as the library does.
+/// The law on two smooth tori: force on the first and its moment about `about`, for stiffness 1, `samples` points along
+/// each circle and half as many across. Both are as round, so either carries half of the load.
 pub fn tori(poses: [&Isometry3<f64>; 2], about: &Vector, samples: usize) -> (Vector, Vector) {
     let first = one_way(poses[0], poses[1], about, samples);
     let second = one_way(poses[1], poses[0], about, samples);
-    let share = first.claim / (first.claim + second.claim);
-    let mix = |a: Vector, b: Vector| a * share - b * (1.0 - share);
-    (mix(first.force, second.force), mix(first.torque, second.torque))
+    ((first.0 - second.0) / 2.0, (first.1 - second.1) / 2.0)
 }
 
-fn one_way(from: &Isometry3<f64>, onto: &Isometry3<f64>, about: &Vector, samples: usize) -> OneWay {
+/// The pressure on one body's surface inside the other: force and moment.
+fn one_way(from: &Isometry3<f64>, onto: &Isometry3<f64>, about: &Vector, samples: usize) -> (Vector, Vector) {
     let (around, across) = (samples, samples / 2);
     let (mut force, mut torque) = (Vector::zeros(), Vector::zeros());
-    let (mut depths, mut directions) = (0.0, Vector::zeros());
     let to_local = onto.inverse();
     for i in 0..around {
         for j in 0..across {
             let (u, v) = (TAU * (i as f64 + 0.5) / around as f64, TAU * (j as f64 + 0.5) / across as f64);
             let normal = Vector::new(v.cos() * u.cos(), v.cos() * u.sin(), v.sin());
-            let start = from * nalgebra::Point3::from(Vector::new(u.cos(), u.sin(), 0.0) + normal * TUBE);
-            let direction = -(from * normal);
-            let ray = [(to_local * start).coords, to_local * direction];
-            let Some((depth, cos_alpha)) = way_out(&ray) else { continue };
-            // The tube's own far side.
-            if depth >= 2.0 * TUBE {
-                continue;
+            let point = from * Point3::from(Vector::new(u.cos(), u.sin(), 0.0) + normal * TUBE);
+            let local = to_local * point;
+            let below_the_other = TUBE - (local.coords.xy().norm() - 1.0).hypot(local.z);
+            if below_the_other > 0.0 {
+                let area = TUBE * (1.0 + TUBE * v.cos()) * (2.0 * PI).powi(2) / (around * across) as f64;
+                let push = from * normal * (-below_the_other * area);
+                force += push;
+                torque += (point.coords - about).cross(&push);
             }
-            let area = TUBE * (1.0 + TUBE * v.cos()) * (2.0 * PI).powi(2) / (around * across) as f64;
-            let pull = direction * (depth * cos_alpha * area);
-            force += pull;
-            torque += (start.coords - about).cross(&pull);
-            depths += depth * area;
-            directions += direction * (depth * area);
         }
     }
-    OneWay { force, torque, claim: depths - directions.norm() }
-}
-
-/// Depth and cos α of a ray that starts inside the torus: the first root of its quartic
-/// (|p|² + 1 − r²)² = 4 (x² + y²).
-fn way_out(&[start, direction]: &[Vector; 2]) -> Option<(f64, f64)> {
-    let (flat, flat_direction) = (start.xy(), direction.xy());
-    let sum = [start.norm_squared() + 1.0 - TUBE * TUBE, 2.0 * start.dot(&direction), 1.0];
-    let circle = [flat.norm_squared(), 2.0 * flat.dot(&flat_direction), flat_direction.norm_squared()];
-    let quartic = [
-        sum[0] * sum[0] - 4.0 * circle[0],
-        2.0 * sum[0] * sum[1] - 4.0 * circle[1],
-        sum[1] * sum[1] + 2.0 * sum[0] * sum[2] - 4.0 * circle[2],
-        2.0 * sum[1] * sum[2],
-        sum[2] * sum[2],
-    ];
-    if quartic[0] >= 0.0 {
-        return None;
-    }
-    // A ray inside both tubes is out after less than the larger torus's width.
-    let depth = roots(&quartic, 3.0).into_iter().find(|&t| t > 0.0)?;
-    let end = start + direction * depth;
-    let inward = end.xy().norm();
-    let outward = Vector::new(end.x * (1.0 - 1.0 / inward), end.y * (1.0 - 1.0 / inward), end.z).normalize();
-    Some((depth, outward.dot(&direction).clamp(0.0, 1.0)))
-}
-
-/// The roots of a polynomial (constant first) between 0 and `end`, ascending: its derivative's roots part it into
-/// monotone stretches, each searched by bisection.
-fn roots(polynomial: &[f64], end: f64) -> Vec<f64> {
-    if polynomial.len() < 2 {
-        return Vec::new();
-    }
-    let derivative: Vec<f64> = polynomial.iter().enumerate().skip(1).map(|(power, c)| c * power as f64).collect();
-    let value = |t: f64| polynomial.iter().rev().fold(0.0, |sum, c| sum * t + c);
-    let mut bounds = roots(&derivative, end);
-    bounds.insert(0, 0.0);
-    bounds.push(end);
-    let mut found = Vec::new();
-    for pair in bounds.windows(2) {
-        let (mut low, mut high) = (pair[0], pair[1]);
-        let rising = value(low) < 0.0;
-        if rising == (value(high) < 0.0) {
-            continue;
-        }
-        for _ in 0..60 {
-            let middle = (low + high) / 2.0;
-            if (value(middle) < 0.0) == rising { low = middle } else { high = middle }
-        }
-        found.push((low + high) / 2.0);
-    }
-    found
+    (force, torque)
 }

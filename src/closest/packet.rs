@@ -15,6 +15,8 @@ pub(crate) struct PointPacket<T: Scalar> {
     pub(crate) square: [T; LANE_COUNT],
     /// Of boxes, what may matter still.
     limit: [T; LANE_COUNT],
+    /// The same of slabs.
+    pub(crate) slab_limit: [T; LANE_COUNT],
     margin: [T; LANE_COUNT],
     /// How far each is from the centre, and a little more.
     from_centre: [T; LANE_COUNT],
@@ -33,8 +35,8 @@ pub(crate) struct PointPacket<T: Scalar> {
 }
 
 /// After so many tiles it shows whether points are neighbours: whether so many of them look at each.
-const TILES_TO_TELL: u32 = 8;
-const POINTS_FOR_A_TILE: u32 = 3;
+const TILES_TO_TELL: u32 = 64;
+const POINTS_FOR_A_TILE: u32 = 1;
 
 impl<T: Scalar> PointPacket<T> {
     pub(crate) fn empty() -> Self {
@@ -44,6 +46,7 @@ impl<T: Scalar> PointPacket<T> {
             position: [zeros; 3],
             square: zeros,
             limit: zeros,
+            slab_limit: zeros,
             margin: zeros,
             from_centre: zeros,
             triangle: [0; LANE_COUNT],
@@ -126,8 +129,11 @@ impl<T: Scalar> PointPacket<T> {
     pub(crate) fn renew_limits<L: Lanes<T>>(&mut self) {
         // As `QueryPoint::square_of_boxes`.
         let slack = T::one() + T::ROUNDING_UNIT * T::of(16.0);
-        let distance = L::load(&self.square).sqrt().add(L::load(&self.margin));
+        let margin = L::load(&self.margin);
+        let distance = L::load(&self.square).sqrt().add(margin);
         distance.mul(distance).mul(L::splat(slack)).store(&mut self.limit);
+        let of_slabs = distance.add(margin);
+        of_slabs.mul(of_slabs).mul(L::splat(slack)).store(&mut self.slab_limit);
         // The centre is no farther from a box than a point is, and as far as that is from the centre.
         let farthest = distance.add(L::load(&self.from_centre)).greatest();
         self.centre_limit = farthest * farthest * slack;

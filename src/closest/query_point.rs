@@ -86,6 +86,13 @@ impl<T: Scalar> QueryPoint<T> {
         distance * distance * (T::one() + T::ROUNDING_UNIT * T::of(16.0))
     }
 
+    /// The same for slabs, whose distances are rounded a little more: by no more than another margin.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn square_of_slabs(&self, square: T) -> T {
+        let distance = square.sqrt() + self.margin + self.margin;
+        distance * distance * (T::one() + T::ROUNDING_UNIT * T::of(16.0))
+    }
+
     /// The squared distance to a box.
     pub(crate) fn square_to_box(&self, aabb: &Aabb<T>) -> T {
         let below = aabb.lower * self.factor - self.position;

@@ -26,7 +26,7 @@ pub use distance::ContactLaw;
 pub use list::{Contact, ContactKind, ContactList, Statistics, SurfacePoint};
 pub use memory::{PairMemory, Record};
 pub use pair::{DetectionOptions, detect_pair, query_pair};
-pub(crate) use pair::{detect_pair_among, overlap_region};
+pub(crate) use pair::{detect_pair_among, reach_region};
 pub use push::EscapePush;
 pub use samples::Sampling;
 pub(crate) use self_contact::{SelfMemory, detect_self};

@@ -129,6 +129,18 @@ pub(crate) fn overlap_region<T: Scalar>(a: &Aabb<T>, b: &Aabb<T>) -> (Aabb<T>, A
     (overlap, overlap.grown(largest * T::ROUNDING_UNIT * T::of(8.0)))
 }
 
+/// How far beyond an overlap box the nearest points of the surface mostly lie, as a part of the box's shortest side.
+const BEYOND_OVERLAP: f64 = 0.5;
+
+/// Where most rays end, and most distances, of a pair with these boxes.
+pub(crate) fn reach_region<T: Scalar>(a: &Aabb<T>, b: &Aabb<T>, law: ContactLaw) -> Aabb<T> {
+    let (overlap, region) = overlap_region(a, b);
+    match law {
+        ContactLaw::Pressure => region.grown((overlap.upper - overlap.lower).min() * T::of(BEYOND_OVERLAP)),
+        ContactLaw::RayLength => region,
+    }
+}
+
 /// Two bodies whose boxes overlap.
 #[derive(Clone, Copy)]
 pub(super) struct Pair<'a, T: Scalar> {

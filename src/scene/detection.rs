@@ -2,7 +2,7 @@ use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
 use super::pairs::Remembered;
 use super::{OwnContacts, Scene};
-use crate::contact::{ContactList, DetectionOptions, detect_pair_among, detect_self, overlap_region};
+use crate::contact::{ContactList, DetectionOptions, detect_pair_among, detect_self, reach_region};
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::threads::Helpers;
@@ -214,7 +214,7 @@ impl<T: Scalar> Body<T> {
         }
         // Only bodies that meet another one need their octree.
         regions.clear();
-        memory::append(regions, others.map(|other| overlap_region(mesh.aabb(), other).1));
+        memory::append(regions, others.map(|other| reach_region(mesh.aabb(), other, options.law)));
         if !regions.is_empty() {
             octree.update_in(mesh, regions, options.sampling.patch_area(), tiles).expect("a body keeps its own octree");
         }

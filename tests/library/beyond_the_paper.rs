@@ -5,7 +5,7 @@ use crate::common::STRIDE;
 use crate::common::assert_every_ray_is_counted;
 use crate::common::cuboid::CUBOID_FACES;
 use crate::common::shapes;
-use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling, query_pair};
+use raycontact::contact::{ContactKind, ContactLaw, ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::math::Vector3;
 use raycontact::mesh::Mesh;
 use raycontact::octree::Octree;
@@ -156,7 +156,12 @@ fn a_sharp_edge_pressed_into_a_floor_does_not_escape() {
         scene.mesh_mut(body).expect("it was added").set_positions(&moved(&wedge.positions, &sway)).expect("finite");
         scene.query(&mut contacts);
         assert_every_ray_is_counted(&contacts);
-        assert!(contacts.statistics.own_surface_hits > 0 && contacts.len() > 10, "{:?}", contacts.statistics);
+        assert!(contacts.len() > 10, "{:?}", contacts.statistics);
+        let by_rays = DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() };
+        scene.set_options(by_rays);
+        scene.query(&mut contacts);
+        assert!(contacts.statistics.own_surface_hits > 0, "{:?}", contacts.statistics);
+        scene.set_options(DetectionOptions::default());
         assert_eq!(contacts.statistics.escaping_pairs, 0, "step {step}");
     }
 }
@@ -190,14 +195,16 @@ fn escapes_are_counted_and_can_be_forbidden() {
     let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &CUBOID_FACES).expect("a box is closed");
     let (first, _) = (scene.add(mesh(&inner)), scene.add(mesh(&outer)));
     let mut contacts = ContactList::default();
+    // Under the paper's law nothing pushes what is swallowed.
+    let by_rays = DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() };
     let counts = |contacts: &ContactList<f64>| {
         (contacts.statistics.escapes_started, contacts.statistics.escaping_pairs, contacts.statistics.escape_contacts)
     };
-    scene.set_options(DetectionOptions { escape: false, ..DetectionOptions::default() });
+    scene.set_options(DetectionOptions { escape: false, ..by_rays });
     scene.query(&mut contacts);
     assert_eq!((contacts.len(), counts(&contacts)), (0, (0, 0, 0)));
 
-    scene.set_options(DetectionOptions::default());
+    scene.set_options(by_rays);
     scene.query(&mut contacts);
     let all = contacts.len() as u64;
     assert!(all > 0);
@@ -222,7 +229,9 @@ fn escapes_are_counted_and_can_be_forbidden() {
 #[test]
 fn an_escape_takes_the_shortest_way() {
     let directions = (0..27).filter(|&i| i != 13).map(|i: i32| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1].map(f64::from));
-    let options = DetectionOptions { sampling: Sampling::Vertices, ..DetectionOptions::default() };
+    // Under the paper's law nothing else pushes what is swallowed.
+    let (law, sampling) = (ContactLaw::RayLength, Sampling::Vertices);
+    let options = DetectionOptions { law, sampling, ..DetectionOptions::default() };
     for direction in directions {
         let across = Vector3::from(direction).normalize();
         let along = across.cross(&Vector3::ith((across.iamax() + 1) % 3, 1.0)).normalize();
@@ -286,11 +295,13 @@ fn what_lies_in_a_hole_is_not_swallowed() {
     }
 }
 
-/// A body that had contacts which pushed one way escapes as soon as it is swallowed whole.
+/// A body that had contacts which pushed one way escapes as soon as it is swallowed whole, under the paper's law: nothing
+/// else pushes it then.
 #[test]
 fn what_is_pushed_in_at_a_stroke_escapes_at_once() {
     let (block, body) = (cuboid([1.0; 3], [0.0; 3]), cuboid([0.2; 3], [0.0, 0.0, 1.1]));
     let mut scene = Scene::new(1).expect("no threads are needed");
+    scene.set_options(DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() });
     let mesh = |positions: &[[f64; 3]]| Mesh::new(positions, &CUBOID_FACES).expect("a box is closed");
     let (_, pushed) = (scene.add(mesh(&block)), scene.add(mesh(&body)));
     let mut contacts = ContactList::default();

@@ -1,10 +1,7 @@
 //! The main figures of docs/accuracy.md, from closed forms: the paper's Figure 8, Archimedes, two spheres.
 
-#[path = "../../examples/support/mod.rs"]
-mod support;
-
-use self::support::shapes::Shape;
-use self::support::{Mode, Vector, limits, net_force, shapes};
+use crate::support::shapes::Shape;
+use crate::support::{Mode, Vector, limits, net_force, shapes};
 use std::f64::consts::{PI, TAU};
 
 /// The largest tangential force over the normal one, of a cylinder on a plane turned through one side.

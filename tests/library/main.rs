@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../../examples/support/mod.rs"]
+mod support;
 
 mod algorithm;
 mod bad_geometry;
@@ -24,6 +26,7 @@ mod octree;
 mod open_meshes;
 mod orientation;
 mod pair_memory;
+mod pressure;
 mod rays;
 mod refused_numbers;
 mod response;

@@ -1,7 +1,7 @@
 //! What the pairs of a scene remember: read, saved and restored; and escapes that are forbidden, or turn.
 
 use crate::common::shapes::{self, Shape};
-use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling};
+use raycontact::contact::{ContactKind, ContactLaw, ContactList, DetectionOptions, Sampling};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::scene::{SavedStateError, Scene, SceneError};
 
@@ -167,6 +167,8 @@ fn an_escape_is_forbidden_for_one_pair_alone() {
         shapes::cube(1).scaled(0.2).moved([0.1, 0.3, -0.2]),
         shapes::cube(1).scaled(0.1).moved([-0.5, -0.3, 0.4]),
     ]);
+    // Under the paper's law nothing else pushes what is swallowed.
+    motion.scene.set_options(DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() });
     motion.scene.allow_escape(1, 0, false).expect("both are there");
     assert!(!motion.scene.may_escape(0, 1).expect("both are there"));
     assert!(motion.scene.may_escape(0, 2).expect("both are there"));

@@ -85,7 +85,8 @@ impl<T: Scalar> Kernel<T> for Closest<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let limit = self.query.square_of_boxes(self.nearest.square);
-        let mut one = One { query: self.query, nearest: self.nearest, limit };
+        let slab_limit = self.query.square_of_slabs(self.nearest.square);
+        let mut one = One { query: self.query, nearest: self.nearest, limit, slab_limit };
         walk::<T, L, _>(self.cells, self.mesh, self.query, &mut one);
     }
 }
@@ -95,6 +96,7 @@ struct One<'a, T: Scalar> {
     query: &'a QueryPoint<T>,
     nearest: &'a mut Nearest<T>,
     limit: T,
+    slab_limit: T,
 }
 
 impl<T: Scalar> Seeker<T> for One<'_, T> {
@@ -106,19 +108,23 @@ impl<T: Scalar> Seeker<T> for One<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
         let index = node.first as usize + place;
+        if cells.outlines[index].is_loaded && !cells.slabs[index].is_near(self.query, self.slab_limit) {
+            return;
+        }
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let positions = cells.positions_of::<L>(index, mesh, &mut room);
         let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], self.query.factor);
         let squares = triangles.squares(&self.query.position);
         if keep_nearest::<T, L>(cells, index, squares, self.nearest) {
             self.limit = self.query.square_of_boxes(self.nearest.square);
+            self.slab_limit = self.query.square_of_slabs(self.nearest.square);
         }
     }
 }
 
 /// Points are neighbours if they are at most so many times the width of a tile away from their middle. The mesh has a size of
 /// about 1.
-const MOST_SPREAD: f64 = 6.0;
+const MOST_SPREAD: f64 = 64.0;
 
 /// Finds the nearest triangles of a packet's points.
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -163,11 +169,14 @@ impl<T: Scalar> Seeker<T> for PointPacket<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
         let mut near = self.near::<L>(&node.child_box(place));
-        let count = near.count_ones();
-        if near == 0 {
-            return self.count_looks(0);
-        }
         let index = node.first as usize + place;
+        let count = near.count_ones();
+        if near != 0 && cells.outlines[index].is_loaded {
+            near &= cells.slabs[index].near::<L>(self);
+        }
+        if near == 0 {
+            return self.count_looks(count);
+        }
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let positions = cells.positions_of::<L>(index, mesh, &mut room);
         let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], self.centre.factor);

@@ -12,6 +12,7 @@ mod packet;
 mod refit;
 mod region;
 mod runs;
+mod slab;
 mod tile;
 mod trace;
 mod validate;
@@ -24,6 +25,7 @@ use crate::octree::closest::Nearest;
 use crate::ray::{PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
 use runs::Runs;
+use slab::Slab;
 use tile::{Outline, TILE_SIZE, Tile};
 
 pub(super) use near::NearTiles;
@@ -40,6 +42,8 @@ pub(super) struct Wide<T: Scalar> {
     ascending: Vec<[[u8; TILE_SIZE]; 3]>,
     /// Children come after their parent; the first is the root.
     nodes: Vec<Node<T>>,
+    /// Of each tile that is loaded.
+    slabs: Vec<Slab<T>>,
     runs: Runs<T>,
     /// Whether all boxes are the tightest.
     is_tight: bool,
@@ -59,7 +63,8 @@ impl<T: Scalar> Wide<T> {
         }
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
         let runs = Runs::new(mesh, &nodes, &outlines);
-        let mut wide = Self { tiles, outlines, ascending, nodes, runs, is_tight: false };
+        let slabs = memory::filled(Slab::endless(), tiles.len());
+        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, is_tight: false };
         wide.refit(mesh, None);
         wide.load(mesh, None);
         wide

@@ -1,4 +1,4 @@
-use super::{Node, Wide};
+use super::{Node, Slab, Wide};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
 use crate::mesh::Mesh;
 
@@ -69,13 +69,14 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Wide { tiles, outlines, .. } = self.cells;
+        let Wide { tiles, outlines, slabs, .. } = self.cells;
         let count = self.tiles.map_or(tiles.len(), <[u32]>::len);
         for place in 0..count {
             let index = self.tiles.map_or(place, |chosen| chosen[place] as usize);
             let outline = &mut outlines[index];
             if !outline.is_loaded {
                 Vectors::<T, L>::gather(self.mesh.positions(), &outline.vertices).store(&mut tiles[index].positions);
+                slabs[index] = Slab::around::<L>(&tiles[index]);
                 outline.is_loaded = true;
             }
         }

@@ -1,0 +1,76 @@
+use super::tile::{TILE_SIZE, Tile};
+use crate::closest::{PointPacket, QueryPoint};
+use crate::math::{Lanes, Mask, Scalar, Vector3, Vectors, direction};
+
+/// A round slab around a tile, across its mean normal: a better bound for distances than the box of a tilted tile.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slab<T: Scalar> {
+    /// Of unit length, but for a tile without a normal: then zero, and the slab is endless.
+    normal: Vector3<T>,
+    centre: Vector3<T>,
+    /// How far it reaches from the centre along the normal.
+    below: T,
+    above: T,
+    /// And across it.
+    radius: T,
+}
+
+impl<T: Scalar> Slab<T> {
+    pub(super) fn endless() -> Self {
+        let endless = T::INFINITY;
+        Self { normal: Vector3::zeros(), centre: Vector3::zeros(), below: -endless, above: endless, radius: endless }
+    }
+
+    /// Around the tile's present positions.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn around<L: Lanes<T>>(tile: &Tile<T>) -> Self {
+        let vertices = Vectors::<T, L>::load(&tile.positions);
+        let a = vertices.permuted(&tile.corners[0]);
+        let normals = vertices.permuted(&tile.corners[1]).sub(a).cross(vertices.permuted(&tile.corners[2]).sub(a));
+        let mut rows = [[T::zero(); TILE_SIZE]; 3];
+        Vectors::select(tile.present, normals, Vectors::zeros()).store(&mut rows);
+        let mut sum = Vector3::zeros();
+        for place in 0..TILE_SIZE {
+            sum += Vector3::new(rows[0][place], rows[1][place], rows[2][place]);
+        }
+        let Some(normal) = direction(&sum) else { return Self::endless() };
+        let (lower, upper) = (vertices.smallest_lanes(), vertices.greatest_lanes());
+        let half = T::of(0.5);
+        let centre = lower * half + upper * half;
+        let seen = vertices.sub(Vectors::splat(&centre));
+        let along = seen.dot(Vectors::splat(&normal));
+        let across = seen.sub(Vectors::splat(&normal).scaled(along));
+        // More than all is rounded here.
+        let slack = (upper - lower).max() * T::ROUNDING_UNIT * T::of(32.0);
+        let radius = across.dot(across).greatest().sqrt() + slack;
+        Self { normal, centre, below: along.smallest() - slack, above: along.greatest() + slack, radius }
+    }
+
+    /// Which of a packet's points may be near enough to something in the slab.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn near<L: Lanes<T>>(&self, packet: &PointPacket<T>) -> Mask {
+        let factor = packet.centre.factor;
+        let normal = Vectors::<T, L>::splat(&self.normal);
+        let seen = Vectors::load(&packet.position).sub(Vectors::splat(&(self.centre * factor)));
+        let along = seen.dot(normal);
+        let across = seen.sub(normal.scaled(along));
+        let zero = L::splat(T::zero());
+        let above = along.sub(L::splat(self.above * factor));
+        let below = L::splat(self.below * factor).sub(along);
+        let apart = above.larger(below).larger(zero);
+        let beside = across.dot(across).sqrt().sub(L::splat(self.radius * factor)).larger(zero);
+        apart.mul(apart).add(beside.mul(beside)).is_at_most(L::load(&packet.slab_limit))
+    }
+
+    /// Whether a point may be nearer than by this square to something in the slab.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn is_near(&self, query: &QueryPoint<T>, square_of_slabs: T) -> bool {
+        let seen = query.position - self.centre * query.factor;
+        let along = seen.dot(&self.normal);
+        let across = seen - self.normal * along;
+        let zero = T::zero();
+        let apart = (along - self.above * query.factor).max(self.below * query.factor - along).max(zero);
+        let beside = (across.norm_squared().sqrt() - self.radius * query.factor).max(zero);
+        apart * apart + beside * beside <= square_of_slabs
+    }
+}

@@ -1,0 +1,138 @@
+//! The pressure law: every surface point inside the other body is pushed by its distance to that body's surface.
+
+use crate::common::{assert_every_ray_is_counted, shapes};
+use crate::support::shapes::{cuboid, icosphere, turn};
+use crate::support::{Mode, Vector, net_force};
+use raycontact::contact::{Contact, ContactLaw, ContactList, DetectionOptions, Sampling, query_pair};
+use raycontact::mesh::Mesh;
+use raycontact::octree::{Layout, Octree};
+
+fn contacts_of(meshes: [&Mesh<f64>; 2], layout: Layout, options: &DetectionOptions<f64>) -> ContactList<f64> {
+    let octrees = meshes.map(|mesh| Octree::with_layout(mesh, layout));
+    let mut contacts = ContactList::default();
+    query_pair(meshes[0], &octrees[0], meshes[1], &octrees[1], options, &mut contacts).expect("octrees are new");
+    assert_every_ray_is_counted(&contacts);
+    contacts
+}
+
+/// Two stars, deep in one another and turned.
+fn stars() -> [Mesh<f64>; 2] {
+    let star = shapes::star();
+    let turned = turn([1.0, 0.4, 0.2], 0.8);
+    let moved = star.map(|point| (turned * Vector::from(point) + Vector::new(0.3, 0.2, 0.25)).into());
+    [star.mesh(), moved.mesh()]
+}
+
+/// The judges: all triangles for the distance, the winding number for what is inside.
+#[test]
+fn contacts_are_all_points_inside_and_know_their_distance() {
+    let meshes = stars();
+    for sampling in [Sampling::Automatic, Sampling::Vertices, Sampling::Spacing(0.1)] {
+        let options = DetectionOptions { sampling, ..DetectionOptions::default() };
+        let found = contacts_of(meshes.each_ref(), Layout::Wide, &options);
+        assert!(found.len() > 20 && found.statistics.own_surface_hits == 0, "{:?}", found.statistics);
+        let octrees = meshes.each_ref().map(Octree::new);
+        for contact in &found.contacts {
+            let other = contact.collided as usize;
+            let tracer = octrees[other].tracer(&meshes[other]).expect("it is new");
+            let nearest = tracer.closest_point_of_all(&contact.p1.position, f64::INFINITY).expect("it is finite");
+            let distance = contact.depth * contact.cos_alpha;
+            assert!((distance - nearest.distance).abs() <= 1e-14 * (1.0 + contact.depth), "{contact:?}");
+            assert_eq!(tracer.winding_number(&contact.p1.position, &mut Vec::new()), Some(1));
+        }
+    }
+    // From the vertices both cast, and those inside are known.
+    let options = DetectionOptions { sampling: Sampling::Vertices, ..DetectionOptions::default() };
+    let found = contacts_of(meshes.each_ref(), Layout::Wide, &options);
+    for side in [0, 1] {
+        let octree = Octree::new(&meshes[1 - side]);
+        let tracer = octree.tracer(&meshes[1 - side]).expect("it is new");
+        let mut inside = meshes[side].positions().iter();
+        let count = inside.by_ref().filter(|point| tracer.winding_number(point, &mut Vec::new()) == Some(1)).count();
+        let cast = found.contacts.iter().filter(|contact| contact.colliding as usize == side).count();
+        assert_eq!(cast, count, "side {side}");
+    }
+}
+
+#[test]
+fn both_layouts_give_the_same_contacts() {
+    let meshes = stars();
+    for sampling in [Sampling::Automatic, Sampling::Vertices] {
+        for law in [ContactLaw::Pressure, ContactLaw::RayLength] {
+            let options = DetectionOptions { law, sampling, ..DetectionOptions::default() };
+            let [wide, classic] = [Layout::Wide, Layout::Classic].map(|layout| {
+                let mut contacts = contacts_of(meshes.each_ref(), layout, &options).contacts;
+                let place = |contact: &Contact<f64>| (contact.colliding, contact.p1.position.data.0);
+                contacts.sort_by(|a, b| place(a).partial_cmp(&place(b)).expect("finite"));
+                // The sums by which directions share the load are taken in another order.
+                contacts.iter_mut().for_each(|contact| contact.area = 0.0);
+                contacts
+            });
+            assert_eq!(wide, classic, "{options:?}");
+        }
+    }
+}
+
+/// Of two cubes, one set down a little beside the middle of the other, the side faces push by what they are below the top:
+/// d² / 2 against the normal force (1 − s) d.
+#[test]
+fn a_cube_beside_the_middle_of_another_is_not_pushed_aside() {
+    let lower = cuboid([-0.5; 3], [0.5; 3]).mesh(|point| *point);
+    for (aside, depth) in [(0.001, 0.05), (0.01, 0.1), (0.3, 0.02)] {
+        let by = Vector::new(aside, 0.0, 1.0 - depth);
+        let force = |mode| {
+            let upper = cuboid([-0.5; 3], [0.5; 3]).mesh(|point| point + by);
+            net_force(mode, &upper, &lower, &Vector::zeros()).force
+        };
+        let lateral = force(Mode::Default).xy().norm() / force(Mode::Default).z;
+        assert!(lateral <= 1.2 * depth / (2.0 * (1.0 - aside)), "{aside}, {depth}: {lateral}");
+    }
+    // The paper's law: by more than it is held up.
+    let upper = cuboid([-0.5; 3], [0.5; 3]).mesh(|point| point + Vector::new(0.001, 0.0, 0.95));
+    let force = net_force(Mode::RayLength, &upper, &lower, &Vector::zeros()).force;
+    assert!(force.xy().norm() > force.z, "{force:?}");
+}
+
+/// A small cube inside a large one, aside of its middle: all its faces are nearest to one wall, so the force is k times its
+/// volume towards that wall, in closed form.
+#[test]
+fn what_is_swallowed_is_pushed_to_the_nearest_wall() {
+    let outer = cuboid([-1.0; 3], [1.0; 3]).mesh(|point| *point);
+    for parts in [[0.6, 0.0, 0.0], [0.1, -0.65, 0.2]] {
+        let by = Vector::from(parts);
+        let inner = cuboid([-0.2; 3], [0.2; 3]).mesh(|point| point + by);
+        let force = net_force(Mode::Default, &inner, &outer, &Vector::zeros()).force;
+        let axis = by.iamax();
+        // Both are as flat: the outer one's half sees nothing.
+        let expected = Vector::ith(axis, 0.5 * 0.4f64.powi(3) * by[axis].signum());
+        assert!((force - expected).norm() < 0.02 * expected.norm(), "{force:?}, not {expected:?}");
+    }
+}
+
+/// Beside a flat body only the round one casts; of two round ones both do.
+#[test]
+fn the_rounder_body_carries_the_load() {
+    let ball = |by: [f64; 3]| icosphere(8).mesh(|point| point + Vector::from(by));
+    let slab = cuboid([-3.0, -3.0, -2.0], [3.0, 3.0, 0.0]).mesh(|point| *point);
+    let from = |meshes: [&Mesh<f64>; 2], side: u32| {
+        let found = contacts_of(meshes, Layout::Wide, &DetectionOptions::default());
+        found.contacts.iter().filter(|contact| contact.colliding == side).count()
+    };
+    let (first, second) = (ball([0.0, 0.0, 0.6]), ball([0.1, 0.0, 2.1]));
+    assert!(from([&first, &slab], 0) > 50 && from([&slab, &first], 1) > 50);
+    assert_eq!(from([&first, &slab], 1) + from([&slab, &first], 0), 0);
+    assert!(from([&first, &second], 0) > 20 && from([&first, &second], 1) > 20);
+}
+
+/// On the surface the distance is zero, and so is the quotient's divisor.
+#[test]
+fn points_on_the_surface_have_finite_contacts() {
+    let cube = cuboid([0.0; 3], [1.0; 3]);
+    let meshes = [cube.mesh(|point| *point), cube.mesh(|point| point + Vector::new(0.25, 0.25, 0.0))];
+    for sampling in [Sampling::Automatic, Sampling::Vertices] {
+        let options = DetectionOptions { sampling, ..DetectionOptions::default() };
+        for contact in &contacts_of(meshes.each_ref(), Layout::Wide, &options).contacts {
+            assert!((0.0..=1.0).contains(&contact.cos_alpha) && contact.depth >= 0.0, "{contact:?}");
+        }
+    }
+}
