@@ -602,7 +602,9 @@ typedef struct rayc_contact {
    */
   double depth;
   /**
-   * Cosine of the angle between the ray and the outward normal at p2, 0 to 1.
+   * What the depth is multiplied with in the pressure, 0 to 1. With RAYC_LAW_PRESSURE the distance from p1 to the nearest
+   * point of the collided body over the depth, which beside a flat face is the cosine of the angle between the ray and the
+   * outward normal at p2; with RAYC_LAW_RAY_LENGTH that cosine.
    */
   double cos_alpha;
   /**

@@ -6,8 +6,8 @@ usage() {
     cat <<END
 usage: scripts/accuracy.sh [--help]
 
-Runs the examples figure8 and convergence, writes docs/accuracy/figure8.csv and docs/accuracy/convergence.csv and draws
-figure8.svg and convergence.svg beside them, and renews the tables of docs/accuracy.md: about half a minute after the
+Runs the examples forces, figure8 and convergence, writes docs/accuracy/forces.csv, figure8.csv and convergence.csv, draws
+figure8.svg and convergence.svg beside them, and renews the tables of docs/accuracy.md: about three minutes after the
 build. The figures do not depend on the machine's speed or its number of cores. Debian's python3-matplotlib is installed
 first where it is missing.
 Exit status: 0 when drawn and all targets are met, 1 when not or when something failed, 2 for a wrong command line.
@@ -24,14 +24,14 @@ command -v cargo >/dev/null || fail "'cargo' is missing: install a Rust toolchai
 install_packages python3-matplotlib
 
 say 'Building (release)'
-cargo build --release --locked --example figure8 --example convergence >&2 || fail 'the build failed, see above'
+cargo build --release --locked --example forces --example figure8 --example convergence >&2 || fail 'the build failed, see above'
 
 # Copied at the end: an interrupted run leaves the old figures.
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
 target="$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/release/examples"
 are_met=yes
-for example in figure8 convergence; do
+for example in forces figure8 convergence; do
     say "Measuring: $example"
     "$target/$example" >"$scratch/$example.csv" || {
         (($? == 1)) || fail "$example ended early, see above"
@@ -40,7 +40,7 @@ for example in figure8 convergence; do
 done
 /usr/bin/python3 scripts/draw_accuracy.py "$scratch" || fail 'the charts could not be drawn, see above'
 mkdir -p docs/accuracy
-cp "$scratch"/{figure8,convergence}.{csv,svg} docs/accuracy/
+cp "$scratch"/{forces.csv,{figure8,convergence}.{csv,svg}} docs/accuracy/
 /usr/bin/python3 scripts/tabulate_accuracy.py || fail 'the tables could not be written, see above'
 say "Figures and charts: $root/docs/accuracy/"
 [[ "$are_met" == yes ]] || fail 'a target was missed, see above'

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Writes the tables of docs/accuracy.md anew from docs/accuracy/figure8.csv and docs/accuracy/convergence.csv.
+"""Writes the tables of docs/accuracy.md anew from forces.csv, figure8.csv and convergence.csv in docs/accuracy.
 
 Usage: tabulate_accuracy.py [docs]
 
@@ -42,6 +42,27 @@ def figure8(rows):
     return table(["sides", *SIDES], lines)
 
 
+# What docs/accuracy.md says of each case of forces.csv, and in which unit.
+FORCES = {"references": "", "aside": "lateral force over what is allowed, ", "steps": "jump at one of 1000 steps, %: ",
+          "paths": "net work of closed paths, %: ", "slab": "error to k × volume, %: ",
+          "rolled": "tangential over normal force, %: "}
+
+
+def forces(rows):
+    """Of each case and its bodies: median, ninety of a hundred, worst; by the paper's law and by default."""
+    found = {}
+    for line in rows:
+        found.setdefault((line["case"], line["bodies"]), {})[line["law"]] = line
+    lines = []
+    for (case, bodies), laws in found.items():
+        scale = 100 if "%" in FORCES[case] or bodies.endswith("(part)") else 1
+        name = bodies.replace("(part)", "(%)") if bodies.endswith("(part)") else bodies
+        cells = [" / ".join(f"{scale * float(laws[law][column]):.2g}" for column in ("median", "ninety", "worst"))
+                 for law in ("ray length", "default")]
+        lines.append([FORCES[case] + name, *cells])
+    return table(["case", "the paper's law: median / 90 % / worst", "pressure: median / 90 % / worst"], lines)
+
+
 def order(rows, column):
     """The slope of the error over the edge length, both as logarithms, by least squares."""
     points = [(-0.5 * math.log(float(line["triangles"])), math.log(float(line[column]))) for line in rows]
@@ -76,11 +97,12 @@ def main():
     folder = parser.parse_args().folder
     path = os.path.join(folder, "accuracy.md")
     try:
-        forces = read(os.path.join(folder, "accuracy", "convergence.csv"))
+        errors = read(os.path.join(folder, "accuracy", "convergence.csv"))
         tables = {
+            "forces": forces(read(os.path.join(folder, "accuracy", "forces.csv"))),
             "figure8": figure8(read(os.path.join(folder, "accuracy", "figure8.csv"))),
-            "convergence": convergence(forces, DEFAULTS),
-            "convergence, others": convergence(forces, OTHERS),
+            "convergence": convergence(errors, DEFAULTS),
+            "convergence, others": convergence(errors, OTHERS),
         }
         with open(path, encoding="utf-8") as file:
             text = file.read()

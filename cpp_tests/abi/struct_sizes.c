@@ -95,8 +95,8 @@ static void older_options_are_read_as_far_as_they_go(void) {
   options.struct_size = sizeof options;
   CHECK_STATUS(rayc_scene_set_detection_options(other, &options), RAYC_STATUS_INVALID_OPTION, "");
   CHECK_OK(rayc_default_detection_options(sizeof options, &options));
-  options.reserved = 1;
-  CHECK_STATUS(rayc_scene_set_detection_options(other, &options), RAYC_STATUS_INVALID_OPTION, "reserved");
+  options.law = 3;
+  CHECK_STATUS(rayc_scene_set_detection_options(other, &options), RAYC_STATUS_UNKNOWN_ENUM, "rayc_law");
   CHECK_OK(rayc_scene_destroy(other));
 }
 

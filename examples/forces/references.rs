@@ -86,15 +86,15 @@ pub fn measure(_poses: usize, _seed: u64) -> Vec<Row> {
                         - reference.hydroelastic / reference.hydroelastic.norm())
                     .norm()
                 });
-                let bodies = format!("{pair} to hydroelastic, part");
+                let bodies = format!("{pair} to hydroelastic (part)");
                 rows.push(Row { bodies, mode, errors, targets: [0.1; 3] });
                 continue;
             }
             let errors = each(|force, reference| force.angle(&reference.hydroelastic).to_degrees());
-            let bodies = format!("{pair} to hydroelastic, degrees");
+            let bodies = format!("{pair} to hydroelastic (degrees)");
             rows.push(Row { bodies, mode, errors, targets: [1.0, 4.0, 90.0] });
             let errors = each(|force, reference| force.angle(&reference.even_pressure).to_degrees());
-            let bodies = format!("{pair} to even pressure, degrees");
+            let bodies = format!("{pair} to even pressure (degrees)");
             rows.push(Row { bodies, mode, errors, targets: [3.0, 7.0, 90.0] });
         }
     }

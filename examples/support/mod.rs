@@ -20,7 +20,7 @@ pub type Vector = Vector3<f64>;
 pub enum Mode {
     /// From the vertices, not weighted by area: the paper's law.
     Paper,
-    /// From the vertices, weighted by area.
+    /// From the vertices, weighted by area, with the library's own law.
     Vertices,
     /// The library's defaults, but with the paper's law, weighted by area.
     RayLength,
@@ -41,7 +41,8 @@ impl Mode {
 
     fn options(self) -> DetectionOptions<f64> {
         match self {
-            Self::Paper | Self::Vertices => DetectionOptions::paper(),
+            Self::Paper => DetectionOptions::paper(),
+            Self::Vertices => DetectionOptions { law: ContactLaw::default(), ..DetectionOptions::paper() },
             Self::RayLength => DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() },
             Self::Default => DetectionOptions::default(),
         }

@@ -112,7 +112,9 @@ pub struct rayc_contact {
     pub direction: [f64; 3],
     /// The distance from p1 to p2, ≥ 0.
     pub depth: f64,
-    /// Cosine of the angle between the ray and the outward normal at p2, 0 to 1.
+    /// What the depth is multiplied with in the pressure, 0 to 1. With RAYC_LAW_PRESSURE the distance from p1 to the nearest
+    /// point of the collided body over the depth, which beside a flat face is the cosine of the angle between the ray and the
+    /// outward normal at p2; with RAYC_LAW_RAY_LENGTH that cosine.
     pub cos_alpha: f64,
     /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
     /// the rays of this direction carry; the two directions' shares sum to 1.

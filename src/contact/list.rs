@@ -66,7 +66,9 @@ pub struct Contact<T: Scalar> {
     pub direction: Vector3<T>,
     /// The distance from p1 to p2, ≥ 0.
     pub depth: T,
-    /// Cosine of the angle between the ray and the outward normal at p2, in \[0, 1\].
+    /// What the depth is multiplied with in the pressure, in \[0, 1\]. Under [`ContactLaw::Pressure`](super::ContactLaw) the
+    /// distance from p1 to the nearest point of the collided body over the depth, which beside a flat face is the cosine of
+    /// the angle between the ray and the outward normal at p2; under [`ContactLaw::RayLength`](super::ContactLaw) that cosine.
     pub cos_alpha: T,
     /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
     /// the rays of this direction carry; the two directions' shares sum to 1.
