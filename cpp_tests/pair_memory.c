@@ -140,7 +140,7 @@ int main(void) {
   CHECK_OK(rayc_scene_may_escape(other, 0, 1, &allowed));
   CHECK(allowed == 0);
   const rayc_statistics forbidden = query(other, contacts);
-  CHECK(forbidden.escaping_pairs == 0 && forbidden.escapes_forbidden == 1 && forbidden.contacts == 0);
+  CHECK(forbidden.escaping_pairs == 0 && forbidden.escapes_forbidden == 1 && forbidden.escape_contacts == 0);
   CHECK_STATUS(rayc_scene_allow_escape(other, 1, 0, 2), RAYC_STATUS_INVALID_OPTION, "allowed");
   CHECK_STATUS(rayc_scene_allow_escape(other, 1, 1, 1), RAYC_STATUS_INVALID_OPTION, "twice");
   CHECK_STATUS(rayc_scene_allow_escape(other, 1, 9, 1), RAYC_STATUS_UNKNOWN_BODY, "9");

@@ -197,7 +197,7 @@ const SCENES: [(&str, Build); 5] = [
         let bodies = vec![floor(8, 3.0), torus(64, 32, 1.0, 0.4).moved([0.1, 0.2, 0.25]), {
             torus(64, 32, 1.0, 0.4).turned().moved([0.4, 0.3, 0.8])
         }];
-        Setting { bodies, sampling: Some(Sampling::Tolerance(0.1)), is_paper: false }
+        Setting { bodies, sampling: Some(Sampling::Tolerance(0.3)), is_paper: false }
     }),
 ];
 

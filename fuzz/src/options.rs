@@ -3,7 +3,7 @@
 
 use crate::Bytes;
 use crate::surface;
-use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair, query_self};
+use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling, query_pair, query_self};
 use raycontact::mesh::Mesh;
 use raycontact::octree::Octree;
 use raycontact::scene::Scene;
@@ -52,6 +52,7 @@ fn options(bytes: &mut Bytes, meshes: &[Mesh<f64>]) -> DetectionOptions<f64> {
         edges: bytes.flag(),
         escape: bytes.flag(),
         past_folds: bytes.flag(),
+        law: if bytes.flag() { ContactLaw::Pressure } else { ContactLaw::RayLength },
     }
 }
 

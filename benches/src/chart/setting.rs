@@ -154,7 +154,9 @@ impl Ours {
             Sampling::Spacing(length) => Sampling::Spacing(T::of(length)),
             Sampling::Tolerance(part) => Sampling::Tolerance(T::of(part)),
         };
-        DetectionOptions { sampling, edges: self.edges, escape: self.escape, past_folds: false }
+        let (edges, escape) = (self.edges, self.escape);
+        // The law whose limit `measure` takes for the truth.
+        DetectionOptions { sampling, edges, escape, ..DetectionOptions::default() }
     }
 }
 

@@ -49,6 +49,7 @@ class SurfaceSet {
     check_options(options);
     rayc_detection_options detection{};
     check(rayc_default_detection_options(sizeof detection, &detection));
+    detection.law = options.law;
     detection.sample_spacing = options.sample_spacing;
     detection.force_tolerance = options.force_tolerance;
     detection.edges = options.edges ? 1 : 0;

@@ -1,3 +1,6 @@
+// Lanes side by side read best as plain loops over their index.
+#![allow(clippy::needless_range_loop)]
+
 use super::tile::{TILE_SIZE, Tile};
 use crate::closest::{PointPacket, QueryPoint};
 use crate::math::{Lanes, Mask, Scalar, Vector3, Vectors, direction};
