@@ -190,7 +190,7 @@ static void make_settings(struct setting settings[5]) {
 
   ++setting;
   setting->name = "sheet and patches";
-  setting->detection.force_tolerance = 0.1;
+  setting->detection.force_tolerance = 0.3;
   add_body(setting, sheet(8, 3));
   add_body(setting, moved(torus(64, 32, 1, 0.4), 0.1, 0.2, 0.25));
   add_body(setting, moved(turned(torus(64, 32, 1, 0.4)), 0.4, 0.3, 0.8));
