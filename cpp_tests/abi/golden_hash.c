@@ -172,6 +172,7 @@ static void make_settings(struct setting settings[5]) {
   setting->name = "paper";
   setting->weighting = RAYC_WEIGHTING_VERTEX;
   setting->detection.sample_spacing = 0;
+  setting->detection.law = RAYC_LAW_RAY_LENGTH;
   setting->detection.edges = 0;
   setting->detection.escape = 0;
   add_body(setting, torus(64, 32, 1, 0.4));
