@@ -2,7 +2,7 @@
 
 use super::Row;
 use super::support::shapes::{Shape, cuboid, icosphere, turn};
-use super::support::{Mode, Vector, net_force, random};
+use super::support::{Mode, Vector, limits, net_force, random};
 use raycontact::mesh::Mesh;
 
 fn slab() -> Mesh<f64> {
@@ -37,33 +37,8 @@ fn sunk(mode: Mode, shape: &Shape, random: &mut impl FnMut() -> f64) -> f64 {
     let by = -(bottom + part * (top - bottom));
     let body = shape.mesh(|point| tilt * point + Vector::z() * by);
     let force = net_force(mode, &body, &slab(), &Vector::zeros()).force;
-    let truth = Vector::z() * volume_below(&body);
+    let truth = Vector::z() * limits::volume_below_zero(&body);
     (force - truth).norm() / truth.norm()
-}
-
-/// The volume of a closed mesh below z = 0: of each triangle the prism between it and z = 0, as far as it lies below.
-fn volume_below(mesh: &Mesh<f64>) -> f64 {
-    let prism = |[a, b, c]: [Vector; 3]| {
-        let area = 0.5 * (b - a).xy().perp(&(c - a).xy());
-        area * (a.z + b.z + c.z) / 3.0
-    };
-    let mut sum = 0.0;
-    for triangle in 0..mesh.topology().triangles().len() as u32 {
-        let corners = mesh.corners(triangle);
-        let mut below: Vec<Vector> = Vec::new();
-        for i in 0..3 {
-            let (from, to) = (corners[i], corners[(i + 1) % 3]);
-            if from.z <= 0.0 {
-                below.push(from);
-            }
-            if (from.z <= 0.0) != (to.z <= 0.0) {
-                below.push(from + (to - from) * (from.z / (from.z - to.z)));
-            }
-        }
-        sum += (1..below.len().max(2) - 1).map(|i| prism([below[0], below[i], below[i + 1]])).sum::<f64>();
-    }
-    // Faces that look down bound it from below.
-    sum
 }
 
 /// A box rolled by 3° on a plane, about either axis: the tangential over the normal force.
