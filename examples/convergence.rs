@@ -27,7 +27,7 @@ Prints CSV on standard output: case,mesh,mode,triangles,rays,force_error,torque_
   torque_error  |T - T0| / |T0|, empty where T0 is zero by symmetry
 and the orders of convergence on standard error.
 Exit status: 0; 1 where the default mode on exact and fitted meshes is above 1 % at about 1600 triangles, or where two
-sizes differ by more than 3 %, or by more than 2 % from 1500 triangles on; 2 for a wrong command line.";
+sizes differ by more than 2 %, the force of tori of fewer than 1500 triangles by more than 3 %; 2 for a wrong command line.";
 
 /// One measured mesh size.
 struct Row {
@@ -119,8 +119,10 @@ fn judge(case: &str, mesh: &str, mode: Mode, rows: &[Row]) -> bool {
             eprintln!("{name}, {triangles} triangles: error of {kind} {error:.4} is above 0.01");
             kept = false;
         }
-        if held && (spread > 0.03 || of_fine > 0.02) {
-            eprintln!("{name}: {kind} differs by more than 3 %, or 2 % from 1500 triangles on");
+        // The distance to a coarse torus's faces is less than that to the smooth one, by more than its volume makes up for.
+        let most = if case == "tori" && kind == "force" { 0.03 } else { 0.02 };
+        if held && (spread > most || of_fine > 0.02) {
+            eprintln!("{name}: {kind} differs by more than {} %, or by 2 % from 1500 triangles on", most * 100.0);
             kept = false;
         }
     }
