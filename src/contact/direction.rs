@@ -83,7 +83,8 @@ impl<T: Scalar> Direction<'_, T> {
         let other = self.pair.tracers[1 - self.side];
         let collided = other.mesh();
         let mut cos_alpha = cos_alpha(collided, hit.triangle, &ray.direction);
-        if self.pair.options.law == ContactLaw::Pressure {
+        // Past folds, the nearest surface may be an inner one.
+        if self.pair.options.law == ContactLaw::Pressure && !self.pair.options.past_folds {
             cos_alpha = distance_over_depth(other, ray, hit, cos_alpha);
         }
         Contact {

@@ -111,7 +111,7 @@ impl<T: Scalar> Octree<T> {
                 if is_new || !cells.is_tight() {
                     cells.refit(mesh, None);
                 }
-                cells.load(mesh, None);
+                cells.load(mesh, None, true);
             }
             Cells::Classic(cells) if is_new => cells.build(mesh),
             Cells::Classic(_) => {}
@@ -122,12 +122,13 @@ impl<T: Scalar> Octree<T> {
 
     /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and
     /// rays there take longer. Nothing is loaded where triangles are joined to patches of an area, so that tiles outnumber rays.
-    /// `tiles` is room for a list.
+    /// `for_distances`: distances are asked for too. `tiles` is room for a list.
     pub(crate) fn update_in(
         &mut self,
         mesh: &Mesh<T>,
         regions: &[Aabb<T>],
         patch_area: Option<T>,
+        for_distances: bool,
         tiles: &mut Vec<u32>,
     ) -> Result<(), OctreeError> {
         match &mut self.cells {
@@ -149,7 +150,7 @@ impl<T: Scalar> Octree<T> {
         {
             for region in regions {
                 cells.tiles_in(region, tiles);
-                cells.load(mesh, Some(tiles));
+                cells.load(mesh, Some(tiles), for_distances);
             }
         }
         Ok(())

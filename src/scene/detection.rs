@@ -2,7 +2,7 @@ use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
 use super::pairs::Remembered;
 use super::{OwnContacts, Scene};
-use crate::contact::{ContactList, DetectionOptions, detect_pair_among, detect_self, reach_region};
+use crate::contact::{ContactLaw, ContactList, DetectionOptions, detect_pair_among, detect_self, reach_region};
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::threads::Helpers;
@@ -216,7 +216,9 @@ impl<T: Scalar> Body<T> {
         regions.clear();
         memory::append(regions, others.map(|other| reach_region(mesh.aabb(), other, options.law)));
         if !regions.is_empty() {
-            octree.update_in(mesh, regions, options.sampling.patch_area(), tiles).expect("a body keeps its own octree");
+            let for_distances = options.law == ContactLaw::Pressure;
+            let updated = octree.update_in(mesh, regions, options.sampling.patch_area(), for_distances, tiles);
+            updated.expect("a body keeps its own octree");
         }
     }
 }

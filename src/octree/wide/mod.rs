@@ -66,7 +66,7 @@ impl<T: Scalar> Wide<T> {
         let slabs = memory::filled(Slab::endless(), tiles.len());
         let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, is_tight: false };
         wide.refit(mesh, None);
-        wide.load(mesh, None);
+        wide.load(mesh, None, true);
         wide
     }
 
@@ -80,9 +80,9 @@ impl<T: Scalar> Wide<T> {
         self.is_tight
     }
 
-    /// Loads these tiles, or all, so that rays need not do it each for itself.
-    pub(super) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>) {
-        crate::math::dispatch::<T, _>(refit::Load { cells: self, mesh, tiles });
+    /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their slabs too.
+    pub(super) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>, for_distances: bool) {
+        crate::math::dispatch::<T, _>(refit::Load { cells: self, mesh, tiles, for_distances });
     }
 
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned.
