@@ -72,7 +72,7 @@ fn parse<N: std::str::FromStr>(answer: &str) -> Result<Vec<N>, String> {
 
 /// What the other process does.
 pub fn serve(name: &str) -> Result<(), String> {
-    let workload = Workload::new(name).ok_or_else(|| format!("there is no workload '{name}'"))?;
+    let workload = Workload::new(name)?;
     let mut host = Host::new(&workload);
     let mut method = Whole::<f32>::new(&workload, &host, 1, DetectionOptions::paper())?;
     for request in std::io::stdin().lines() {

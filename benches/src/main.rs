@@ -13,7 +13,14 @@ mod peer;
 mod record;
 mod report;
 mod row;
+#[path = "../../examples/support/shapes.rs"]
+#[allow(dead_code)] // the examples use more of it
+mod shapes;
+mod surfaces;
 mod workload;
+
+/// A point or a difference of points, as the examples' shapes have it.
+type Vector = nalgebra::Vector3<f64>;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -30,9 +37,19 @@ struct Arguments {
     /// Also the workloads that take long: up to 409 600 triangles a body, up to 1000 bodies.
     #[arg(long)]
     full: bool,
-    /// Only these workloads (stackN and pairMxN may have any numbers).
+    /// Only these workloads (stackN, pairMxN and deepN@APART may have any numbers).
     #[arg(long, value_delimiter = ',')]
     workloads: Vec<String>,
+    /// Two closed surfaces as Wavefront files: a deep pair of them, once for each number of --apart. Without --workloads, nothing else
+    /// is measured.
+    #[arg(long, num_args = 2)]
+    files: Vec<PathBuf>,
+    /// How far the centres of the surfaces in --files are apart, in their size.
+    #[arg(long, value_delimiter = ',', default_value = "0.2", requires = "files")]
+    apart: Vec<f64>,
+    /// How the surfaces in --files are turned.
+    #[arg(long, default_value = "1", requires = "files")]
+    seed: u64,
     /// Only these methods.
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
@@ -107,7 +124,7 @@ fn measure_all(arguments: &Arguments) -> Result<(), String> {
     let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {elapsed}, {eta} left  {msg}");
     progress.set_style(style.expect("the template is right"));
     for name in &workloads {
-        let workload = Workload::new(name).ok_or_else(|| format!("there is no workload '{name}'"))?;
+        let workload = Workload::new(name)?;
         let rows: Vec<Row> = measure::run(&workload, &methods, &peers, &progress)?;
         for row in rows {
             csv.serialize(row).map_err(failed)?;
@@ -119,10 +136,14 @@ fn measure_all(arguments: &Arguments) -> Result<(), String> {
 }
 
 fn chosen_workloads(arguments: &Arguments) -> Vec<String> {
-    if arguments.workloads.is_empty() {
+    if arguments.workloads.is_empty() && arguments.files.is_empty() {
         return workload::names(arguments.full).into_iter().map(str::to_owned).collect();
     }
-    arguments.workloads.clone()
+    let mut names = arguments.workloads.clone();
+    if let [first, second] = &arguments.files[..] {
+        names.extend(arguments.apart.iter().map(|&apart| workload::of_files([first, second], apart, arguments.seed)));
+    }
+    names
 }
 
 fn chosen_methods(arguments: &Arguments) -> Result<Vec<method::Description>, String> {

@@ -50,7 +50,7 @@ pub fn run(
             continue;
         }
         let place = match description.simd {
-            Some(simd) => Place::Elsewhere(Elsewhere::start(&workload.name, simd)?),
+            Some(simd) => Place::Elsewhere(Elsewhere::start(&workload.request, simd)?),
             None => Place::Here(description.start(workload, &host, peers)?),
         };
         running.push(Running { description: *description, place, times: Times::default() });

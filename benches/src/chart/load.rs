@@ -1,6 +1,6 @@
 //! Net force and torque of each pair, how far they are from the limit, and how the methods' pushes are weighted.
 
-use super::Vector;
+use crate::Vector;
 use crate::host::Host;
 use crate::method::Push;
 use crate::workload::Workload;

@@ -111,7 +111,8 @@ fn floor_workload(workload: &Workload) -> Workload {
         Body::torus((body.rest.len() as u32 / across).max(3), across)
     };
     let ripple = workload.ripple;
-    Workload { name: "floor".to_owned(), bodies: workload.bodies.iter().map(torus).collect(), ripple }
+    let name = "floor".to_owned();
+    Workload { request: name.clone(), name, bodies: workload.bodies.iter().map(torus).collect(), ripple }
 }
 
 fn truths(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Truth>, String> {

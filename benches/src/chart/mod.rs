@@ -10,9 +10,6 @@ mod proximity;
 mod row;
 mod scene;
 mod setting;
-#[path = "../../../examples/support/shapes.rs"]
-#[allow(dead_code)] // the examples use more of it
-mod shapes;
 mod tables;
 #[path = "../../../examples/poses/tree.rs"]
 #[allow(dead_code)] // the pose benchmark uses more of it
@@ -24,9 +21,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use row::Row;
 use std::ffi::OsString;
 use std::path::PathBuf;
-
-/// A point or a difference of points, as the examples' shapes have it.
-type Vector = nalgebra::Vector3<f64>;
 
 /// Measures speed against accuracy: every method over its settings on six scenes.
 #[derive(clap::Args)]

@@ -1,10 +1,10 @@
 //! The scenes of the chart: each as it is measured, and finer, for the limit of the law on the smooth shapes.
 
-use super::Vector;
-use super::shapes::{self, Shape};
+use crate::Vector;
+use crate::shapes::{self, Shape};
+use crate::surfaces::{bumpy, read, stems};
 use crate::workload::{Body, Ripple, Workload};
-use raycontact::mesh::read_obj_file;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Ripple of all scenes, in their units.
 const RIPPLE: Ripple = Ripple { height: 0.02, phase_per_step: 0.3 };
@@ -33,7 +33,8 @@ pub const GIVEN: &str = "given";
 impl Scene {
     /// One of [`NAMES`], or [`GIVEN`], which is called after its two files.
     pub fn new(name: &str, files: &[PathBuf]) -> Result<Self, String> {
-        let workload = |name: &str, bodies| Workload { name: name.to_owned(), bodies, ripple: RIPPLE };
+        let workload =
+            |name: &str, bodies| Workload { request: name.to_owned(), name: name.to_owned(), bodies, ripple: RIPPLE };
         if name == GIVEN || name == "bumpy" {
             let (name, shapes) = if name == GIVEN {
                 let [first, second] = files else { return Err("the scene 'given' needs two files".to_owned()) };
@@ -71,14 +72,9 @@ pub fn shortest_mean_edge(workload: &Workload) -> f64 {
     workload.bodies.iter().map(of_body).fold(f64::INFINITY, f64::min)
 }
 
-fn body(shape: Shape, place: impl Fn(&Vector) -> Vector) -> Body {
-    let rest = shape.points.iter().map(|point| place(point).into()).collect();
-    Body { rest, triangles: shape.triangles, rows: 0, columns: 0, spin: 0.0, centre: [0.0; 3] }
-}
-
 fn pair(first: Shape, second: Shape, shift: [f64; 3]) -> Vec<Body> {
     let shift = Vector::from(shift);
-    vec![body(first, |point| *point), body(second, |point| point + shift)]
+    vec![Body::placed(first, |point| *point), Body::placed(second, |point| point + shift)]
 }
 
 /// Encloses as much as the smooth torus.
@@ -91,7 +87,7 @@ fn stacked(k: u32, around: usize) -> Body {
     let k = f64::from(k);
     let centre = Vector::new(0.13 * k.sin(), 0.13 * (1.7 * k).cos(), 0.6 * k);
     let turn = shapes::turn([1.0, 0.0, 0.0], 0.15 * (2.1 * k).sin()) * shapes::turn([0.0, 0.0, 1.0], 0.37 * k);
-    body(torus(around), |point| turn * point + centre)
+    Body::placed(torus(around), |point| turn * point + centre)
 }
 
 /// A unit sphere of 20 · parts² triangles that encloses as much as the smooth one.
@@ -104,40 +100,16 @@ fn ball(parts: usize) -> Shape {
 /// A thorn whose sides meet in a cusp, its tip 0.7 deep in a ball.
 fn spike_in_ball(finer: usize) -> Vec<Body> {
     let tilt = shapes::turn([0.3, 1.0, 0.0], 0.4);
-    let thorn = body(shapes::icosphere(24 * finer), |p| {
+    let thorn = Body::placed(shapes::icosphere(24 * finer), |p| {
         let width = 0.15 * (1.0 + p.z);
         tilt * (Vector::new(p.x * width, p.y * width, p.z) + Vector::new(0.1, 0.05, 1.3))
     });
-    vec![thorn, body(ball(40 * finer), |point| *point)]
+    vec![thorn, Body::placed(ball(40 * finer), |point| *point)]
 }
 
 /// A fine ball sunk into a slab whose triangles' sides are a hundred times as long as its own.
 fn fine_in_coarse(finer: usize) -> Vec<Body> {
-    let fine = body(ball(28 * finer), |point| point + Vector::new(0.013, 0.02, 0.6));
+    let fine = Body::placed(ball(28 * finer), |point| point + Vector::new(0.013, 0.02, 0.6));
     // Its faces stay; finer pieces only follow the ripple more closely.
-    vec![fine, body(shapes::cuboid([-2.2, -2.1, -4.0], [2.1, 2.2, 0.0]), |point| *point)]
-}
-
-/// `cow.obj` and `spot.obj`: `cow-spot`.
-fn stems(files: [&PathBuf; 2]) -> String {
-    files.map(|file| file.file_stem().unwrap_or_default().to_string_lossy().replace(',', " ")).join("-")
-}
-
-/// A surface scaled to the size of the tori.
-fn read(path: &Path) -> Result<Shape, String> {
-    let (positions, triangles) = read_obj_file(path).map_err(|error| error.to_string())?;
-    let bound = |axis: usize, pick: fn(f64, f64) -> f64| positions.iter().map(|p| p[axis]).reduce(pick).unwrap_or(0.0);
-    let [lower, upper] = [f64::min, f64::max].map(|pick| Vector::from_fn(|axis, _| bound(axis, pick)));
-    let size = (upper - lower).max();
-    let points = positions.iter().map(|&p| (Vector::from(p) - (lower + upper) / 2.0) * (2.8 / size)).collect();
-    Ok(Shape { points, triangles })
-}
-
-/// A ball with bumps.
-fn bumpy(waves: f64, parts: usize) -> Shape {
-    let mut shape = shapes::icosphere(parts);
-    for p in &mut shape.points {
-        *p *= 1.0 + 0.15 * (waves * p.x).sin() * (waves * p.y + 1.0).sin() * (waves * p.z + 2.0).sin();
-    }
-    shape
+    vec![fine, Body::placed(shapes::cuboid([-2.2, -2.1, -4.0], [2.1, 2.2, 0.0]), |point| *point)]
 }

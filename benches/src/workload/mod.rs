@@ -1,5 +1,12 @@
 //! The bodies every method is given, and how they move.
 
+mod deep;
+
+pub use deep::of_files;
+
+use crate::Vector;
+use crate::shapes::Shape;
+
 /// A body at rest: a torus of `rows` × `columns` quads, or, where these are 0, any closed surface.
 pub struct Body {
     pub rest: Vec<[f64; 3]>,
@@ -19,6 +26,8 @@ pub struct Ripple {
 }
 
 pub struct Workload {
+    /// What [`Workload::new`] made it from.
+    pub request: String,
     pub name: String,
     pub bodies: Vec<Body>,
     pub ripple: Ripple,
@@ -31,15 +40,47 @@ const TUBE: f64 = 0.4;
 
 /// The names of all workloads in the order they are measured; `full` adds those that take long.
 pub fn names(full: bool) -> Vec<&'static str> {
-    let quick =
-        ["pair20x10", "stack2", "pair80x40", "pair160x80", "stack10", "stack50", "folded", "fast", "grazing", "idle"];
-    let long = ["pair320x160", "pair640x320", "stack200", "stack1000"];
+    let quick = [
+        "pair20x10",
+        "stack2",
+        "pair80x40",
+        "pair160x80",
+        "stack10",
+        "stack50",
+        "folded",
+        "fast",
+        "grazing",
+        "idle",
+        "deep320",
+        "deepbumpy",
+    ];
+    let long = [
+        "pair320x160",
+        "pair640x320",
+        "stack200",
+        "stack1000",
+        "deep320@0.5",
+        "deep320@0.8",
+        "deep320@0.95",
+        "deepbumpy@0.5",
+        "deepbumpy@0.8",
+        "deepbumpy@0.95",
+    ];
     quick.into_iter().chain(long.into_iter().filter(|_| full)).collect()
 }
 
 impl Workload {
-    /// The workload of this name: `stackN`, `pairMxN`, `folded`, `fast`, `grazing` or `idle`.
-    pub fn new(name: &str) -> Option<Self> {
+    /// The workload of this name: `stackN`, `pairMxN`, `folded`, `fast`, `grazing`, `idle`, `deepN` or `deepbumpy`, the last
+    /// two with or without `@APART`; or what [`of_files`] says.
+    pub fn new(name: &str) -> Result<Self, String> {
+        if let Some(deep) = deep::Deep::parse(name) {
+            let request = name.to_owned();
+            return Ok(Self { request, name: deep.name(), bodies: deep.bodies()?, ripple: STANDARD });
+        }
+        Self::of_tori(name).ok_or_else(|| format!("there is no workload '{name}'"))
+    }
+
+    fn of_tori(name: &str) -> Option<Self> {
         let stack = |count: u32| (0..count).map(|k| stacked(k, 40, 20, TUBE)).collect();
         let (bodies, ripple) = match name {
             "folded" => (vec![stacked(0, 40, 20, TUBE), stacked(1, 40, 20, 0.1)], STANDARD),
@@ -56,7 +97,7 @@ impl Workload {
                 }
             }
         };
-        Some(Self { name: name.to_owned(), bodies, ripple })
+        Some(Self { request: name.to_owned(), name: name.to_owned(), bodies, ripple })
     }
 
     pub fn triangle_count(&self) -> usize {
@@ -76,6 +117,12 @@ impl Workload {
 }
 
 impl Body {
+    /// A surface, each of its points moved.
+    pub fn placed(shape: Shape, place: impl Fn(&Vector) -> Vector) -> Self {
+        let rest = shape.points.iter().map(|point| place(point).into()).collect();
+        Self { rest, triangles: shape.triangles, rows: 0, columns: 0, spin: 0.0, centre: [0.0; 3] }
+    }
+
     /// The standard torus around the origin.
     pub fn torus(rows: u32, columns: u32) -> Self {
         torus(rows, columns, TUBE, [0.0; 3], |p| p)

@@ -1,0 +1,110 @@
+use super::PacketHits;
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
+use crate::ray::HitLanes;
+
+/// What is wanted of the hits.
+pub(super) trait Answer<T: Scalar> {
+    /// Whether only hits from inside count.
+    const EXITS_ONLY: bool;
+
+    /// Up to where each ray may still meet what counts: nothing beyond what was found changes the answer.
+    fn end(&self) -> &[T; LANE_COUNT];
+
+    /// Which rays have their answer, wherever else they lead.
+    fn settled(&self) -> Mask;
+
+    /// Which of a tile's triangles do not count for a ray, given the tile's vertices and each triangle's set of them.
+    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask;
+
+    /// Takes note of the hit in one of the lanes.
+    fn add(&mut self, ray: usize, triangle: u32, hits: &HitLanes<T>, lane: usize);
+}
+
+/// The nearest hit of each ray.
+pub(super) struct Nearest<'a, T: Scalar> {
+    /// Of each ray the nearest hit so far, else its own end.
+    pub(super) end: [T; LANE_COUNT],
+    pub(super) hits: &'a mut PacketHits<T>,
+}
+
+impl<T: Scalar> Answer<T> for Nearest<'_, T> {
+    const EXITS_ONLY: bool = false;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn end(&self) -> &[T; LANE_COUNT] {
+        &self.end
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn settled(&self) -> Mask {
+        0
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn excluded<L: Lanes<T>>(&self, _: usize, _: &[u32; LANE_COUNT], _: &[Mask; LANE_COUNT]) -> Mask {
+        0
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(&mut self, ray: usize, triangle: u32, found: &HitLanes<T>, lane: usize) {
+        let (hits, t, bit) = (&mut *self.hits, found.t[lane], 1 << ray);
+        let is_first = hits.found & bit == 0;
+        if t < self.end[ray] || (t == self.end[ray] && (is_first || triangle < hits.triangle[ray])) {
+            self.end[ray] = t;
+            hits.found |= bit;
+            hits.exits = hits.exits & !bit | (found.exits >> lane & 1) << ray;
+            hits.triangle[ray] = triangle;
+            hits.t[ray] = t;
+            for corner in 0..3 {
+                hits.weights[corner][ray] = found.weights[corner][lane];
+            }
+        }
+    }
+}
+
+/// Which rays leave the mesh before their end.
+pub(super) struct Hidden<'a, T: Scalar> {
+    pub(super) end: &'a [T; LANE_COUNT],
+    pub(super) touched: &'a [[u32; 3]; LANE_COUNT],
+    pub(super) hidden: Mask,
+}
+
+impl<T: Scalar> Answer<T> for Hidden<'_, T> {
+    const EXITS_ONLY: bool = true;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn end(&self) -> &[T; LANE_COUNT] {
+        self.end
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn settled(&self) -> Mask {
+        self.hidden
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask {
+        let [a, b, c] = self.touched[ray];
+        let first = L::equal(vertices, a);
+        if b == a && c == a {
+            return if first == 0 { 0 } else { L::holding(sets, lowest(first)) };
+        }
+        let (second, third) = (L::equal(vertices, b), L::equal(vertices, c));
+        if first == 0 || second == 0 || third == 0 {
+            return 0;
+        }
+        L::holding(sets, lowest(first) | lowest(second) | lowest(third))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add(&mut self, ray: usize, _: u32, found: &HitLanes<T>, lane: usize) {
+        let leaves = found.exits >> lane & 1 == 1 && found.t[lane] < self.end[ray];
+        self.hidden |= Mask::from(leaves) << ray;
+    }
+}
+
+/// The first of the places of a vertex: the last vertex of a tile is repeated, but triangles name its first place.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn lowest(places: Mask) -> Mask {
+    places & places.wrapping_neg()
+}

@@ -1,0 +1,49 @@
+use super::Search;
+use super::answer::Answer;
+use super::candidates::{Candidates, TILES_AT_ONCE, work_off};
+use crate::math::{LANE_COUNT, Lanes, Scalar};
+use crate::octree::wide::CHILD_COUNT;
+use crate::octree::wide::trace::STACK_SIZE;
+
+/// The box around the packet chooses nodes and tiles, then each tile's box chooses among the rays. Stops, and gives false,
+/// where too many tiles are listed: the answer is the same if they are searched again.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+    search: &Search<T, L>,
+    list: &mut Candidates<T>,
+    answer: &mut A,
+) -> bool {
+    let Search { cells, mesh, slabs, .. } = search;
+    let mut stack = [0u32; STACK_SIZE];
+    let mut waiting = 1;
+    while waiting > 0 {
+        let mut tile_count = 0;
+        while waiting > 0 && tile_count <= TILES_AT_ONCE - CHILD_COUNT {
+            waiting -= 1;
+            let index = stack[waiting];
+            let node = &cells.nodes[index as usize];
+            let met = node.meets::<L>(&search.around);
+            if node.is_leaf {
+                L::append(&mut list.places, tile_count, index * CHILD_COUNT as u32, met);
+                tile_count = L::append(&mut list.tiles, tile_count, node.first, met);
+            } else {
+                waiting = L::append(&mut stack, waiting, node.first, met);
+            }
+        }
+        if waiting > 0 && tile_count > list.most_listed || list.most_listed == 0 {
+            return false;
+        }
+        let (end, mut pair_count) = (L::load(answer.end()), 0);
+        for place in 0..tile_count {
+            let (tile, at) = (list.tiles[place] as usize, list.places[place] as usize);
+            let aabb = cells.nodes[at / CHILD_COUNT].child_box(at % CHILD_COUNT);
+            let rays = slabs.meeting(&aabb, end) & search.asked;
+            if A::EXITS_ONLY && (rays == 0 || !search.directions.may_leave(cells, tile, mesh, &mut list.room)) {
+                continue;
+            }
+            pair_count = L::append(&mut list.pairs, pair_count, (place * LANE_COUNT) as u32, rays);
+        }
+        work_off(search, list, pair_count, answer);
+    }
+    true
+}

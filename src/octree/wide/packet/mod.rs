@@ -1,0 +1,125 @@
+//! Where the rays of a packet meet the tiles: by lists of all tiles that the box around the packet meets or, where these
+//! are many, by a walk that holds the nodes' boxes against the rays themselves. Both give the same hits.
+
+mod answer;
+mod candidates;
+mod lists;
+mod slabs;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests;
+mod walk;
+
+pub(crate) use candidates::Candidates;
+
+use super::Wide;
+use super::leaving::Directions;
+use super::node::BoxLanes;
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
+use crate::mesh::Mesh;
+use crate::ray::{Hit, RayPacket};
+use answer::{Answer, Hidden, Nearest};
+use slabs::PacketSlabs;
+
+/// Where each ray of a packet meets a mesh first.
+#[derive(Clone, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
+pub(crate) struct PacketHits<T: Scalar> {
+    pub(crate) triangle: [u32; LANE_COUNT],
+    pub(crate) t: [T; LANE_COUNT],
+    pub(crate) weights: [[T; LANE_COUNT]; 3],
+    /// Which rays have a hit; places of the others hold nothing of use.
+    pub(crate) found: Mask,
+    /// Which rays meet the triangle from inside.
+    pub(crate) exits: Mask,
+}
+
+impl<T: Scalar> PacketHits<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { found: 0, exits: 0, triangle: [0; LANE_COUNT], t: zeros, weights: [zeros; 3] }
+    }
+}
+
+impl<T: Scalar> PacketHits<T> {
+    /// The hit of one ray.
+    pub(crate) fn get(&self, lane: usize) -> Option<Hit<T>> {
+        (self.found >> lane & 1 == 1).then(|| Hit {
+            triangle: self.triangle[lane],
+            t: self.t[lane],
+            weights: [0, 1, 2].map(|corner| self.weights[corner][lane]),
+            is_exit: self.exits >> lane & 1 == 1,
+        })
+    }
+
+    pub(crate) fn set(&mut self, lane: usize, hit: &Hit<T>) {
+        let bit = 1 << lane;
+        self.found |= bit;
+        self.exits = if hit.is_exit { self.exits | bit } else { self.exits & !bit };
+        (self.triangle[lane], self.t[lane]) = (hit.triangle, hit.t);
+        (0..3).for_each(|corner| self.weights[corner][lane] = hit.weights[corner]);
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn nearest<T: Scalar, L: Lanes<T>>(
+    cells: &Wide<T>,
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    list: &mut Candidates<T>,
+    hits: &mut PacketHits<T>,
+) {
+    hits.found = 0;
+    let answer = &mut Nearest { end: packet.t_max, hits };
+    search::<T, L, _>(cells, mesh, packet, packet.present, &packet.t_max, list, answer);
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn hidden<T: Scalar, L: Lanes<T>>(
+    cells: &Wide<T>,
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    asked: Mask,
+    end: &[T; LANE_COUNT],
+    touched: &[[u32; 3]; LANE_COUNT],
+    list: &mut Candidates<T>,
+) -> Mask {
+    let mut answer = Hidden { end, touched, hidden: 0 };
+    search::<T, L, _>(cells, mesh, packet, asked, end, list, &mut answer);
+    answer.hidden & asked
+}
+
+/// What a search is given, and what it keeps of the packet as a whole.
+struct Search<'a, T: Scalar, L> {
+    cells: &'a Wide<T>,
+    mesh: &'a Mesh<T>,
+    packet: &'a RayPacket<T>,
+    asked: Mask,
+    slabs: PacketSlabs<T, L>,
+    /// A box that holds all of the asked rays.
+    around: BoxLanes<T, L>,
+    directions: Directions<T, L>,
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+    cells: &Wide<T>,
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    asked: Mask,
+    end: &[T; LANE_COUNT],
+    list: &mut Candidates<T>,
+    answer: &mut A,
+) {
+    if asked == 0 {
+        return;
+    }
+    let slabs = PacketSlabs::<T, L>::new(packet, mesh.aabb());
+    let around = slabs.box_around(packet, end, asked, mesh.aabb());
+    let directions = Directions::<T, L>::new(packet, asked, &around);
+    let around = BoxLanes::new(&around);
+    let search = Search { cells, mesh, packet, asked, slabs, around, directions };
+    if !lists::search(&search, list, answer) {
+        walk::search(&search, list, answer);
+    }
+}

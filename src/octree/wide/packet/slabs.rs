@@ -1,0 +1,80 @@
+use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+use crate::ray::RayPacket;
+
+/// The planes of boxes as sixteen rays meet them: a face at `x` is met at t = x · inverse + offset.
+pub(super) struct PacketSlabs<T: Scalar, L> {
+    origin: Vectors<T, L>,
+    inverse: Vectors<T, L>,
+    /// For the lower and for the upper faces, each moved outward a little.
+    offsets: [Vectors<T, L>; 2],
+    /// How coarsely distances from the origins to the mesh are rounded, and a little more.
+    margin: L,
+    /// Rays so short that what follows would overflow: taken to meet every box.
+    pub(super) meet_all: Mask,
+}
+
+impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn new(packet: &RayPacket<T>, mesh_box: &Aabb<T>) -> Self {
+        let (origin, inverse) = (Vectors::<T, L>::load(&packet.origin), Vectors::load(&packet.inverse));
+        let below = Vectors::splat(&mesh_box.lower).sub(origin).magnitude();
+        let above = Vectors::splat(&mesh_box.upper).sub(origin).magnitude();
+        let reach = below.larger(above).largest();
+        let rounding = L::splat(T::ROUNDING_UNIT * T::of(16.0));
+        // Products with a coordinate are rounded as coarsely as it is far from zero.
+        let coordinates = reach.add(origin.magnitude().largest());
+        let moved = coordinates.mul(rounding);
+        let moved = Vectors::new(moved, moved, moved);
+        // Where a direction has no part along an axis, the face lies far behind every end; but finitely far.
+        let limit = L::splat(T::LARGEST * T::of(0.5)).div(coordinates.larger(L::splat(T::one())));
+        let limit = Vectors::new(limit, limit, limit);
+        let inverse = inverse.smaller(limit).larger(limit.negate());
+        let offsets = [origin.add(moved).times(inverse).negate(), origin.sub(moved).times(inverse).negate()];
+        let longest = Vectors::<T, L>::load(&packet.direction).magnitude().largest();
+        let is_long = coordinates.is_at_most(longest.mul(L::splat(T::LARGEST * T::of(0.25))));
+        Self { origin, inverse, offsets, margin: reach.mul(rounding), meet_all: !is_long }
+    }
+
+    /// Bit i: ray i meets this box, not beyond its end.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn meeting(&self, aabb: &Aabb<T>, end: L) -> Mask {
+        self.entering(aabb, end).1
+    }
+
+    /// Where the rays enter this box, and which of them meet it, not beyond its end.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn entering(&self, aabb: &Aabb<T>, end: L) -> (L, Mask) {
+        let at_lower = Vectors::splat(&aabb.lower).times_add(self.inverse, self.offsets[0]);
+        let at_upper = Vectors::splat(&aabb.upper).times_add(self.inverse, self.offsets[1]);
+        let (enters, leaves) = (at_lower.smaller(at_upper), at_lower.larger(at_upper));
+        let enters = enters.largest().larger(L::splat(T::zero()));
+        let leaves = leaves.x.smaller(leaves.y).smaller(leaves.z).smaller(end);
+        (enters, enters.is_at_most(leaves) | self.meet_all)
+    }
+
+    /// A box that holds all of the rays that may count, and what triangles near them the tests may accept.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn box_around(
+        &self,
+        packet: &RayPacket<T>,
+        end: &[T; LANE_COUNT],
+        asked: Mask,
+        mesh_box: &Aabb<T>,
+    ) -> Aabb<T> {
+        let end = self.origin.add(Vectors::load(&packet.direction).scaled(L::load(end)));
+        let is_finite = end.magnitude().are_at_most(Vectors::splat(&Vector3::repeat(T::LARGEST)));
+        if asked & !is_finite != 0 {
+            return *mesh_box;
+        }
+        // The end is rounded as coarsely as its coordinates are.
+        let largest = self.origin.magnitude().largest().larger(end.magnitude().largest());
+        let grown = self.margin.add(largest.mul(L::splat(T::ROUNDING_UNIT * T::of(4.0))));
+        let grown = Vectors::new(grown, grown, grown);
+        let (lower, upper) = (self.origin.smaller(end).sub(grown), self.origin.larger(end).add(grown));
+        let endless = Vectors::splat(&Vector3::repeat(T::INFINITY));
+        Aabb {
+            lower: Vectors::select(asked, lower, endless).smallest_lanes(),
+            upper: Vectors::select(asked, upper, endless.negate()).greatest_lanes(),
+        }
+    }
+}

@@ -1,0 +1,109 @@
+use super::*;
+use crate::math::{Kernel, Vector3, on_every_path};
+use crate::octree::test_mesh::{torus_positions, torus_triangles};
+use crate::octree::{Octree, Tracer};
+use crate::ray::{PreparedRay, Ray, TriangleTest};
+
+const SIDES: [u32; 2] = [64, 24];
+
+/// All packets of these rays, listing at most so many tiles.
+#[derive(Clone, Copy)]
+struct Asked<'a, T: Scalar> {
+    cells: &'a Wide<T>,
+    mesh: &'a Mesh<T>,
+    rays: &'a [Ray<T>],
+    touched: &'a [[u32; 3]],
+    most_listed: usize,
+}
+
+impl<T: Scalar> Kernel<T> for Asked<'_, T> {
+    type Output = (Vec<Option<Hit<T>>>, Vec<bool>);
+
+    fn run<L: Lanes<T>>(self) -> Self::Output {
+        let (mut packet, mut list) = (RayPacket::empty(), Candidates::listing(self.most_listed));
+        let (mut found, mut hits, mut all_hidden) = (PacketHits::empty(), Vec::new(), Vec::new());
+        for (rays, touched) in self.rays.chunks(LANE_COUNT).zip(self.touched.chunks(LANE_COUNT)) {
+            packet.set(rays);
+            nearest::<T, L>(self.cells, self.mesh, &packet, &mut list, &mut found);
+            hits.extend((0..rays.len()).map(|lane| found.get(lane)));
+            let mut all_touched = [[0; 3]; LANE_COUNT];
+            all_touched[..touched.len()].copy_from_slice(touched);
+            let end = packet.t_max;
+            let asked = packet.present;
+            let hidden = hidden::<T, L>(self.cells, self.mesh, &packet, asked, &end, &all_touched, &mut list);
+            all_hidden.extend((0..rays.len()).map(|lane| hidden >> lane & 1 == 1));
+        }
+        (hits, all_hidden)
+    }
+}
+
+/// Whether the ray leaves the mesh before its end through a triangle that does not have all the touched vertices.
+fn is_hidden<T: Scalar>(tracer: &Tracer<T>, ray: &Ray<T>, touched: &[u32; 3]) -> bool {
+    let prepared = PreparedRay::new(ray, TriangleTest::Watertight);
+    let triangles = tracer.mesh().topology().triangles();
+    triangles.iter().zip(0..).filter(|(corners, _)| !touched.iter().all(|vertex| corners.contains(vertex))).any(
+        |(_, triangle)| {
+            let hit = prepared.intersect(&tracer.mesh().corners(triangle), triangle);
+            hit.is_some_and(|hit| hit.is_exit && hit.t < ray.t_max)
+        },
+    )
+}
+
+/// Rays of neighbours through the torus, along its faces and past it; and of vertices that lie anywhere, whose packets the
+/// whole torus is in the box of. With ends everywhere, and without.
+fn rays<T: Scalar>(mesh: &Mesh<T>) -> (Vec<Ray<T>>, Vec<[u32; 3]>) {
+    let count = mesh.positions().len() - 1;
+    let (mut rays, mut touched) = (Vec::new(), Vec::new());
+    for number in 0..2 * count {
+        let vertex = if number < count { number } else { number * 1009 % count };
+        let position = mesh.positions()[vertex];
+        let towards = mesh.positions()[(number * 389 + 17) % count];
+        let ring = position.xy().normalize();
+        let inward = Vector3::new(ring.x, ring.y, T::zero()) - position;
+        let direction = match number / 16 % 4 {
+            0 => inward * T::of(4.0),
+            1 => towards - position,
+            2 => Vector3::new(T::zero(), T::of(if number % 2 == 0 { 1.0 } else { -1.0 }), T::zero()),
+            _ => (towards - position).cross(&inward),
+        };
+        // From the surface, from below it, and past the torus.
+        let origin = match number % 3 {
+            0 => position,
+            1 => position + inward * T::of(0.01),
+            _ if number / 16 % 4 == 2 => position + Vector3::z() * T::of(2.0),
+            _ => position + (towards - position) * T::of(0.2),
+        };
+        let t_max = T::of([f64::INFINITY, 1.0, 0.3, 5.0, 0.0][number / 7 % 5]);
+        rays.push(Ray { origin, direction, t_max });
+        touched.push([vertex as u32; 3]);
+    }
+    (rays, touched)
+}
+
+fn assert_same_either_way<T: Scalar>() {
+    let positions: Vec<_> = torus_positions(SIDES, 3).into_iter().map(|point| point.map(T::of)).collect();
+    let mesh = Mesh::new(&positions, &torus_triangles(SIDES)).expect("it is closed");
+    let octree = Octree::new(&mesh);
+    let tracer = octree.tracer(&mesh).expect("it is new");
+    let cells = Wide::new(&mesh);
+    let (rays, touched) = rays(&mesh);
+    let expected: Vec<_> = rays.iter().map(|ray| tracer.nearest_hit_of_all(ray)).collect();
+    let hidden: Vec<_> = rays.iter().zip(&touched).map(|(ray, touched)| is_hidden(&tracer, ray, touched)).collect();
+    assert!(expected.iter().flatten().count() > 500 && expected.contains(&None));
+    assert!(hidden.iter().filter(|&&is_hidden| is_hidden).count() > 200 && hidden.contains(&false));
+    for most_listed in [0, 1, 30, usize::MAX] {
+        let asked = Asked { cells: &cells, mesh: &mesh, rays: &rays, touched: &touched, most_listed };
+        for (path, (hits, all_hidden)) in on_every_path::<T, _>(asked).into_iter().enumerate() {
+            for (place, ray) in rays.iter().enumerate() {
+                let found = (hits[place], all_hidden[place]);
+                assert_eq!(found, (expected[place], hidden[place]), "path {path}, listing {most_listed}: {ray:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn lists_and_walks_find_the_same_to_the_bit() {
+    assert_same_either_way::<f64>();
+    assert_same_either_way::<f32>();
+}
