@@ -14,7 +14,8 @@ usage: cargo run --release --example steps -- [options]
 
 Runs steps of detection on a workload of moving tori, for tools that count what a step costs.
 
-  --workload NAME   stackN: N tori 40x20 in a pile; pairMxN: two tori MxN (default stack2)
+  --workload NAME   stackN: N tori 40x20 in a pile; pairMxN: two tori MxN; deepN: two tori NxN/2, one turned, whose centres lie
+                    a fifth of their size apart (default stack2)
   --steps N         how many steps (default 10)
   --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults; ray-length:
                     the defaults with the paper's law; spacing:LENGTH and tolerance:PART: the defaults with such a sampling (default paper)
@@ -26,13 +27,34 @@ Exit status: 0; 1 when a mesh cannot be made; 2 for a wrong command line.";
 /// Radius of the tori's tubes; their rings have radius 1.
 const TUBE: f64 = 0.4;
 
-/// Number `k` of a pile whose neighbours overlap.
-fn stacked(k: u32, rows: u32, columns: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+/// Where a torus lies: turned about z, then about x, then moved.
+#[derive(Clone, Copy)]
+struct Pose {
+    about_z: f64,
+    about_x: f64,
+    centre: [f64; 3],
+}
+
+impl Pose {
+    /// Number `k` of a pile whose neighbours overlap.
+    fn stacked(k: u32) -> Self {
+        let k = f64::from(k);
+        let centre = [0.13 * k.sin(), 0.13 * (1.7 * k).cos(), 0.6 * k];
+        Self { about_z: 0.37 * k, about_x: 0.15 * (2.1 * k).sin(), centre }
+    }
+
+    /// Number `k` of two that overlap deeply.
+    fn deep(k: u32) -> Self {
+        let k = f64::from(k);
+        Self { about_z: 0.4 * k, about_x: 1.1 * k, centre: [0.3 * k, 0.4 * k, 0.25 * k] }
+    }
+}
+
+fn torus(pose: &Pose, rows: u32, columns: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let turn = |index: u32, count: u32| (std::f64::consts::TAU * f64::from(index) / f64::from(count)).sin_cos();
-    let number = f64::from(k);
-    let (sin_z, cos_z) = (0.37 * number).sin_cos();
-    let (sin_x, cos_x) = (0.15 * (2.1 * number).sin()).sin_cos();
-    let centre = [0.13 * number.sin(), 0.13 * (1.7 * number).cos(), 0.6 * number];
+    let (sin_z, cos_z) = pose.about_z.sin_cos();
+    let (sin_x, cos_x) = pose.about_x.sin_cos();
+    let centre = pose.centre;
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for i in 0..rows {
         for j in 0..columns {
@@ -56,13 +78,18 @@ fn moved([x, y, z]: [f64; 3], step: u32) -> [f32; 3] {
     [x + height * y, y - height * x, z + height * 0.5].map(|coordinate| coordinate as f32)
 }
 
-/// How many bodies of how many rows and columns.
-fn parse(workload: &str) -> Option<(u32, u32, u32)> {
+/// The poses of the bodies, and their rows and columns.
+fn parse(workload: &str) -> Option<(Vec<Pose>, [u32; 2])> {
+    let stacked = |count: u32| (0..count).map(Pose::stacked).collect();
     if let Some(count) = workload.strip_prefix("stack") {
-        return Some((count.parse().ok()?, 40, 20));
+        return Some((stacked(count.parse().ok()?), [40, 20]));
+    }
+    if let Some(rows) = workload.strip_prefix("deep") {
+        let rows: u32 = rows.parse().ok()?;
+        return Some(((0..2).map(Pose::deep).collect(), [rows, rows / 2]));
     }
     let (rows, columns) = workload.strip_prefix("pair")?.split_once('x')?;
-    Some((2, rows.parse().ok()?, columns.parse().ok()?))
+    Some((stacked(2), [rows.parse().ok()?, columns.parse().ok()?]))
 }
 
 fn options(mode: &str) -> Option<DetectionOptions<f32>> {
@@ -91,11 +118,11 @@ fn main() -> ExitCode {
     let Some(options) = options(&mode) else {
         arguments.fail(&format!("unknown mode '{mode}': paper, default, spacing:LENGTH or tolerance:PART"))
     };
-    let Some((count, rows, columns)) = parse(&workload) else {
-        arguments.fail(&format!("unknown workload '{workload}': stackN or pairMxN"))
+    let Some((poses, sides)) = parse(&workload) else {
+        arguments.fail(&format!("unknown workload '{workload}': stackN, pairMxN or deepN"))
     };
     arguments.finish();
-    match run(count, [rows, columns], steps, options) {
+    match run(&poses, sides, steps, options) {
         Ok(contacts) => {
             println!("steps={steps} contacts={contacts}");
             ExitCode::SUCCESS
@@ -109,7 +136,7 @@ fn main() -> ExitCode {
 
 /// Gives the number of contacts in the last step.
 fn run(
-    count: u32,
+    poses: &[Pose],
     [rows, columns]: [u32; 2],
     steps: u32,
     options: DetectionOptions<f32>,
@@ -117,12 +144,12 @@ fn run(
     let mut scene = Scene::<f32>::new(1)?;
     scene.set_options(options);
     let mut frames = vec![Vec::new(); FRAMES as usize];
-    for body in 0..count {
-        let (rest, triangles) = stacked(body, rows, columns);
+    for (body, pose) in poses.iter().enumerate() {
+        let (rest, triangles) = torus(pose, rows, columns);
         for (step, frame) in (0..).zip(&mut frames) {
             frame.push(rest.iter().map(|&point| moved(point, step)).collect::<Vec<_>>());
         }
-        scene.add(Mesh::new(&frames[0][body as usize], &triangles)?);
+        scene.add(Mesh::new(&frames[0][body], &triangles)?);
     }
     let mut contacts = ContactList::default();
     for step in 0..steps {
