@@ -46,6 +46,12 @@ impl<T: Scalar> Node<T> {
         }
     }
 
+    /// The lower and the upper corners of all children.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn corners<L: Lanes<T>>(&self) -> [Vectors<T, L>; 2] {
+        [Vectors::load(&self.lower), Vectors::load(&self.upper)]
+    }
+
     /// The box around all children.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn aabb<L: Lanes<T>>(&self) -> Aabb<T> {

@@ -17,8 +17,8 @@ struct Candidate {
 /// So many tiles are held against the rays at a time.
 pub(super) const TILES_AT_ONCE: usize = 80;
 
-/// A packet whose box meets more tiles than so many walks. Measured on shallow and deep pairs of tori: any number from 32 to
-/// 128 costs the same within 2 %.
+/// A packet whose box meets more tiles than so many walks: what the tori of the benchmarks list stays far below, while the
+/// spreading rays of a deep overlap list several hundred.
 const MOST_LISTED: usize = TILES_AT_ONCE - CHILD_COUNT;
 
 /// So many candidates are computed at a time.
@@ -41,6 +41,8 @@ pub(crate) struct Candidates<T: Scalar> {
     triangles: [Candidate; CANDIDATES_AT_ONCE + LANE_COUNT],
     /// Nodes that a walk has yet to enter.
     pub(super) waiting: [Waiting<T>; STACK_SIZE],
+    /// Whether the last packet had better walk, and so the next, where hits and where exits were asked.
+    pub(super) walks: [bool; 2],
 }
 
 impl<T: Scalar> Candidates<T> {
@@ -55,6 +57,7 @@ impl<T: Scalar> Candidates<T> {
             pairs: [0; (TILES_AT_ONCE + 1) * LANE_COUNT],
             triangles: [Candidate { triangle: 0, ray: 0 }; CANDIDATES_AT_ONCE + LANE_COUNT],
             waiting: [Waiting { entry: T::zero(), node: 0, rays: 0 }; STACK_SIZE],
+            walks: [false; 2],
         }
     }
 
@@ -65,16 +68,18 @@ impl<T: Scalar> Candidates<T> {
     }
 }
 
-/// Holds the rays of the listed pairs against all triangles of their tiles at once. What is left are mostly hits; these are
-/// computed sixteen at a time.
+/// Holds the rays of the listed pairs against all triangles of their tiles at once. What is left are mostly hits: these join
+/// those that are `listed` already, and are computed where there are at least `fewest`. Gives how many are left.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn work_off<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     search: &Search<T, L>,
     list: &mut Candidates<T>,
     pair_count: usize,
+    mut listed: usize,
+    fewest: usize,
     answer: &mut A,
-) {
-    let (mut next, mut listed) = (0, 0);
+) -> usize {
+    let mut next = 0;
     while next < pair_count {
         while next < pair_count && listed <= CANDIDATES_AT_ONCE - LANE_COUNT {
             let pair = list.pairs[next] as usize;
@@ -98,14 +103,17 @@ pub(super) fn work_off<T: Scalar, L: Lanes<T>, A: Answer<T>>(
                 met &= met - 1;
             }
         }
-        resolve::<T, L, A>(search.mesh, search.packet, list, listed, answer);
-        listed = 0;
+        if listed >= fewest {
+            resolve::<T, L, A>(search.mesh, search.packet, list, listed, answer);
+            listed = 0;
+        }
     }
+    listed
 }
 
 /// Computes the hits of the candidates.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+pub(super) fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     mesh: &Mesh<T>,
     packet: &RayPacket<T>,
     list: &mut Candidates<T>,

@@ -14,6 +14,9 @@ pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     answer: &mut A,
 ) -> bool {
     let Search { cells, mesh, slabs, .. } = search;
+    if list.most_listed == 0 || list.walks[usize::from(A::EXITS_ONLY)] {
+        return false;
+    }
     let mut stack = [0u32; STACK_SIZE];
     let mut waiting = 1;
     while waiting > 0 {
@@ -30,7 +33,7 @@ pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
                 waiting = L::append(&mut stack, waiting, node.first, met);
             }
         }
-        if waiting > 0 && tile_count > list.most_listed || list.most_listed == 0 {
+        if waiting > 0 && tile_count > list.most_listed {
             return false;
         }
         let (end, mut pair_count) = (L::load(answer.end()), 0);
@@ -43,7 +46,7 @@ pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
             }
             pair_count = L::append(&mut list.pairs, pair_count, (place * LANE_COUNT) as u32, rays);
         }
-        work_off(search, list, pair_count, answer);
+        work_off(search, list, pair_count, 0, 1, answer);
     }
     true
 }

@@ -49,7 +49,19 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         let (enters, leaves) = (at_lower.smaller(at_upper), at_lower.larger(at_upper));
         let enters = enters.largest().larger(L::splat(T::zero()));
         let leaves = leaves.x.smaller(leaves.y).smaller(leaves.z).smaller(end);
-        (enters, enters.is_at_most(leaves) | self.meet_all)
+        // A ray so short enters wherever it starts.
+        (L::select(self.meet_all, L::splat(T::zero()), enters), enters.is_at_most(leaves) | self.meet_all)
+    }
+
+    /// The same, ray by ray.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn singles(&self) -> SingleSlabs<T> {
+        let zeros = [[T::zero(); LANE_COUNT]; 3];
+        let mut singles = SingleSlabs { inverse: zeros, offsets: [zeros; 2], meet_all: self.meet_all };
+        self.inverse.store(&mut singles.inverse);
+        self.offsets[0].store(&mut singles.offsets[0]);
+        self.offsets[1].store(&mut singles.offsets[1]);
+        singles
     }
 
     /// A box that holds all of the rays that may count, and what triangles near them the tests may accept.
@@ -77,4 +89,35 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
             upper: Vectors::select(asked, upper, endless.negate()).greatest_lanes(),
         }
     }
+}
+
+/// [`PacketSlabs`] ray by ray.
+#[repr(C, align(64))]
+pub(super) struct SingleSlabs<T: Scalar> {
+    inverse: [[T; LANE_COUNT]; 3],
+    offsets: [[[T; LANE_COUNT]; 3]; 2],
+    meet_all: Mask,
+}
+
+impl<T: Scalar> SingleSlabs<T> {
+    /// Where one ray enters each of sixteen boxes, and which of them it meets, not beyond its end.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn entering<L: Lanes<T>>(&self, ray: usize, [lower, upper]: [Vectors<T, L>; 2], end: T) -> (L, Mask) {
+        if self.meet_all >> ray & 1 == 1 {
+            return (L::splat(T::zero()), Mask::MAX);
+        }
+        let inverse = one_of(&self.inverse, ray);
+        let at_lower = lower.times_add(inverse, one_of(&self.offsets[0], ray));
+        let at_upper = upper.times_add(inverse, one_of(&self.offsets[1], ray));
+        let (enters, leaves) = (at_lower.smaller(at_upper), at_lower.larger(at_upper));
+        let enters = enters.largest().larger(L::splat(T::zero()));
+        let leaves = leaves.x.smaller(leaves.y).smaller(leaves.z).smaller(L::splat(end));
+        (enters, enters.is_at_most(leaves))
+    }
+}
+
+/// Sixteen times the vector of one ray.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn one_of<T: Scalar, L: Lanes<T>>([x, y, z]: &[[T; LANE_COUNT]; 3], ray: usize) -> Vectors<T, L> {
+    Vectors::new(L::splat(x[ray]), L::splat(y[ray]), L::splat(z[ray]))
 }

@@ -1,7 +1,12 @@
 use super::Search;
 use super::answer::Answer;
-use super::candidates::{Candidates, work_off};
+use super::candidates::{Candidates, resolve, work_off};
+use super::slabs::SingleSlabs;
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
+use crate::octree::wide::node::{CHILD_COUNT, Node};
+
+/// A packet whose rays meet fewer tiles than so many is better served by lists: the next one is listed again.
+const FEWEST_WALKED: u32 = 24;
 
 /// A node that some rays of a packet may meet.
 #[derive(Clone, Copy, Debug)]
@@ -20,55 +25,122 @@ pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     list: &mut Candidates<T>,
     answer: &mut A,
 ) {
-    let Search { cells, mesh, slabs, asked, .. } = search;
-    list.waiting[0] = Waiting { entry: T::zero(), node: 0, rays: *asked };
-    let mut count = 1;
-    while count > 0 {
-        count -= 1;
-        let Waiting { entry, node, rays } = list.waiting[count];
-        let end = L::load(answer.end());
-        let rays = rays & !answer.settled() & (L::splat(entry).is_at_most(end) | slabs.meet_all);
+    let cells = search.cells;
+    let singles = search.slabs.singles();
+    let mut children = Children { rays: [0; CHILD_COUNT], entries: [T::zero(); CHILD_COUNT] };
+    list.waiting[0] = Waiting { entry: T::zero(), node: 0, rays: search.asked };
+    let (mut waiting, mut listed, mut tile_count) = (1, 0, 0);
+    while waiting > 0 {
+        waiting -= 1;
+        let Waiting { entry, node, rays } = list.waiting[waiting];
+        let is_open = L::splat(entry).is_at_most(L::load(answer.end())) | search.slabs.meet_all;
+        let rays = rays & is_open & !answer.settled();
         if rays == 0 {
             continue;
         }
         let node = &cells.nodes[node as usize];
-        let mut met = node.meets::<L>(&search.around);
+        let mut met = children.hold::<L, A>(search, &singles, node, rays, answer);
         if node.is_leaf {
-            let (mut tile_count, mut pair_count) = (0, 0);
-            while met != 0 {
-                let place = met.trailing_zeros() as usize;
-                met &= met - 1;
-                let (tile, some) = (node.first as usize + place, slabs.meeting(&node.child_box(place), end) & rays);
-                if some == 0 || A::EXITS_ONLY && !search.directions.may_leave(cells, tile, mesh, &mut list.room) {
-                    continue;
-                }
-                list.tiles[tile_count] = tile as u32;
-                pair_count = L::append(&mut list.pairs, pair_count, (tile_count * LANE_COUNT) as u32, some);
-                tile_count += 1;
+            tile_count += met.count_ones();
+            let pair_count = list_pairs::<T, L, A>(search, list, node, met, &children.rays);
+            listed = work_off(search, list, pair_count, listed, LANE_COUNT, answer);
+            continue;
+        }
+        let first = waiting;
+        while met != 0 {
+            let child = met.trailing_zeros() as usize;
+            met &= met - 1;
+            let entry = children.entries[child];
+            let mut place = waiting;
+            while place > first && list.waiting[place - 1].entry < entry {
+                list.waiting[place] = list.waiting[place - 1];
+                place -= 1;
             }
-            work_off(search, list, pair_count, answer);
-        } else {
-            let first = count;
-            while met != 0 {
-                let place = met.trailing_zeros() as usize;
-                met &= met - 1;
-                let (enters, some) = slabs.entering(&node.child_box(place), end);
-                let some = some & rays;
-                if some == 0 {
-                    continue;
-                }
-                let entry = match some & slabs.meet_all {
-                    0 => L::select(some, enters, L::splat(T::INFINITY)).smallest(),
-                    _ => T::zero(),
-                };
-                let mut at = count;
-                while at > first && list.waiting[at - 1].entry < entry {
-                    list.waiting[at] = list.waiting[at - 1];
-                    at -= 1;
-                }
-                list.waiting[at] = Waiting { entry, node: node.first + place as u32, rays: some };
-                count += 1;
-            }
+            list.waiting[place] = Waiting { entry, node: node.first + child as u32, rays: children.rays[child] };
+            waiting += 1;
         }
     }
+    resolve::<T, L, A>(search.mesh, search.packet, list, listed, answer);
+    list.walks[usize::from(A::EXITS_ONLY)] = tile_count >= FEWEST_WALKED;
+}
+
+/// Which rays meet a node's children, and where the first of them enters.
+struct Children<T: Scalar> {
+    rays: [Mask; CHILD_COUNT],
+    /// Of nodes that are no leaves.
+    entries: [T; CHILD_COUNT],
+}
+
+impl<T: Scalar> Children<T> {
+    /// Holds the rays against all children of a node, gives those that are met: one box against all rays at a time or one ray
+    /// against all boxes, whichever are fewer.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn hold<L: Lanes<T>, A: Answer<T>>(
+        &mut self,
+        search: &Search<T, L>,
+        singles: &SingleSlabs<T>,
+        node: &Node<T>,
+        rays: Mask,
+        answer: &A,
+    ) -> Mask {
+        let near = node.meets::<L>(&search.around);
+        let (mut met, endless) = (0, L::splat(T::INFINITY));
+        if rays.count_ones() < near.count_ones() {
+            self.rays = [0; CHILD_COUNT];
+            let (corners, mut entries) = (node.corners::<L>(), endless);
+            let mut left = rays;
+            while left != 0 {
+                let ray = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let (enters, some) = singles.entering::<L>(ray, corners, answer.end()[ray]);
+                let mut some = some & near;
+                met |= some;
+                entries = L::select(some, enters.smaller(entries), entries);
+                while some != 0 {
+                    self.rays[some.trailing_zeros() as usize] |= 1 << ray;
+                    some &= some - 1;
+                }
+            }
+            entries.store(&mut self.entries);
+            return met;
+        }
+        let end = L::load(answer.end());
+        let mut left = near;
+        while left != 0 {
+            let child = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (enters, some) = search.slabs.entering(&node.child_box(child), end);
+            self.rays[child] = some & rays;
+            met |= Mask::from(self.rays[child] != 0) << child;
+            if !node.is_leaf {
+                self.entries[child] = L::select(self.rays[child], enters, endless).smallest();
+            }
+        }
+        met
+    }
+}
+
+/// Lists each of these tiles with the rays that meet its box, but for those through which no ray can leave where only that
+/// counts.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn list_pairs<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+    search: &Search<T, L>,
+    list: &mut Candidates<T>,
+    node: &Node<T>,
+    mut tiles: Mask,
+    rays: &[Mask; CHILD_COUNT],
+) -> usize {
+    let (mut tile_count, mut pair_count) = (0, 0);
+    while tiles != 0 {
+        let child = tiles.trailing_zeros() as usize;
+        tiles &= tiles - 1;
+        let tile = node.first as usize + child;
+        if A::EXITS_ONLY && !search.directions.may_leave(search.cells, tile, search.mesh, &mut list.room) {
+            continue;
+        }
+        list.tiles[tile_count] = tile as u32;
+        pair_count = L::append(&mut list.pairs, pair_count, (tile_count * LANE_COUNT) as u32, rays[child]);
+        tile_count += 1;
+    }
+    pair_count
 }
