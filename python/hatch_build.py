@@ -22,6 +22,8 @@ class LibraryHook(BuildHookInterface):
     """One wheel serves every CPython of a platform: nothing in it is compiled against Python."""
 
     def initialize(self, version, build_data):
+        if version == "editable":
+            raise NotImplementedError("a part of the package is made with the wheel: use 'pip install .' without -e")
         root = pathlib.Path(self.root)
         library = build_library(root)
         header = (root / "include/raycontact.h").read_text(encoding="utf-8")

@@ -62,7 +62,7 @@ def to_write(given: Any, name: str) -> NDArray[Any]:
     require_shape(given, name)
     if not (lies_well(given) and given.flags.writeable):
         found = f"dtype {given.dtype}, strides {given.strides}, writeable {given.flags.writeable}"
-        raise ValueError(f"{name} cannot be added to ({found}); give float32 or float64, rows packed and ascending")
+        raise ValueError(f"{name} cannot be added to where it lies ({found}); give one such as np.zeros((n, 3))")
     return given
 
 
