@@ -9,7 +9,7 @@ import sys
 import pytest
 
 ROOT = pathlib.Path(__file__).parents[2]
-LISTING = re.compile(r"```python\n(.*?)```\n+```text\n(.*?)```", re.DOTALL)
+LISTING = re.compile(r"```python\n(.*?)```(?:(?!```).)*```text\n(.*?)```", re.DOTALL)
 TUTORIAL = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
 
 
