@@ -43,14 +43,7 @@ class LibraryHook(BuildHookInterface):
 
 def build_library(root):
     """The shared library that cargo makes, or has made: the release build of every other part of the repository."""
-    command = [
-        "cargo",
-        "build",
-        "--release",
-        "--lib",
-        "--locked",
-        "--message-format=json-render-diagnostics",
-    ]
+    command = "cargo build --release --lib --locked --message-format=json-render-diagnostics".split()
     told = subprocess.run(command, cwd=root, check=True, stdout=subprocess.PIPE, encoding="utf-8").stdout
     for message in map(json.loads, told.splitlines()):
         if message["reason"] == "compiler-artifact" and message["target"]["name"] == "raycontact":
@@ -76,23 +69,25 @@ def types(header, library):
     for name, value in re.findall(r"^#define RAYC_(\w+) (\S+)$", header, re.MULTILINE):
         parts.append(f"{name} = {2**32 - 1 if value == 'UINT32_MAX' else ast.literal_eval(value)}")
     for text, name, body in TYPE.findall(header):
-        members = [(docstring(text), *member.rsplit(" ", 1)) for text, member in MEMBER.findall(body + ",")]
+        members = [(plain(text), *member.rsplit(" ", 1)) for text, member in MEMBER.findall(body + ",")]
         title = name.title().replace("_", "")
         if name.endswith("_options"):
-            known = [(text, f"{member}: {NUMBERS[kind]}") for text, kind, member in members if kind in NUMBERS]
-            parts += class_of(f"{title}(TypedDict, total=False)", docstring(text), known)
+            known = [(member, f": {NUMBERS[kind]}", text) for text, kind, member in members if kind in NUMBERS]
+            parts.append(class_of(f"{title}(TypedDict, total=False)", text, known))
         elif "=" in members[0][1]:
             prefix = len(f"rayc_{name}_")
-            known = [(text, f"{member[prefix:]} {value}") for text, member, value in members]
-            parts += class_of(f"{title}(IntEnum)", docstring(text), known)
+            known = [(member[prefix:-2], f" = {value}", text) for text, member, value in members]
+            parts.append(class_of(f"{title}(IntEnum)", text, known))
     return "\n".join(parts) + "\n"
 
 
 def class_of(head, text, members):
-    lines = [part for doc, member in members for part in (member, doc)]
-    return [f"\n\nclass {head}:", textwrap.indent("\n".join([text, "", *lines]), "    ")]
+    """Members are told of in the text of the class, since help() shows no others."""
+    told = [f"{name}:\n{textwrap.indent(text, '    ')}" for name, _, text in members]
+    lines = ['"""' + "\n\n".join([plain(text), *told]) + '\n"""', "", *(name + value for name, value, _ in members)]
+    return f"\n\nclass {head}:\n" + textwrap.indent("\n".join(lines), "    ")
 
 
-def docstring(comment):
+def plain(comment):
     text = re.sub(r"^ *\* ?", "", comment, flags=re.MULTILINE).strip()
-    return f'"""{text}"""'
+    return re.sub(r" Fill with rayc_default_\w+\(\), then change what you need\.", "", text)

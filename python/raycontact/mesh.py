@@ -45,8 +45,9 @@ class Mesh:
     def set_positions(self, positions: ArrayLike) -> None:
         """Renews the positions of all vertices: (n, 3), in m. Where that raises Error, the old ones stay."""
         vectors = Vectors(positions, "positions")
-        check(library.rayc_mesh_set_positions(self._handle, vectors.struct))
-        self._is_stale = True
+        with self._lock:
+            check(library.rayc_mesh_set_positions(self._handle, vectors.struct))
+            self._is_stale = True
 
     @property
     def vertex_count(self) -> int:

@@ -56,8 +56,16 @@ def test_enums_are_those_of_the_header():
 def test_what_is_generated_says_what_the_header_says():
     assert raycontact.NO_TRIANGLE == 2**32 - 1 and raycontact.SPACING_AUTOMATIC == -1
     assert raycontact.__version__ == f"{_header.VERSION_MAJOR}.{_header.VERSION_MINOR}.{_header.VERSION_PATCH}"
-    assert "pressure" in raycontact.Law.__doc__ or "force" in raycontact.Law.__doc__
-    assert raycontact.DetectionOptions.__doc__.startswith("How contacts are found.")
+    assert raycontact.DetectionOptions.__doc__.startswith("How contacts are found.\n")
+    for kind in (
+        raycontact.MeshOptions,
+        raycontact.DetectionOptions,
+        raycontact.ResponseOptions,
+        raycontact.SceneOptions,
+    ):
+        for name in kind.__annotations__:
+            assert re.search(rf"^ *{name}:\n +\S", kind.__doc__, re.MULTILINE), name
+    assert "Pressure by depth below the surface" in raycontact.Law.__doc__
 
 
 def test_every_public_name_is_documented():
