@@ -6,8 +6,8 @@ import subprocess
 import sys
 
 import numpy as np
-from raycontact import Mesh, Scene
-from shapes import tetrahedron, torus
+from raycontact import Mesh, Scene, query_pair
+from shapes import TETRAHEDRON, tetrahedron, torus
 
 
 def test_arrays_outlive_their_scene():
@@ -55,7 +55,25 @@ def test_temporary_arrays_live_for_as_long_as_the_call():
         mesh.set_positions(wanted.tolist())
         np.testing.assert_array_equal(mesh.positions(), wanted)
         scene.set_positions(body, np.asfortranarray(wanted))
-    assert mesh.signed_distances(np.asfortranarray([[0.1, 0.2, 0.3]])).shape == (1,)
+
+
+def test_large_temporary_arrays_live_for_as_long_as_the_call():
+    """Memory of this size goes back to the system when it is freed, so that whoever reads it then crashes."""
+    positions = np.zeros((1_500_000, 3), order="F")
+    positions[:4] = tetrahedron()[0]
+    mesh, scene = Mesh(positions, TETRAHEDRON), Scene()
+    body = scene.add(mesh)
+    mesh.set_positions(positions)
+    scene.set_positions(body, positions)
+    contacts = query_pair(mesh, Mesh(*tetrahedron(0.2)))
+    assert contacts.energy([positions, tetrahedron(0.2)[0]]) > 0
+    assert (mesh.winding_numbers(positions) != 2).all()
+
+
+def run(program):
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    return ended.stdout
 
 
 def test_the_process_ends_with_objects_left():
@@ -76,5 +94,24 @@ Holder.again = raycontact.Scene(threads=0)
 threading.kept = Holder.again
 print(len(holder.contacts))
 """
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert ended.returncode == 0 and ended.stderr == "" and int(ended.stdout) > 0
+    assert int(run(program)) > 0
+
+
+def test_what_the_library_frees_may_outlive_the_package():
+    program = """
+import gc, sys, threading
+handles = []
+def use():
+    import raycontact
+    handles.append(raycontact.Scene()._handle)
+thread = threading.Thread(target=use)
+thread.start()
+thread.join()
+del use
+for name in [name for name in sys.modules if name.startswith("raycontact")]:
+    del sys.modules[name]
+gc.collect()
+handles.clear()
+print("freed")
+"""
+    assert run(program) == "freed\n"
