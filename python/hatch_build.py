@@ -5,6 +5,7 @@ import ast
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 import sysconfig
 import textwrap
@@ -44,6 +45,8 @@ class LibraryHook(BuildHookInterface):
 def build_library(root):
     """The shared library that cargo makes, or has made: the release build of every other part of the repository."""
     command = "cargo build --release --lib --locked --message-format=json-render-diagnostics".split()
+    if not shutil.which("cargo"):
+        raise FileNotFoundError("cargo is missing: install a Rust toolchain (https://rustup.rs) and put it on the PATH")
     told = subprocess.run(command, cwd=root, check=True, stdout=subprocess.PIPE, encoding="utf-8").stdout
     for message in map(json.loads, told.splitlines()):
         if message["reason"] == "compiler-artifact" and message["target"]["name"] == "raycontact":
