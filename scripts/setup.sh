@@ -9,7 +9,7 @@ packages=(
     ninja-build     # the generator of the presets
     pkg-config      # finds both builds of Bullet, and the installed package
     dpkg-dev        # makes the Debian packages
-    python3-venv    # for the Conan client, which comes from PyPI
+    python3-venv    # for the Conan client and the Python package, with parts from PyPI
     libbullet-dev   # Bullet, float and double
     python3-vtk9    # draws the demo's picture
     doxygen         # the manual

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Builds the library with cargo and puts it into the wheel, with what Python needs of the C header."""
+
+import ast
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sysconfig
+import textwrap
+
+from cffi import FFI
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+COMMENT = re.compile(r"/\*\*(.*?)\*/", re.DOTALL)
+TYPE = re.compile(r"/\*\*((?:(?!\*/).)*)\*/\ntypedef (?:enum|struct) rayc_(\w+) {\n(.*?)\n}", re.DOTALL)
+MEMBER = re.compile(r"/\*\*((?:(?!\*/).)*)\*/\s*([^,;]+?)[,;]", re.DOTALL)
+NUMBERS = {"double": "float", "uint32_t": "int"}
+
+
+class LibraryHook(BuildHookInterface):
+    """One wheel serves every CPython of a platform: nothing in it is compiled against Python."""
+
+    def initialize(self, version, build_data):
+        if version == "editable":
+            raise NotImplementedError("a part of the package is made with the wheel: use 'pip install .' without -e")
+        root = pathlib.Path(self.root)
+        library = build_library(root)
+        header = (root / "include/raycontact.h").read_text(encoding="utf-8")
+        ffi = FFI()
+        ffi.cdef(declarations(header))
+        ffi.set_source("raycontact._ffi", None)
+        generated = root / "target/python"
+        generated.mkdir(parents=True, exist_ok=True)
+        ffi.emit_python_code(str(generated / "_ffi.py"))
+        (generated / "_header.py").write_text(types(header, library.name), encoding="utf-8")
+
+        files = [library, generated / "_ffi.py", generated / "_header.py"]
+        build_data["force_include"].update({str(file): f"raycontact/{file.name}" for file in files})
+        platform = re.sub(r"[-.]", "_", sysconfig.get_platform())
+        build_data.update(pure_python=False, tag=f"py3-none-{platform}")
+
+
+def build_library(root):
+    """The shared library that cargo makes, or has made: the release build of every other part of the repository."""
+    command = "cargo build --release --lib --locked --message-format=json-render-diagnostics".split()
+    if not shutil.which("cargo"):
+        raise FileNotFoundError("cargo is missing: install a Rust toolchain (https://rustup.rs) and put it on the PATH")
+    told = subprocess.run(command, cwd=root, check=True, stdout=subprocess.PIPE, encoding="utf-8").stdout
+    for message in map(json.loads, told.splitlines()):
+        if message["reason"] == "compiler-artifact" and message["target"]["name"] == "raycontact":
+            files = map(pathlib.Path, message["filenames"])
+            return next(file for file in files if file.suffix in (".so", ".dylib", ".dll"))
+    raise FileNotFoundError("cargo has told of no shared library")
+
+
+def declarations(header):
+    """The header without comments and what stands for other compilers, as cffi reads it."""
+    code = re.sub(r"//.*", "", COMMENT.sub("", header))
+    lines = (line.strip() for line in code.splitlines() if not line.startswith("#"))
+    return "\n".join(lines).replace('extern "C" {\n', "").rstrip("\n}")
+
+
+def types(header, library):
+    """A module with the header's constants, enums and options, for people, editors and type checkers."""
+    parts = [
+        '"""Constants, enums and options of raycontact.h, from which this file is generated."""\n\n'
+        "from enum import IntEnum\nfrom typing import TypedDict\n\n"
+        f'LIBRARY = "{library}"'
+    ]
+    for name, value in re.findall(r"^#define RAYC_(\w+) (\S+)$", header, re.MULTILINE):
+        parts.append(f"{name} = {2**32 - 1 if value == 'UINT32_MAX' else ast.literal_eval(value)}")
+    for text, name, body in TYPE.findall(header):
+        members = [(plain(text), *member.rsplit(" ", 1)) for text, member in MEMBER.findall(body + ",")]
+        title = name.title().replace("_", "")
+        if name.endswith("_options"):
+            known = [(member, f": {NUMBERS[kind]}", text) for text, kind, member in members if kind in NUMBERS]
+            parts.append(class_of(f"{title}(TypedDict, total=False)", text, known))
+        elif "=" in members[0][1]:
+            prefix = len(f"rayc_{name}_")
+            known = [(member[prefix:-2], f" = {value}", text) for text, member, value in members]
+            parts.append(class_of(f"{title}(IntEnum)", text, known))
+    return "\n".join(parts) + "\n"
+
+
+def class_of(head, text, members):
+    """Members are told of in the text of the class, since help() shows no others."""
+    told = [f"{name}:\n{textwrap.indent(text, '    ')}" for name, _, text in members]
+    lines = ['"""' + "\n\n".join([plain(text), *told]) + '\n"""', "", *(name + value for name, value, _ in members)]
+    return f"\n\nclass {head}:\n" + textwrap.indent("\n".join(lines), "    ")
+
+
+def plain(comment):
+    text = re.sub(r"^ *\* ?", "", comment, flags=re.MULTILINE).strip()
+    return re.sub(r" Fill with rayc_default_\w+\(\), then change what you need\.", "", text)

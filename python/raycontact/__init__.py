@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Contact between deformable bodies, found by tracing rays: raycontact's C interface with numpy arrays.
+
+One step of a simulation: Scene.set_positions() for each body that moved, Scene.query(), Contacts.add_forces(),
+Scene.advance(). Lengths are in any one unit, metres in these texts; triangles are counter-clockwise seen from outside.
+
+Arrays of n vectors have the shape (n, 3). In float32 or float64, with the three numbers of a row side by side and rows
+in ascending order (slices of rows and of wider arrays too), they are used where they lie. Others are copied, or refused
+where they are to be written to. The library keeps no pointer to an array. Arrays that it returns own their memory: they
+stay valid when meshes, scenes and contacts are gone.
+
+Options are keyword arguments with the names of the C header; what is not given has its default, and flags may be bools.
+Every call lets other Python threads run. Two of them must not use one scene, mesh or list of contacts at once where one
+changes it: that raises Error with Status.BUSY.
+"""
+
+from ._header import (
+    NO_TRIANGLE,
+    SPACING_AUTOMATIC,
+    ContactKind,
+    DetectionOptions,
+    Law,
+    MeshOptions,
+    ResponseOptions,
+    Scalar,
+    SceneOptions,
+    Status,
+    Weighting,
+)
+from ._library import Error, version
+from .contacts import Contacts, query_pair, query_self
+from .mesh import Mesh
+from .scene import Scene
+
+__version__ = version()
+__all__ = [
+    "NO_TRIANGLE",
+    "SPACING_AUTOMATIC",
+    "ContactKind",
+    "Contacts",
+    "DetectionOptions",
+    "Error",
+    "Law",
+    "Mesh",
+    "MeshOptions",
+    "ResponseOptions",
+    "Scalar",
+    "Scene",
+    "SceneOptions",
+    "Status",
+    "Weighting",
+    "query_pair",
+    "query_self",
+]

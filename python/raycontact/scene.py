@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Many bodies, one detection for all of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
+from numpy.typing import ArrayLike, NDArray
+
+from ._arrays import Vectors, copied
+from ._ffi import ffi
+from ._header import DetectionOptions, SceneOptions
+from ._library import DTYPES, answer, check, create, library, options
+from .contacts import Contacts
+from .mesh import Mesh
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class Scene:
+    """Many bodies, numbered from 0, and all contacts among them.
+
+    Options: see SceneOptions; threads=0 starts a pool of one thread for each core, which ends with the scene. Results
+    do not depend on it. An unknown body raises Error with Status.UNKNOWN_BODY.
+    """
+
+    def __init__(self, **scene_options: Unpack[SceneOptions]) -> None:
+        self._handle = create("scene", options("scene", scene_options))
+
+    def add(self, mesh: Mesh) -> int:
+        """Adds a copy of `mesh` with its present positions; returns the body's number."""
+        return int(answer("uint32_t", library.rayc_scene_add_mesh, self._handle, mesh._handle))
+
+    def remove(self, body: int) -> None:
+        """Removes a body. Its number is refused from here on, until over 65536 others have been removed."""
+        check(library.rayc_scene_remove_body(self._handle, body))
+
+    def set_positions(self, body: int, positions: ArrayLike) -> None:
+        """Renews the positions of a body's vertices: (n, 3), in m. Where that raises Error, the old ones stay."""
+        vectors = Vectors(positions, "positions")
+        check(library.rayc_scene_set_positions(self._handle, body, vectors.struct))
+
+    def set_detection_options(self, **detection: Unpack[DetectionOptions]) -> None:
+        """Sets how contacts are found from the next query on; what is not given becomes the default."""
+        check(library.rayc_scene_set_detection_options(self._handle, options("detection", detection)))
+
+    def set_self_collision(self, body: int, is_on: bool) -> None:
+        """Switches contacts of a body with itself on or off from the next query on; off for a new body."""
+        check(library.rayc_scene_set_self_collision(self._handle, body, is_on))
+
+    def set_pair_collision(self, a: int, b: int, is_on: bool) -> None:
+        """Switches contacts between two bodies off or on again from the next query on."""
+        check(library.rayc_scene_set_pair_collision(self._handle, a, b, is_on))
+
+    def allow_escape(self, a: int, b: int, allowed: bool) -> None:
+        """Lets two bodies escape from one another where contacts cannot part them, as by default, or forbids it."""
+        check(library.rayc_scene_allow_escape(self._handle, a, b, allowed))
+
+    def may_escape(self, a: int, b: int) -> bool:
+        """Whether two bodies may escape from one another."""
+        return bool(answer("uint32_t", library.rayc_scene_may_escape, self._handle, a, b))
+
+    def query(self, contacts: Optional[Contacts] = None) -> Contacts:
+        """Finds all contacts at the present positions. They replace those of `contacts`, which is returned, or are new.
+        The same positions have the same contacts, however often they are asked for in a step."""
+        contacts = Contacts() if contacts is None else contacts
+        check(library.rayc_scene_query(self._handle, contacts._handle))
+        return contacts
+
+    def advance(self, seconds: float) -> None:
+        """Ends a step of so many seconds, after its last query: what pairs remember, by which they escape, goes on."""
+        check(library.rayc_scene_advance(self._handle, seconds))
+
+    def pair_memories(self) -> NDArray[Any]:
+        """What each pair remembers from step to step: one for each, with the fields of rayc_pair_memory."""
+        count = answer("size_t", library.rayc_scene_pair_memory_count, self._handle)
+        given = self._handle, 0, count, DTYPES["pair_memory"].itemsize
+        return copied("pair_memory", count, library.rayc_scene_copy_pair_memories, *given)
+
+    def save_pair_memories(self) -> bytes:
+        """The same as bytes, for files: a scene with the same bodies and options that restores them goes on as this one
+        does, to the bit."""
+        saved = ffi.new("uint8_t[]", answer("size_t", library.rayc_scene_saved_length, self._handle))
+        check(library.rayc_scene_save_pair_memories(self._handle, len(saved), saved))
+        return bytes(ffi.buffer(saved))
+
+    def restore_pair_memories(self, saved: bytes) -> None:
+        """Goes on from saved bytes."""
+        check(library.rayc_scene_restore_pair_memories(self._handle, len(saved), ffi.from_buffer(saved)))

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Bodies over many steps, against laws that do not depend on the method."""
+
+import numpy as np
+import pytest
+from raycontact import Contacts, Error, Mesh, Scalar, Scene, Status
+from shapes import ball, box, tetrahedron, torus
+
+
+def rigid_balls(steps, **options):
+    """Two rigid balls of 1 kg that start one inside the other: their middles and velocities at the end."""
+    points, triangles = ball(12)
+    scene, contacts = Scene(**options), Contacts()
+    middles, velocities = np.array([[0.0, 0, 0], [0.9, 0.1, 0.2]]), np.zeros((2, 3))
+    mesh = Mesh(points, triangles, precision=options.get("precision", Scalar.F64))
+    bodies = [scene.add(mesh) for _ in middles]
+    for _ in range(steps):
+        for body, middle in zip(bodies, middles):
+            scene.set_positions(body, points + middle)
+        forces = np.zeros((2, len(points), 3))
+        scene.query(contacts).add_forces(forces, stiffness=100)
+        scene.advance(0.005)
+        velocities += 0.005 * forces.sum(axis=1)
+        middles += 0.005 * velocities
+    return middles, velocities, len(contacts)
+
+
+def test_balls_part_and_keep_their_momentum():
+    middles, velocities, left = rigid_balls(600)
+    assert left == 0
+    assert np.linalg.norm(middles[1] - middles[0]) > 2
+    np.testing.assert_allclose(velocities.sum(axis=0), 0, atol=1e-12)
+    assert np.linalg.norm(velocities) > 0.1
+
+
+def test_results_do_not_depend_on_threads():
+    for one, many in zip(rigid_balls(20, threads=1), rigid_balls(20, threads=3)):
+        np.testing.assert_array_equal(one, many)
+
+
+def test_float_scenes_agree_with_double():
+    for single, double in zip(rigid_balls(20, precision=Scalar.F32), rigid_balls(20)):
+        np.testing.assert_allclose(single, double, rtol=1e-3, atol=1e-4)
+
+
+def test_the_same_positions_have_the_same_contacts():
+    scene = Scene()
+    for shift in (0, 0.2):
+        scene.add(Mesh(*tetrahedron(shift)))
+    first, again = scene.query().to_array(), scene.query().to_array()
+    np.testing.assert_array_equal(first, again)
+    assert len(first)
+
+
+def test_switches_and_removal():
+    scene = Scene()
+    numbers = [scene.add(Mesh(*tetrahedron(shift))) for shift in (0, 0.1, 0.2)]
+    assert numbers == [0, 1, 2]
+    assert scene.query().statistics()["pairs"] == 3
+    scene.set_pair_collision(0, 1, False)
+    assert scene.query().statistics()["pairs"] == 2
+    scene.remove(1)
+    contacts = scene.query()
+    assert contacts.statistics()["pairs"] == 1
+    forces = [np.zeros((4, 3)), None, np.zeros((4, 3))]
+    contacts.add_forces(forces)
+    np.testing.assert_allclose(forces[0].sum(axis=0), -forces[2].sum(axis=0), atol=1e-15)
+    assert scene.add(Mesh(*tetrahedron())) == 3
+    with pytest.raises(Error) as caught:
+        scene.set_positions(1, tetrahedron()[0])
+    assert caught.value.status == Status.UNKNOWN_BODY
+
+
+def test_self_collision_is_switched_on_by_body():
+    (a, faces), (b, _) = ball(10), ball(10, (1.5, 0.01, 0.02))
+    scene = Scene()
+    body = scene.add(Mesh(np.concatenate([a, b]), np.concatenate([faces, faces + len(a)])))
+    assert len(scene.query()) == 0
+    scene.set_self_collision(body, True)
+    assert scene.query().statistics()["self_contacts"] > 0
+
+
+def test_detection_options_hold_until_set_again():
+    scene = Scene()
+    for shift in (0, 0.2):
+        scene.add(Mesh(*tetrahedron(shift)))
+    default = len(scene.query())
+    scene.set_detection_options(sample_spacing=0.3)
+    assert len(scene.query()) < default
+    scene.set_detection_options()
+    assert len(scene.query()) == default
+
+
+def test_what_pairs_remember_can_be_saved():
+    def swallowed():
+        scene = Scene()
+        scene.add(Mesh(*box([-1] * 3, [1] * 3)))
+        scene.add(Mesh(*torus(20, 10, 0.4, 0.1)))
+        return scene
+
+    scene, other = swallowed(), swallowed()
+    scene.query()
+    scene.advance(1 / 60)
+    memories = scene.pair_memories()
+    assert memories[["first", "second", "escaping"]].tolist() == [(0, 1, 1)]
+    saved = scene.save_pair_memories()
+    other.query()
+    other.restore_pair_memories(saved)
+    np.testing.assert_array_equal(other.pair_memories(), memories)
+    with pytest.raises(Error) as caught:
+        other.restore_pair_memories(saved[:-1] + bytes([saved[-1] ^ 1]))
+    assert caught.value.status == Status.SAVED_STATE_BROKEN
+    np.testing.assert_array_equal(other.pair_memories(), memories)
