@@ -81,8 +81,9 @@ fn stretched(shape: Shape, by: Point) -> Shape {
     shape.map(|point| std::array::from_fn(|axis| point[axis] * by[axis]))
 }
 
-/// Deep pairs: turned at random, swallowed, in the middle of one another, copies in one place, and aligned ones, whose rays
-/// meet edges and surfaces in the same place.
+/// Deep pairs: turned at random, swallowed, in the middle of one another, and copies moved along an axis, whose rays meet
+/// edges and faces exactly. Not copies in one and the same place: every point of one lies on the other there, and rounding
+/// decides whether it is inside.
 fn pairs() -> Vec<(String, [Shape; 2])> {
     let mut random = Random::new(7);
     type Kind = (&'static str, fn() -> Shape);
@@ -106,7 +107,6 @@ fn pairs() -> Vec<(String, [Shape; 2])> {
     for (name, shape) in kinds {
         found.push((format!("{name}, swallowed"), [shapes::cube(1).scaled(3.0), shape().moved([0.3, 0.2, 0.1])]));
         found.push((format!("{name}, in the middle"), [shapes::cube(1).scaled(3.0), shape()]));
-        found.push((format!("{name}, its copy"), [shape(), shape()]));
         found.push((format!("{name}, its copy moved along an axis"), [shape(), shape().moved([0.25, 0.0, 0.0])]));
     }
     found

@@ -5,6 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::avx2_lists::{append, doubles_bounds, doubles_gather, equal, have_next, holding, singles_gather};
+use super::dispatch::{Kernel, outlined_avx2};
 use super::registers::register_by_register;
 use super::sse2_lists::singles_bounds;
 use super::{LANE_COUNT, Lanes, Mask};
@@ -20,6 +21,12 @@ pub struct SinglesAvx2([__m256; 2]);
 pub struct DoublesAvx2([__m256d; 4]);
 
 impl Lanes<f32> for SinglesAvx2 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn outlined<K: Kernel<f32>>(kernel: K) -> K::Output {
+        // SAFETY: the kernel that runs this checked for AVX2 and FMA.
+        unsafe { outlined_avx2::<f32, Self, K>(kernel) }
+    }
+
     register_by_register!(
         f32,
         [0, 1],
@@ -151,6 +158,12 @@ impl SinglesAvx2 {
 }
 
 impl Lanes<f64> for DoublesAvx2 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn outlined<K: Kernel<f64>>(kernel: K) -> K::Output {
+        // SAFETY: the kernel that runs this checked for AVX2 and FMA.
+        unsafe { outlined_avx2::<f64, Self, K>(kernel) }
+    }
+
     register_by_register!(
         f64,
         [0, 1, 2, 3],

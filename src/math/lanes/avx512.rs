@@ -5,6 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::avx2_lists::{doubles_bounds, have_next};
+use super::dispatch::{Kernel, outlined_avx512};
 use super::sse2_lists::singles_bounds;
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
@@ -27,6 +28,12 @@ macro_rules! each {
 }
 
 impl Lanes<f32> for SinglesAvx512 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn outlined<K: Kernel<f32>>(kernel: K) -> K::Output {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { outlined_avx512::<f32, Self, K>(kernel) }
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn splat(value: f32) -> Self {
         // SAFETY: the kernel that runs this checked for AVX-512.
@@ -193,6 +200,12 @@ fn joined(low: __mmask8, high: __mmask8) -> Mask {
 }
 
 impl Lanes<f64> for DoublesAvx512 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn outlined<K: Kernel<f64>>(kernel: K) -> K::Output {
+        // SAFETY: the kernel that runs this checked for AVX-512.
+        unsafe { outlined_avx512::<f64, Self, K>(kernel) }
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn splat(value: f64) -> Self {
         // SAFETY: the kernel that runs this checked for AVX-512.

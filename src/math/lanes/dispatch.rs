@@ -23,10 +23,12 @@ pub(crate) use x86_64::dispatch;
 pub(crate) use x86_64::on_every_path;
 #[cfg(all(test, target_arch = "x86_64"))]
 pub(super) use x86_64::{Path, best, run_on};
+#[cfg(target_arch = "x86_64")]
+pub(super) use x86_64::{outlined_avx2, outlined_avx512};
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64 {
-    use super::{HasLanes, Kernel};
+    use super::{HasLanes, Kernel, Lanes};
     use std::is_x86_feature_detected as has;
     use std::sync::OnceLock;
 
@@ -93,8 +95,22 @@ mod x86_64 {
         kernel.run::<T::Avx2>()
     }
 
+    /// For code that runs on AVX2 lanes already.
+    #[inline(never)]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    pub(crate) fn outlined_avx2<T: HasLanes, L: Lanes<T>, K: Kernel<T>>(kernel: K) -> K::Output {
+        kernel.run::<L>()
+    }
+
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
     fn run_avx512<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
         kernel.run::<T::Avx512>()
+    }
+
+    /// For code that runs on AVX-512 lanes already.
+    #[inline(never)]
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
+    pub(crate) fn outlined_avx512<T: HasLanes, L: Lanes<T>, K: Kernel<T>>(kernel: K) -> K::Output {
+        kernel.run::<L>()
     }
 }

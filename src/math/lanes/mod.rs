@@ -125,6 +125,15 @@ pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     /// Which of sixteen sets have all these bits.
     fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask;
 
+    /// Runs a kernel on this path as a function of its own: large code is then compiled once, however many places call it.
+    #[inline(never)]
+    fn outlined<K: Kernel<T>>(kernel: K) -> K::Output
+    where
+        T: HasLanes,
+    {
+        kernel.run::<Self>()
+    }
+
     /// The absolute value, but for the sign of zero.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn magnitude(self) -> Self {

@@ -19,6 +19,7 @@ use crate::mesh::Mesh;
 use crate::ray::{Hit, RayPacket};
 use answer::{Answer, Hidden, Nearest};
 use slabs::PacketSlabs;
+use walk::Walk;
 
 /// Where each ray of a packet meets a mesh first.
 #[derive(Clone, Debug)]
@@ -120,6 +121,6 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     let around = BoxLanes::new(&around);
     let search = Search { cells, mesh, packet, asked, slabs, around, directions };
     if !lists::search(&search, list, answer) {
-        walk::search(&search, list, answer);
+        L::outlined(Walk { search: &search, list, answer });
     }
 }

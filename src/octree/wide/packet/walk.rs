@@ -2,7 +2,7 @@ use super::Search;
 use super::answer::Answer;
 use super::candidates::{Candidates, resolve, work_off};
 use super::slabs::SingleSlabs;
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::octree::wide::node::{CHILD_COUNT, Node};
 
 /// A packet whose rays meet fewer tiles than so many is better served by lists: the next one is listed again.
@@ -19,49 +19,57 @@ pub(super) struct Waiting<T> {
 
 /// Each node's box is held against the rays that met its parent's; the nearest goes first, and rays that have met something
 /// nearer meanwhile are left out.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
-    search: &Search<T, L>,
-    list: &mut Candidates<T>,
-    answer: &mut A,
-) {
-    let cells = search.cells;
-    let singles = search.slabs.singles();
-    let mut children = Children { rays: [0; CHILD_COUNT], entries: [T::zero(); CHILD_COUNT] };
-    list.waiting[0] = Waiting { entry: T::zero(), node: 0, rays: search.asked };
-    let (mut waiting, mut listed, mut tile_count) = (1, 0, 0);
-    while waiting > 0 {
-        waiting -= 1;
-        let Waiting { entry, node, rays } = list.waiting[waiting];
-        let is_open = L::splat(entry).is_at_most(L::load(answer.end())) | search.slabs.meet_all;
-        let rays = rays & is_open & !answer.settled();
-        if rays == 0 {
-            continue;
-        }
-        let node = &cells.nodes[node as usize];
-        let mut met = children.hold::<L, A>(search, &singles, node, rays, answer);
-        if node.is_leaf {
-            tile_count += met.count_ones();
-            let pair_count = list_pairs::<T, L, A>(search, list, node, met, &children.rays);
-            listed = work_off(search, list, pair_count, listed, LANE_COUNT, answer);
-            continue;
-        }
-        let first = waiting;
-        while met != 0 {
-            let child = met.trailing_zeros() as usize;
-            met &= met - 1;
-            let entry = children.entries[child];
-            let mut place = waiting;
-            while place > first && list.waiting[place - 1].entry < entry {
-                list.waiting[place] = list.waiting[place - 1];
-                place -= 1;
+pub(super) struct Walk<'a, 'b, T: Scalar, L, A> {
+    pub(super) search: &'a Search<'b, T, L>,
+    pub(super) list: &'a mut Candidates<T>,
+    pub(super) answer: &'a mut A,
+}
+
+impl<T: Scalar, L: Lanes<T>, A: Answer<T>> Kernel<T> for Walk<'_, '_, T, L, A> {
+    type Output = ();
+
+    /// On the lanes that the search is prepared for.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<Same: Lanes<T>>(self) {
+        let Self { search, list, answer } = self;
+        let cells = search.cells;
+        let singles = search.slabs.singles();
+        let mut children = Children { rays: [0; CHILD_COUNT], entries: [T::zero(); CHILD_COUNT] };
+        list.waiting[0] = Waiting { entry: T::zero(), node: 0, rays: search.asked };
+        let (mut waiting, mut listed, mut tile_count) = (1, 0, 0);
+        while waiting > 0 {
+            waiting -= 1;
+            let Waiting { entry, node, rays } = list.waiting[waiting];
+            let is_open = L::splat(entry).is_at_most(L::load(answer.end())) | search.slabs.meet_all;
+            let rays = rays & is_open & !answer.settled();
+            if rays == 0 {
+                continue;
             }
-            list.waiting[place] = Waiting { entry, node: node.first + child as u32, rays: children.rays[child] };
-            waiting += 1;
+            let node = &cells.nodes[node as usize];
+            let mut met = children.hold::<L, A>(search, &singles, node, rays, answer);
+            if node.is_leaf {
+                tile_count += met.count_ones();
+                let pair_count = list_pairs::<T, L, A>(search, list, node, met, &children.rays);
+                listed = work_off(search, list, pair_count, listed, LANE_COUNT, answer);
+                continue;
+            }
+            let first = waiting;
+            while met != 0 {
+                let child = met.trailing_zeros() as usize;
+                met &= met - 1;
+                let entry = children.entries[child];
+                let mut place = waiting;
+                while place > first && list.waiting[place - 1].entry < entry {
+                    list.waiting[place] = list.waiting[place - 1];
+                    place -= 1;
+                }
+                list.waiting[place] = Waiting { entry, node: node.first + child as u32, rays: children.rays[child] };
+                waiting += 1;
+            }
         }
+        resolve::<T, L, A>(search.mesh, search.packet, list, listed, answer);
+        list.walks[usize::from(A::EXITS_ONLY)] = tile_count >= FEWEST_WALKED;
     }
-    resolve::<T, L, A>(search.mesh, search.packet, list, listed, answer);
-    list.walks[usize::from(A::EXITS_ONLY)] = tile_count >= FEWEST_WALKED;
 }
 
 /// Which rays meet a node's children, and where the first of them enters.
