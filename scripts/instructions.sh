@@ -43,7 +43,7 @@ per_step() { echo $((($(instructions "$@" 12) - $(instructions "$@" 4)) / 8)); }
 measured="$(mktemp)"
 trap 'rm -f "$measured"' EXIT
 echo 'workload,mode,path,instructions' >"$measured"
-for workload in stack2 stack10 pair80x40; do
+for workload in stack2 stack10 pair80x40 deep80; do
     for mode in paper default; do
         for path in avx2 baseline; do
             say "$workload, $mode, $path"
