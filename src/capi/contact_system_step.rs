@@ -122,7 +122,8 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
         let system = reading(system, "system")?;
         let needed = block_count(&system.system)?;
         if count != needed {
-            let message = text!("there are {needed} blocks, and room for {count}; ask for their count, and give that room");
+            let message =
+                text!("there are {needed} blocks, and room for {count}; ask for their count, and give that room");
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
         }
         let rows = slice_mut(rows, count, "rows")?;

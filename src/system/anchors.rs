@@ -66,9 +66,8 @@ impl Anchors {
     pub(super) fn find(&mut self, key: Key, triangle: u32, from: Corners, hold: Hold) -> (usize, Option<Anchor>) {
         let place = (key, triangle);
         let start = self.kept.partition_point(|anchor| (anchor.key, anchor.triangle) < place);
-        let distance = |anchor: &Anchor| -> f64 {
-            (0..3).map(|k| (anchor.from.weights[k] - from.weights[k]).powi(2)).sum()
-        };
+        let distance =
+            |anchor: &Anchor| -> f64 { (0..3).map(|k| (anchor.from.weights[k] - from.weights[k]).powi(2)).sum() };
         let mut nearest: Option<(f64, usize)> = None;
         for (offset, anchor) in self.kept[start..].iter().enumerate() {
             if (anchor.key, anchor.triangle) != place {
@@ -82,6 +81,11 @@ impl Anchors {
         let found = nearest.map(|(_, place)| place);
         self.pending.room_for(1).push(Anchor { key, triangle, from, hold, found });
         (self.pending.len() - 1, found.map(|place| self.kept[place]))
+    }
+
+    /// Whether the contact did not hold on in the step before.
+    pub(super) fn is_new(&self, place: usize) -> bool {
+        self.pending[place].found.is_none()
     }
 
     /// The anchor stays where it is: to the bit, so that rounding does not add up to a way. False for a new one.
@@ -104,9 +108,11 @@ impl Anchors {
         // Of equal ones the order does not matter: the nearest is taken.
         self.kept.sort_unstable_by(|a, b| {
             order(a).cmp(&order(b)).then_with(|| {
-                a.from.weights.iter().zip(&b.from.weights).fold(std::cmp::Ordering::Equal, |o, (a, b)| {
-                    o.then(a.total_cmp(b))
-                })
+                a.from
+                    .weights
+                    .iter()
+                    .zip(&b.from.weights)
+                    .fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b)))
             })
         });
     }

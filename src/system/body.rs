@@ -41,7 +41,10 @@ pub struct Motion {
 #[derive(Debug)]
 pub(super) enum Mover {
     /// With all nodes of the body.
-    Nodes { table: Table, nodes: Range<u32> },
+    Nodes {
+        table: Table,
+        nodes: Range<u32>,
+    },
     /// With its place among the rigid bodies.
     Rigid {
         mass: f64,

@@ -58,8 +58,8 @@ struct Ends {
     given_before: V3,
 }
 
-/// No body lies farther from a point of its surface than this many times the depth before its far side holds that point.
-const MOST_FAR_WEIGHT: f64 = 0.5;
+/// Where a far vertex would take more than this the body is flat there.
+const MOST_FAR_WEIGHT: f64 = 2.0;
 
 impl<T: Scalar> Folding<'_, T> {
     /// `wanted`: whether to take contacts of this pair of numbers.
@@ -282,7 +282,6 @@ impl<T: Scalar> Folding<'_, T> {
         let Spring { key, direction, depth, cos_alpha, area } = spring;
         let pair = self.pair(key, floor);
         let material = self.loads.now[pair].material;
-        self.loads.now[pair].rows += 1;
         let hold = hold.filter(|_| material.friction > 0.0);
         let mut row = Row {
             direction,
@@ -291,6 +290,7 @@ impl<T: Scalar> Folding<'_, T> {
             damping_time: material.damping_time,
             friction: material.friction,
             pair,
+            order: if matches!(key.1, Surface::Body(second) if second < key.0) { -1.0 } else { 1.0 },
             ahead: Slip::default(),
             sliding: V3::zeros(),
             stretch: V3::zeros(),

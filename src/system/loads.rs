@@ -2,6 +2,7 @@
 
 use super::Material;
 use super::anchors::Surface;
+use super::twist::V3;
 use crate::memory::Room;
 
 /// A stiff contact predicts far more than it will bear, because the solve lets bodies give way. Pairs that have been in
@@ -14,7 +15,7 @@ pub(super) struct PairLoads {
     pub(super) now: Vec<Pair>,
 }
 
-/// The bodies of a row.
+/// The bodies of a row, in its order or, for its pair, in ascending order.
 pub(super) type Key = (u32, Surface);
 
 #[derive(Clone, Copy, Debug)]
@@ -29,13 +30,30 @@ pub(super) struct Pair {
     solved: f64,
     /// Of the step before: predicted and left.
     then: Option<(f64, f64)>,
-    /// How many rows it has.
-    pub(super) rows: usize,
+    /// Of the friction springs at the end of this step, and of the one before.
+    springs: Springs,
+    springs_then: Springs,
+    /// Of this step's springs, how stiff those are together that have been found again, and those that are new.
+    found: f64,
+    new: f64,
+}
+
+/// Springs of a pair, together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Springs {
+    /// In N/m.
+    coefficient: f64,
+    /// What they pull with, in N.
+    pull: V3,
 }
 
 impl PairLoads {
-    /// The place of a pair among those of this step; `new` where it is its first row.
+    /// The place of a pair among those of this step, whichever of two bodies comes first; `new` where it is its first row.
     pub(super) fn place(&mut self, key: Key, new: impl FnOnce() -> (Material, f64)) -> usize {
+        let key = match key {
+            (first, Surface::Body(second)) => (first.min(second), Surface::Body(first.max(second))),
+            key => key,
+        };
         let is_it = |pair: &Pair| pair.key == key;
         // Rows of one pair come one after the other.
         if let Some(place) = self.now.last().filter(|pair| is_it(pair)).map(|_| self.now.len() - 1) {
@@ -46,10 +64,20 @@ impl PairLoads {
         }
         let (material, inverse_mass) = new();
         let then = self.before.binary_search_by_key(&key, |pair| pair.key).ok();
-        let then = then.map(|place| (self.before[place].predicted, self.before[place].solved));
-        let pair =
-            Pair { key, material, inverse_mass, predicted: 0.0, normal: 0.0, solved: 0.0, then, rows: 0 };
-        self.now.room_for(1).push(pair);
+        let before = then.map(|place| &self.before[place]);
+        self.now.room_for(1).push(Pair {
+            key,
+            material,
+            inverse_mass,
+            predicted: 0.0,
+            normal: 0.0,
+            solved: 0.0,
+            then: before.map(|pair| (pair.predicted, pair.solved)),
+            springs: Springs::default(),
+            springs_then: before.map(|pair| pair.springs).unwrap_or_default(),
+            found: 0.0,
+            new: 0.0,
+        });
         self.now.len() - 1
     }
 
@@ -76,6 +104,28 @@ impl Pair {
 
     pub(super) fn add_solved(&mut self, push: f64) {
         self.solved += push;
+    }
+
+    /// A friction spring as it is at the end of the step.
+    pub(super) fn add_spring(&mut self, coefficient: f64, stretch: &V3) {
+        self.springs.coefficient += coefficient;
+        self.springs.pull += stretch * coefficient;
+    }
+
+    /// A friction spring of this step.
+    pub(super) fn count_spring(&mut self, coefficient: f64, is_new: bool) {
+        *if is_new { &mut self.new } else { &mut self.found } += coefficient;
+    }
+
+    /// The stretch with which a new spring begins. Where rays start from other points than in the step before, what springs
+    /// that are gone have pulled with is handed over to the new ones, and never more.
+    pub(super) fn inherited(&self) -> V3 {
+        let Springs { coefficient, pull } = self.springs_then;
+        let lost = coefficient - self.found;
+        if !(lost > 0.0 && self.new > 0.0) {
+            return V3::zeros();
+        }
+        pull / coefficient * (lost / self.new).min(1.0)
     }
 
     /// Did the pair bear anything in the step before?

@@ -145,14 +145,17 @@ impl<T: Scalar> ContactSystem<T> {
         }
         let table = Table::new(carriers, mesh.positions().len(), nodes.clone())?;
         let mass = mass_of(&self.node_masses, nodes.clone());
-        self.insert(place, Body {
-            number: body,
-            material,
-            mover: Mover::Nodes { table, nodes },
-            outermost: outermost(mesh),
-            mass,
-            positions: Vec::new(),
-        });
+        self.insert(
+            place,
+            Body {
+                number: body,
+                material,
+                mover: Mover::Nodes { table, nodes },
+                outermost: outermost(mesh),
+                mass,
+                positions: Vec::new(),
+            },
+        );
         Ok(())
     }
 
@@ -198,7 +201,10 @@ impl<T: Scalar> ContactSystem<T> {
         let place = self.place_for(scene, body, &material)?;
         let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
         let (mover, outermost) = (Mover::Host(Frame::new(mesh)), outermost(mesh));
-        self.insert(place, Body { number: body, material, mover, outermost, mass: f64::INFINITY, positions: Vec::new() });
+        self.insert(
+            place,
+            Body { number: body, material, mover, outermost, mass: f64::INFINITY, positions: Vec::new() },
+        );
         Ok(())
     }
 

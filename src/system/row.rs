@@ -60,6 +60,8 @@ pub(super) struct Row {
     pub(super) friction: f64,
     /// The place of its pair among the pairs of this step.
     pub(super) pair: usize,
+    /// 1 where the bodies stand in the pair's order, −1 where the other way round.
+    pub(super) order: f64,
     /// The slip with which detection moved the bodies on.
     pub(super) ahead: Slip,
     /// Across the direction, at the start of the step.

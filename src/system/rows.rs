@@ -128,8 +128,7 @@ impl Rows {
                 continue;
             }
             let slip = self.slip(place, change, &V3::zeros());
-            let (along, across) =
-                (-scale * row.held.normal * slip.along, slip.across * (-scale * row.held.tangential));
+            let (along, across) = (-scale * row.held.normal * slip.along, slip.across * (-scale * row.held.tangential));
             self.scatter(place, along, &across, nodes);
             if let Some(twists) = &mut twists {
                 Self::scatter_rigid(&row.rigid, &(row.direction * along + across), twists);

@@ -2,6 +2,7 @@
 
 use super::anchors::{Hold, Surface, in_plane};
 use super::body::Course;
+use super::row::Row;
 use super::rows::Velocities;
 use super::step::Step;
 use super::{ContactSystem, RigidUnknowns, SystemError};
@@ -77,8 +78,7 @@ impl<T: Scalar> ContactSystem<T> {
         for (place, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
             let force = row.force_at(&self.rows.slip_at(place, of));
             let (along, across) = (row.direction.dot(&force), row.across(&force));
-            for (square, stiffness) in
-                [(along * along, row.held.normal), (across.norm_squared(), row.held.tangential)]
+            for (square, stiffness) in [(along * along, row.held.normal), (across.norm_squared(), row.held.tangential)]
             {
                 if stiffness > 0.0 {
                     energy += 0.5 * step.dt * square / stiffness;
@@ -108,7 +108,18 @@ impl<T: Scalar> ContactSystem<T> {
     /// Holds the rows by what bodies would do without contact: none pulls, and friction goes by what its pair bore.
     pub(super) fn hold_predicted(&mut self) {
         let Some(Step { dt, .. }) = self.step else { return };
-        let pairs = &mut self.loads.now;
+        let (pairs, anchors) = (&mut self.loads.now, &self.anchors);
+        let rubbing = |row: &Row| row.anchor.map(|anchor| (row.pair, anchors.is_new(anchor)));
+        for row in &self.rows.rows {
+            if let Some((pair, is_new)) = rubbing(row) {
+                pairs[pair].count_spring(row.coefficient, is_new);
+            }
+        }
+        for row in &mut self.rows.rows {
+            if let Some((pair, true)) = rubbing(row) {
+                row.stretch = row.across(&pairs[pair].inherited()) * row.order + row.ahead.across * dt;
+            }
+        }
         for row in &mut self.rows.rows {
             let pair = &mut pairs[row.pair];
             row.hold_normal(row.ahead, dt);
@@ -170,6 +181,8 @@ impl<T: Scalar> ContactSystem<T> {
             let stretch = row.stretch_at(&slip.across, step.dt);
             let most = row.friction * load / row.coefficient;
             let is_dragged = stretch.norm() > most;
+            let offset = if is_dragged { stretch * (most / stretch.norm()) } else { stretch };
+            self.loads.now[row.pair].add_spring(row.coefficient, &(offset * row.order));
             if !is_dragged && self.anchors.keep(anchor) {
                 continue;
             }
@@ -183,7 +196,6 @@ impl<T: Scalar> ContactSystem<T> {
             let body = |number: u32| bodies.binary_search_by_key(&number, |body| body.number).map(|k| &bodies[k]);
             let pending = anchors.pending[anchor];
             let Ok(first) = body(pending.key.0) else { continue };
-            let offset = if is_dragged { stretch * (most / stretch.norm()) } else { stretch };
             let point = first.point(&pending.from.vertices, &pending.from.weights, &course) + offset;
             let hold = match (pending.hold, pending.key.1) {
                 (Hold::Material(corners), Surface::Body(second)) => {

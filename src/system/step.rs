@@ -190,7 +190,8 @@ impl<T: Scalar> ContactSystem<T> {
         let mut areas = std::mem::take(&mut buffers.areas);
         let course = buffers.course(time);
         let before = buffers.before();
-        let mut folding = Folding { bodies, pair_materials, node_masses, rows, anchors, loads, course, before, law: *law };
+        let mut folding =
+            Folding { bodies, pair_materials, node_masses, rows, anchors, loads, course, before, law: *law };
         folding.fold_contacts(&contacts.contacts, wanted);
         if let Some(scene) = scene {
             folding.fold_pushes(contacts.pushes());
@@ -231,15 +232,18 @@ impl<T: Scalar> ContactSystem<T> {
     fn ends_elsewhere(&self, nodes: &[f64], dt: f64) -> bool {
         let cap = self.bodies.iter().map(|body| body.material.depth_cap).fold(f64::INFINITY, f64::min) / dt;
         let differ = |a: &[f64], b: &[f64]| {
-            a.chunks_exact(3).zip(b.chunks_exact(3)).any(|(a, b)| {
-                (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>() > cap * cap
-            })
+            a.chunks_exact(3)
+                .zip(b.chunks_exact(3))
+                .any(|(a, b)| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>() > cap * cap)
         };
         let movable = self.node_masses.iter().any(|mass| mass.is_finite());
         (movable && differ(nodes, &self.buffers.ahead))
-            || self.rows.response.chunks_exact(6).zip(self.buffers.ahead_twists.chunks_exact(6)).any(|(a, b)| {
-                differ(&a[..3], &b[..3])
-            })
+            || self
+                .rows
+                .response
+                .chunks_exact(6)
+                .zip(self.buffers.ahead_twists.chunks_exact(6))
+                .any(|(a, b)| differ(&a[..3], &b[..3]))
     }
 
     fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
