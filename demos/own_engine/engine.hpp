@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "raycontact.hpp"
-#include "raycontact/contact_system.hpp"
 
 namespace own {
 

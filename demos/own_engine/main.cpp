@@ -33,7 +33,8 @@ own::Body box(const std::array<std::size_t, 3>& cells, double edge, const own::V
       if (is_outside(at) != outside) continue;
       numbers[at] = body.nodes.size();
       own::Vector x = middle;
-      for (std::size_t k = 0; k < 3; ++k) x[k] += edge * (static_cast<double>(at[k]) - 0.5 * static_cast<double>(cells[k]));
+      for (std::size_t k = 0; k < 3; ++k)
+        x[k] += edge * (static_cast<double>(at[k]) - 0.5 * static_cast<double>(cells[k]));
       body.nodes.push_back(x);
     }
     if (outside) body.surface_nodes = body.nodes.size();
@@ -71,9 +72,10 @@ own::Body torus(std::size_t around, std::size_t across, const own::Vector& middl
   const double turn = 2 * std::acos(-1.0);
   for (std::size_t n = 0; n < around * (across + 1); ++n) {
     const bool is_ring = n >= around * across;
-    const double u = turn * static_cast<double>(is_ring ? n - around * across : n / across) / static_cast<double>(around);
-    const double v = turn * static_cast<double>(n % across) / static_cast<double>(across), tube = is_ring ? 0 : 0.4;
-    const double r = 1 + tube * std::cos(v);
+    const std::size_t i = is_ring ? n - around * across : n / across;
+    const double u = turn * static_cast<double>(i) / static_cast<double>(around);
+    const double v = turn * static_cast<double>(n % across) / static_cast<double>(across);
+    const double tube = is_ring ? 0 : 0.4, r = 1 + tube * std::cos(v);
     body.nodes.push_back({{middle[0] + r * std::cos(u), middle[1] + r * std::sin(u), middle[2] + tube * std::sin(v)}});
   }
   body.surface_nodes = around * across;
@@ -105,16 +107,18 @@ std::string with_unit(const char* what, double value, const char* unit) {
 int stack(const Options& options) {
   own::Engine engine;
   engine.gravity = {{0, 0, -9.81}};
-  rayc_material material = raycontact::bearing_material(2e4, 0.05);
+  // Softer, and the column buckles at its joints.
+  rayc_material material = raycontact::bearing_material(1e5, 0.05);
   material.friction = options.friction;
   engine.add_floor({{0, 0, 1}}, material);
   for (int i = 0; i < 5; ++i)
-    engine.add(box({{3, 3, 3}}, 1.0 / 6, {{i % 2 == 0 ? 0 : 0.5 * options.aside, 0, 0.25 + 0.5 * i}}), 10, 2e4, material);
-  for (double time = 0; time < 3; time += options.dt) engine.step(options.dt);
+    engine.add(box({{3, 3, 3}}, 1.0 / 6, {{i % 2 == 0 ? 0 : 0.5 * options.aside, 0, 0.25 + 0.5 * i}}), 10, 2e4,
+               material);
+  for (double time = 0; time < 8; time += options.dt) engine.step(options.dt);
   const own::Vector before = engine.centre(4);
-  for (double time = 0; time < 3; time += options.dt) engine.step(options.dt);
+  for (double time = 0; time < 2; time += options.dt) engine.step(options.dt);
   const own::Vector top = engine.centre(4);
-  const double drift = std::hypot(top[0] - before[0], top[1] - before[1], top[2] - before[2]) / 3;
+  const double drift = std::hypot(top[0] - before[0], top[1] - before[1], top[2] - before[2]) / 2;
   return verdict("stack", top[2] > 2.1 && drift < 1e-3 && engine.fastest() < 0.05,
                  with_unit("top at", top[2], "m") + ", " + with_unit("drift", 1e3 * drift, "mm/s") + ", " +
                      with_unit("fastest node", engine.fastest(), "m/s"));
@@ -136,9 +140,8 @@ int tori(const Options& options) {
   const double momentum = 30 * std::hypot(a[0] + b[0], a[1] + b[1], a[2] + b[2]);
   const std::size_t end = engine.contact_count();
   return verdict("tori", start > 0 && end == 0 && momentum < 1e-6,
-                 with_unit("contacts at the start", static_cast<double>(start), "") + "and " +
-                     with_unit("at the end", static_cast<double>(end), "") + "after " +
-                     with_unit("", parted, "s") + ", " + with_unit("momentum", momentum, "kg m/s"));
+                 std::to_string(start) + " contacts at the start, " + std::to_string(end) + " at the end, " +
+                     with_unit("apart after", parted, "s") + ", " + with_unit("momentum", momentum, "kg m/s"));
 }
 
 /** A box on a floor that is tilted by 0.2: friction holds it, or it slides as fast as the textbook says. */
@@ -165,8 +168,9 @@ int ramp(const Options& options) {
 void print_usage(FILE* out) {
   std::fputs(
       "usage: own_engine SCENE [options]\n\n"
-      "An engine of points and springs, implicit Euler and conjugate gradients, on raycontact's contact system alone.\n\n"
-      "  stack           five boxes, each set off against the one below, for 6 s: they stay\n"
+      "An engine of points and springs, implicit Euler and conjugate gradients, on raycontact's contact system\n"
+      "alone.\n\n"
+      "  stack           five boxes, each set off against the one below, for 10 s: they stay\n"
       "  tori            two tori that start deep inside one another, for 5 s: they part\n"
       "  ramp            a box on a floor tilted by 0.2: friction holds it, or it slides as the textbook says\n\n"
       "  --dt SECONDS    time step (1/60)\n"

@@ -145,7 +145,7 @@ impl Table {
             }
             let (sum, size) = entries.iter().fold((0.0, 1.0), |(sum, size), (_, w)| (sum + w, size + w.abs()));
             // Weights rounded to single precision are fine.
-            if !((sum - 1.0_f64).abs() <= 1e-5 * size) {
+            if !sum.is_finite() || (sum - 1.0_f64).abs() > 1e-5 * size {
                 return Err(SystemError::WeightSum { vertex, sum });
             }
         }
@@ -290,7 +290,8 @@ pub(super) fn weights_of<T: Scalar>(point: &SurfacePoint<T>) -> [f64; 3] {
 /// The vertices of a surface that lie farthest along each axis, both ways.
 pub(super) fn outermost<T: Scalar>(mesh: &Mesh<T>) -> [u32; 6] {
     let positions = mesh.reference_positions();
-    let along = |vertex: u32, k: usize| positions[vertex as usize][k / 2] * T::of(if k % 2 == 0 { 1.0 } else { -1.0 });
+    let along =
+        |vertex: u32, k: usize| positions[vertex as usize][k / 2] * T::of(if k.is_multiple_of(2) { 1.0 } else { -1.0 });
     let vertices = mesh.topology().surface_vertices();
     std::array::from_fn(|k| {
         vertices.iter().copied().fold(vertices[0], |best, v| if along(v, k) > along(best, k) { v } else { best })

@@ -69,7 +69,7 @@ impl<T: Scalar> Folding<'_, T> {
             let (bodies, course) = (self.bodies, self.course);
             let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
             let any_moves = first.is_movable() || second.is_movable();
-            if !any_moves || !(area > 0.0) || !wanted(contact.colliding, contact.collided) {
+            if !any_moves || area <= 0.0 || !wanted(contact.colliding, contact.collided) {
                 continue;
             }
             let (p1, p2) = (&contact.p1, &contact.p2);
@@ -283,7 +283,7 @@ impl<T: Scalar> Folding<'_, T> {
         let pair = self.pair(key, floor);
         let material = self.loads.now[pair].material;
         let hold = hold.filter(|_| material.friction > 0.0);
-        let mut row = Row {
+        let row = Row {
             direction,
             coefficient: material.stiffness * area,
             asked: 0.0,
@@ -300,21 +300,24 @@ impl<T: Scalar> Folding<'_, T> {
             end: self.rows.entries.len(),
             held: Held::default(),
         };
-        if let Some((triangle, from, hold)) = hold {
-            let (anchor, old) = self.anchors.find(key, triangle, from, hold);
-            row.anchor = Some(anchor);
-            if let Some(old) = old {
-                let first = &self.bodies[self.place(key.0)];
-                let from = first.point(&old.from.vertices, &old.from.weights, &self.course);
-                let to = self.held_at(key, &old.hold);
-                row.stretch = row.across(&(to - from));
-            }
-        }
         self.rows.rows.room_for(1).push(row);
         let place = self.rows.rows.len() - 1;
         let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
         let slip = self.rows.slip_at(place, ahead);
         let sliding = self.rows.slip(place, self.before, &ends.given_before).across;
+        if let Some((triangle, from, hold)) = hold {
+            let (anchor, old) = self.anchors.find(key, triangle, from, hold);
+            // A new spring is slack at the start of the step.
+            let mut stretch = slip.across * self.course.time;
+            if let Some(old) = old {
+                let first = self.body(key.0);
+                let from = first.point(&old.from.vertices, &old.from.weights, &self.course);
+                let to = self.held_at(key, &old.hold);
+                stretch = self.rows.rows[place].across(&(to - from));
+            }
+            let row = &mut self.rows.rows[place];
+            (row.anchor, row.stretch) = (Some(anchor), stretch);
+        }
         let row = &mut self.rows.rows[place];
         (row.ahead, row.sliding) = (slip, sliding);
         row.asked = Row::asked(depth, cos_alpha, self.course.time * slip.along, material.depth_cap);

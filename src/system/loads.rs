@@ -136,7 +136,7 @@ impl Pair {
     /// What a row that predicts this push will bear: its part of the pair's, of stiffness `normal`.
     pub(super) fn load(&self, push: f64, normal: f64, dt: f64) -> f64 {
         match self.then {
-            Some((_, solved)) if !(self.predicted > 0.0) => solved * normal / self.normal,
+            Some((_, solved)) if self.predicted <= 0.0 => solved * normal / self.normal,
             Some((predicted, solved)) if predicted > 0.0 => push * (solved / predicted).clamp(0.0, 1.0),
             _ => push / (1.0 + dt * self.normal * self.inverse_mass),
         }

@@ -105,9 +105,8 @@ impl<T: Scalar> ContactSystem<T> {
         (self.rigid_unknowns == RigidUnknowns::Kept).then_some(twists)
     }
 
-    /// Holds the rows by what bodies would do without contact: none pulls, and friction goes by what its pair bore.
-    pub(super) fn hold_predicted(&mut self) {
-        let Some(Step { dt, .. }) = self.step else { return };
+    /// New friction springs take over what those that are gone have pulled with.
+    pub(super) fn hand_over(&mut self) {
         let (pairs, anchors) = (&mut self.loads.now, &self.anchors);
         let rubbing = |row: &Row| row.anchor.map(|anchor| (row.pair, anchors.is_new(anchor)));
         for row in &self.rows.rows {
@@ -117,9 +116,15 @@ impl<T: Scalar> ContactSystem<T> {
         }
         for row in &mut self.rows.rows {
             if let Some((pair, true)) = rubbing(row) {
-                row.stretch = row.across(&pairs[pair].inherited()) * row.order + row.ahead.across * dt;
+                row.stretch += row.across(&pairs[pair].inherited()) * row.order;
             }
         }
+    }
+
+    /// Holds the rows by what bodies would do without contact: none pulls, and friction goes by what its pair bore.
+    pub(super) fn hold_predicted(&mut self) {
+        let Some(Step { dt, .. }) = self.step else { return };
+        let pairs = &mut self.loads.now;
         for row in &mut self.rows.rows {
             let pair = &mut pairs[row.pair];
             row.hold_normal(row.ahead, dt);

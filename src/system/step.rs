@@ -45,9 +45,6 @@ impl Buffers {
     }
 }
 
-/// Of all force, so much may be predicted wrongly before rows are said to have changed.
-const WRONG_PART: f64 = 0.05;
-
 impl<T: Scalar> ContactSystem<T> {
     /// Begins a step of `dt` seconds: x, y, z of each node's position in m and velocity in m/s at its start, and the
     /// velocity it would have at its end if nothing touched it. Detects where all bodies would then be, in `scene`, whose
@@ -119,6 +116,7 @@ impl<T: Scalar> ContactSystem<T> {
         self.anchors.start_step();
         self.loads.start_step();
         self.fold(ahead, |_, _| true, Some(scene));
+        self.hand_over();
         self.step = Some(Step { dt: ahead, unknowns: self.unknown_count() });
         Ok(())
     }
@@ -289,11 +287,6 @@ impl<T: Scalar> ContactSystem<T> {
         let step = self.check_velocities("velocities", velocities)?;
         self.find_twists(velocities, step);
         Ok(self.hold_at(velocities, step))
-    }
-
-    /// Whether a part of the force, as [`linearise`](Self::linearise) gives it, asks for another solve.
-    pub fn is_wrong(part: f64) -> bool {
-        part > WRONG_PART
     }
 
     /// Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next,

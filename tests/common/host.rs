@@ -167,7 +167,7 @@ impl Host {
             let more = self.detects_again
                 && solve + 2 < self.solves
                 && self.system.detect_again(&mut self.scene, &v).expect("a step is under way");
-            if !more && !(wrong > 1e-3) {
+            if !more && wrong <= 1e-3 {
                 break;
             }
         }
