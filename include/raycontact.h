@@ -1510,11 +1510,13 @@ enum rayc_status rayc_contact_system_add_half_space(struct rayc_contact_system *
                                                     const struct rayc_material *material);
 
 /**
- * Removes a body from the system; to be removed from the scene too. Rigid bodies added after it move up by one place.
+ * Removes a body from the system; to be removed from the scene too. Rigid bodies added after it move up by one place, and
+ * with a rigid body the velocities of the last step are gone.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step.
  */
-enum rayc_status rayc_contact_system_remove_body(struct rayc_contact_system *system, uint32_t body);
+enum rayc_status rayc_contact_system_remove_body(struct rayc_contact_system *system,
+                                                 uint32_t body);
 
 /**
  * Gives two bodies, or a body with itself, a material of their own in place of the combined one. material: NULL takes it

@@ -244,7 +244,8 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
     })
 }
 
-/// Removes a body from the system; to be removed from the scene too. Rigid bodies added after it move up by one place.
+/// Removes a body from the system; to be removed from the scene too. Rigid bodies added after it move up by one place, and
+/// with a rigid body the velocities of the last step are gone.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step.
 #[unsafe(no_mangle)]

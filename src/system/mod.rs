@@ -227,7 +227,8 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(self.half_spaces.len() as u32 - 1)
     }
 
-    /// Removes a body; the scene's is untouched. Rigid bodies added after it move up by one place.
+    /// Removes a body; the scene's is untouched. Rigid bodies added after it move up by one place, and the velocities of the
+    /// last step are gone with one.
     ///
     /// # Errors
     /// [`SystemError::UnknownBody`], [`SystemError::StepUnderWay`].
@@ -236,6 +237,8 @@ impl<T: Scalar> ContactSystem<T> {
         let place = self.place(body)?;
         if let Mover::Rigid { place: gone, .. } = self.bodies.remove(place).mover {
             self.rigid_count -= 1;
+            // Those of the last step stand in the old places.
+            self.buffers.end_twists.clear();
             for body in &mut self.bodies {
                 if let Mover::Rigid { place, .. } = &mut body.mover {
                     *place -= usize::from(*place > gone);

@@ -207,6 +207,26 @@ fn what_needs_rigid_unknowns_asks_for_them() {
     refuses!(system.for_each_block(1.0, |_, _, _| ()), SystemError::Eliminated, "unknowns kept");
 }
 
+/// Places move up, and what was at them is not taken for another's.
+#[test]
+fn velocities_of_rigid_bodies_are_not_mistaken_after_a_removal() {
+    let mut scene = Scene::new(1).expect("no thread is started");
+    let mut system = ContactSystem::<f64>::new(RigidUnknowns::Eliminated);
+    let [first, second] = [0, 1].map(|_| cube(&mut scene));
+    for (body, x) in [(first, 0.0), (second, 9.0)] {
+        system.add_rigid(&scene, body, 1.0, box_inertia(1.0, [0.4; 3]), FINE).expect("a body");
+        let velocity = [x, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let motion = Motion { position: [x, 0.0, 0.0], velocity, free_velocity: velocity, ..still() };
+        system.set_motion(body, &motion).expect("it is rigid");
+    }
+    refuses!(system.rigid_velocity(second), SystemError::UnknownBody { .. }, "no such body 1");
+    system.begin(&mut scene, 0.01, &[], &[], &[]).expect("a step");
+    system.finish(&[]).expect("a step is under way");
+    assert_eq!(system.rigid_velocity(second).expect("it is rigid")[0], 9.0);
+    system.remove(first).expect("it is there");
+    refuses!(system.rigid_velocity(second), SystemError::UnknownBody { .. }, "no such body 1");
+}
+
 #[test]
 fn positions_beyond_single_precision_are_refused() {
     let mut scene = Scene::<f32>::new(1).expect("no thread is started");
