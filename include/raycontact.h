@@ -1449,8 +1449,8 @@ enum rayc_status rayc_contact_system_set_node_masses(struct rayc_contact_system 
 /**
  * Adds a deformable body: number `body` of the scene, with the host's nodes first_node … first_node + node_count − 1.
  *
- * offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of weights[e] · node nodes[e] over e from
- * offsets[v] up to offsets[v + 1]: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count from the
+ * offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of `weights[e]` · node `nodes[e]` over e from
+ * `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count from the
  * body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and weights
  * have entry_count. All three NULL: surface vertex v is the body's node v.
  *
@@ -1633,7 +1633,7 @@ enum rayc_status rayc_contact_system_block_count(const struct rayc_contact_syste
 
 /**
  * Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
- * stands at rows[i], columns[i], counted in blocks of three unknowns, and its nine numbers, by rows, at blocks[9 i]. Those of
+ * stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`. Those of
  * equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as many
  * numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
  *

@@ -1,6 +1,6 @@
 //! A step's contact on the unknowns that a simulator solves for: what a host needs beyond contacts and their springs.
 //!
-//! A [`ContactSystem`] knows what carries each body of a [`Scene`](crate::scene::Scene): nodes (directly, or by weights, as a
+//! A [`ContactSystem`] knows what carries each body of a [`Scene`]: nodes (directly, or by weights, as a
 //! skin in a cage), a rigid body's six numbers, or the host. In a step it moves the surfaces to where they would be without
 //! contact, lets the scene detect there, and makes each contact a **row**: a unilateral spring with friction over those
 //! unknowns. Between linearisations rows are held, so their force is linear in the velocities v at the end of the step,
