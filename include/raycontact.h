@@ -199,6 +199,42 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_OUT_OF_MEMORY = 501,
   /**
+   * A contact system's step is under way and should not be, or the other way round.
+   */
+  RAYC_STATUS_OUT_OF_ORDER = 600,
+  /**
+   * A contact system has a body of this number already.
+   */
+  RAYC_STATUS_BODY_TWICE = 601,
+  /**
+   * The weights of a surface vertex do not sum to 1, or name a node that its body does not have.
+   */
+  RAYC_STATUS_INVALID_WEIGHTS = 602,
+  /**
+   * A mass is not above 0.
+   */
+  RAYC_STATUS_INVALID_MASS = 603,
+  /**
+   * An inertia is singular, or not symmetric and positive definite.
+   */
+  RAYC_STATUS_INVALID_INERTIA = 604,
+  /**
+   * A number of a material is out of its range: a negative stiffness, damping time or friction, a cap that is not above 0.
+   */
+  RAYC_STATUS_INVALID_MATERIAL = 605,
+  /**
+   * A normal is no unit vector, or a rotation no rotation matrix.
+   */
+  RAYC_STATUS_INVALID_DIRECTION = 606,
+  /**
+   * A step's length is not finite and above 0.
+   */
+  RAYC_STATUS_INVALID_STEP = 607,
+  /**
+   * The contact system eliminates rigid bodies, and for this call it must keep them.
+   */
+  RAYC_STATUS_RIGID_ELIMINATED = 608,
+  /**
    * A fault inside the library was caught. Destroy the handles of this call; please report it.
    */
   RAYC_STATUS_PANIC = 900,
@@ -267,6 +303,23 @@ typedef enum rayc_weighting {
    */
   RAYC_WEIGHTING_VERTEX = 2,
 } rayc_weighting;
+
+/**
+ * A step's contact on the unknowns that a simulator solves for: what carries each body of a scene, materials, friction,
+ * rigid bodies. It looks where bodies will be at the end of the step, makes each contact a row (a spring that only pushes,
+ * with friction) over the host's nodes and rigid bodies, and gives a solver forces and products with their derivative.
+ *
+ * One step: rayc_contact_system_set_motion() for bodies that are not deformable, rayc_contact_system_begin(); as often as
+ * needed a solve with rayc_contact_system_add_forces() and rayc_contact_system_add_product(), then
+ * rayc_contact_system_linearise() and rayc_contact_system_detect_again(); rayc_contact_system_finish(). A steady step
+ * allocates nothing.
+ *
+ * Numbers are doubles in SI units, whatever the precision. Vectors of unknowns hold x, y, z of each node, then, where
+ * rigid bodies are kept, six numbers of each in the order they were added: linear and angular velocity, or force and torque.
+ *
+ * Threads: one call at a time for one system. The caller frees it with rayc_contact_system_destroy().
+ */
+typedef struct rayc_contact_system rayc_contact_system;
 
 /**
  * The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
@@ -810,6 +863,72 @@ typedef struct rayc_pair_memory {
 } rayc_pair_memory;
 
 /**
+ * How a contact system works. Fill with rayc_default_contact_system_options(), then change what you need.
+ */
+typedef struct rayc_contact_system_options {
+  /**
+   * sizeof(rayc_contact_system_options).
+   */
+  size_t struct_size;
+  /**
+   * That of the scene, a rayc_scalar. Default RAYC_SCALAR_F64.
+   */
+  uint32_t precision;
+  /**
+   * 1: the velocities of rigid bodies are unknowns of the host, behind those of its nodes. 0: the host solves for its nodes
+   * alone, and rigid bodies give way exactly as if they were solved for; rayc_contact_system_rigid_velocity() has the
+   * result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
+   */
+  uint32_t keeps_rigid_unknowns;
+} rayc_contact_system_options;
+
+/**
+ * How a body's surface bears load, damps and rubs. rayc_bearing_material() suggests values. Later versions may tell more,
+ * at the end.
+ */
+typedef struct rayc_material {
+  /**
+   * Pressure per depth, in N/m³; finite and ≥ 0.
+   */
+  double stiffness;
+  /**
+   * Damping over stiffness, in s; finite and ≥ 0.
+   */
+  double damping_time;
+  /**
+   * Coulomb's coefficient, static and kinetic; finite and ≥ 0.
+   */
+  double friction;
+  /**
+   * The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
+   * bodies close within the step is met in full.
+   */
+  double depth_cap;
+} rayc_material;
+
+/**
+ * Where a rigid body, or one moved by the host, is and how it moves.
+ */
+typedef struct rayc_motion {
+  /**
+   * The centre of mass, in m.
+   */
+  double position[3];
+  /**
+   * The rows of the rotation matrix from the body's own coordinates to the world's.
+   */
+  double rotation[3][3];
+  /**
+   * At the start of the step: linear velocity in m/s, then angular in rad/s, in the world's coordinates.
+   */
+  double velocity[6];
+  /**
+   * What the velocity would be at the end of the step without contact; of a body moved by the host, what moves it.
+   */
+  double free_velocity[6];
+} rayc_motion;
+
+/**
  * The point of a surface that is nearest to a given one.
  */
 typedef struct rayc_closest_point {
@@ -1304,6 +1423,128 @@ enum rayc_status rayc_scene_save_pair_memories(const struct rayc_scene *scene, s
 enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size_t length, const uint8_t *bytes);
 
 /**
+ * Makes a system without bodies. options: NULL for the defaults. *system: the new handle.
+ *
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE, RAYC_STATUS_UNKNOWN_ENUM, RAYC_STATUS_INVALID_OPTION.
+ */
+enum rayc_status rayc_contact_system_create(const struct rayc_contact_system_options *options,
+                                            struct rayc_contact_system **system);
+
+/**
+ * Frees a system; NULL does nothing.
+ */
+enum rayc_status rayc_contact_system_destroy(struct rayc_contact_system *system);
+
+/**
+ * Says how many nodes the host has, and their masses in kg: > 0, infinity for a node that is held fast. Before bodies that
+ * have these nodes are added.
+ *
+ * Errors: RAYC_STATUS_INVALID_MASS, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_WRONG_COUNT where a body's nodes
+ * lie beyond.
+ */
+enum rayc_status rayc_contact_system_set_node_masses(struct rayc_contact_system *system,
+                                                     size_t count,
+                                                     const double *masses);
+
+/**
+ * Adds a deformable body: number `body` of the scene, with the host's nodes first_node … first_node + node_count − 1.
+ *
+ * offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of `weights[e]` · node `nodes[e]` over e from
+ * `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count from the
+ * body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and weights
+ * have entry_count. All three NULL: surface vertex v is the body's node v.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY where the scene has no such body, RAYC_STATUS_BODY_TWICE, RAYC_STATUS_WRONG_COUNT,
+ * RAYC_STATUS_INVALID_WEIGHTS where weights do not sum to 1 or the table does not fit together, RAYC_STATUS_NOT_FINITE,
+ * RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_contact_system_add_deformable(struct rayc_contact_system *system,
+                                                    const struct rayc_scene *scene,
+                                                    uint32_t body,
+                                                    uint32_t first_node,
+                                                    uint32_t node_count,
+                                                    const uint32_t *offsets,
+                                                    size_t entry_count,
+                                                    const uint32_t *nodes,
+                                                    const double *weights,
+                                                    const struct rayc_material *material);
+
+/**
+ * Adds a rigid body: number `body` of the scene, whose mesh was created in the body's own coordinates, with the centre of
+ * mass at the origin. mass in kg; inertia: nine numbers, kg m² about that point in those coordinates. It is at the origin
+ * until rayc_contact_system_set_motion().
+ *
+ * Errors: RAYC_STATUS_INVALID_MASS, RAYC_STATUS_INVALID_INERTIA where the matrix is not symmetric and positive definite,
+ * RAYC_STATUS_UNKNOWN_BODY where the scene has no such body, RAYC_STATUS_BODY_TWICE, RAYC_STATUS_INVALID_MATERIAL,
+ * RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_contact_system_add_rigid(struct rayc_contact_system *system,
+                                               const struct rayc_scene *scene,
+                                               uint32_t body,
+                                               double mass,
+                                               const double *inertia,
+                                               const struct rayc_material *material);
+
+/**
+ * Adds a body that stands still or that the host moves: number `body` of the scene, whose mesh was created in the body's own
+ * coordinates. It is where those say until rayc_contact_system_set_motion().
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY where the scene has no such body, RAYC_STATUS_BODY_TWICE, RAYC_STATUS_INVALID_MATERIAL,
+ * RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_contact_system_add_moved(struct rayc_contact_system *system,
+                                               const struct rayc_scene *scene,
+                                               uint32_t body,
+                                               const struct rayc_material *material);
+
+/**
+ * Adds a half-space, solid where normal · x < offset, for all bodies with unknowns. normal: three numbers, a unit vector.
+ * The surface vertices of bodies below the plane bear its pressure.
+ *
+ * Errors: RAYC_STATUS_INVALID_DIRECTION where the normal is no unit vector, RAYC_STATUS_NOT_FINITE,
+ * RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step.
+ */
+enum rayc_status rayc_contact_system_add_half_space(struct rayc_contact_system *system,
+                                                    const double *normal,
+                                                    double offset,
+                                                    const struct rayc_material *material);
+
+/**
+ * Removes a body from the system; to be removed from the scene too. Rigid bodies added after it move up by one place, and
+ * with a rigid body the velocities of the last step are gone.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step.
+ */
+enum rayc_status rayc_contact_system_remove_body(struct rayc_contact_system *system,
+                                                 uint32_t body);
+
+/**
+ * Gives two bodies, or a body with itself, a material of their own in place of the combined one. material: NULL takes it
+ * back.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step.
+ */
+enum rayc_status rayc_contact_system_set_pair_material(struct rayc_contact_system *system,
+                                                       uint32_t a,
+                                                       uint32_t b,
+                                                       const struct rayc_material *material);
+
+/**
+ * Says where a rigid or moved body is, and how it moves. Before each step.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY also for a deformable body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_DIRECTION where
+ * the rotation is no rotation matrix, RAYC_STATUS_OUT_OF_ORDER within a step.
+ */
+enum rayc_status rayc_contact_system_set_motion(struct rayc_contact_system *system,
+                                                uint32_t body,
+                                                const struct rayc_motion *motion);
+
+/**
+ * How many numbers a vector of unknowns has.
+ */
+enum rayc_status rayc_contact_system_unknown_count(const struct rayc_contact_system *system, size_t *count);
+
+/**
  * Finds the points of the surface, open or closed, that are nearest to some points: `closest[i]` for point i.
  *
  * points: finite, anywhere, in the mesh's unit of length; fastest where each 16 that follow one another are neighbours.
@@ -1338,6 +1579,180 @@ enum rayc_status rayc_octree_winding_numbers(const struct rayc_octree *octree,
                                              const struct rayc_mesh *mesh,
                                              const struct rayc_vectors *points,
                                              int32_t *numbers);
+
+/**
+ * Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in m;
+ * velocities: at the start, in m/s; free_velocities: what they would be at the end if nothing touched the nodes. The scene's
+ * bodies are put where they would then be, their contacts found, and made rows; pairs that contacts cannot part escape as
+ * rayc_scene_advance() says, which this calls.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
+ * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
+ * scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_contact_system_begin(struct rayc_contact_system *system,
+                                           struct rayc_scene *scene,
+                                           double dt,
+                                           size_t count,
+                                           const double *positions,
+                                           const double *velocities,
+                                           const double *free_velocities);
+
+/**
+ * Adds to `forces` the contact forces on the unknowns, in N and N m, where `velocities` are those at the end of the step, as
+ * the rows are held: they are linear in the velocities. count: that of the unknowns. The two arrays are not the same.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+ * RAYC_STATUS_INVALID_OPTION where the arrays overlap.
+ */
+enum rayc_status rayc_contact_system_add_forces(struct rayc_contact_system *system,
+                                                size_t count,
+                                                const double *velocities,
+                                                double *forces);
+
+/**
+ * Adds factor · (−∂force/∂velocity) · change to `result`, as the rows are held: a product with a symmetric, positive
+ * semi-definite matrix, what an implicit solver asks once per iteration. Solving for velocities, M + dt · K, it takes dt as
+ * factor; for displacements 1 / dt times as much. count: that of the unknowns. The two arrays are not the same.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+ * RAYC_STATUS_INVALID_OPTION where the arrays overlap.
+ */
+enum rayc_status rayc_contact_system_add_product(struct rayc_contact_system *system,
+                                                 double factor,
+                                                 size_t count,
+                                                 const double *change,
+                                                 double *result);
+
+/**
+ * How many blocks rayc_contact_system_copy_blocks() gives, as the rows are held.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED.
+ */
+enum rayc_status rayc_contact_system_block_count(const struct rayc_contact_system *system, size_t *count);
+
+/**
+ * Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
+ * stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`. Those of
+ * equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as many
+ * numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
+ * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+ */
+enum rayc_status rayc_contact_system_copy_blocks(const struct rayc_contact_system *system,
+                                                 double factor,
+                                                 size_t count,
+                                                 uint32_t *rows,
+                                                 uint32_t *columns,
+                                                 double *blocks);
+
+/**
+ * The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of the
+ * step, velocity times dt. For line searches. count: that of the unknowns.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+ */
+enum rayc_status rayc_contact_system_energy(struct rayc_contact_system *system,
+                                            size_t count,
+                                            const double *velocities,
+                                            double *joules);
+
+/**
+ * Holds the rows anew, at these velocities: which of them push, and how much they rub, is decided there. To be called after
+ * a solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly; above 0.05 or so another solve is due.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+ */
+enum rayc_status rayc_contact_system_linearise(struct rayc_contact_system *system,
+                                               size_t count,
+                                               const double *velocities,
+                                               double *wrong);
+
+/**
+ * Looks for contacts where bodies end with these velocities, after a solve: one that is stopped may be in the way of
+ * another, which detection took to be moving on. *is_more: 1 where there are contacts of pairs that had none, or less than
+ * half as many, and another solve is due. Looks only where an unknown ends further than the smallest depth cap from where it
+ * was sought.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+ * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_contact_system_detect_again(struct rayc_contact_system *system,
+                                                  struct rayc_scene *scene,
+                                                  size_t count,
+                                                  const double *velocities,
+                                                  uint32_t *is_more);
+
+/**
+ * Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step; RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE: the step is then still
+ * under way.
+ */
+enum rayc_status rayc_contact_system_finish(struct rayc_contact_system *system,
+                                            size_t count,
+                                            const double *velocities);
+
+/**
+ * Ends a step as if it had not begun, but for the positions of the scene's bodies; does nothing where none is under way.
+ */
+enum rayc_status rayc_contact_system_cancel(struct rayc_contact_system *system);
+
+/**
+ * Copies the linear and angular velocity of a rigid body at the end of the last finished step to `velocity`, six numbers.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY where it is not rigid, or was added since.
+ */
+enum rayc_status rayc_contact_system_rigid_velocity(const struct rayc_contact_system *system,
+                                                    uint32_t body,
+                                                    double *velocity);
+
+/**
+ * A whole step for a host that integrates explicitly: adds to `forces` the contact forces on its unknowns at these positions
+ * and velocities. *longest_step: the longest step, in s, for which they are stable where velocities go first and positions
+ * follow them (symplectic Euler); infinity without contact. The host's own forces may need a shorter one.
+ *
+ * dt: the step that the host takes. count: three times the number of nodes; unknown_count: that of the unknowns. Rigid
+ * bodies have to be kept; they move as rayc_contact_system_set_motion() says.
+ *
+ * Errors: those of rayc_contact_system_begin(), and RAYC_STATUS_RIGID_ELIMINATED.
+ */
+enum rayc_status rayc_contact_system_explicit_step(struct rayc_contact_system *system,
+                                                   struct rayc_scene *scene,
+                                                   double dt,
+                                                   size_t count,
+                                                   const double *positions,
+                                                   const double *velocities,
+                                                   size_t unknown_count,
+                                                   double *forces,
+                                                   double *longest_step);
+
+/**
+ * Fills `options` with the defaults. struct_size: sizeof(rayc_contact_system_options).
+ *
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_default_contact_system_options(size_t struct_size, struct rayc_contact_system_options *options);
+
+/**
+ * Fills `material` with one that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: the stiffness is
+ * pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5. struct_size: sizeof(rayc_material).
+ *
+ * For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
+ * elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
+ * carries it), and ten times the depth to which bodies may sink in.
+ *
+ * Two bodies' materials combine so: the surfaces are springs in series, so the softer decides; damping times are weighted
+ * by how much of the depth each surface takes; friction is the geometric mean; the smaller cap holds.
+ * rayc_contact_system_set_pair_material() overrides it.
+ *
+ * Errors: RAYC_STATUS_INVALID_MATERIAL where a number is not finite and > 0, RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_bearing_material(double pressure,
+                                       double depth,
+                                       size_t struct_size,
+                                       struct rayc_material *material);
 
 #ifdef __cplusplus
 }  // extern "C"

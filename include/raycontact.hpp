@@ -9,6 +9,7 @@
 #ifndef RAYCONTACT_HPP
 #define RAYCONTACT_HPP
 
+#include "raycontact/contact_system.hpp"
 #include "raycontact/contacts.hpp"
 #include "raycontact/mesh.hpp"
 #include "raycontact/result.hpp"

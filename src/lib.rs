@@ -9,6 +9,7 @@
 //!
 //! | floor | holds |
 //! | --- | --- |
+//! | [`system`] | a step's contact on the unknowns of a host: materials, friction, rigid bodies |
 //! | [`scene`] | broad phase and parallel narrow phase over many meshes |
 //! | [`response`] | penalty law: forces, differential, energy |
 //! | [`contact`] | the detection between two meshes, [`contact::Contact`], [`contact::ContactList`] |
@@ -55,6 +56,7 @@ pub mod octree;
 pub mod ray;
 pub mod response;
 pub mod scene;
+pub mod system;
 pub mod threads;
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use raycontact::capi::*;
 use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::octree::{Layout, Octree};
 use raycontact::scene::Scene;
+use raycontact::system::{Carriers, ContactSystem, Material, Motion, RigidUnknowns};
 use raycontact::threads::ParallelFor;
 use std::ptr::null;
 use std::sync::Arc;
@@ -173,6 +174,46 @@ fn forces_and_differential_allocate_nothing() {
         // The first call keeps the memory in reserve by which the thread could say that there is none.
         assert!(step < 1 || allocations.count_total == 0, "step {step}: {allocations:?}");
     }
+}
+
+/// All that a solver asks of a step, of nodes, a rigid body and a floor, with friction.
+#[test]
+fn a_steady_step_of_a_contact_system_allocates_nothing() {
+    let (torus, mut scene) = (shapes::torus(16, 8, 0.4), Scene::<f64>::new(1).expect("no thread is started"));
+    let mut system = ContactSystem::new(RigidUnknowns::Eliminated);
+    let material = Material { stiffness: 1e3, damping_time: 0.01, friction: 0.5, depth_cap: 0.01 };
+    let count = torus.positions.len() as u32;
+    system.set_node_masses(&vec![0.1; 2 * count as usize]).expect("masses");
+    for body in 0..2 {
+        scene.add(torus.mesh());
+        let nodes = body * count..(body + 1) * count;
+        system.add_deformable(&scene, body, nodes, Carriers::Nodes, material).expect("a body");
+    }
+    let rigid = scene.add(shapes::cube(2).mesh());
+    let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    system.add_rigid(&scene, rigid, 1.0, unit, material).expect("a body");
+    system.add_half_space([0.0, 0.0, 1.0], -0.3, material).expect("a floor");
+    let (mut forces, mut wrong) = (vec![0.0; 6 * count as usize], 0.0);
+    for step in 0..16 {
+        let ends = [moved(&torus, step), torus.moved([0.1, 0.2, 0.6]).positions].concat();
+        let positions: Vec<f64> = ends.into_iter().flatten().collect();
+        let fall = if step % 4 < 2 { -2.0 } else { 2.0 };
+        let velocities: Vec<f64> = (0..positions.len()).map(|k| if k % 3 == 2 { fall } else { 0.3 }).collect();
+        let still = vec![0.0; positions.len()];
+        let velocity = [0.0, 0.0, fall, 0.0, 0.0, 0.0];
+        let motion = Motion { position: [0.0, 0.0, 1.6], rotation: unit, velocity, free_velocity: velocity };
+        let allocations = measure(|| {
+            system.set_motion(rigid, &motion).expect("it is rigid");
+            system.begin(&mut scene, 0.02, &positions, &velocities, &velocities).expect("a step");
+            system.add_forces(&still, &mut forces).expect("a step is under way");
+            system.add_product(0.02, &velocities, &mut forces).expect("a step is under way");
+            wrong += system.linearise(&still).expect("a step is under way");
+            system.detect_again(&mut scene, &still).expect("a step is under way");
+            system.finish(&still).expect("a step is under way");
+        });
+        assert!(step < 8 || allocations.count_total == 0, "step {step}: {allocations:?}");
+    }
+    assert!(!system.contacts().is_empty() && forces.iter().any(|&force| force != 0.0) && wrong > 0.0);
 }
 
 /// A body in a scene, in single precision, in contact with another by rays from all vertices.

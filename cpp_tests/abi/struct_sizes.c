@@ -42,6 +42,10 @@ static rayc_status push_of_contacts(size_t size, rayc_escape_push* place) {
   return rayc_contacts_copy_escape_pushes(contacts, 0, 1, size, place);
 }
 
+static rayc_status bearing_material(size_t size, rayc_material* place) {
+  return rayc_bearing_material(1, 1, size, place);
+}
+
 /* An octahedron with two small ones inside, which escape. */
 static void make_escapes(void) {
   CHECK_OK(rayc_scene_create(NULL, &scene));
@@ -106,6 +110,8 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_detection_options, force_tolerance) == sizeof(rayc_detection_options));
   CHECK(END_OF(rayc_response_options, whole_body_escape) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
+  CHECK(END_OF(rayc_contact_system_options, keeps_rigid_unknowns) == sizeof(rayc_contact_system_options));
+  CHECK(END_OF(rayc_material, depth_cap) == sizeof(rayc_material));
   CHECK(END_OF(rayc_statistics, crowded_pairs) == sizeof(rayc_statistics));
   CHECK(END_OF(rayc_pair_memory, net_push) == sizeof(rayc_pair_memory));
   CHECK(END_OF(rayc_escape_push, centres) == sizeof(rayc_escape_push));
@@ -128,6 +134,9 @@ int main(void) {
   CHECK_SIZES(rayc_detection_options, END_OF(rayc_detection_options, escape), rayc_default_detection_options);
   CHECK_SIZES(rayc_response_options, END_OF(rayc_response_options, whole_body_escape), rayc_default_response_options);
   CHECK_SIZES(rayc_scene_options, END_OF(rayc_scene_options, threads), rayc_default_scene_options);
+  CHECK_SIZES(rayc_contact_system_options, END_OF(rayc_contact_system_options, keeps_rigid_unknowns),
+              rayc_default_contact_system_options);
+  CHECK_SIZES(rayc_material, END_OF(rayc_material, depth_cap), bearing_material);
   CHECK_SIZES(rayc_statistics, END_OF(rayc_statistics, escapes_forbidden), statistics_of_contacts);
   CHECK_STATUS(rayc_contacts_statistics(contacts, sizeof(rayc_statistics), NULL), RAYC_STATUS_NULL_POINTER,
                "statistics");

@@ -3,6 +3,7 @@ use crate::mesh::{MeshError, ObjFileError};
 use crate::octree::OctreeError;
 use crate::response::LawError;
 use crate::scene::{SavedStateError, SceneError};
+use crate::system::SystemError;
 use std::borrow::Cow;
 
 /// How a call ended. The numbers never change; new ones may be added.
@@ -85,6 +86,25 @@ pub enum rayc_status {
     /// pool or handing them work.
     RAYC_STATUS_OUT_OF_MEMORY = 501,
 
+    /// A contact system's step is under way and should not be, or the other way round.
+    RAYC_STATUS_OUT_OF_ORDER = 600,
+    /// A contact system has a body of this number already.
+    RAYC_STATUS_BODY_TWICE = 601,
+    /// The weights of a surface vertex do not sum to 1, or name a node that its body does not have.
+    RAYC_STATUS_INVALID_WEIGHTS = 602,
+    /// A mass is not above 0.
+    RAYC_STATUS_INVALID_MASS = 603,
+    /// An inertia is singular, or not symmetric and positive definite.
+    RAYC_STATUS_INVALID_INERTIA = 604,
+    /// A number of a material is out of its range: a negative stiffness, damping time or friction, a cap that is not above 0.
+    RAYC_STATUS_INVALID_MATERIAL = 605,
+    /// A normal is no unit vector, or a rotation no rotation matrix.
+    RAYC_STATUS_INVALID_DIRECTION = 606,
+    /// A step's length is not finite and above 0.
+    RAYC_STATUS_INVALID_STEP = 607,
+    /// The contact system eliminates rigid bodies, and for this call it must keep them.
+    RAYC_STATUS_RIGID_ELIMINATED = 608,
+
     /// A fault inside the library was caught. Destroy the handles of this call; please report it.
     RAYC_STATUS_PANIC = 900,
 }
@@ -164,6 +184,29 @@ impl From<SceneError> for Failure {
             SceneError::SavedState(error) => Self::new(saved_state_status(error), message),
             SceneError::ThreadsNotStarted { .. } => Self::new(RAYC_STATUS_THREADS_NOT_STARTED, message),
         }
+    }
+}
+
+impl From<SystemError> for Failure {
+    fn from(error: SystemError) -> Self {
+        let status = match &error {
+            SystemError::NotInScene { .. } | SystemError::UnknownBody { .. } => RAYC_STATUS_UNKNOWN_BODY,
+            SystemError::BodyTwice { .. } => RAYC_STATUS_BODY_TWICE,
+            SystemError::WrongCount { .. } => RAYC_STATUS_WRONG_COUNT,
+            SystemError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
+            SystemError::StepLength { .. } => RAYC_STATUS_INVALID_STEP,
+            SystemError::Mass { .. } => RAYC_STATUS_INVALID_MASS,
+            SystemError::Inertia => RAYC_STATUS_INVALID_INERTIA,
+            SystemError::Rotation { .. } | SystemError::Normal { .. } => RAYC_STATUS_INVALID_DIRECTION,
+            SystemError::Material { .. } => RAYC_STATUS_INVALID_MATERIAL,
+            SystemError::WeightSum { .. } | SystemError::NodeRange { .. } | SystemError::Offsets { .. } => {
+                RAYC_STATUS_INVALID_WEIGHTS
+            }
+            SystemError::NoStep | SystemError::StepUnderWay => RAYC_STATUS_OUT_OF_ORDER,
+            SystemError::Eliminated => RAYC_STATUS_RIGID_ELIMINATED,
+            SystemError::Mesh { source, .. } => mesh_status(source),
+        };
+        Self::new(status, text!("{error}"))
     }
 }
 

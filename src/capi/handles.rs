@@ -1,6 +1,7 @@
 //! Handles: values of the library's that the host holds by pointers, marked so that misuse can be told. Marks are no
 //! locks: what waits for nobody and costs next to nothing tells the host of its mistake, and does not repair it.
 
+use super::contact_system::rayc_contact_system;
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::mesh::rayc_mesh;
@@ -54,6 +55,7 @@ handles! {
     rayc_octree b"raycoctr"
     rayc_contacts b"rayccont"
     rayc_scene b"raycscen"
+    rayc_contact_system b"raycsyst"
 }
 
 /// A handle's value, while a call reads it.

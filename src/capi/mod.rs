@@ -4,6 +4,9 @@
 #![allow(unsafe_code, non_camel_case_types, clippy::missing_safety_doc)] // C names; safety stands in each function's text
 
 mod closest;
+mod contact_system;
+mod contact_system_options;
+mod contact_system_step;
 mod contacts;
 mod escape_push;
 mod failure;
@@ -24,6 +27,14 @@ mod vectors;
 mod version;
 
 pub use closest::*;
+pub use contact_system::{
+    rayc_contact_system, rayc_contact_system_add_deformable, rayc_contact_system_add_half_space,
+    rayc_contact_system_add_moved, rayc_contact_system_add_rigid, rayc_contact_system_create,
+    rayc_contact_system_destroy, rayc_contact_system_remove_body, rayc_contact_system_set_motion,
+    rayc_contact_system_set_node_masses, rayc_contact_system_set_pair_material, rayc_contact_system_unknown_count,
+};
+pub use contact_system_options::*;
+pub use contact_system_step::*;
 pub use contacts::*;
 pub use escape_push::*;
 pub use failure::rayc_status;

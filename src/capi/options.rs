@@ -333,7 +333,7 @@ impl<V: Growing> Known<V> {
 
 /// # Safety
 /// `place` is writable for `struct_size` bytes.
-unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Result<(), Failure> {
+pub(super) unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Result<(), Failure> {
     // SAFETY: by this function's contract. The first field is the size, which tells later calls how much of the struct
     // the caller knows.
     unsafe {

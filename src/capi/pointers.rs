@@ -23,6 +23,17 @@ pub(super) unsafe fn slice<'a, V>(pointer: *const V, count: usize, name: &str) -
     }
 }
 
+/// # Safety
+/// `pointer` is NULL, or `count` is 0, or it points to `count` values that nobody else uses during `'a`.
+pub(super) unsafe fn slice_mut<'a, V>(pointer: *mut V, count: usize, name: &str) -> Result<&'a mut [V], Failure> {
+    match (count, pointer.is_null()) {
+        (0, _) => Ok(&mut []),
+        (_, true) => Err(null(name)),
+        // SAFETY: by this function's contract.
+        _ => Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) }),
+    }
+}
+
 /// A place for an output: known not to be NULL before any work is done, written on success only.
 pub(super) struct Output<V>(*mut V);
 

@@ -107,6 +107,11 @@ impl<T: Scalar> Scene<T> {
         self.bodies.get(body).map(|body| &body.mesh).ok_or(SceneError::UnknownBody { body })
     }
 
+    /// The numbers of its bodies, in ascending order.
+    pub fn body_numbers(&self) -> impl Iterator<Item = u32> {
+        self.bodies.iter().map(|body| body.number)
+    }
+
     /// A body's mesh, to renew its positions.
     ///
     /// # Errors

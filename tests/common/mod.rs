@@ -4,6 +4,7 @@
 pub mod c;
 pub mod cuboid;
 pub mod ends;
+pub mod host;
 pub mod random;
 pub mod shapes;
 

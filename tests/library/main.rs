@@ -13,6 +13,7 @@ mod closest_points;
 mod coarse_sampling;
 mod completeness;
 mod contact_lists;
+mod contact_system;
 mod counts;
 mod crowds;
 mod escape_push;

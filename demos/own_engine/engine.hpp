@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/** An engine of one's own on raycontact's contact system: points and springs, implicit Euler, conjugate gradients. */
+#ifndef RAYCONTACT_DEMOS_OWN_ENGINE_HPP
+#define RAYCONTACT_DEMOS_OWN_ENGINE_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "raycontact.hpp"
+
+namespace own {
+
+using Vector = std::array<double, 3>;
+using Numbers = std::vector<double>;
+
+/** A deformable body: its surface comes first among its nodes. */
+struct Body {
+  std::vector<Vector> nodes;
+  std::size_t surface_nodes;
+  std::vector<uint32_t> triangles;                  // outward
+  std::vector<std::array<std::size_t, 2>> springs;  // between nodes
+};
+
+class Engine {
+ public:
+  Vector gravity{{0, 0, 0}};
+  int solves = 6;  // in a step at most
+
+  void add_floor(const Vector& normal, const rayc_material& material) {
+    contacts_.add_half_space(normal, 0, material);
+  }
+
+  void add(const Body& body, double mass, double spring_stiffness, const rayc_material& material) {
+    const std::size_t first = masses_.size();
+    for (const Vector& x : body.nodes) x_.insert(x_.end(), x.begin(), x.end());
+    masses_.resize(first + body.nodes.size(), mass / static_cast<double>(body.nodes.size()));
+    v_.resize(x_.size(), 0);
+    first_nodes_.push_back(first);
+    for (const auto& [a, b] : body.springs) {
+      const Vector way = difference(x_, first + a, first + b);
+      springs_.push_back({first + a, first + b, length(way), spring_stiffness});
+    }
+    const auto surface = raycontact::vectors(&x_[3 * first], body.surface_nodes);
+    const uint32_t number = scene_.add({surface, body.triangles});
+    contacts_.set_node_masses(masses_);
+    surface_nodes_.push_back(body.surface_nodes);
+    // The surface's vertices are the first of the body's nodes.
+    contacts_.add_deformable(scene_, number, static_cast<uint32_t>(first), static_cast<uint32_t>(body.nodes.size()),
+                             material);
+  }
+
+  /** Implicit Euler: M (v' - v) = dt (springs + contact + gravity at the end of the step). */
+  void step(double dt) {
+    Numbers free = v_, own(x_.size()), v = v_;
+    for (std::size_t k = 0; k < free.size(); ++k) free[k] += dt * gravity[k % 3];
+    add_spring_forces(own);
+    contacts_.begin(scene_, dt, x_, v_, free);
+    for (int solve = 1;; ++solve) {
+      Numbers right(x_.size());
+      contacts_.add_forces(v, right);
+      add_spring_product(-dt, v, right);
+      for (std::size_t k = 0; k < right.size(); ++k)
+        right[k] = dt * (right[k] + own[k]) - masses_[k / 3] * (v[k] - free[k]);
+      solve_for_change(dt, right, v);
+      const bool is_wrong = contacts_.linearise(v) > 0.01;
+      if (solve == solves) break;
+      if (!contacts_.detect_again(scene_, v) && !is_wrong) break;
+    }
+    contacts_.finish(v);
+    v_ = v;
+    for (std::size_t k = 0; k < x_.size(); ++k) x_[k] += dt * v_[k];
+  }
+
+  std::size_t body_count() const { return first_nodes_.size(); }
+  /** Contacts between bodies where they are. */
+  std::size_t contact_count() {
+    for (std::size_t b = 0; b < body_count(); ++b) {
+      const std::size_t count = surface_nodes_[b];
+      scene_.set_positions(static_cast<uint32_t>(b), raycontact::vectors(&x_[3 * first_nodes_[b]], count));
+    }
+    raycontact::Contacts found;
+    scene_.query(found);
+    return found.size();
+  }
+  Vector centre(std::size_t body) const { return mean(x_, body); }
+  Vector velocity(std::size_t body) const { return mean(v_, body); }
+  double fastest() const {
+    double most = 0;
+    for (std::size_t n = 0; n < masses_.size(); ++n)
+      most = std::max(most, std::hypot(v_[3 * n], v_[3 * n + 1], v_[3 * n + 2]));
+    return most;
+  }
+  double kinetic_energy() const {
+    double energy = 0;
+    for (std::size_t k = 0; k < v_.size(); ++k) energy += 0.5 * masses_[k / 3] * v_[k] * v_[k];
+    return energy;
+  }
+
+ private:
+  struct Spring {
+    std::size_t a, b;
+    double length, stiffness;
+  };
+
+  static double length(const Vector& x) { return std::hypot(x[0], x[1], x[2]); }
+  static Vector difference(const Numbers& x, std::size_t a, std::size_t b) {
+    return {{x[3 * b] - x[3 * a], x[3 * b + 1] - x[3 * a + 1], x[3 * b + 2] - x[3 * a + 2]}};
+  }
+
+  void add_spring_forces(Numbers& forces) const {
+    for (const Spring& s : springs_) {
+      const Vector way = difference(x_, s.a, s.b);
+      const double now = length(way), pull = s.stiffness * (now - s.length) / now;
+      for (std::size_t k = 0; k < 3; ++k) {
+        forces[3 * s.a + k] += pull * way[k];
+        forces[3 * s.b + k] -= pull * way[k];
+      }
+    }
+  }
+
+  // result += factor * K * change; a compressed spring is taken for one at rest, so that K is positive semi-definite.
+  void add_spring_product(double factor, const Numbers& change, Numbers& result) const {
+    for (const Spring& s : springs_) {
+      const Vector way = difference(x_, s.a, s.b), d = difference(change, s.a, s.b);
+      const double now = length(way), across = std::max(0.0, 1 - s.length / now);
+      const double along = (1 - across) * (way[0] * d[0] + way[1] * d[1] + way[2] * d[2]) / (now * now);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double force = factor * s.stiffness * (along * way[k] + across * d[k]);
+        result[3 * s.a + k] -= force;
+        result[3 * s.b + k] += force;
+      }
+    }
+  }
+
+  // Conjugate gradients on (M + dt^2 K + dt C) change = right.
+  void solve_for_change(double dt, Numbers& residual, Numbers& v) {
+    Numbers direction = residual;
+    double square = dot(residual, residual);
+    const double goal = 1e-16 * square;
+    for (std::size_t iteration = 0; iteration < 2000 && square > goal; ++iteration) {
+      Numbers product(v.size());
+      add_spring_product(dt * dt, direction, product);
+      contacts_.add_product(dt, direction, product);
+      for (std::size_t k = 0; k < product.size(); ++k) product[k] += masses_[k / 3] * direction[k];
+      const double alpha = square / dot(direction, product);
+      for (std::size_t k = 0; k < v.size(); ++k) {
+        v[k] += alpha * direction[k];
+        residual[k] -= alpha * product[k];
+      }
+      const double next = dot(residual, residual);
+      for (std::size_t k = 0; k < v.size(); ++k) direction[k] = residual[k] + next / square * direction[k];
+      square = next;
+    }
+  }
+
+  static double dot(const Numbers& a, const Numbers& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+    return sum;
+  }
+
+  Vector mean(const Numbers& of, std::size_t body) const {
+    const std::size_t first = first_nodes_[body];
+    const std::size_t end = body + 1 < body_count() ? first_nodes_[body + 1] : masses_.size();
+    Vector sum{{0, 0, 0}};
+    for (std::size_t k = 3 * first; k < 3 * end; ++k) sum[k % 3] += of[k] / static_cast<double>(end - first);
+    return sum;
+  }
+
+  raycontact::Scene scene_;
+  raycontact::ContactSystem contacts_;
+  Numbers x_, v_, masses_;
+  std::vector<Spring> springs_;
+  std::vector<std::size_t> first_nodes_, surface_nodes_;
+};
+
+}  // namespace own
+
+#endif  // RAYCONTACT_DEMOS_OWN_ENGINE_HPP

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/**
+ * @file
+ * A step's contact on the unknowns that a simulator solves for.
+ */
+#ifndef RAYCONTACT_CONTACT_SYSTEM_HPP
+#define RAYCONTACT_CONTACT_SYSTEM_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "result.hpp"
+#include "scene.hpp"
+#include "span.hpp"
+
+namespace raycontact {
+
+#ifdef RAYCONTACT_NO_EXCEPTIONS
+inline namespace with_results {
+#else
+inline namespace with_exceptions {
+#endif
+
+/** rayc_default_contact_system_options(), which cannot fail for a header and library of one ABI. */
+inline rayc_contact_system_options default_contact_system_options() {
+  rayc_contact_system_options options{};
+  rayc_default_contact_system_options(sizeof options, &options);
+  return options;
+}
+
+/** A material that bears `pressure` (Pa) at `depth` (m) and no more in one step: rayc_bearing_material(). */
+inline Outcome<rayc_material> bearing_material(double pressure, double depth) {
+  rayc_material material{};
+  const rayc_status status = rayc_bearing_material(pressure, depth, sizeof material, &material);
+  return detail::outcome(status, material);
+}
+
+/** How nodes carry a surface: rayc_contact_system_add_deformable() says what the arrays hold. */
+struct Carriers {
+  Span<const uint32_t> offsets;  ///< one more than the mesh has vertices
+  Span<const uint32_t> nodes;    ///< counted from the body's first
+  Span<const double> weights;    ///< those of a vertex sum to 1
+};
+
+/** The 3 x 3 blocks of a matrix; those of equal place are to be added. */
+struct Blocks {
+  std::vector<uint32_t> rows;     ///< in blocks of three unknowns
+  std::vector<uint32_t> columns;  ///< the same
+  std::vector<double> numbers;    ///< nine for each block, by rows
+};
+
+/** Owns an rayc_contact_system, whose text says what it does and what a step is. Moves, does not copy. */
+class ContactSystem {
+ public:
+#ifndef RAYCONTACT_NO_EXCEPTIONS
+  /** As create(). */
+  explicit ContactSystem(const rayc_contact_system_options& options = default_contact_system_options())
+      : ContactSystem(create(options)) {}
+#endif
+
+  /** A system without bodies: rayc_contact_system_create(). */
+  static Outcome<ContactSystem> create(const rayc_contact_system_options& options = default_contact_system_options()) {
+    rayc_contact_system* system = nullptr;
+    rayc_status status = detail::check_abi();
+    if (status == RAYC_STATUS_OK) status = rayc_contact_system_create(&options, &system);
+    return detail::outcome(status, ContactSystem(system));
+  }
+
+  /** The masses of the host's nodes, kg: rayc_contact_system_set_node_masses(). */
+  Outcome<void> set_node_masses(Span<const double> masses) {
+    return check(rayc_contact_system_set_node_masses(get(), masses.size(), masses.data()));
+  }
+
+  /** Body `body` of the scene, whose surface vertices are these nodes. */
+  Outcome<void> add_deformable(const Scene& scene, uint32_t body, uint32_t first_node, uint32_t node_count,
+                               const rayc_material& material) {
+    return check(rayc_contact_system_add_deformable(get(), scene.get(), body, first_node, node_count, nullptr, 0,
+                                                    nullptr, nullptr, &material));
+  }
+
+  /** The same with a surface that these nodes carry by weights: a skin in a cage. */
+  Outcome<void> add_deformable(const Scene& scene, uint32_t body, uint32_t first_node, uint32_t node_count,
+                               const Carriers& carriers, const rayc_material& material) {
+    return check(rayc_contact_system_add_deformable(get(), scene.get(), body, first_node, node_count,
+                                                    carriers.offsets.data(), carriers.nodes.size(),
+                                                    carriers.nodes.data(), carriers.weights.data(), &material));
+  }
+
+  /** A rigid body; its mesh was created in its own coordinates, about its centre of mass. */
+  Outcome<void> add_rigid(const Scene& scene, uint32_t body, double mass, const std::array<double, 9>& inertia,
+                          const rayc_material& material) {
+    return check(rayc_contact_system_add_rigid(get(), scene.get(), body, mass, inertia.data(), &material));
+  }
+
+  /** A body that stands still or that the host moves. */
+  Outcome<void> add_moved(const Scene& scene, uint32_t body, const rayc_material& material) {
+    return check(rayc_contact_system_add_moved(get(), scene.get(), body, &material));
+  }
+
+  /** Solid where normal . x < offset. */
+  Outcome<void> add_half_space(const std::array<double, 3>& normal, double offset, const rayc_material& material) {
+    return check(rayc_contact_system_add_half_space(get(), normal.data(), offset, &material));
+  }
+
+  /** To be removed from the scene too. */
+  Outcome<void> remove_body(uint32_t body) { return check(rayc_contact_system_remove_body(get(), body)); }
+
+  /** A material of two bodies' own; NULL takes it back. */
+  Outcome<void> set_pair_material(uint32_t a, uint32_t b, const rayc_material* material) {
+    return check(rayc_contact_system_set_pair_material(get(), a, b, material));
+  }
+
+  /** Where a rigid or moved body is, and how it moves; before each step. */
+  Outcome<void> set_motion(uint32_t body, const rayc_motion& motion) {
+    return check(rayc_contact_system_set_motion(get(), body, &motion));
+  }
+
+  /** How many numbers a vector of unknowns has. */
+  Outcome<std::size_t> unknown_count() const {
+    std::size_t count = 0;
+    const rayc_status status = rayc_contact_system_unknown_count(get(), &count);
+    return detail::outcome(status, count);
+  }
+
+  /** Begins a step of dt seconds: rayc_contact_system_begin(). */
+  Outcome<void> begin(Scene& scene, double dt, Span<const double> positions, Span<const double> velocities,
+                      Span<const double> free_velocities) {
+    if (velocities.size() != positions.size() || free_velocities.size() != positions.size())
+      return detail::failure<void>(Error(RAYC_STATUS_WRONG_COUNT, "positions and velocities are not equally many"));
+    return check(rayc_contact_system_begin(get(), scene.get(), dt, positions.size(), positions.data(),
+                                           velocities.data(), free_velocities.data()));
+  }
+
+  /** Adds the forces at these velocities, as the rows are held. */
+  Outcome<void> add_forces(Span<const double> velocities, Span<double> forces) {
+    if (forces.size() != velocities.size()) return unequal();
+    return check(rayc_contact_system_add_forces(get(), velocities.size(), velocities.data(), forces.data()));
+  }
+
+  /** Adds factor * (-dforce/dvelocity) * change. */
+  Outcome<void> add_product(double factor, Span<const double> change, Span<double> result) {
+    if (result.size() != change.size()) return unequal();
+    return check(rayc_contact_system_add_product(get(), factor, change.size(), change.data(), result.data()));
+  }
+
+  /** The same matrix as blocks; replaces what `blocks` held. */
+  Outcome<void> copy_blocks_to(double factor, Blocks& blocks) const {
+    std::size_t count = 0;
+    rayc_status status = rayc_contact_system_block_count(get(), &count);
+    blocks.rows.resize(count);
+    blocks.columns.resize(count);
+    blocks.numbers.resize(9 * count);
+    if (status == RAYC_STATUS_OK)
+      status = rayc_contact_system_copy_blocks(get(), factor, count, blocks.rows.data(), blocks.columns.data(),
+                                               blocks.numbers.data());
+    return check(status);
+  }
+
+  /** The potential of the rows, J. */
+  Outcome<double> energy(Span<const double> velocities) {
+    double joules = 0;
+    const rayc_status status = rayc_contact_system_energy(get(), velocities.size(), velocities.data(), &joules);
+    return detail::outcome(status, joules);
+  }
+
+  /** Holds the rows anew, at these velocities; the part of the force that had been predicted wrongly. */
+  Outcome<double> linearise(Span<const double> velocities) {
+    double wrong = 0;
+    const rayc_status status = rayc_contact_system_linearise(get(), velocities.size(), velocities.data(), &wrong);
+    return detail::outcome(status, wrong);
+  }
+
+  /** Looks for contacts where bodies end with these velocities; whether another solve is due. */
+  Outcome<bool> detect_again(Scene& scene, Span<const double> velocities) {
+    uint32_t is_more = 0;
+    const rayc_status status =
+        rayc_contact_system_detect_again(get(), scene.get(), velocities.size(), velocities.data(), &is_more);
+    return detail::outcome(status, is_more != 0);
+  }
+
+  /** Ends a step whose velocities at the end are these. */
+  Outcome<void> finish(Span<const double> velocities) {
+    return check(rayc_contact_system_finish(get(), velocities.size(), velocities.data()));
+  }
+
+  /** Ends a step as if it had not begun. */
+  Outcome<void> cancel() { return check(rayc_contact_system_cancel(get())); }
+
+  /** Linear and angular velocity of a rigid body at the end of the last finished step. */
+  Outcome<std::array<double, 6>> rigid_velocity(uint32_t body) const {
+    std::array<double, 6> velocity{};
+    const rayc_status status = rayc_contact_system_rigid_velocity(get(), body, velocity.data());
+    return detail::outcome(status, velocity);
+  }
+
+  /** A whole step for a host that integrates explicitly; the longest stable step, s. */
+  Outcome<double> explicit_step(Scene& scene, double dt, Span<const double> positions, Span<const double> velocities,
+                                Span<double> forces) {
+    if (velocities.size() != positions.size())
+      return detail::failure<double>(Error(RAYC_STATUS_WRONG_COUNT, "positions and velocities are not equally many"));
+    double longest = 0;
+    const rayc_status status =
+        rayc_contact_system_explicit_step(get(), scene.get(), dt, positions.size(), positions.data(),
+                                          velocities.data(), forces.size(), forces.data(), &longest);
+    return detail::outcome(status, longest);
+  }
+
+  /** For raycontact.h; stays this object's. NULL after a move. */
+  rayc_contact_system* get() const noexcept { return handle_.get(); }
+
+ private:
+  explicit ContactSystem(rayc_contact_system* system) : handle_(system) {}
+  static Outcome<void> unequal() {
+    return detail::failure<void>(Error(RAYC_STATUS_WRONG_COUNT, "the two arrays are not equally long"));
+  }
+  detail::Owner<rayc_contact_system, rayc_contact_system_destroy> handle_;
+};
+
+}  // inline namespace
+}  // namespace raycontact
+
+#endif  // RAYCONTACT_CONTACT_SYSTEM_HPP

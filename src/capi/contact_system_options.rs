@@ -1,0 +1,112 @@
+use super::failure::rayc_status;
+use super::guard::guard;
+use super::options::{Growing, Options, write_defaults, write_known};
+use super::vectors::rayc_scalar;
+use crate::system::Material;
+
+/// How a contact system works. Fill with rayc_default_contact_system_options(), then change what you need.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_contact_system_options {
+    /// sizeof(rayc_contact_system_options).
+    pub struct_size: usize,
+    /// That of the scene, a rayc_scalar. Default RAYC_SCALAR_F64.
+    pub precision: u32,
+    /// 1: the velocities of rigid bodies are unknowns of the host, behind those of its nodes. 0: the host solves for its nodes
+    /// alone, and rigid bodies give way exactly as if they were solved for; rayc_contact_system_rigid_velocity() has the
+    /// result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
+    pub keeps_rigid_unknowns: u32,
+}
+
+impl Growing for rayc_contact_system_options {
+    const NAME: &'static str = "rayc_contact_system_options";
+    const SMALLEST: usize = std::mem::offset_of!(Self, keeps_rigid_unknowns) + size_of::<u32>();
+}
+
+impl Options for rayc_contact_system_options {
+    fn defaults() -> Self {
+        let precision = rayc_scalar::RAYC_SCALAR_F64 as u32;
+        Self { struct_size: size_of::<Self>(), precision, keeps_rigid_unknowns: 0 }
+    }
+}
+
+/// Fills `options` with the defaults. struct_size: sizeof(rayc_contact_system_options).
+///
+/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_default_contact_system_options(
+    struct_size: usize,
+    options: *mut rayc_contact_system_options,
+) -> rayc_status {
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe { write_defaults(struct_size, options) })
+}
+
+/// How a body's surface bears load, damps and rubs. rayc_bearing_material() suggests values. Later versions may tell more,
+/// at the end.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_material {
+    /// Pressure per depth, in N/m³; finite and ≥ 0.
+    pub stiffness: f64,
+    /// Damping over stiffness, in s; finite and ≥ 0.
+    pub damping_time: f64,
+    /// Coulomb's coefficient, static and kinetic; finite and ≥ 0.
+    pub friction: f64,
+    /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
+    /// bodies close within the step is met in full.
+    pub depth_cap: f64,
+}
+
+impl Growing for rayc_material {
+    const NAME: &'static str = "rayc_material";
+    const SMALLEST: usize = std::mem::offset_of!(Self, depth_cap) + size_of::<f64>();
+}
+
+impl rayc_material {
+    pub(super) fn read(&self) -> Material {
+        let Self { stiffness, damping_time, friction, depth_cap } = *self;
+        Material { stiffness, damping_time, friction, depth_cap }
+    }
+}
+
+/// Where a rigid body, or one moved by the host, is and how it moves.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_motion {
+    /// The centre of mass, in m.
+    pub position: [f64; 3],
+    /// The rows of the rotation matrix from the body's own coordinates to the world's.
+    pub rotation: [[f64; 3]; 3],
+    /// At the start of the step: linear velocity in m/s, then angular in rad/s, in the world's coordinates.
+    pub velocity: [f64; 6],
+    /// What the velocity would be at the end of the step without contact; of a body moved by the host, what moves it.
+    pub free_velocity: [f64; 6],
+}
+
+/// Fills `material` with one that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: the stiffness is
+/// pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5. struct_size: sizeof(rayc_material).
+///
+/// For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
+/// elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
+/// carries it), and ten times the depth to which bodies may sink in.
+///
+/// Two bodies' materials combine so: the surfaces are springs in series, so the softer decides; damping times are weighted
+/// by how much of the depth each surface takes; friction is the geometric mean; the smaller cap holds.
+/// rayc_contact_system_set_pair_material() overrides it.
+///
+/// Errors: RAYC_STATUS_INVALID_MATERIAL where a number is not finite and > 0, RAYC_STATUS_INVALID_STRUCT_SIZE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_bearing_material(
+    pressure: f64,
+    depth: f64,
+    struct_size: usize,
+    material: *mut rayc_material,
+) -> rayc_status {
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe {
+        let Material { stiffness, damping_time, friction, depth_cap } = Material::bearing(pressure, depth)?;
+        let bearing = rayc_material { stiffness, damping_time, friction, depth_cap };
+        write_known(struct_size, material, "material", bearing)
+    })
+}

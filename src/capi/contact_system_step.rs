@@ -1,0 +1,309 @@
+use super::contact_system::{AnySystem, rayc_contact_system, with_scene, with_system};
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::handles::{changing, reading};
+use super::mesh::precision_mismatch;
+use super::pointers::{Output, slice, slice_mut};
+use super::scene::{AnyScene, rayc_scene};
+use crate::memory::text;
+
+/// Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in m;
+/// velocities: at the start, in m/s; free_velocities: what they would be at the end if nothing touched the nodes. The scene's
+/// bodies are put where they would then be, their contacts found, and made rows; pairs that contacts cannot part escape as
+/// rayc_scene_advance() says, which this calls.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
+/// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
+/// scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_begin(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    dt: f64,
+    count: usize,
+    positions: *const f64,
+    velocities: *const f64,
+    free_velocities: *const f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let positions = slice(positions, count, "positions")?;
+        let velocities = slice(velocities, count, "velocities")?;
+        let free = slice(free_velocities, count, "free_velocities")?;
+        with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+            system.begin(scene, dt, positions, velocities, free)?
+        });
+        Ok(())
+    })
+}
+
+/// Adds to `forces` the contact forces on the unknowns, in N and N m, where `velocities` are those at the end of the step, as
+/// the rows are held: they are linear in the velocities. count: that of the unknowns. The two arrays are not the same.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+/// RAYC_STATUS_INVALID_OPTION where the arrays overlap.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_add_forces(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+    forces: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        check_apart(velocities, forces, count)?;
+        let (velocities, forces) = (slice(velocities, count, "velocities")?, slice_mut(forces, count, "forces")?);
+        with_system!(&mut system.system, |system| system.add_forces(velocities, forces)?);
+        Ok(())
+    })
+}
+
+/// Adds factor · (−∂force/∂velocity) · change to `result`, as the rows are held: a product with a symmetric, positive
+/// semi-definite matrix, what an implicit solver asks once per iteration. Solving for velocities, M + dt · K, it takes dt as
+/// factor; for displacements 1 / dt times as much. count: that of the unknowns. The two arrays are not the same.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+/// RAYC_STATUS_INVALID_OPTION where the arrays overlap.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_add_product(
+    system: *mut rayc_contact_system,
+    factor: f64,
+    count: usize,
+    change: *const f64,
+    result: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        check_apart(change, result, count)?;
+        let (change, result) = (slice(change, count, "change")?, slice_mut(result, count, "result")?);
+        with_system!(&mut system.system, |system| system.add_product(factor, change, result)?);
+        Ok(())
+    })
+}
+
+/// How many blocks rayc_contact_system_copy_blocks() gives, as the rows are held.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_block_count(
+    system: *const rayc_contact_system,
+    count: *mut usize,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let system = reading(system, "system")?;
+        let place = Output::new(count, "count")?;
+        place.write(block_count(&system.system)?);
+        Ok(())
+    })
+}
+
+/// Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
+/// stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`. Those of
+/// equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as many
+/// numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
+/// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
+    system: *const rayc_contact_system,
+    factor: f64,
+    count: usize,
+    rows: *mut u32,
+    columns: *mut u32,
+    blocks: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let system = reading(system, "system")?;
+        let needed = block_count(&system.system)?;
+        if count != needed {
+            let message =
+                text!("there are {needed} blocks, and room for {count}; ask for their count, and give that room");
+            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+        }
+        let rows = slice_mut(rows, count, "rows")?;
+        let columns = slice_mut(columns, count, "columns")?;
+        let blocks = slice_mut(blocks, 9 * count, "blocks")?;
+        let mut next = 0;
+        let copy = |row: usize, column: usize, block: [f64; 9]| {
+            (rows[next], columns[next]) = (row as u32, column as u32);
+            blocks[9 * next..9 * next + 9].copy_from_slice(&block);
+            next += 1;
+        };
+        with_system!(&system.system, |system| system.for_each_block(factor, copy)?);
+        Ok(())
+    })
+}
+
+/// The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of the
+/// step, velocity times dt. For line searches. count: that of the unknowns.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_energy(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+    joules: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        let velocities = slice(velocities, count, "velocities")?;
+        let place = Output::new(joules, "joules")?;
+        place.write(with_system!(&mut system.system, |system| system.energy(velocities)?));
+        Ok(())
+    })
+}
+
+/// Holds the rows anew, at these velocities: which of them push, and how much they rub, is decided there. To be called after
+/// a solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly; above 0.05 or so another solve is due.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_linearise(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+    wrong: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        let velocities = slice(velocities, count, "velocities")?;
+        let place = Output::new(wrong, "wrong")?;
+        place.write(with_system!(&mut system.system, |system| system.linearise(velocities)?));
+        Ok(())
+    })
+}
+
+/// Looks for contacts where bodies end with these velocities, after a solve: one that is stopped may be in the way of
+/// another, which detection took to be moving on. *is_more: 1 where there are contacts of pairs that had none, or less than
+/// half as many, and another solve is due. Looks only where an unknown ends further than the smallest depth cap from where it
+/// was sought.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+/// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_detect_again(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    count: usize,
+    velocities: *const f64,
+    is_more: *mut u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let velocities = slice(velocities, count, "velocities")?;
+        let place = Output::new(is_more, "is_more")?;
+        place.write(with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+            u32::from(system.detect_again(scene, velocities)?)
+        }));
+        Ok(())
+    })
+}
+
+/// Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step; RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE: the step is then still
+/// under way.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_finish(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        let velocities = slice(velocities, count, "velocities")?;
+        with_system!(&mut system.system, |system| system.finish(velocities)?);
+        Ok(())
+    })
+}
+
+/// Ends a step as if it had not begun, but for the positions of the scene's bodies; does nothing where none is under way.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_cancel(system: *mut rayc_contact_system) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        with_system!(&mut changing(system, "system")?.system, |system| system.cancel());
+        Ok(())
+    })
+}
+
+/// Copies the linear and angular velocity of a rigid body at the end of the last finished step to `velocity`, six numbers.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY where it is not rigid, or was added since.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_rigid_velocity(
+    system: *const rayc_contact_system,
+    body: u32,
+    velocity: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let system = reading(system, "system")?;
+        let place = Output::array(velocity, 6, "velocity")?;
+        place.write_all(with_system!(&system.system, |system| system.rigid_velocity(body)?).into_iter());
+        Ok(())
+    })
+}
+
+/// A whole step for a host that integrates explicitly: adds to `forces` the contact forces on its unknowns at these positions
+/// and velocities. *longest_step: the longest step, in s, for which they are stable where velocities go first and positions
+/// follow them (symplectic Euler); infinity without contact. The host's own forces may need a shorter one.
+///
+/// dt: the step that the host takes. count: three times the number of nodes; unknown_count: that of the unknowns. Rigid
+/// bodies have to be kept; they move as rayc_contact_system_set_motion() says.
+///
+/// Errors: those of rayc_contact_system_begin(), and RAYC_STATUS_RIGID_ELIMINATED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_explicit_step(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    dt: f64,
+    count: usize,
+    positions: *const f64,
+    velocities: *const f64,
+    unknown_count: usize,
+    forces: *mut f64,
+    longest_step: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let place = Output::new(longest_step, "longest_step")?;
+        check_apart(positions, forces, unknown_count)?;
+        check_apart(velocities, forces, unknown_count)?;
+        let positions = slice(positions, count, "positions")?;
+        let velocities = slice(velocities, count, "velocities")?;
+        let forces = slice_mut(forces, unknown_count, "forces")?;
+        place.write(with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+            system.explicit_step(scene, dt, positions, velocities, forces)?
+        }));
+        Ok(())
+    })
+}
+
+fn block_count(system: &AnySystem) -> Result<usize, Failure> {
+    let mut count = 0;
+    with_system!(system, |system| system.for_each_block(1.0, |_, _, _| count += 1)?);
+    Ok(count)
+}
+
+/// Refuses to write to what is read.
+fn check_apart(read: *const f64, written: *mut f64, count: usize) -> Result<(), Failure> {
+    let (a, b, bytes) = (read.addr(), written.addr(), count.saturating_mul(size_of::<f64>()));
+    if a < b.saturating_add(bytes) && b < a.saturating_add(bytes) {
+        let message = text!("the array to be written overlaps one that is read; give arrays of their own");
+        return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
+    }
+    Ok(())
+}

@@ -1,0 +1,144 @@
+//! Where contacts took hold of the other body: what lets bodies at rest stay there instead of creeping.
+
+use super::body::{Body, Course};
+use super::loads::Key;
+use super::twist::V3;
+use crate::math::Scalar;
+use crate::memory::Room;
+use nalgebra::Matrix3;
+
+/// What a body rubs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Surface {
+    /// The body of this number.
+    Body(u32),
+    /// The half-space of this number.
+    HalfSpace(u32),
+}
+
+/// A point of a triangle, or beside it in its plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corners {
+    pub(super) vertices: [u32; 3],
+    pub(super) weights: [f64; 3],
+}
+
+/// What a contact holds on to.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Hold {
+    Material(Corners),
+    Space(V3),
+}
+
+/// An anchor is a material point of the second body, given in one of its triangles, so it moves, turns and stretches with
+/// the body and nothing adds up from step to step. A contact finds its own again by the triangle from which it starts, and
+/// among several there by the nearest point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Anchor {
+    pub(super) key: Key,
+    /// Of the first body, or its vertex over a half-space.
+    pub(super) triangle: u32,
+    pub(super) from: Corners,
+    pub(super) hold: Hold,
+    /// Among those kept, what it was found as.
+    found: Option<usize>,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Anchors {
+    /// Of the step before, by pair and triangle.
+    kept: Vec<Anchor>,
+    /// Of this step.
+    pub(super) pending: Vec<Anchor>,
+    next: Vec<Anchor>,
+}
+
+impl Anchors {
+    pub(super) fn start_step(&mut self) {
+        self.pending.clear();
+    }
+
+    pub(super) fn forget(&mut self, is_gone: impl Fn(&Key) -> bool) {
+        self.kept.retain(|anchor| !is_gone(&anchor.key));
+    }
+
+    /// Adds an anchor of this step; gives its place, and where the contact held on in the step before.
+    pub(super) fn find(&mut self, key: Key, triangle: u32, from: Corners, hold: Hold) -> (usize, Option<Anchor>) {
+        let place = (key, triangle);
+        let start = self.kept.partition_point(|anchor| (anchor.key, anchor.triangle) < place);
+        let distance =
+            |anchor: &Anchor| -> f64 { (0..3).map(|k| (anchor.from.weights[k] - from.weights[k]).powi(2)).sum() };
+        let mut nearest: Option<(f64, usize)> = None;
+        for (offset, anchor) in self.kept[start..].iter().enumerate() {
+            if (anchor.key, anchor.triangle) != place {
+                break;
+            }
+            let far = distance(anchor);
+            if nearest.is_none_or(|(least, _)| far < least) {
+                nearest = Some((far, start + offset));
+            }
+        }
+        let found = nearest.map(|(_, place)| place);
+        self.pending.room_for(1).push(Anchor { key, triangle, from, hold, found });
+        (self.pending.len() - 1, found.map(|place| self.kept[place]))
+    }
+
+    /// Whether the contact did not hold on in the step before.
+    pub(super) fn is_new(&self, place: usize) -> bool {
+        self.pending[place].found.is_none()
+    }
+
+    /// The anchor stays where it is: to the bit, so that rounding does not add up to a way. False for a new one.
+    pub(super) fn keep(&mut self, place: usize) -> bool {
+        let Some(found) = self.pending[place].found else { return false };
+        self.next.room_for(1).push(self.kept[found]);
+        true
+    }
+
+    /// From now on the contact holds on to this.
+    pub(super) fn set(&mut self, place: usize, hold: Hold) {
+        let anchor = Anchor { hold, ..self.pending[place] };
+        self.next.room_for(1).push(anchor);
+    }
+
+    pub(super) fn finish_step(&mut self) {
+        std::mem::swap(&mut self.kept, &mut self.next);
+        self.next.clear();
+        let order = |anchor: &Anchor| (anchor.key, anchor.triangle);
+        // Of equal ones the order does not matter: the nearest is taken.
+        self.kept.sort_unstable_by(|a, b| {
+            order(a).cmp(&order(b)).then_with(|| {
+                a.from
+                    .weights
+                    .iter()
+                    .zip(&b.from.weights)
+                    .fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b)))
+            })
+        });
+    }
+}
+
+/// The point of the triangle's plane that lies from `point` along `direction`; where they are nearly parallel, the plane's
+/// nearest point.
+pub(super) fn in_plane<T: Scalar>(
+    body: &Body<T>,
+    vertices: &[u32; 3],
+    point: &V3,
+    direction: &V3,
+    course: &Course<'_>,
+) -> Corners {
+    let [a, b, c] = vertices.map(|vertex| body.vertex(vertex, course));
+    let (u, v) = (b - a, c - a);
+    let normal = u.cross(&v);
+    let along = if normal.dot(direction).abs() > 0.1 * normal.norm() { *direction } else { normal };
+    let solved = Matrix3::from_columns(&[u, v, along]).try_inverse().map(|inverse| inverse * (point - a));
+    let [second, third] = solved.map_or([0.0; 2], |solved| [solved.x, solved.y]);
+    Corners { vertices: *vertices, weights: [1.0 - second - third, second, third] }
+}
+
+/// By rising vertex number: a contact that starts from a vertex has that one first.
+pub(super) fn sorted(vertices: [u32; 3], weights: [f64; 3]) -> Corners {
+    let mut order = [0, 1, 2];
+    order.sort_unstable_by_key(|&k: &usize| vertices[k]);
+    Corners { vertices: order.map(|k| vertices[k]), weights: order.map(|k| weights[k]) }
+}

@@ -1,0 +1,299 @@
+use super::twist::{V3, angular, linear, rotation};
+use super::{Material, SystemError};
+use crate::contact::SurfacePoint;
+use crate::math::Scalar;
+use crate::memory::{self, Room};
+use crate::mesh::Mesh;
+use nalgebra::Matrix3;
+use std::ops::Range;
+
+/// How surface vertices hang on the host's nodes.
+#[derive(Clone, Copy, Debug)]
+pub enum Carriers<'a> {
+    /// Surface vertex v is the body's node v.
+    Nodes,
+    /// Surface vertex v is the sum of weights\[e\] · node nodes\[e\] over e from offsets\[v\] up to offsets\[v + 1\]: a skin
+    /// in a cage of tetrahedra or trilinear cells, any linear mapping. Weights of a vertex sum to 1; they may be negative.
+    Weights {
+        /// One more than there are vertices; from 0, rising.
+        offsets: &'a [u32],
+        /// The node of each entry, counted from the body's first.
+        nodes: &'a [u32],
+        /// The weight of each entry.
+        weights: &'a [f64],
+    },
+}
+
+/// Where a rigid body, or one moved by the host, is and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// The centre of mass, in m.
+    pub position: [f64; 3],
+    /// The rows of the rotation matrix from the body's own coordinates to the world's.
+    pub rotation: [[f64; 3]; 3],
+    /// Linear velocity in m/s, then angular in rad/s, in the world's coordinates.
+    pub velocity: [f64; 6],
+    /// What the velocity would be at the end of the step without contact. Of a body moved by the host, it is what moves it.
+    pub free_velocity: [f64; 6],
+}
+
+/// What moves a body.
+#[derive(Debug)]
+pub(super) enum Mover {
+    /// With all nodes of the body.
+    Nodes {
+        table: Table,
+        nodes: Range<u32>,
+    },
+    /// With its place among the rigid bodies.
+    Rigid {
+        mass: f64,
+        inertia: Matrix3<f64>,
+        place: usize,
+        frame: Frame,
+    },
+    Host(Frame),
+}
+
+/// A table of weights: offsets, and (node, weight) entries.
+#[derive(Debug)]
+pub(super) struct Table {
+    offsets: Vec<u32>,
+    entries: Vec<(u32, f64)>,
+}
+
+/// A surface that turns and moves as a whole.
+#[derive(Debug)]
+pub(super) struct Frame {
+    /// Its vertices in the body's own coordinates.
+    points: Vec<V3>,
+    pub(super) centre: V3,
+    pub(super) rotation: Matrix3<f64>,
+    pub(super) velocity: [f64; 6],
+    pub(super) free_velocity: [f64; 6],
+}
+
+impl Frame {
+    pub(super) fn new<T: Scalar>(mesh: &Mesh<T>) -> Self {
+        let points = mesh.reference_positions().iter().map(|point| point.map(T::to_f64));
+        Self {
+            points: memory::listed(points),
+            centre: V3::zeros(),
+            rotation: Matrix3::identity(),
+            velocity: [0.0; 6],
+            free_velocity: [0.0; 6],
+        }
+    }
+
+    pub(super) fn place(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
+        let finite = |what, numbers: &[f64]| super::check_finite(what, numbers);
+        finite("position", &motion.position)?;
+        finite("velocity", &motion.velocity)?;
+        finite("free_velocity", &motion.free_velocity)?;
+        let rotation = Matrix3::from_fn(|row, column| motion.rotation[row][column]);
+        let error = (rotation * rotation.transpose() - Matrix3::identity()).norm();
+        if !(error < 1e-6 && rotation.determinant() > 0.0) {
+            return Err(SystemError::Rotation { body });
+        }
+        self.centre = motion.position.into();
+        self.rotation = rotation;
+        self.velocity = motion.velocity;
+        self.free_velocity = motion.free_velocity;
+        Ok(())
+    }
+
+    /// Centre and rotation after a time with a velocity.
+    fn moved(&self, time: f64, twist: &[f64]) -> (V3, Matrix3<f64>) {
+        (self.centre + linear(twist) * time, rotation(&(angular(twist) * time)) * self.rotation)
+    }
+}
+
+impl Table {
+    /// `nodes`: those of the body.
+    pub(super) fn new(carriers: Carriers<'_>, vertices: usize, nodes: Range<u32>) -> Result<Self, SystemError> {
+        let node_count = nodes.len();
+        let mut table = match carriers {
+            Carriers::Nodes => Self {
+                offsets: memory::listed(0..=vertices as u32),
+                entries: memory::listed((0..vertices as u32).map(|vertex| (vertex, 1.0))),
+            },
+            Carriers::Weights { offsets, nodes, weights } => {
+                let expect = |what, given, expected| match given == expected {
+                    true => Ok(()),
+                    false => Err(SystemError::WrongCount { what, given, expected }),
+                };
+                expect("offsets", offsets.len(), vertices + 1)?;
+                expect("weights", weights.len(), nodes.len())?;
+                let rises = |v: &usize| offsets[*v] > offsets[*v + 1] || offsets[*v + 1] as usize > nodes.len();
+                if let Some(vertex) = (0..vertices).find(rises) {
+                    return Err(SystemError::Offsets { vertex });
+                }
+                if offsets[0] != 0 || offsets[vertices] as usize != nodes.len() {
+                    return Err(SystemError::Offsets { vertex: if offsets[0] != 0 { 0 } else { vertices } });
+                }
+                super::check_finite("weights", weights)?;
+                Self {
+                    offsets: memory::listed(offsets.iter().copied()),
+                    entries: memory::listed(nodes.iter().copied().zip(weights.iter().copied())),
+                }
+            }
+        };
+        for vertex in 0..vertices {
+            let entries = table.of(vertex as u32);
+            if let Some(&(node, _)) = entries.iter().find(|(node, _)| *node as usize >= node_count) {
+                return Err(SystemError::NodeRange { vertex, node, count: node_count });
+            }
+            let (sum, size) = entries.iter().fold((0.0, 1.0), |(sum, size), (_, w)| (sum + w, size + w.abs()));
+            // Weights rounded to single precision are fine.
+            if !sum.is_finite() || (sum - 1.0_f64).abs() > 1e-5 * size {
+                return Err(SystemError::WeightSum { vertex, sum });
+            }
+        }
+        table.entries.iter_mut().for_each(|(node, _)| *node += nodes.start);
+        Ok(table)
+    }
+
+    pub(super) fn of(&self, vertex: u32) -> &[(u32, f64)] {
+        &self.entries[self.offsets[vertex as usize] as usize..self.offsets[vertex as usize + 1] as usize]
+    }
+
+    /// The sum of a field over a vertex's nodes.
+    pub(super) fn sum(&self, vertex: u32, field: &[f64]) -> V3 {
+        self.of(vertex).iter().fold(V3::zeros(), |sum, &(node, weight)| sum + at(field, node) * weight)
+    }
+}
+
+/// The node's vector of a field.
+pub(super) fn at(field: &[f64], node: u32) -> V3 {
+    let start = 3 * node as usize;
+    V3::new(field[start], field[start + 1], field[start + 2])
+}
+
+/// A body of the system.
+#[derive(Debug)]
+pub(super) struct Body<T: Scalar> {
+    /// Its number in the scene.
+    pub(super) number: u32,
+    pub(super) material: Material,
+    pub(super) mover: Mover,
+    /// Its surface vertices farthest out along each axis, from which points inside it are held.
+    pub(super) outermost: [u32; 6],
+    /// Of all its nodes, or its own; infinite where nothing moves it.
+    pub(super) mass: f64,
+    /// Room for the positions of its surface.
+    pub(super) positions: Vec<[T; 3]>,
+}
+
+/// How the unknowns move: nodes by positions and velocities of their own, rigid bodies by twists one after the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course<'a> {
+    pub(super) time: f64,
+    pub(super) positions: &'a [f64],
+    pub(super) velocities: &'a [f64],
+    pub(super) twists: &'a [f64],
+}
+
+impl<T: Scalar> Body<T> {
+    /// Whether any of its unknowns can give way.
+    pub(super) fn is_movable(&self) -> bool {
+        !matches!(self.mover, Mover::Host(_))
+    }
+
+    pub(super) fn vertex_count(&self) -> usize {
+        match &self.mover {
+            Mover::Nodes { table, .. } => table.offsets.len() - 1,
+            Mover::Rigid { frame, .. } | Mover::Host(frame) => frame.points.len(),
+        }
+    }
+
+    /// The frame of a body that has one.
+    pub(super) fn frame_mut(&mut self) -> Option<&mut Frame> {
+        match &mut self.mover {
+            Mover::Nodes { .. } => None,
+            Mover::Rigid { frame, .. } | Mover::Host(frame) => Some(frame),
+        }
+    }
+
+    /// Where a surface vertex is at the end of a course.
+    pub(super) fn vertex(&self, vertex: u32, course: &Course<'_>) -> V3 {
+        let on_frame = |frame: &Frame, twist: &[f64]| {
+            let (centre, rotation) = frame.moved(course.time, twist);
+            centre + rotation * frame.points[vertex as usize]
+        };
+        match &self.mover {
+            Mover::Nodes { table, .. } => {
+                table.sum(vertex, course.positions) + table.sum(vertex, course.velocities) * course.time
+            }
+            Mover::Rigid { frame, place, .. } => on_frame(frame, &course.twists[6 * place..6 * place + 6]),
+            Mover::Host(frame) => on_frame(frame, &frame.free_velocity),
+        }
+    }
+
+    /// The centre of mass of a rigid body at the end of a course.
+    pub(super) fn centre(&self, course: &Course<'_>) -> V3 {
+        match &self.mover {
+            Mover::Rigid { frame, place, .. } => frame.centre + linear(&course.twists[6 * place..]) * course.time,
+            Mover::Host(frame) => frame.centre + linear(&frame.free_velocity) * course.time,
+            Mover::Nodes { .. } => V3::zeros(),
+        }
+    }
+
+    pub(super) fn point(&self, vertices: &[u32; 3], weights: &[f64; 3], course: &Course<'_>) -> V3 {
+        let mut sum = V3::zeros();
+        for k in 0..3 {
+            if weights[k] != 0.0 {
+                sum += self.vertex(vertices[k], course) * weights[k];
+            }
+        }
+        sum
+    }
+
+    /// Fills `positions` with those at the end of a course; the first vertex where one is beyond the precision.
+    pub(super) fn fill_positions(&mut self, vertices: usize, course: &Course<'_>) -> Result<(), usize> {
+        let mut positions = std::mem::take(&mut self.positions);
+        positions.clear();
+        positions.room_for(vertices);
+        match &self.mover {
+            Mover::Nodes { table, .. } => positions.extend((0..vertices as u32).map(|vertex| {
+                let sum = table.of(vertex).iter().fold(V3::zeros(), |sum, &(node, weight)| {
+                    sum + (at(course.positions, node) + at(course.velocities, node) * course.time) * weight
+                });
+                [T::of(sum.x), T::of(sum.y), T::of(sum.z)]
+            })),
+            Mover::Rigid { frame, .. } | Mover::Host(frame) => {
+                let twist = match self.mover {
+                    Mover::Rigid { place, .. } => &course.twists[6 * place..6 * place + 6],
+                    _ => &frame.free_velocity[..],
+                };
+                let (centre, rotation) = frame.moved(course.time, twist);
+                positions.extend(frame.points.iter().map(|point| {
+                    let x = centre + rotation * point;
+                    [T::of(x.x), T::of(x.y), T::of(x.z)]
+                }));
+            }
+        }
+        self.positions = positions;
+        match self.positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
+            Some(vertex) => Err(vertex),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The weights of a point of the surface, exactly as wide as they are.
+pub(super) fn weights_of<T: Scalar>(point: &SurfacePoint<T>) -> [f64; 3] {
+    let [_, second, third] = point.weights.map(T::to_f64);
+    // So that they sum to 1 in double precision too.
+    [1.0 - second - third, second, third]
+}
+
+/// The vertices of a surface that lie farthest along each axis, both ways.
+pub(super) fn outermost<T: Scalar>(mesh: &Mesh<T>) -> [u32; 6] {
+    let positions = mesh.reference_positions();
+    let along =
+        |vertex: u32, k: usize| positions[vertex as usize][k / 2] * T::of(if k.is_multiple_of(2) { 1.0 } else { -1.0 });
+    let vertices = mesh.topology().surface_vertices();
+    std::array::from_fn(|k| {
+        vertices.iter().copied().fold(vertices[0], |best, v| if along(v, k) > along(best, k) { v } else { best })
+    })
+}

@@ -1,0 +1,157 @@
+use crate::mesh::MeshError;
+use std::fmt;
+
+/// Why a contact system refused something. Nothing was changed.
+#[derive(Debug)]
+pub enum SystemError {
+    /// The scene has no body of this number.
+    NotInScene {
+        /// The number.
+        body: u32,
+    },
+    /// The system has no body of this number, or none of the kind that was asked for.
+    UnknownBody {
+        /// The number.
+        body: u32,
+    },
+    /// The system has a body of this number already.
+    BodyTwice {
+        /// The number.
+        body: u32,
+    },
+    /// An array has another length than is needed.
+    WrongCount {
+        /// Which.
+        what: &'static str,
+        /// Its length.
+        given: usize,
+        /// The length needed.
+        expected: usize,
+    },
+    /// A number is NaN or infinite.
+    NotFinite {
+        /// Of which array.
+        what: &'static str,
+        /// Where in it.
+        index: usize,
+        /// The number.
+        value: f64,
+    },
+    /// A step's length is not finite and > 0.
+    StepLength {
+        /// The seconds given.
+        seconds: f64,
+    },
+    /// A mass is not > 0.
+    Mass {
+        /// Of which node, or `None` for a rigid body's.
+        node: Option<usize>,
+        /// The mass.
+        value: f64,
+    },
+    /// An inertia is not symmetric and positive definite.
+    Inertia,
+    /// A rotation is no rotation matrix.
+    Rotation {
+        /// The body.
+        body: u32,
+    },
+    /// A material's number is out of its range.
+    Material {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        range: &'static str,
+    },
+    /// The weights of a surface vertex do not sum to one.
+    WeightSum {
+        /// The vertex.
+        vertex: usize,
+        /// Their sum.
+        sum: f64,
+    },
+    /// A surface vertex names a node that does not exist.
+    NodeRange {
+        /// The vertex.
+        vertex: usize,
+        /// The node.
+        node: u32,
+        /// How many nodes there are.
+        count: usize,
+    },
+    /// The offsets of a table of weights do not rise from 0 to its length.
+    Offsets {
+        /// The vertex whose part is wrong.
+        vertex: usize,
+    },
+    /// A half-space's normal is no unit vector.
+    Normal {
+        /// Its length.
+        length: f64,
+    },
+    /// A step has to be begun first.
+    NoStep,
+    /// A step has been begun and not finished.
+    StepUnderWay,
+    /// Rigid bodies are eliminated, and the matrix is then no sum of blocks.
+    Eliminated,
+    /// A mesh refused the positions that its body would have.
+    Mesh {
+        /// The body.
+        body: u32,
+        /// Why.
+        source: MeshError,
+    },
+}
+
+impl fmt::Display for SystemError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotInScene { body } => write!(f, "the scene has no body {body}; add its mesh to the scene first"),
+            Self::UnknownBody { body } => {
+                write!(f, "the contact system has no such body {body}; say first what carries each body of the scene")
+            }
+            Self::BodyTwice { body } => write!(f, "the contact system has body {body} already; remove it first"),
+            Self::WrongCount { what, given, expected } => {
+                write!(f, "{what} has {given} numbers; give {expected}")
+            }
+            Self::NotFinite { what, index, value } => {
+                write!(f, "{what}[{index}] is {value}; give finite numbers")
+            }
+            Self::StepLength { seconds } => {
+                write!(f, "the step is {seconds} seconds long; give a finite number of seconds above 0")
+            }
+            Self::Mass { node: Some(node), value } => {
+                write!(f, "the mass of node {node} is {value}; give kilograms above 0, infinity for a node held fast")
+            }
+            Self::Mass { node: None, value } => {
+                write!(f, "the rigid body's mass is {value}; give finite kilograms above 0")
+            }
+            Self::Inertia => f.write_str("the inertia is singular; give a symmetric, positive definite matrix"),
+            Self::Rotation { body } => {
+                write!(f, "the rotation of body {body} is none; give an orthonormal matrix of determinant 1")
+            }
+            Self::Material { what, value, range } => write!(f, "the material's {what} is {value}; it must be {range}"),
+            Self::WeightSum { vertex, sum } => {
+                write!(f, "the weights of surface vertex {vertex} sum to {sum}; they must sum to 1")
+            }
+            Self::NodeRange { vertex, node, count } => {
+                write!(f, "surface vertex {vertex} names node {node} of {count}; nodes count from 0")
+            }
+            Self::Offsets { vertex } => {
+                write!(f, "the offsets of surface vertex {vertex} are wrong; they rise from 0 to the table's length")
+            }
+            Self::Normal { length } => write!(f, "the half-space's normal has length {length}; normalise it"),
+            Self::NoStep => f.write_str("no step is under way; begin one first"),
+            Self::StepUnderWay => f.write_str("a step is under way; finish it first"),
+            Self::Eliminated => f.write_str(
+                "rigid bodies are eliminated, so the matrix is no sum of blocks; make the system with their unknowns kept",
+            ),
+            Self::Mesh { body, source } => write!(f, "body {body}: {source}"),
+        }
+    }
+}
+
+impl std::error::Error for SystemError {}

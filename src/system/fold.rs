@@ -1,0 +1,344 @@
+//! From contacts on surfaces to rows over the unknowns that carry those surfaces.
+
+use super::Material;
+use super::anchors::{Anchors, Corners, Hold, Surface, in_plane, sorted};
+use super::body::{Body, Course, Mover, weights_of};
+use super::loads::{Key, PairLoads};
+use super::row::{Held, RigidEnd, Row, Slip};
+use super::rows::{Rows, Velocities};
+use super::twist::{V3, angular, linear};
+use crate::contact::{Contact, EscapePush};
+use crate::math::Scalar;
+use crate::memory::Room;
+use crate::mesh::Mesh;
+use crate::response::PenaltyLaw;
+use nalgebra::Matrix3;
+
+/// A floor or wall: solid where normal · x < offset.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfSpace {
+    pub(super) normal: V3,
+    pub(super) offset: f64,
+    pub(super) material: Material,
+}
+
+/// Materials of pairs that have one of their own, in order.
+pub(super) type PairMaterials = Vec<([u32; 2], Material)>;
+
+/// Folds one detection.
+pub(super) struct Folding<'a, T: Scalar> {
+    pub(super) bodies: &'a [Body<T>],
+    pub(super) pair_materials: &'a PairMaterials,
+    pub(super) node_masses: &'a [f64],
+    pub(super) rows: &'a mut Rows,
+    pub(super) anchors: &'a mut Anchors,
+    pub(super) loads: &'a mut PairLoads,
+    /// How detection moved the bodies on.
+    pub(super) course: Course<'a>,
+    /// At the start of the step.
+    pub(super) before: Velocities<'a>,
+    /// For materials of stiffness 1.
+    pub(super) law: PenaltyLaw,
+}
+
+/// What a row is made of, beside its entries.
+struct Spring {
+    key: Key,
+    direction: V3,
+    depth: f64,
+    cos_alpha: f64,
+    /// The coefficient for a stiffness of 1.
+    area: f64,
+}
+
+#[derive(Default)]
+struct Ends {
+    rigid: [Option<RigidEnd>; 2],
+    given: V3,
+    given_before: V3,
+}
+
+/// Where a far vertex would take more than this the body is flat there.
+const MOST_FAR_WEIGHT: f64 = 2.0;
+
+impl<T: Scalar> Folding<'_, T> {
+    /// `wanted`: whether to take contacts of this pair of numbers.
+    pub(super) fn fold_contacts(&mut self, contacts: &[Contact<T>], wanted: impl Fn(u32, u32) -> bool) {
+        for contact in contacts {
+            let area = self.law.coefficient(contact).to_f64();
+            let (bodies, course) = (self.bodies, self.course);
+            let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
+            let any_moves = first.is_movable() || second.is_movable();
+            if !any_moves || area <= 0.0 || !wanted(contact.colliding, contact.collided) {
+                continue;
+            }
+            let (p1, p2) = (&contact.p1, &contact.p2);
+            let direction: V3 = contact.direction.map(T::to_f64);
+            let from = sorted(p1.vertices, weights_of(p1));
+            let point = first.point(&from.vertices, &from.weights, &course);
+            let spring = Spring {
+                key: (contact.colliding, Surface::Body(contact.collided)),
+                direction,
+                depth: contact.depth.to_f64(),
+                cos_alpha: contact.cos_alpha.to_f64(),
+                area,
+            };
+            let mut ends = Ends::default();
+            self.add_end(&mut ends, 0, first.number, &from, None, &point);
+            let own = Corners { vertices: p2.vertices, weights: weights_of(p2) };
+            let held = self.held_inside(second.number, &own, &point);
+            self.add_end(&mut ends, 1, second.number, &own, held, &point);
+            let to = in_plane(second, &p2.vertices, &point, &direction, &course);
+            self.finish(spring, None, ends, Some((p1.triangle, from, Hold::Material(to))));
+        }
+    }
+
+    /// Escaping pairs: one spring between the two centres of mass, so that every node gets the same acceleration.
+    pub(super) fn fold_pushes(&mut self, pushes: &[EscapePush<T>]) {
+        if !self.law.pushes_whole_bodies() {
+            return;
+        }
+        for push in pushes {
+            let [first, second] = push.bodies;
+            if !self.body(first).is_movable() && !self.body(second).is_movable() {
+                continue;
+            }
+            let mut ends = Ends::default();
+            self.add_whole_body(&mut ends, 0, first);
+            self.add_whole_body(&mut ends, 1, second);
+            let spring = Spring {
+                key: (first, Surface::Body(second)),
+                direction: push.direction.map(T::to_f64),
+                depth: push.depth.to_f64(),
+                cos_alpha: 1.0,
+                area: self.law.push_coefficient(push).to_f64(),
+            };
+            self.finish(spring, None, ends, None);
+        }
+    }
+
+    /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
+    /// seen along the normal. `areas`: room for one number for each vertex.
+    pub(super) fn fold_half_space(
+        &mut self,
+        number: u32,
+        half_space: &HalfSpace,
+        place: usize,
+        mesh: &Mesh<T>,
+        areas: &mut Vec<f64>,
+    ) {
+        let (bodies, normal) = (self.bodies, half_space.normal);
+        let body = &bodies[place];
+        if !body.is_movable() {
+            return;
+        }
+        let position = |vertex: u32| V3::from(body.positions[vertex as usize].map(T::to_f64));
+        let depth = |vertex: u32| half_space.offset - normal.dot(&position(vertex));
+        let vertices = mesh.topology().surface_vertices();
+        if vertices.iter().all(|&vertex| depth(vertex) <= 0.0) {
+            return;
+        }
+        areas.clear();
+        areas.room_for(body.positions.len()).resize(body.positions.len(), 0.0);
+        for corners in mesh.topology().triangles() {
+            if corners.iter().all(|&vertex| depth(vertex) <= 0.0) {
+                continue;
+            }
+            let [a, b, c] = corners.map(position);
+            let sixth = -normal.dot(&(b - a).cross(&(c - a))) / 6.0;
+            corners.iter().for_each(|&vertex| areas[vertex as usize] += sixth);
+        }
+        for &vertex in vertices {
+            let (depth, area) = (depth(vertex), areas[vertex as usize]);
+            if !(depth > 0.0 && area > 0.0) {
+                continue;
+            }
+            let from = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0] };
+            let (own, point) = (body.number, body.vertex(vertex, &self.course));
+            let mut ends = Ends::default();
+            self.add_end(&mut ends, 0, own, &from, None, &point);
+            let key = (own, Surface::HalfSpace(number));
+            let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area };
+            self.finish(spring, Some(half_space), ends, Some((vertex, from, Hold::Space(point + normal * depth))));
+        }
+    }
+
+    fn body(&self, number: u32) -> &Body<T> {
+        &self.bodies[self.place(number)]
+    }
+
+    /// The row's pair, and where it is its first row its material.
+    fn pair(&mut self, key: Key, floor: Option<&HalfSpace>) -> usize {
+        let Self { bodies, pair_materials, loads, .. } = self;
+        loads.place(key, || {
+            let find = |number: u32| &bodies[place_of(bodies, number)];
+            let first = find(key.0);
+            match (key.1, floor) {
+                (Surface::Body(number), _) => {
+                    let second = find(number);
+                    let numbers = [key.0.min(number), key.0.max(number)];
+                    let own = pair_materials.binary_search_by_key(&numbers, |(pair, _)| *pair).ok();
+                    let combined = || first.material.combined(&second.material);
+                    let material = own.map_or_else(combined, |place| pair_materials[place].1);
+                    (material, 1.0 / first.mass + 1.0 / second.mass)
+                }
+                (_, Some(floor)) => (first.material.combined(&floor.material), 1.0 / first.mass),
+                _ => (first.material, 1.0 / first.mass),
+            }
+        })
+    }
+
+    /// Adds the body's part of the row under way, at `corners` along the direction and where `held` says across it.
+    fn add_end(
+        &mut self,
+        ends: &mut Ends,
+        side: usize,
+        number: u32,
+        corners: &Corners,
+        held: Option<[(u32, f64); 4]>,
+        point: &V3,
+    ) {
+        let bodies = self.bodies;
+        let (body, sign) = (&bodies[place_of(bodies, number)], [-1.0, 1.0][side]);
+        match &body.mover {
+            Mover::Nodes { table, .. } => {
+                let own = [0, 1, 2].map(|k| (corners.vertices[k], corners.weights[k]));
+                let mut add = |vertex: u32, along: f64, across: f64| {
+                    if along != 0.0 || across != 0.0 {
+                        for &(node, weight) in table.of(vertex) {
+                            self.rows.add(node, sign * along * weight, sign * across * weight);
+                        }
+                    }
+                };
+                match held {
+                    None => own.iter().for_each(|&(vertex, weight)| add(vertex, weight, weight)),
+                    Some(held) => {
+                        own.iter().zip(&held).for_each(|(&(vertex, along), &(_, across))| add(vertex, along, across));
+                        add(held[3].0, 0.0, held[3].1);
+                    }
+                }
+            }
+            Mover::Rigid { place, .. } => {
+                let arm = point - body.centre(&self.course);
+                ends.rigid[side] = Some(RigidEnd { place: *place, sign, arm });
+            }
+            Mover::Host(frame) => {
+                let arm = point - body.centre(&self.course);
+                let at = |twist: &[f64]| (linear(twist) + angular(twist).cross(&arm)) * sign;
+                ends.given += at(&frame.free_velocity);
+                ends.given_before += at(&frame.velocity);
+            }
+        }
+    }
+
+    /// A point inside a body that nodes carry as a sum of three corners of its surface and a fourth vertex on its far side;
+    /// `None` where the body has no such side, is flat.
+    fn held_inside(&self, number: u32, corners: &Corners, point: &V3) -> Option<[(u32, f64); 4]> {
+        let body = &self.bodies[self.place(number)];
+        if !matches!(body.mover, Mover::Nodes { .. }) {
+            return None;
+        }
+        let [a, b, c] = corners.vertices.map(|vertex| body.vertex(vertex, &self.course));
+        let normal = (b - a).cross(&(c - a));
+        let height = |vertex: u32| normal.dot(&(body.vertex(vertex, &self.course) - a)).abs();
+        let far = body.outermost.iter().fold((0.0, None), |(most, best), &vertex| {
+            let height = height(vertex);
+            if height > most { (height, Some(vertex)) } else { (most, best) }
+        });
+        let far = far.1?;
+        let columns = [b - a, c - a, body.vertex(far, &self.course) - a];
+        let w = Matrix3::from_columns(&columns).try_inverse()? * (point - a);
+        let weights = [1.0 - w.x - w.y - w.z, w.x, w.y, w.z];
+        let [first, second, third] = corners.vertices;
+        let is_fine = w.z.abs() <= MOST_FAR_WEIGHT;
+        is_fine.then(|| [(first, weights[0]), (second, weights[1]), (third, weights[2]), (far, weights[3])])
+    }
+
+    fn add_whole_body(&mut self, ends: &mut Ends, side: usize, number: u32) {
+        let bodies = self.bodies;
+        let (body, sign) = (&bodies[place_of(bodies, number)], [-1.0, 1.0][side]);
+        match &body.mover {
+            Mover::Nodes { nodes, .. } => {
+                let mass = |node: u32| Some(self.node_masses[node as usize]).filter(|mass| mass.is_finite());
+                let sum: f64 = nodes.clone().filter_map(mass).sum();
+                for node in nodes.clone() {
+                    if let Some(mass) = mass(node) {
+                        self.rows.add_distinct(node, sign * mass / sum, sign * mass / sum);
+                    }
+                }
+            }
+            Mover::Rigid { place, .. } => {
+                ends.rigid[side] = Some(RigidEnd { place: *place, sign, arm: V3::zeros() });
+            }
+            Mover::Host(frame) => {
+                ends.given += linear(&frame.free_velocity) * sign;
+                ends.given_before += linear(&frame.velocity) * sign;
+            }
+        }
+    }
+
+    /// The entries added since the last row become one.
+    fn finish(&mut self, spring: Spring, floor: Option<&HalfSpace>, ends: Ends, hold: Option<(u32, Corners, Hold)>) {
+        let Spring { key, direction, depth, cos_alpha, area } = spring;
+        let pair = self.pair(key, floor);
+        let material = self.loads.now[pair].material;
+        let hold = hold.filter(|_| material.friction > 0.0);
+        let row = Row {
+            direction,
+            coefficient: material.stiffness * area,
+            asked: 0.0,
+            damping_time: material.damping_time,
+            friction: material.friction,
+            pair,
+            order: if matches!(key.1, Surface::Body(second) if second < key.0) { -1.0 } else { 1.0 },
+            ahead: Slip::default(),
+            sliding: V3::zeros(),
+            stretch: V3::zeros(),
+            anchor: None,
+            given: ends.given,
+            rigid: ends.rigid,
+            end: self.rows.entries.len(),
+            held: Held::default(),
+        };
+        self.rows.rows.room_for(1).push(row);
+        let place = self.rows.rows.len() - 1;
+        let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
+        let slip = self.rows.slip_at(place, ahead);
+        let sliding = self.rows.slip(place, self.before, &ends.given_before).across;
+        if let Some((triangle, from, hold)) = hold {
+            let (anchor, old) = self.anchors.find(key, triangle, from, hold);
+            // A new spring is slack at the start of the step.
+            let mut stretch = slip.across * self.course.time;
+            if let Some(old) = old {
+                let first = self.body(key.0);
+                let from = first.point(&old.from.vertices, &old.from.weights, &self.course);
+                let to = self.held_at(key, &old.hold);
+                stretch = self.rows.rows[place].across(&(to - from));
+            }
+            let row = &mut self.rows.rows[place];
+            (row.anchor, row.stretch) = (Some(anchor), stretch);
+        }
+        let row = &mut self.rows.rows[place];
+        (row.ahead, row.sliding) = (slip, sliding);
+        row.asked = Row::asked(depth, cos_alpha, self.course.time * slip.along, material.depth_cap);
+    }
+
+    /// Where something held is at the end of the course.
+    fn held_at(&self, key: Key, hold: &Hold) -> V3 {
+        match (hold, key.1) {
+            (Hold::Material(corners), Surface::Body(number)) => {
+                self.bodies[self.place(number)].point(&corners.vertices, &corners.weights, &self.course)
+            }
+            (Hold::Space(point), _) => *point,
+            (Hold::Material(_), Surface::HalfSpace(_)) => V3::zeros(),
+        }
+    }
+
+    fn place(&self, number: u32) -> usize {
+        place_of(self.bodies, number)
+    }
+}
+
+fn place_of<T: Scalar>(bodies: &[Body<T>], number: u32) -> usize {
+    bodies.binary_search_by_key(&number, |body| body.number).expect("the scene's bodies are the system's")
+}

@@ -1,0 +1,149 @@
+//! How much of the push that a step predicts its solve leaves, for each pair of bodies: what friction must be told.
+
+use super::Material;
+use super::anchors::Surface;
+use super::twist::V3;
+use crate::memory::Room;
+
+/// A stiff contact predicts far more than it will bear, because the solve lets bodies give way. Pairs that have been in
+/// contact keep the share of the step before; new ones give way like two rigid bodies.
+#[derive(Debug, Default)]
+pub(super) struct PairLoads {
+    /// Of the step before, in order.
+    before: Vec<Pair>,
+    /// Of this one, in the order in which rows came.
+    pub(super) now: Vec<Pair>,
+}
+
+/// The bodies of a row, in its order or, for its pair, in ascending order.
+pub(super) type Key = (u32, Surface);
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) key: Key,
+    pub(super) material: Material,
+    /// 1/m of both, together.
+    pub(super) inverse_mass: f64,
+    /// In N: all that rows push by prediction, their stiffness in N s/m, and what the solve left.
+    predicted: f64,
+    normal: f64,
+    solved: f64,
+    /// Of the step before: predicted and left.
+    then: Option<(f64, f64)>,
+    /// Of the friction springs at the end of this step, and of the one before.
+    springs: Springs,
+    springs_then: Springs,
+    /// Of this step's springs, how stiff those are together that have been found again, and those that are new.
+    found: f64,
+    new: f64,
+}
+
+/// Springs of a pair, together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Springs {
+    /// In N/m.
+    coefficient: f64,
+    /// What they pull with, in N.
+    pull: V3,
+}
+
+impl PairLoads {
+    /// The place of a pair among those of this step, whichever of two bodies comes first; `new` where it is its first row.
+    pub(super) fn place(&mut self, key: Key, new: impl FnOnce() -> (Material, f64)) -> usize {
+        let key = match key {
+            (first, Surface::Body(second)) => (first.min(second), Surface::Body(first.max(second))),
+            key => key,
+        };
+        let is_it = |pair: &Pair| pair.key == key;
+        // Rows of one pair come one after the other.
+        if let Some(place) = self.now.last().filter(|pair| is_it(pair)).map(|_| self.now.len() - 1) {
+            return place;
+        }
+        if let Some(place) = self.now.iter().position(is_it) {
+            return place;
+        }
+        let (material, inverse_mass) = new();
+        let then = self.before.binary_search_by_key(&key, |pair| pair.key).ok();
+        let before = then.map(|place| &self.before[place]);
+        self.now.room_for(1).push(Pair {
+            key,
+            material,
+            inverse_mass,
+            predicted: 0.0,
+            normal: 0.0,
+            solved: 0.0,
+            then: before.map(|pair| (pair.predicted, pair.solved)),
+            springs: Springs::default(),
+            springs_then: before.map(|pair| pair.springs).unwrap_or_default(),
+            found: 0.0,
+            new: 0.0,
+        });
+        self.now.len() - 1
+    }
+
+    pub(super) fn start_step(&mut self) {
+        self.now.clear();
+    }
+
+    pub(super) fn finish_step(&mut self) {
+        std::mem::swap(&mut self.before, &mut self.now);
+        self.before.sort_unstable_by_key(|pair| pair.key);
+        self.now.clear();
+    }
+
+    pub(super) fn forget(&mut self, is_gone: impl Fn(&Key) -> bool) {
+        self.before.retain(|pair| !is_gone(&pair.key));
+    }
+}
+
+impl Pair {
+    pub(super) fn add_predicted(&mut self, push: f64, normal: f64) {
+        self.predicted += push;
+        self.normal += normal;
+    }
+
+    pub(super) fn add_solved(&mut self, push: f64) {
+        self.solved += push;
+    }
+
+    /// A friction spring as it is at the end of the step.
+    pub(super) fn add_spring(&mut self, coefficient: f64, stretch: &V3) {
+        self.springs.coefficient += coefficient;
+        self.springs.pull += stretch * coefficient;
+    }
+
+    /// A friction spring of this step.
+    pub(super) fn count_spring(&mut self, coefficient: f64, is_new: bool) {
+        *if is_new { &mut self.new } else { &mut self.found } += coefficient;
+    }
+
+    /// The stretch with which a new spring begins. Where rays start from other points than in the step before, what springs
+    /// that are gone have pulled with is handed over to the new ones, and never more.
+    pub(super) fn inherited(&self) -> V3 {
+        let Springs { coefficient, pull } = self.springs_then;
+        let lost = coefficient - self.found;
+        if !(lost > 0.0 && self.new > 0.0) {
+            return V3::zeros();
+        }
+        pull / coefficient * (lost / self.new).min(1.0)
+    }
+
+    /// Did the pair bear anything in the step before?
+    pub(super) fn is_loaded(&self) -> bool {
+        self.then.is_some_and(|(_, solved)| solved > 0.0)
+    }
+
+    /// What a row that predicts this push will bear: its part of the pair's, of stiffness `normal`.
+    pub(super) fn load(&self, push: f64, normal: f64, dt: f64) -> f64 {
+        match self.then {
+            Some((_, solved)) if self.predicted <= 0.0 => solved * normal / self.normal,
+            Some((predicted, solved)) if predicted > 0.0 => push * (solved / predicted).clamp(0.0, 1.0),
+            _ => push / (1.0 + dt * self.normal * self.inverse_mass),
+        }
+    }
+
+    /// By what the two would slow one another down in a step if their load acted along their motion, in m/s.
+    pub(super) fn speed_lost(&self, dt: f64) -> f64 {
+        self.then.map_or(0.0, |(_, solved)| solved * self.inverse_mass * dt)
+    }
+}

@@ -1,0 +1,66 @@
+use super::SystemError;
+
+/// How a body's surface bears load, damps and rubs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Pressure per depth, in N/m³; finite and ≥ 0.
+    pub stiffness: f64,
+    /// Damping over stiffness, in s; finite and ≥ 0.
+    pub damping_time: f64,
+    /// Coulomb's coefficient, static and kinetic; finite and ≥ 0.
+    pub friction: f64,
+    /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
+    /// bodies close within the step is met in full.
+    pub depth_cap: f64,
+}
+
+impl Material {
+    /// A material that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: stiffness is `pressure` /
+    /// `depth`, and the cap is `depth`. Damping time 0.05 s, friction 0.5.
+    ///
+    /// For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
+    /// elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
+    /// carries it), and ten times the depth to which bodies may sink in.
+    ///
+    /// # Errors
+    /// [`SystemError::Material`] where a number is not finite and > 0.
+    pub fn bearing(pressure: f64, depth: f64) -> Result<Self, SystemError> {
+        for (what, value) in [("pressure", pressure), ("depth", depth)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(SystemError::Material { what, value, range: "finite and above 0" });
+            }
+        }
+        let material = Self { stiffness: pressure / depth, damping_time: 0.05, friction: 0.5, depth_cap: depth };
+        material.check()?;
+        Ok(material)
+    }
+
+    /// The material of a contact between two bodies, unless the pair has one of its own. The two surfaces are springs in
+    /// series, so the softer decides; damping times are weighted by how much of the depth each surface takes (as in Drake's
+    /// compliant contact); friction is the geometric mean, so a frictionless body slides on everything; the smaller cap holds.
+    pub fn combined(&self, other: &Self) -> Self {
+        let sum = self.stiffness + other.stiffness;
+        // Of the depth, the first gives way by the second's part of the stiffness.
+        let part = if sum > 0.0 { other.stiffness / sum } else { 0.5 };
+        Self {
+            stiffness: self.stiffness * part,
+            damping_time: part * self.damping_time + (1.0 - part) * other.damping_time,
+            friction: (self.friction * other.friction).sqrt(),
+            depth_cap: self.depth_cap.min(other.depth_cap),
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), SystemError> {
+        let Self { stiffness, damping_time, friction, depth_cap } = *self;
+        for (what, value) in [("stiffness", stiffness), ("damping_time", damping_time), ("friction", friction)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(SystemError::Material { what, value, range: "finite and at least 0" });
+            }
+        }
+        if depth_cap > 0.0 {
+            Ok(())
+        } else {
+            Err(SystemError::Material { what: "depth_cap", value: depth_cap, range: "above 0" })
+        }
+    }
+}

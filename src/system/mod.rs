@@ -1,0 +1,332 @@
+//! A step's contact on the unknowns that a simulator solves for: what a host needs beyond contacts and their springs.
+//!
+//! A [`ContactSystem`] knows what carries each body of a [`Scene`]: nodes (directly, or by weights, as a
+//! skin in a cage), a rigid body's six numbers, or the host. In a step it moves the surfaces to where they would be without
+//! contact, lets the scene detect there, and makes each contact a **row**: a unilateral spring with friction over those
+//! unknowns. Between linearisations rows are held, so their force is linear in the velocities v at the end of the step,
+//! −Jᵀ (p + D J (v − v₀)) with D positive semi-definite, and conjugate gradients converge.
+//!
+//! ```text
+//! begin(scene, dt, x, v, v without contact)
+//!     repeat: solve M (v⁺ − v) = dt · (own forces + add_forces(v⁺)), with add_product in the solve
+//!             wrong = linearise(v⁺); done where little of the force was wrong
+//!             detect_again(scene, v⁺), where stopped bodies may meet others
+//! finish(v⁺)
+//! ```
+//! Numbers are in SI units and double precision, whatever the scene's; vectors of unknowns hold x, y, z of each node, then,
+//! where rigid bodies are [kept](RigidUnknowns::Kept), the linear and angular velocity of each in the order they were added.
+
+mod anchors;
+mod body;
+mod error;
+mod explicit;
+mod fold;
+mod loads;
+mod material;
+mod row;
+mod rows;
+mod solve;
+mod step;
+mod twist;
+
+pub use body::{Carriers, Motion};
+pub use error::SystemError;
+pub use material::Material;
+
+use crate::contact::ContactList;
+use crate::math::Scalar;
+use crate::memory::{self, Room};
+use crate::response::{PenaltyLaw, Weighting};
+use crate::scene::Scene;
+use anchors::{Anchors, Surface};
+use body::{Body, Frame, Mover, Table, outermost};
+use fold::{HalfSpace, PairMaterials};
+use loads::{Key, PairLoads};
+use nalgebra::Matrix3;
+use rows::Rows;
+use std::ops::Range;
+use twist::V3;
+
+/// What becomes of the velocities of rigid bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RigidUnknowns {
+    /// The host solves for its nodes alone: rigid bodies give way exactly as they would if they were solved for, and
+    /// [`rigid_velocity`](ContactSystem::rigid_velocity) has the result. A step factors a dense matrix of six rows for each
+    /// rigid body, so some fifty of them are the most that is sensible.
+    #[default]
+    Eliminated,
+    /// They are unknowns of the host, behind those of its nodes.
+    Kept,
+}
+
+/// The contacts of a scene on the unknowns of a host.
+///
+/// Nothing but its rows holds across calls that change it: see each function. A steady step allocates nothing.
+#[derive(Debug)]
+pub struct ContactSystem<T: Scalar> {
+    rigid_unknowns: RigidUnknowns,
+    law: PenaltyLaw,
+    node_masses: Vec<f64>,
+    /// In ascending order of their numbers.
+    bodies: Vec<Body<T>>,
+    rigid_count: usize,
+    half_spaces: Vec<HalfSpace>,
+    pair_materials: PairMaterials,
+    contacts: ContactList<T>,
+    rows: Rows,
+    anchors: Anchors,
+    loads: PairLoads,
+    step: Option<step::Step>,
+    buffers: step::Buffers,
+}
+
+impl<T: Scalar> ContactSystem<T> {
+    /// A system without bodies. Escaping pairs are pushed as whole bodies, so that soft ones are moved and not drawn out.
+    pub fn new(rigid_unknowns: RigidUnknowns) -> Self {
+        let law = PenaltyLaw::new(1.0, 0.0, Weighting::Area).expect("a valid law").pushing_whole_bodies();
+        Self {
+            rigid_unknowns,
+            law,
+            node_masses: Vec::new(),
+            bodies: Vec::new(),
+            rigid_count: 0,
+            half_spaces: Vec::new(),
+            pair_materials: Vec::new(),
+            contacts: ContactList::default(),
+            rows: Rows::default(),
+            anchors: Anchors::default(),
+            loads: PairLoads::default(),
+            step: None,
+            buffers: step::Buffers::default(),
+        }
+    }
+
+    /// Says how many nodes the host has, and their masses in kg: infinity for one that is held fast.
+    ///
+    /// # Errors
+    /// [`SystemError::Mass`], [`SystemError::StepUnderWay`], [`SystemError::WrongCount`] where a body's nodes lie beyond.
+    pub fn set_node_masses(&mut self, masses: &[f64]) -> Result<(), SystemError> {
+        self.check_no_step()?;
+        if let Some(node) = masses.iter().position(|&mass| mass.is_nan() || mass <= 0.0) {
+            return Err(SystemError::Mass { node: Some(node), value: masses[node] });
+        }
+        let needed = self.bodies.iter().filter_map(|body| body.nodes()).map(|nodes| nodes.end as usize).max();
+        if let Some(expected) = needed.filter(|&needed| needed > masses.len()) {
+            return Err(SystemError::WrongCount { what: "masses", given: masses.len(), expected });
+        }
+        self.node_masses.clear();
+        memory::append(&mut self.node_masses, masses.iter().copied());
+        for body in &mut self.bodies {
+            if let Some(nodes) = body.nodes() {
+                body.mass = mass_of(&self.node_masses, nodes);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a deformable body: number `body` of the scene, with the host's nodes `nodes`, which carry its surface as
+    /// `carriers` says. The masses of the nodes are to be set before.
+    ///
+    /// # Errors
+    /// [`SystemError`] of its own for each number that is wrong.
+    pub fn add_deformable(
+        &mut self,
+        scene: &Scene<T>,
+        body: u32,
+        nodes: Range<u32>,
+        carriers: Carriers<'_>,
+        material: Material,
+    ) -> Result<(), SystemError> {
+        let place = self.place_for(scene, body, &material)?;
+        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let (end, count) = (nodes.end.max(nodes.start), self.node_masses.len());
+        if end as usize > count {
+            return Err(SystemError::WrongCount { what: "node masses", given: count, expected: end as usize });
+        }
+        let table = Table::new(carriers, mesh.positions().len(), nodes.clone())?;
+        let mass = mass_of(&self.node_masses, nodes.clone());
+        self.insert(
+            place,
+            Body {
+                number: body,
+                material,
+                mover: Mover::Nodes { table, nodes },
+                outermost: outermost(mesh),
+                mass,
+                positions: Vec::new(),
+            },
+        );
+        Ok(())
+    }
+
+    /// Adds a rigid body: number `body` of the scene, whose mesh was created in the body's own coordinates, with the centre
+    /// of mass at the origin. `mass` in kg, `inertia` in kg m² about that point in those coordinates. It is at the origin
+    /// until [`set_motion`](Self::set_motion).
+    ///
+    /// # Errors
+    /// [`SystemError`] of its own for each number that is wrong.
+    pub fn add_rigid(
+        &mut self,
+        scene: &Scene<T>,
+        body: u32,
+        mass: f64,
+        inertia: [[f64; 3]; 3],
+        material: Material,
+    ) -> Result<(), SystemError> {
+        let place = self.place_for(scene, body, &material)?;
+        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        if !(mass.is_finite() && mass > 0.0) {
+            return Err(SystemError::Mass { node: None, value: mass });
+        }
+        let inertia = Matrix3::from_fn(|row, column| inertia[row][column]);
+        let is_symmetric = (inertia - inertia.transpose()).norm() <= 1e-9 * inertia.norm();
+        // What is lost to rounding is no inertia.
+        let factor = (inertia / inertia.norm() - Matrix3::identity() * 1e-14).cholesky();
+        if !is_symmetric || !inertia.iter().all(|x| x.is_finite()) || factor.is_none() {
+            return Err(SystemError::Inertia);
+        }
+        let mover = Mover::Rigid { mass, inertia, place: self.rigid_count, frame: Frame::new(mesh) };
+        let outermost = outermost(mesh);
+        self.insert(place, Body { number: body, material, mover, outermost, mass, positions: Vec::new() });
+        self.rigid_count += 1;
+        Ok(())
+    }
+
+    /// Adds a body that stands still or that the host moves: number `body` of the scene, whose mesh was created in the body's
+    /// own coordinates. It is where those say until [`set_motion`](Self::set_motion).
+    ///
+    /// # Errors
+    /// [`SystemError`] of its own for each number that is wrong.
+    pub fn add_moved(&mut self, scene: &Scene<T>, body: u32, material: Material) -> Result<(), SystemError> {
+        let place = self.place_for(scene, body, &material)?;
+        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let (mover, outermost) = (Mover::Host(Frame::new(mesh)), outermost(mesh));
+        self.insert(
+            place,
+            Body { number: body, material, mover, outermost, mass: f64::INFINITY, positions: Vec::new() },
+        );
+        Ok(())
+    }
+
+    /// Adds a half-space, solid where `normal` · x < `offset`, for all bodies with unknowns; gives its number. Their surface
+    /// vertices below the plane bear the pressure.
+    ///
+    /// # Errors
+    /// [`SystemError::Normal`] where the normal is no unit vector, [`SystemError::NotFinite`], [`SystemError::Material`],
+    /// [`SystemError::StepUnderWay`].
+    pub fn add_half_space(&mut self, normal: [f64; 3], offset: f64, material: Material) -> Result<u32, SystemError> {
+        self.check_no_step()?;
+        check_finite("normal", &normal)?;
+        check_finite("offset", &[offset])?;
+        let normal = V3::from(normal);
+        if (normal.norm() - 1.0).abs() > 1e-6 {
+            return Err(SystemError::Normal { length: normal.norm() });
+        }
+        material.check()?;
+        self.half_spaces.room_for(1).push(HalfSpace { normal: normal.normalize(), offset, material });
+        Ok(self.half_spaces.len() as u32 - 1)
+    }
+
+    /// Removes a body; the scene's is untouched. Rigid bodies added after it move up by one place, and the velocities of the
+    /// last step are gone with one.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`], [`SystemError::StepUnderWay`].
+    pub fn remove(&mut self, body: u32) -> Result<(), SystemError> {
+        self.check_no_step()?;
+        let place = self.place(body)?;
+        if let Mover::Rigid { place: gone, .. } = self.bodies.remove(place).mover {
+            self.rigid_count -= 1;
+            // Those of the last step stand in the old places.
+            self.buffers.end_twists.clear();
+            for body in &mut self.bodies {
+                if let Mover::Rigid { place, .. } = &mut body.mover {
+                    *place -= usize::from(*place > gone);
+                }
+            }
+        }
+        let is_gone = |key: &Key| key.0 == body || key.1 == Surface::Body(body);
+        self.anchors.forget(is_gone);
+        self.loads.forget(is_gone);
+        self.pair_materials.retain(|(pair, _)| !pair.contains(&body));
+        Ok(())
+    }
+
+    /// Gives two bodies, or a body with itself, a material of their own in place of the
+    /// [combined](Material::combined) one; `None` takes it back.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`], [`SystemError::Material`], [`SystemError::StepUnderWay`].
+    pub fn set_pair_material(&mut self, a: u32, b: u32, material: Option<Material>) -> Result<(), SystemError> {
+        self.check_no_step()?;
+        self.place(a)?;
+        self.place(b)?;
+        material.as_ref().map_or(Ok(()), Material::check)?;
+        let pair = [a.min(b), a.max(b)];
+        match (self.pair_materials.binary_search_by_key(&pair, |(pair, _)| *pair), material) {
+            (Ok(place), Some(material)) => self.pair_materials[place].1 = material,
+            (Ok(place), None) => drop(self.pair_materials.remove(place)),
+            (Err(place), Some(material)) => self.pair_materials.room_for(1).insert(place, (pair, material)),
+            (Err(_), None) => {}
+        }
+        Ok(())
+    }
+
+    /// Says where a rigid or moved body is, and how it moves. Before each step.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`] also for a deformable body; [`SystemError::NotFinite`], [`SystemError::Rotation`],
+    /// [`SystemError::StepUnderWay`].
+    pub fn set_motion(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
+        self.check_no_step()?;
+        let place = self.place(body)?;
+        let frame = self.bodies[place].frame_mut().ok_or(SystemError::UnknownBody { body })?;
+        frame.place(body, motion)
+    }
+
+    /// How many unknowns a vector of velocities or forces has.
+    pub fn unknown_count(&self) -> usize {
+        let kept = if self.rigid_unknowns == RigidUnknowns::Kept { 6 * self.rigid_count } else { 0 };
+        3 * self.node_masses.len() + kept
+    }
+
+    /// The contacts of the last detection.
+    pub fn contacts(&self) -> &ContactList<T> {
+        &self.contacts
+    }
+
+    fn place_for(&self, scene: &Scene<T>, body: u32, material: &Material) -> Result<usize, SystemError> {
+        self.check_no_step()?;
+        scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        material.check()?;
+        match self.bodies.binary_search_by_key(&body, |body| body.number) {
+            Ok(_) => Err(SystemError::BodyTwice { body }),
+            Err(place) => Ok(place),
+        }
+    }
+
+    fn insert(&mut self, place: usize, body: Body<T>) {
+        self.bodies.room_for(1).insert(place, body);
+    }
+
+    fn place(&self, body: u32) -> Result<usize, SystemError> {
+        self.bodies.binary_search_by_key(&body, |body| body.number).map_err(|_| SystemError::UnknownBody { body })
+    }
+
+    fn check_no_step(&self) -> Result<(), SystemError> {
+        if self.step.is_some() { Err(SystemError::StepUnderWay) } else { Ok(()) }
+    }
+}
+
+fn mass_of(masses: &[f64], nodes: Range<u32>) -> f64 {
+    let own = masses.get(nodes.start as usize..nodes.end as usize).unwrap_or_default();
+    let sum: f64 = own.iter().filter(|mass| mass.is_finite()).sum();
+    if sum > 0.0 { sum } else { f64::INFINITY }
+}
+
+fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
+    match numbers.iter().position(|number| !number.is_finite()) {
+        Some(index) => Err(SystemError::NotFinite { what, index, value: numbers[index] }),
+        None => Ok(()),
+    }
+}

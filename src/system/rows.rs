@@ -1,0 +1,259 @@
+//! One row for each contact, and the sums over all of them.
+
+use super::body::at;
+use super::row::{RigidEnd, Row, Slip};
+use super::twist::{Factor, V3};
+use crate::memory::Room;
+use nalgebra::Matrix3;
+
+/// A node's part in a row. Positive for the second body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub(super) node: u32,
+    /// At the row's own points.
+    pub(super) along: f64,
+    /// At the first body's point, of both bodies: friction acts in one point, so that angular momentum is kept.
+    pub(super) across: f64,
+}
+
+/// Rows live in flat lists that grow: a fixed number of nodes for a contact would drop weights and freeze bodies.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    pub(super) rows: Vec<Row>,
+    pub(super) entries: Vec<Entry>,
+    /// Mass and inertia in the world of each rigid body.
+    pub(super) masses: Vec<(f64, Matrix3<f64>)>,
+    /// Of the rigid bodies, where they are eliminated.
+    system: Factor,
+    /// Work arrays, one twist for each rigid body.
+    loads: Vec<f64>,
+    pub(super) response: Vec<f64>,
+}
+
+/// Velocities of nodes and of rigid bodies.
+#[derive(Clone, Copy)]
+pub(super) struct Velocities<'a> {
+    pub(super) nodes: &'a [f64],
+    pub(super) twists: &'a [f64],
+}
+
+impl Rows {
+    pub(super) fn clear(&mut self) {
+        self.rows.clear();
+        self.entries.clear();
+    }
+
+    /// Adds a node to the row under way; a node that is in it already gets the sum.
+    pub(super) fn add(&mut self, node: u32, along: f64, across: f64) {
+        let begin = self.rows.last().map_or(0, |row| row.end);
+        match self.entries[begin..].iter_mut().find(|entry| entry.node == node) {
+            Some(entry) => (entry.along, entry.across) = (entry.along + along, entry.across + across),
+            None => self.add_distinct(node, along, across),
+        }
+    }
+
+    /// The same for a node that is known not to be in it.
+    pub(super) fn add_distinct(&mut self, node: u32, along: f64, across: f64) {
+        self.entries.room_for(1).push(Entry { node, along, across });
+    }
+
+    /// How the two points of a row move, without what the host moves.
+    pub(super) fn slip(&self, place: usize, of: Velocities<'_>, given: &V3) -> Slip {
+        let row = &self.rows[place];
+        let [mut along, mut across] = [*given; 2];
+        for entry in &self.entries[self.begin(place)..row.end] {
+            let v = at(of.nodes, entry.node);
+            along += v * entry.along;
+            across += v * entry.across;
+        }
+        for end in row.rigid.iter().flatten() {
+            let v = end.velocity(of.twists);
+            along += v;
+            across += v;
+        }
+        Slip { along: row.direction.dot(&along), across: row.across(&across) }
+    }
+
+    /// The slip at velocities.
+    pub(super) fn slip_at(&self, place: usize, of: Velocities<'_>) -> Slip {
+        self.slip(place, of, &self.rows[place].given)
+    }
+
+    pub(super) fn begin(&self, place: usize) -> usize {
+        if place == 0 { 0 } else { self.rows[place - 1].end }
+    }
+
+    /// Adds −weight · force to the nodes: `along` · direction and `across`, each with its own weights.
+    fn scatter(&self, place: usize, along: f64, across: &V3, nodes: &mut [f64]) {
+        let row = &self.rows[place];
+        let push = row.direction * along;
+        for entry in &self.entries[self.begin(place)..row.end] {
+            let force = push * entry.along + across * entry.across;
+            for axis in 0..3 {
+                nodes[3 * entry.node as usize + axis] -= force[axis];
+            }
+        }
+    }
+
+    fn scatter_rigid(ends: &[Option<RigidEnd>; 2], force: &V3, twists: &mut [f64]) {
+        ends.iter().flatten().for_each(|end| end.add_load(&-force, twists));
+    }
+
+    /// Adds the forces that rows exert, as they are held; on rigid bodies too where `twists` has room for them.
+    pub(super) fn add_forces(&self, of: Velocities<'_>, scale: f64, nodes: &mut [f64], mut twists: Option<&mut [f64]>) {
+        for place in 0..self.rows.len() {
+            let row = &self.rows[place];
+            if !row.held.pushes {
+                continue;
+            }
+            let force = row.force_at(&self.slip_at(place, of)) * scale;
+            self.scatter(place, row.direction.dot(&force), &row.across(&force), nodes);
+            if let Some(twists) = &mut twists {
+                Self::scatter_rigid(&row.rigid, &force, twists);
+            }
+        }
+    }
+
+    /// Adds `scale` · Jᵀ D J · change: the forces that rows exert against a change of the velocities, turned around.
+    pub(super) fn add_product(
+        &self,
+        change: Velocities<'_>,
+        scale: f64,
+        nodes: &mut [f64],
+        mut twists: Option<&mut [f64]>,
+    ) {
+        for place in 0..self.rows.len() {
+            let row = &self.rows[place];
+            if !row.held.pushes {
+                continue;
+            }
+            let slip = self.slip(place, change, &V3::zeros());
+            let (along, across) = (-scale * row.held.normal * slip.along, slip.across * (-scale * row.held.tangential));
+            self.scatter(place, along, &across, nodes);
+            if let Some(twists) = &mut twists {
+                Self::scatter_rigid(&row.rigid, &(row.direction * along + across), twists);
+            }
+        }
+    }
+
+    /// Factors M + dt · Jᵀ D J of the rigid bodies.
+    pub(super) fn factor_rigid(&mut self, dt: f64) {
+        let count = self.masses.len();
+        self.system.reset(6 * count);
+        for (place, (mass, inertia)) in self.masses.iter().enumerate() {
+            for row in 0..3 {
+                self.system.add(6 * place + row, 6 * place + row, *mass);
+                for column in 0..3 {
+                    self.system.add(6 * place + 3 + row, 6 * place + 3 + column, inertia[(row, column)]);
+                }
+            }
+        }
+        for row in self.rows.iter().filter(|row| row.held.pushes) {
+            let stiffness = matrix(row);
+            for (a, b) in row.rigid.iter().flatten().flat_map(|a| row.rigid.iter().flatten().map(move |b| (a, b))) {
+                let (left, right) = (jacobian(a), jacobian(b));
+                for (i, j) in (0..4).map(|k| (k / 2, k % 2)) {
+                    let block = left[i].transpose() * stiffness * right[j] * dt;
+                    for k in 0..9 {
+                        let (r, c) = (k / 3, k % 3);
+                        self.system.add(6 * a.place + 3 * i + r, 6 * b.place + 3 * j + c, block[(r, c)]);
+                    }
+                }
+            }
+        }
+        self.system.factor();
+    }
+
+    /// Where rigid bodies are eliminated: the twists with which they answer the nodes' velocities, into `response`.
+    pub(super) fn respond(&mut self, nodes: &[f64], free: &[f64], dt: f64) {
+        let mut loads = std::mem::take(&mut self.loads);
+        loads.clear();
+        loads.room_for(free.len()).resize(free.len(), 0.0);
+        for place in 0..self.rows.len() {
+            let row = &self.rows[place];
+            if row.held.pushes && row.rigid.iter().any(Option::is_some) {
+                let force = row.force_at(&self.slip_at(place, Velocities { nodes, twists: free })) * dt;
+                Self::scatter_rigid(&row.rigid, &force, &mut loads);
+            }
+        }
+        self.finish_response(loads, Some(free));
+    }
+
+    /// The same for a change of the nodes' velocities.
+    pub(super) fn respond_to_change(&mut self, nodes: &[f64], dt: f64) {
+        let count = 6 * self.masses.len();
+        let mut loads = std::mem::take(&mut self.loads);
+        loads.clear();
+        loads.room_for(count).resize(count, 0.0);
+        self.response.clear();
+        self.response.room_for(count).resize(count, 0.0);
+        for place in 0..self.rows.len() {
+            let row = &self.rows[place];
+            if row.held.pushes && row.rigid.iter().any(Option::is_some) {
+                let slip = self.slip(place, Velocities { nodes, twists: &self.response }, &V3::zeros());
+                let force = row.direction * (row.held.normal * slip.along) + slip.across * row.held.tangential;
+                Self::scatter_rigid(&row.rigid, &(force * dt), &mut loads);
+            }
+        }
+        self.finish_response(loads, None);
+    }
+
+    fn finish_response(&mut self, mut loads: Vec<f64>, free: Option<&[f64]>) {
+        self.system.solve(&mut loads);
+        if let Some(free) = free {
+            loads.iter_mut().zip(free).for_each(|(load, free)| *load += free);
+        }
+        self.loads = std::mem::replace(&mut self.response, loads);
+    }
+
+    /// Calls `use_block(row, column, block)` for each 3 × 3 block of `scale` · Jᵀ D J; those of equal place are to be added.
+    /// Rigid bodies have two blocks of unknowns each, after those of the nodes.
+    pub(super) fn for_each_block(&self, nodes: usize, scale: f64, mut use_block: impl FnMut(usize, usize, [f64; 9])) {
+        for place in 0..self.rows.len() {
+            let row = &self.rows[place];
+            if !row.held.pushes {
+                continue;
+            }
+            let outer = row.direction * row.direction.transpose();
+            let along = outer * (scale * row.held.normal);
+            let across = (Matrix3::identity() - outer) * (scale * row.held.tangential);
+            let entries = &self.entries[self.begin(place)..row.end];
+            let mut emit = |row: usize, column: usize, block: Matrix3<f64>| {
+                use_block(row, column, std::array::from_fn(|k| block[(k / 3, k % 3)]));
+            };
+            for a in entries {
+                for b in entries {
+                    let block = along * (a.along * b.along) + across * (a.across * b.across);
+                    emit(a.node as usize, b.node as usize, block);
+                }
+            }
+            for end in row.rigid.iter().flatten() {
+                for (k, jacobian) in jacobian(end).iter().enumerate() {
+                    let own = nodes + 2 * end.place + k;
+                    for a in entries {
+                        let block = (along * a.along + across * a.across) * jacobian;
+                        emit(a.node as usize, own, block);
+                        emit(own, a.node as usize, block.transpose());
+                    }
+                    for other in row.rigid.iter().flatten() {
+                        for (l, right) in self::jacobian(other).iter().enumerate() {
+                            let block = jacobian.transpose() * (along + across) * right;
+                            emit(own, nodes + 2 * other.place + l, block);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The derivative of a row's force by its slip.
+fn matrix(row: &Row) -> Matrix3<f64> {
+    let outer = row.direction * row.direction.transpose();
+    outer * row.held.normal + (Matrix3::identity() - outer) * row.held.tangential
+}
+
+/// The row's motion by the linear and by the angular velocity.
+fn jacobian(end: &RigidEnd) -> [Matrix3<f64>; 2] {
+    [Matrix3::identity() * end.sign, end.arm.cross_matrix() * -end.sign]
+}

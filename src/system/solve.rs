@@ -1,0 +1,224 @@
+//! What a solver asks of a step under way, and how rows are held.
+
+use super::anchors::{Hold, Surface, in_plane};
+use super::body::Course;
+use super::row::Row;
+use super::rows::Velocities;
+use super::step::Step;
+use super::{ContactSystem, RigidUnknowns, SystemError};
+use crate::math::Scalar;
+
+impl<T: Scalar> ContactSystem<T> {
+    /// Adds to `forces` the forces on the unknowns, in N (and N m), where these are the velocities at the end of the step, as
+    /// the rows are held.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    pub fn add_forces(&mut self, velocities: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+        let step = self.check_velocities("velocities", velocities)?;
+        check_count("forces", forces, step.unknowns)?;
+        self.find_twists(velocities, step);
+        let (nodes, twists) = forces.split_at_mut(3 * self.node_masses.len());
+        self.rows.add_forces(self.velocities(velocities), 1.0, nodes, self.kept(twists));
+        Ok(())
+    }
+
+    /// Adds `factor` · (−∂force/∂velocity) · `change` to `result`, as the rows are held: a product with a symmetric, positive
+    /// semi-definite matrix. An implicit solve for velocities takes dt as `factor`; for displacements it is 1 / dt times as
+    /// much.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    pub fn add_product(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
+        let step = self.check_velocities("change", change)?;
+        super::check_finite("factor", &[factor])?;
+        check_count("result", result, step.unknowns)?;
+        let (nodes, twists) = change.split_at(3 * self.node_masses.len());
+        if self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty() {
+            self.rows.respond_to_change(nodes, step.dt);
+        }
+        let (to, to_twists) = result.split_at_mut(3 * self.node_masses.len());
+        let is_kept = self.rigid_unknowns == RigidUnknowns::Kept;
+        let twists = if is_kept { twists } else { &self.rows.response };
+        self.rows.add_product(Velocities { nodes, twists }, factor, to, is_kept.then_some(to_twists));
+        Ok(())
+    }
+
+    /// Calls `use_block(row, column, block)` for 3 × 3 blocks, by rows, whose sum is the matrix of
+    /// [`add_product`](Self::add_product); those of equal place are to be added. Block n is that of node n; after them come two
+    /// for each rigid body, of its linear and its angular velocity. A pair that escapes has a block for each two of its nodes.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::Eliminated`] where there are rigid bodies and they are not kept.
+    pub fn for_each_block(
+        &self,
+        factor: f64,
+        use_block: impl FnMut(usize, usize, [f64; 9]),
+    ) -> Result<(), SystemError> {
+        self.step.ok_or(SystemError::NoStep)?;
+        super::check_finite("factor", &[factor])?;
+        if self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty() {
+            return Err(SystemError::Eliminated);
+        }
+        self.rows.for_each_block(self.node_masses.len(), factor, use_block);
+        Ok(())
+    }
+
+    /// The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of
+    /// the step, velocity times dt. What springs store, ½ Σ coefficient · depth², where nothing damps or rubs; with what dampers
+    /// and friction take in the step, and what eliminated rigid bodies take up.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    pub fn energy(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
+        let step = self.check_velocities("velocities", velocities)?;
+        self.find_twists(velocities, step);
+        let of = self.velocities(velocities);
+        let mut energy = 0.0;
+        for (place, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
+            let force = row.force_at(&self.rows.slip_at(place, of));
+            let (along, across) = (row.direction.dot(&force), row.across(&force));
+            for (square, stiffness) in [(along * along, row.held.normal), (across.norm_squared(), row.held.tangential)]
+            {
+                if stiffness > 0.0 {
+                    energy += 0.5 * step.dt * square / stiffness;
+                }
+            }
+        }
+        if self.rigid_unknowns == RigidUnknowns::Eliminated {
+            let changes = self.rows.response.chunks_exact(6).zip(self.buffers.free_twists.chunks_exact(6));
+            for ((now, free), (mass, inertia)) in changes.zip(&self.rows.masses) {
+                let change: [f64; 6] = std::array::from_fn(|k| now[k] - free[k]);
+                let (linear, angular) = (super::twist::linear(&change), super::twist::angular(&change));
+                energy += 0.5 * (mass * linear.norm_squared() + angular.dot(&(inertia * angular)));
+            }
+        }
+        Ok(energy)
+    }
+
+    /// The velocities of nodes, and of rigid bodies as last found.
+    fn velocities<'a>(&'a self, velocities: &'a [f64]) -> Velocities<'a> {
+        Velocities { nodes: &velocities[..3 * self.node_masses.len()], twists: &self.rows.response }
+    }
+
+    fn kept<'a>(&self, twists: &'a mut [f64]) -> Option<&'a mut [f64]> {
+        (self.rigid_unknowns == RigidUnknowns::Kept).then_some(twists)
+    }
+
+    /// New friction springs take over what those that are gone have pulled with.
+    pub(super) fn hand_over(&mut self) {
+        let (pairs, anchors) = (&mut self.loads.now, &self.anchors);
+        let rubbing = |row: &Row| row.anchor.map(|anchor| (row.pair, anchors.is_new(anchor)));
+        for row in &self.rows.rows {
+            if let Some((pair, is_new)) = rubbing(row) {
+                pairs[pair].count_spring(row.coefficient, is_new);
+            }
+        }
+        for row in &mut self.rows.rows {
+            if let Some((pair, true)) = rubbing(row) {
+                row.stretch += row.across(&pairs[pair].inherited()) * row.order;
+            }
+        }
+    }
+
+    /// Holds the rows by what bodies would do without contact: none pulls, and friction goes by what its pair bore.
+    pub(super) fn hold_predicted(&mut self) {
+        let Some(Step { dt, .. }) = self.step else { return };
+        let pairs = &mut self.loads.now;
+        for row in &mut self.rows.rows {
+            let pair = &mut pairs[row.pair];
+            row.hold_normal(row.ahead, dt);
+            if pair.is_loaded() {
+                row.hold_loaded(dt);
+            }
+            if row.held.pushes {
+                pair.add_predicted(row.held.push, row.held.normal);
+            }
+        }
+        for row in self.rows.rows.iter_mut().filter(|row| row.held.pushes) {
+            let pair = &pairs[row.pair];
+            let load = pair.load(row.held.push, row.held.normal, dt);
+            let expected = row.expected_spring(load, pair.speed_lost(dt), dt);
+            row.hold_friction(load, expected, dt);
+        }
+        self.factor(dt);
+    }
+
+    /// Holds the rows at velocities, with the twists last found; gives the part of the force that was predicted wrongly.
+    pub(super) fn hold_at(&mut self, velocities: &[f64], step: Step) -> f64 {
+        let (mut right, mut wrong) = (0.0, 0.0);
+        for place in 0..self.rows.rows.len() {
+            let slip = self.rows.slip_at(place, self.velocities(velocities));
+            let row = &mut self.rows.rows[place];
+            let before = row.held;
+            let was = if before.pushes { row.force_at(&slip) } else { Default::default() };
+            row.hold_normal(slip, step.dt);
+            let expected = row.spring_at(&slip.across, step.dt).norm();
+            row.hold_friction(row.held.push, expected, step.dt);
+            if row.held.pushes {
+                let is = row.force_at(&slip);
+                (right, wrong) = (right + is.norm(), wrong + (is - was).norm());
+            } else {
+                wrong += was.norm();
+            }
+        }
+        self.factor(step.dt);
+        if wrong > 0.0 { wrong / (right + wrong) } else { 0.0 }
+    }
+
+    fn factor(&mut self, dt: f64) {
+        if self.rigid_unknowns == RigidUnknowns::Eliminated {
+            self.rows.factor_rigid(dt);
+        }
+    }
+
+    /// What the next step is told: loads, and where contacts hold on to one another at the end of this one.
+    pub(super) fn remember(&mut self, velocities: &[f64], step: Step) {
+        for place in 0..self.rows.rows.len() {
+            let slip = self.rows.slip_at(place, self.velocities(velocities));
+            let row = self.rows.rows[place];
+            if !row.held.pushes {
+                continue;
+            }
+            let load = row.direction.dot(&row.force_at(&slip)).max(0.0);
+            self.loads.now[row.pair].add_solved(load);
+            let Some(anchor) = row.anchor.filter(|_| load > 0.0) else { continue };
+            let stretch = row.stretch_at(&slip.across, step.dt);
+            let most = row.friction * load / row.coefficient;
+            let is_dragged = stretch.norm() > most;
+            let offset = if is_dragged { stretch * (most / stretch.norm()) } else { stretch };
+            self.loads.now[row.pair].add_spring(row.coefficient, &(offset * row.order));
+            if !is_dragged && self.anchors.keep(anchor) {
+                continue;
+            }
+            let Self { bodies, anchors, buffers, node_masses, rows, .. } = &mut *self;
+            let course = Course {
+                time: step.dt,
+                positions: &buffers.positions,
+                velocities: &velocities[..3 * node_masses.len()],
+                twists: &rows.response,
+            };
+            let body = |number: u32| bodies.binary_search_by_key(&number, |body| body.number).map(|k| &bodies[k]);
+            let pending = anchors.pending[anchor];
+            let Ok(first) = body(pending.key.0) else { continue };
+            let point = first.point(&pending.from.vertices, &pending.from.weights, &course) + offset;
+            let hold = match (pending.hold, pending.key.1) {
+                (Hold::Material(corners), Surface::Body(second)) => {
+                    let Ok(second) = body(second) else { continue };
+                    Hold::Material(in_plane(second, &corners.vertices, &point, &row.direction, &course))
+                }
+                _ => Hold::Space(point),
+            };
+            anchors.set(anchor, hold);
+        }
+        self.anchors.finish_step();
+        self.loads.finish_step();
+    }
+}
+
+pub(super) fn check_count(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), SystemError> {
+    match numbers.len() == expected {
+        true => Ok(()),
+        false => Err(SystemError::WrongCount { what, given: numbers.len(), expected }),
+    }
+}

@@ -1,0 +1,333 @@
+use super::body::{Body, Course, Mover};
+use super::fold::Folding;
+use super::rows::Velocities;
+use super::{ContactSystem, RigidUnknowns, SystemError, check_finite};
+use crate::contact::Contact;
+use crate::math::Scalar;
+use crate::memory::{self, Room};
+use crate::mesh::MeshError;
+use crate::scene::Scene;
+
+/// A step under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// For the rows: 0 where the host integrates explicitly.
+    pub(super) dt: f64,
+    /// In how many unknowns.
+    pub(super) unknowns: usize,
+}
+
+/// What a step keeps of the host's numbers, and room for work; three numbers a node, six a rigid body.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    pub(super) positions: Vec<f64>,
+    pub(super) velocities: Vec<f64>,
+    /// With which the last detection moved nodes on, and rigid bodies.
+    pub(super) ahead: Vec<f64>,
+    pub(super) ahead_twists: Vec<f64>,
+    pub(super) twists: Vec<f64>,
+    pub(super) free_twists: Vec<f64>,
+    /// At the end of the last step.
+    pub(super) end_twists: Vec<f64>,
+    pub(super) areas: Vec<f64>,
+    pub(super) unknowns: Vec<f64>,
+    /// Pairs, how many contacts a later detection found of them, and how many rows they have.
+    pairs: Vec<([u32; 2], usize, usize)>,
+}
+
+impl Buffers {
+    pub(super) fn before(&self) -> Velocities<'_> {
+        Velocities { nodes: &self.velocities, twists: &self.twists }
+    }
+
+    fn course(&self, time: f64) -> Course<'_> {
+        Course { time, positions: &self.positions, velocities: &self.ahead, twists: &self.ahead_twists }
+    }
+}
+
+impl<T: Scalar> ContactSystem<T> {
+    /// Begins a step of `dt` seconds: x, y, z of each node's position in m and velocity in m/s at its start, and the
+    /// velocity it would have at its end if nothing touched it. Detects where all bodies would then be, in `scene`, whose
+    /// positions this sets, and makes rows of the contacts, held at those velocities. Rigid and moved bodies go by their
+    /// [`set_motion`](Self::set_motion).
+    ///
+    /// # Errors
+    /// [`SystemError::StepUnderWay`], [`SystemError::StepLength`], [`SystemError::WrongCount`], [`SystemError::NotFinite`],
+    /// [`SystemError::UnknownBody`] where the scene has a body that the system does not know, [`SystemError::NotInScene`]
+    /// where it is the other way round, [`SystemError::Mesh`] where a position is beyond the scene's precision.
+    pub fn begin(
+        &mut self,
+        scene: &mut Scene<T>,
+        dt: f64,
+        positions: &[f64],
+        velocities: &[f64],
+        free_velocities: &[f64],
+    ) -> Result<(), SystemError> {
+        self.start(scene, [dt, dt], positions, velocities, free_velocities)?;
+        self.hold_predicted();
+        Ok(())
+    }
+
+    /// The same with a time of its own for looking ahead and for the rows.
+    pub(super) fn start(
+        &mut self,
+        scene: &mut Scene<T>,
+        [dt, ahead]: [f64; 2],
+        positions: &[f64],
+        velocities: &[f64],
+        free_velocities: &[f64],
+    ) -> Result<(), SystemError> {
+        self.check_no_step()?;
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(SystemError::StepLength { seconds: dt });
+        }
+        let expected = 3 * self.node_masses.len();
+        let given = [("positions", positions), ("velocities", velocities), ("free_velocities", free_velocities)];
+        for (what, numbers) in given {
+            if numbers.len() != expected {
+                return Err(SystemError::WrongCount { what, given: numbers.len(), expected });
+            }
+            check_finite(what, numbers)?;
+        }
+        self.check_bodies(scene)?;
+        let Self { buffers, bodies, .. } = self;
+        copy(&mut buffers.positions, positions);
+        copy(&mut buffers.velocities, velocities);
+        copy(&mut buffers.ahead, free_velocities);
+        self.rows.masses.clear();
+        self.rows.masses.room_for(self.rigid_count).resize(self.rigid_count, Default::default());
+        for twists in [&mut buffers.twists, &mut buffers.free_twists] {
+            twists.clear();
+            twists.room_for(6 * self.rigid_count).resize(6 * self.rigid_count, 0.0);
+        }
+        for body in &*bodies {
+            if let Mover::Rigid { mass, inertia, place, frame } = &body.mover {
+                let own = 6 * place..6 * place + 6;
+                buffers.twists[own.clone()].copy_from_slice(&frame.velocity);
+                buffers.free_twists[own].copy_from_slice(&frame.free_velocity);
+                self.rows.masses[*place] = (*mass, frame.rotation * inertia * frame.rotation.transpose());
+            }
+        }
+        copy(&mut buffers.ahead_twists, &buffers.free_twists);
+        self.detect(scene, ahead)?;
+        // Refused only where the step's length is.
+        let _ = scene.advance(dt);
+        self.rows.clear();
+        self.anchors.start_step();
+        self.loads.start_step();
+        self.fold(ahead, |_, _| true, Some(scene));
+        self.hand_over();
+        self.step = Some(Step { dt: ahead, unknowns: self.unknown_count() });
+        Ok(())
+    }
+
+    /// Looks for contacts where bodies end with these velocities, in place of where they were sought before: one that is
+    /// stopped may be in the way of another, which detection took to be moving on. To be called after a solve. Rows of pairs
+    /// that had none, or less than half as many, are made anew; true if there are such: another solve is due. Where no
+    /// unknown ends further from where it was sought than the smallest depth cap there is nothing to look for. Rows are then
+    /// held at these velocities.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::Mesh`].
+    pub fn detect_again(&mut self, scene: &mut Scene<T>, velocities: &[f64]) -> Result<bool, SystemError> {
+        let step = self.check_velocities("velocities", velocities)?;
+        self.check_bodies(scene)?;
+        self.find_twists(velocities, step);
+        let nodes = &velocities[..3 * self.node_masses.len()];
+        if !self.ends_elsewhere(nodes, step.dt) {
+            return Ok(false);
+        }
+        let buffers = &mut self.buffers;
+        copy(&mut buffers.ahead, nodes);
+        copy(&mut buffers.ahead_twists, &self.rows.response);
+        self.detect(scene, step.dt)?;
+        self.count_pairs();
+        let mut pairs = std::mem::take(&mut self.buffers.pairs);
+        pairs.retain(|&(_, found, rows)| found > 2 * rows);
+        let is_news = |a: u32, b: u32| pairs.binary_search_by_key(&[a.min(b), a.max(b)], |(pair, ..)| *pair).is_ok();
+        for row in &mut self.rows.rows {
+            let (first, second) = self.loads.now[row.pair].key;
+            if matches!(second, super::Surface::Body(second) if is_news(first, second)) {
+                // It pushes no longer.
+                row.coefficient = 0.0;
+                row.anchor = None;
+            }
+        }
+        self.fold(step.dt, is_news, None);
+        let has_news = !pairs.is_empty();
+        self.buffers.pairs = pairs;
+        if has_news {
+            self.hold_at(velocities, step);
+        }
+        Ok(has_news)
+    }
+
+    /// Positions in the scene and the contacts there, at the end of the course of the last velocities ahead.
+    fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
+        let Self { bodies, buffers, contacts, .. } = self;
+        for body in &mut *bodies {
+            let number = body.number;
+            let vertices = scene.mesh(number).map_or(0, |mesh| mesh.positions().len());
+            body.fill_positions(vertices, &buffers.course(time)).map_err(|vertex| SystemError::Mesh {
+                body: number,
+                source: MeshError::NotFinite { vertex, is_renewal: true },
+            })?;
+        }
+        for body in &*bodies {
+            let mesh = scene.mesh_mut(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
+            let placed = mesh.set_positions(&body.positions);
+            placed.map_err(|source| SystemError::Mesh { body: body.number, source })?;
+        }
+        scene.query(contacts);
+        Ok(())
+    }
+
+    /// Rows of the contacts that are wanted; with a scene, of escapes and half-spaces too.
+    fn fold(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
+        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, law, .. } = self;
+        let mut areas = std::mem::take(&mut buffers.areas);
+        let course = buffers.course(time);
+        let before = buffers.before();
+        let mut folding =
+            Folding { bodies, pair_materials, node_masses, rows, anchors, loads, course, before, law: *law };
+        folding.fold_contacts(&contacts.contacts, wanted);
+        if let Some(scene) = scene {
+            folding.fold_pushes(contacts.pushes());
+            for (number, half_space) in self.half_spaces.iter().enumerate() {
+                for (place, body) in bodies.iter().enumerate() {
+                    if let Ok(mesh) = scene.mesh(body.number) {
+                        folding.fold_half_space(number as u32, half_space, place, mesh, &mut areas);
+                    }
+                }
+            }
+        }
+        buffers.areas = areas;
+    }
+
+    /// How many contacts and rows each pair of the last detection has.
+    fn count_pairs(&mut self) {
+        let Self { contacts, rows, loads, buffers, law, .. } = self;
+        let pairs = &mut buffers.pairs;
+        pairs.clear();
+        // Those of pairs that are pushed as whole bodies push nothing themselves: such a pair keeps its push.
+        let pushing = |contact: &&Contact<T>| law.coefficient(*contact).to_f64() > 0.0;
+        for contact in contacts.contacts.iter().filter(pushing) {
+            let pair = [contact.colliding.min(contact.collided), contact.colliding.max(contact.collided)];
+            match pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
+                Ok(place) => pairs[place].1 += 1,
+                Err(place) => pairs.room_for(1).insert(place, (pair, 1, 0)),
+            }
+        }
+        for row in rows.rows.iter().filter(|row| row.coefficient > 0.0) {
+            let (first, super::Surface::Body(second)) = loads.now[row.pair].key else { continue };
+            let pair = [first.min(second), first.max(second)];
+            if let Ok(place) = pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
+                pairs[place].2 += 1;
+            }
+        }
+    }
+
+    fn ends_elsewhere(&self, nodes: &[f64], dt: f64) -> bool {
+        let cap = self.bodies.iter().map(|body| body.material.depth_cap).fold(f64::INFINITY, f64::min) / dt;
+        let differ = |a: &[f64], b: &[f64]| {
+            a.chunks_exact(3)
+                .zip(b.chunks_exact(3))
+                .any(|(a, b)| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>() > cap * cap)
+        };
+        let movable = self.node_masses.iter().any(|mass| mass.is_finite());
+        (movable && differ(nodes, &self.buffers.ahead))
+            || self
+                .rows
+                .response
+                .chunks_exact(6)
+                .zip(self.buffers.ahead_twists.chunks_exact(6))
+                .any(|(a, b)| differ(&a[..3], &b[..3]))
+    }
+
+    fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
+        if let Some(body) = scene.body_numbers().find(|&number| self.place(number).is_err()) {
+            return Err(SystemError::UnknownBody { body });
+        }
+        for body in &self.bodies {
+            let mesh = scene.mesh(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
+            let (given, expected) = (mesh.positions().len(), body.vertex_count());
+            if given != expected {
+                return Err(SystemError::WrongCount { what: "the body's mesh", given, expected });
+            }
+        }
+        Ok(())
+    }
+
+    /// The step under way, where there is one and these are velocities for it.
+    pub(super) fn check_velocities(&self, what: &'static str, numbers: &[f64]) -> Result<Step, SystemError> {
+        let step = self.step.ok_or(SystemError::NoStep)?;
+        if numbers.len() != step.unknowns {
+            return Err(SystemError::WrongCount { what, given: numbers.len(), expected: step.unknowns });
+        }
+        check_finite(what, numbers)?;
+        Ok(step)
+    }
+
+    /// Leaves the twists that go with the host's velocities in the rows' response.
+    pub(super) fn find_twists(&mut self, velocities: &[f64], step: Step) {
+        let (nodes, twists) = velocities.split_at(3 * self.node_masses.len());
+        match self.rigid_unknowns {
+            RigidUnknowns::Kept => copy(&mut self.rows.response, twists),
+            RigidUnknowns::Eliminated => self.rows.respond(nodes, &self.buffers.free_twists, step.dt),
+        }
+    }
+
+    /// The rows' forces are linear from here on to the velocities given: which rows push, and how much they rub, is decided
+    /// there. To be called after a solve; gives the part of all force that had been predicted wrongly, from 0 to 1. Above
+    /// 0.05 or so another solve is due.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    pub fn linearise(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
+        let step = self.check_velocities("velocities", velocities)?;
+        self.find_twists(velocities, step);
+        Ok(self.hold_at(velocities, step))
+    }
+
+    /// Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next,
+    /// and rigid bodies' velocities are there to be asked for.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`]; the step is then still under way.
+    pub fn finish(&mut self, velocities: &[f64]) -> Result<(), SystemError> {
+        let step = self.check_velocities("velocities", velocities)?;
+        self.find_twists(velocities, step);
+        self.remember(velocities, step);
+        copy(&mut self.buffers.end_twists, &self.rows.response);
+        self.step = None;
+        Ok(())
+    }
+
+    /// Ends a step as if it had not begun; does nothing where none has.
+    pub fn cancel(&mut self) {
+        self.step = None;
+    }
+
+    /// The linear and angular velocity of a rigid body at the end of the last finished step.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`] where it is none, or was added since.
+    pub fn rigid_velocity(&self, body: u32) -> Result<[f64; 6], SystemError> {
+        let unknown = SystemError::UnknownBody { body };
+        let Mover::Rigid { place, .. } = self.bodies[self.place(body)?].mover else { return Err(unknown) };
+        let twist = self.buffers.end_twists.get(6 * place..6 * place + 6);
+        twist.and_then(|twist| twist.try_into().ok()).ok_or(unknown)
+    }
+}
+
+impl<T: Scalar> Body<T> {
+    /// The nodes of a deformable body.
+    pub(super) fn nodes(&self) -> Option<std::ops::Range<u32>> {
+        if let Mover::Nodes { nodes, .. } = &self.mover { Some(nodes.clone()) } else { None }
+    }
+}
+
+pub(super) fn copy(to: &mut Vec<f64>, from: &[f64]) {
+    to.clear();
+    memory::append(to, from.iter().copied());
+}

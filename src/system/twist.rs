@@ -1,0 +1,104 @@
+//! Velocities of rigid bodies: three numbers linear, three angular; of forces: force, torque.
+
+use crate::math::Vector3;
+use nalgebra::Matrix3;
+
+pub(super) type V3 = Vector3<f64>;
+
+pub(super) fn linear(twist: &[f64]) -> V3 {
+    V3::new(twist[0], twist[1], twist[2])
+}
+
+pub(super) fn angular(twist: &[f64]) -> V3 {
+    V3::new(twist[3], twist[4], twist[5])
+}
+
+/// The rotation by an angle vector (Rodrigues).
+pub(super) fn rotation(angle: &V3) -> Matrix3<f64> {
+    let cross = angle.cross_matrix();
+    let square = angle.norm_squared();
+    // Below this the next term of either series is lost to rounding.
+    let (first, second) = if square < 1e-8 {
+        (1.0 - square / 6.0, 0.5 - square / 24.0)
+    } else {
+        let length = square.sqrt();
+        (length.sin() / length, (1.0 - length.cos()) / square)
+    };
+    Matrix3::identity() + cross * first + cross * cross * second
+}
+
+/// A symmetric positive definite matrix of any size, factored in place (Cholesky), its lower half by rows.
+#[derive(Debug, Default)]
+pub(super) struct Factor {
+    size: usize,
+    numbers: Vec<f64>,
+}
+
+impl Factor {
+    pub(super) fn reset(&mut self, size: usize) {
+        use crate::memory::Room;
+        self.size = size;
+        self.numbers.clear();
+        self.numbers.room_for(size * size).resize(size * size, 0.0);
+    }
+
+    pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.numbers[row * self.size + column] += value;
+    }
+
+    pub(super) fn factor(&mut self) {
+        let n = self.size;
+        let a = &mut self.numbers;
+        for j in 0..n {
+            for i in j..n {
+                let sum = (0..j).fold(a[i * n + j], |sum, k| sum - a[i * n + k] * a[j * n + k]);
+                a[i * n + j] = if i == j { sum.sqrt() } else { sum / a[j * n + j] };
+            }
+        }
+    }
+
+    pub(super) fn solve(&self, x: &mut [f64]) {
+        let (n, l) = (self.size, &self.numbers);
+        for i in 0..n {
+            let sum = (0..i).fold(x[i], |sum, k| sum - l[i * n + k] * x[k]);
+            x[i] = sum / l[i * n + i];
+        }
+        for i in (0..n).rev() {
+            let sum = (i + 1..n).fold(x[i], |sum, k| sum - l[k * n + i] * x[k]);
+            x[i] = sum / l[i * n + i];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotations_are_orthonormal_and_turn_by_their_angle() {
+        for angle in [[0.0; 3], [1e-9, 0.0, 2e-9], [1e-4, -2e-4, 0.0], [0.3, -2.0, 1.1]].map(V3::from) {
+            let turned = rotation(&angle);
+            assert!((turned * turned.transpose() - Matrix3::identity()).norm() < 1e-14);
+            assert!((turned * angle - angle).norm() <= 1e-15 * angle.norm());
+            let cosine = (turned.trace() - 1.0) / 2.0;
+            assert!((cosine - angle.norm().cos()).abs() < 1e-14);
+        }
+        let quarter = rotation(&V3::new(0.0, 0.0, std::f64::consts::FRAC_PI_2));
+        assert!((quarter * V3::x() - V3::y()).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_factored_matrix_solves() {
+        let rows = [[4.0, 1.0, 0.5], [1.0, 3.0, -1.0], [0.5, -1.0, 5.0]];
+        let mut factor = Factor::default();
+        factor.reset(3);
+        (0..9).for_each(|k| factor.add(k / 3, k % 3, rows[k / 3][k % 3]));
+        factor.factor();
+        let mut x = [1.0, -2.0, 3.0];
+        factor.solve(&mut x);
+        for (row, expected) in rows.iter().zip([1.0, -2.0, 3.0]) {
+            let found: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
+            assert!((found - expected).abs() < 1e-14);
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! A small simulator on the contact system alone: points with masses and springs, rigid bodies, implicit Euler, conjugate
+//! gradients.
+
+use nalgebra::{Matrix3, Vector3};
+use raycontact::scene::Scene;
+use raycontact::system::{ContactSystem, Motion, RigidUnknowns};
+
+type V3 = Vector3<f64>;
+
+/// A rigid body of the host.
+#[derive(Clone, Debug)]
+pub struct Rigid {
+    pub body: u32,
+    pub mass: f64,
+    pub inertia: Matrix3<f64>,
+    pub position: V3,
+    pub rotation: Matrix3<f64>,
+    pub velocity: [f64; 6],
+    /// In N, at the centre.
+    pub push: V3,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Spring {
+    pub ends: [usize; 2],
+    pub length: f64,
+    pub stiffness: f64,
+}
+
+pub struct Host {
+    pub scene: Scene<f64>,
+    pub system: ContactSystem<f64>,
+    pub masses: Vec<f64>,
+    pub x: Vec<f64>,
+    pub v: Vec<f64>,
+    pub springs: Vec<Spring>,
+    pub rigids: Vec<Rigid>,
+    pub gravity: V3,
+    /// In N, on every node.
+    pub push: V3,
+    /// How often a step may be solved.
+    pub solves: usize,
+    pub detects_again: bool,
+    pub iterations: usize,
+}
+
+pub fn at(field: &[f64], node: usize) -> V3 {
+    V3::new(field[3 * node], field[3 * node + 1], field[3 * node + 2])
+}
+
+fn add(field: &mut [f64], node: usize, value: V3) {
+    (0..3).for_each(|axis| field[3 * node + axis] += value[axis]);
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The inertia of a box with these edges.
+pub fn box_inertia(mass: f64, edges: [f64; 3]) -> [[f64; 3]; 3] {
+    let square = edges.map(|edge| edge * edge);
+    let sum: f64 = square.iter().sum();
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { mass / 12.0 * (sum - square[i]) } else { 0.0 }))
+}
+
+pub fn rows_of(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
+}
+
+pub fn rotation(angle: &V3) -> Matrix3<f64> {
+    *nalgebra::Rotation3::new(*angle).matrix()
+}
+
+impl Host {
+    pub fn new(rigid_unknowns: RigidUnknowns) -> Self {
+        Self {
+            scene: Scene::new(1).expect("no thread is started"),
+            system: ContactSystem::new(rigid_unknowns),
+            masses: Vec::new(),
+            x: Vec::new(),
+            v: Vec::new(),
+            springs: Vec::new(),
+            rigids: Vec::new(),
+            gravity: V3::zeros(),
+            push: V3::zeros(),
+            solves: 5,
+            detects_again: true,
+            iterations: 0,
+        }
+    }
+
+    /// Adds nodes of these positions; gives their numbers.
+    pub fn add_nodes(&mut self, positions: &[[f64; 3]], mass: f64) -> std::ops::Range<u32> {
+        let first = self.masses.len() as u32;
+        self.x.extend(positions.iter().flatten());
+        self.v.extend(positions.iter().flatten().map(|_| 0.0));
+        self.masses.extend(positions.iter().map(|_| mass));
+        self.system.set_node_masses(&self.masses).expect("masses are fine");
+        first..self.masses.len() as u32
+    }
+
+    pub fn set_motions(&mut self, dt: f64) {
+        for rigid in &self.rigids {
+            let mut free = rigid.velocity;
+            let gain = (self.gravity + rigid.push / rigid.mass) * dt;
+            (0..3).for_each(|axis| free[axis] += gain[axis]);
+            let motion = Motion {
+                position: rigid.position.into(),
+                rotation: rows_of(&rigid.rotation),
+                velocity: rigid.velocity,
+                free_velocity: free,
+            };
+            self.system.set_motion(rigid.body, &motion).expect("it is rigid");
+        }
+    }
+
+    /// Forces of the springs at positions, and their stiffness times a displacement where one is given.
+    fn springs(&self, x: &[f64], displacement: Option<&[f64]>, out: &mut [f64]) {
+        for Spring { ends: [a, b], length, stiffness } in &self.springs {
+            let way = at(x, *b) - at(x, *a);
+            let now = way.norm();
+            let along = way / now;
+            let force = match displacement {
+                None => along * (stiffness * (now - length)),
+                Some(d) => {
+                    let d = at(d, *b) - at(d, *a);
+                    let across = (1.0 - length / now).max(0.0);
+                    (along * along.dot(&d) * (1.0 - across) + d * across) * *stiffness
+                }
+            };
+            add(out, *a, force);
+            add(out, *b, -force);
+        }
+    }
+
+    /// One step; all rigid unknowns are eliminated.
+    pub fn step(&mut self, dt: f64) {
+        self.set_motions(dt);
+        let count = self.x.len();
+        let mut free = self.v.clone();
+        let mut own = vec![0.0; count];
+        self.springs(&self.x, None, &mut own);
+        for node in 0..self.masses.len() {
+            if self.masses[node].is_finite() {
+                add(&mut own, node, self.gravity * self.masses[node] + self.push);
+                add(&mut free, node, self.gravity * dt + self.push * (dt / self.masses[node]));
+            }
+        }
+        self.system.begin(&mut self.scene, dt, &self.x, &self.v, &free).expect("a step");
+        let mut v = self.v.clone();
+        for solve in 0..self.solves {
+            // M (v' − v0) = dt · (own + K_s dt v' + contact(v')), solved for the change of v.
+            let mut right = vec![0.0; count];
+            let mut contact = vec![0.0; count];
+            self.system.add_forces(&v, &mut contact).expect("a step is under way");
+            let moved: Vec<f64> = v.iter().map(|v| v * dt).collect();
+            let mut stretched = vec![0.0; count];
+            self.springs(&self.x, Some(&moved), &mut stretched);
+            for k in 0..count {
+                let mass = self.masses[k / 3];
+                if mass.is_finite() {
+                    right[k] = dt * (own[k] + stretched[k] + contact[k]) - mass * (v[k] - self.v[k]);
+                }
+            }
+            self.conjugate_gradients(dt, &right, &mut v);
+            let wrong = self.system.linearise(&v).expect("a step is under way");
+            let more = self.detects_again
+                && solve + 2 < self.solves
+                && self.system.detect_again(&mut self.scene, &v).expect("a step is under way");
+            if !more && wrong <= 1e-3 {
+                break;
+            }
+        }
+        self.system.finish(&v).expect("a step is under way");
+        self.v = v;
+        self.x.iter_mut().zip(&self.v).for_each(|(x, v)| *x += dt * v);
+        for rigid in &mut self.rigids {
+            rigid.velocity = self.system.rigid_velocity(rigid.body).expect("it is rigid");
+            let [a, b, c, d, e, f] = rigid.velocity;
+            rigid.position += V3::new(a, b, c) * dt;
+            rigid.rotation = rotation(&(V3::new(d, e, f) * dt)) * rigid.rotation;
+        }
+    }
+
+    fn conjugate_gradients(&mut self, dt: f64, right: &[f64], v: &mut [f64]) {
+        let count = right.len();
+        let mut residual = right.to_vec();
+        let mut direction = residual.clone();
+        let mut square = dot(&residual, &residual);
+        let goal = 1e-20 * square;
+        for _ in 0..4 * count + 10 {
+            if square <= goal || square == 0.0 {
+                break;
+            }
+            self.iterations += 1;
+            let mut product = vec![0.0; count];
+            let moved: Vec<f64> = direction.iter().map(|d| -d * dt * dt).collect();
+            self.springs(&self.x, Some(&moved), &mut product);
+            self.system.add_product(dt, &direction, &mut product).expect("a step is under way");
+            for k in 0..count {
+                let mass = self.masses[k / 3];
+                product[k] = if mass.is_finite() { product[k] + mass * direction[k] } else { 0.0 };
+            }
+            let alpha = square / dot(&direction, &product);
+            for k in 0..count {
+                v[k] += alpha * direction[k];
+                residual[k] -= alpha * product[k];
+            }
+            let next = dot(&residual, &residual);
+            let beta = next / square;
+            square = next;
+            direction.iter_mut().zip(&residual).for_each(|(d, r)| *d = r + beta * *d);
+        }
+    }
+
+    /// In J: of motion.
+    pub fn kinetic(&self) -> f64 {
+        let finite = |k: usize| if self.masses[k / 3].is_finite() { self.masses[k / 3] } else { 0.0 };
+        let nodes: f64 = self.v.iter().enumerate().map(|(k, v)| 0.5 * finite(k) * v * v).sum();
+        let rigids = self.rigids.iter().map(|rigid| {
+            let [a, b, c, d, e, f] = rigid.velocity;
+            let (linear, angular) = (V3::new(a, b, c), V3::new(d, e, f));
+            let inertia = rigid.rotation * rigid.inertia * rigid.rotation.transpose();
+            0.5 * (rigid.mass * linear.norm_squared() + angular.dot(&(inertia * angular)))
+        });
+        nodes + rigids.sum::<f64>()
+    }
+
+    /// In J: of the springs.
+    pub fn elastic(&self) -> f64 {
+        let stored = |s: &Spring| {
+            let stretch = (at(&self.x, s.ends[1]) - at(&self.x, s.ends[0])).norm() - s.length;
+            0.5 * s.stiffness * stretch * stretch
+        };
+        self.springs.iter().map(stored).sum()
+    }
+}

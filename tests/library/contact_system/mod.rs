@@ -1,0 +1,8 @@
+//! The contact system against closed forms, finite differences and the laws of motion.
+
+mod bodies;
+mod energy;
+mod friction;
+mod laws;
+mod refusals;
+mod steps;
