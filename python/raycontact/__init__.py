@@ -18,6 +18,7 @@ from ._header import (
     NO_TRIANGLE,
     SPACING_AUTOMATIC,
     ContactKind,
+    ContactSystemOptions,
     DetectionOptions,
     Law,
     MeshOptions,
@@ -28,6 +29,7 @@ from ._header import (
     Weighting,
 )
 from ._library import Error, version
+from .contact_system import ContactSystem, Material
 from .contacts import Contacts, query_pair, query_self
 from .mesh import Mesh
 from .scene import Scene
@@ -37,10 +39,13 @@ __all__ = [
     "NO_TRIANGLE",
     "SPACING_AUTOMATIC",
     "ContactKind",
+    "ContactSystem",
+    "ContactSystemOptions",
     "Contacts",
     "DetectionOptions",
     "Error",
     "Law",
+    "Material",
     "Mesh",
     "MeshOptions",
     "ResponseOptions",

@@ -61,7 +61,7 @@ def options(kind: str, given: Mapping[str, Any]) -> Any:
         return NULL
     struct = ffi.new(f"rayc_{kind}_options *")
     check(getattr(library, f"rayc_default_{kind}_options")(ffi.sizeof(struct[0]), struct))
-    known = getattr(_header, f"{kind.title()}Options").__annotations__
+    known = getattr(_header, f"{kind.title().replace('_', '')}Options").__annotations__
     for name, value in given.items():
         if name not in known:
             raise TypeError(f"there is no option '{name}'; there are: {', '.join(known)}")

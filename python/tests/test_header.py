@@ -35,10 +35,10 @@ def test_every_function_can_be_reached():
         getattr(_library.library, function)  # is in the library
 
 
-@pytest.mark.parametrize("kind", ["mesh", "detection", "response", "scene"])
+@pytest.mark.parametrize("kind", ["mesh", "detection", "response", "scene", "contact_system"])
 def test_options_are_those_of_the_header(kind):
     fields = {name for name, _ in ffi.typeof(f"rayc_{kind}_options").fields}
-    known = getattr(_header, f"{kind.title()}Options").__annotations__
+    known = getattr(_header, f"{kind.title().replace('_', '')}Options").__annotations__
     # Python calls cannot be lent to the library's threads.
     assert fields - set(known) <= {"struct_size", "parallel_for", "parallel_context"}
     assert set(known) <= fields
@@ -62,6 +62,7 @@ def test_what_is_generated_says_what_the_header_says():
         raycontact.DetectionOptions,
         raycontact.ResponseOptions,
         raycontact.SceneOptions,
+        raycontact.ContactSystemOptions,
     ):
         for name in kind.__annotations__:
             assert re.search(rf"^ *{name}:\n +\S", kind.__doc__, re.MULTILINE), name
@@ -73,6 +74,6 @@ def test_every_public_name_is_documented():
         thing = getattr(raycontact, name)
         if not isinstance(thing, (int, float)):
             assert thing.__doc__, name
-    for kind in (raycontact.Contacts, raycontact.Mesh, raycontact.Scene):
+    for kind in (raycontact.Contacts, raycontact.ContactSystem, raycontact.Mesh, raycontact.Scene):
         for name, thing in vars(kind).items():
             assert name.startswith("_") or thing.__doc__, f"{kind.__name__}.{name}"
