@@ -1,7 +1,7 @@
-use super::failure::{Failure, rayc_status};
+use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::guard;
 use super::handles::reading;
-use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
+use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, RAYC_NO_TRIANGLE, rayc_octree};
 use super::pointers::{Output, reference, slice};
 use super::vectors::{Strided, rayc_vectors};

@@ -1,8 +1,7 @@
 use super::contact_system_options::{rayc_contact_system_options, rayc_material, rayc_motion};
-use super::failure::{Failure, rayc_status};
+use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{changing, give, reading, take_back};
-use super::mesh::precision_mismatch;
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::options::{flag, read_options};
 use super::pointers::{Output, reference, slice};
 use super::scene::{AnyScene, rayc_scene};
@@ -26,6 +25,10 @@ use crate::system::{Carriers, ContactSystem, Material, Motion, RigidUnknowns, Sy
 /// Threads: one call at a time for one system. The caller frees it with rayc_contact_system_destroy().
 pub struct rayc_contact_system {
     pub(super) system: AnySystem,
+}
+
+impl Handle for rayc_contact_system {
+    const KIND: HandleKind = HandleKind::ContactSystem;
 }
 
 /// A system of either precision.

@@ -1,8 +1,7 @@
 use super::contact_system::{AnySystem, rayc_contact_system, with_scene, with_system};
-use super::failure::{Failure, rayc_status};
+use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::mesh::precision_mismatch;
 use super::pointers::{Output, slice, slice_mut};
 use super::scene::{AnyScene, rayc_scene};
 use crate::memory::text;

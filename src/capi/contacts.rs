@@ -1,7 +1,7 @@
-use super::failure::{Failure, rayc_status};
+use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{changing, give, reading, take_back};
-use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
+use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
 use super::options::{Growing, rayc_detection_options, read_options, write_known};
 use super::pointers::Output;
@@ -16,6 +16,10 @@ use crate::memory::text;
 /// must not be used: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
 pub struct rayc_contacts {
     pub(super) list: AnyContacts,
+}
+
+impl Handle for rayc_contacts {
+    const KIND: HandleKind = HandleKind::Contacts;
 }
 
 /// Contacts of either precision.

@@ -5,6 +5,7 @@ use crate::response::LawError;
 use crate::scene::{SavedStateError, SceneError};
 use crate::system::SystemError;
 use std::borrow::Cow;
+use std::fmt::Display;
 
 /// How a call ended. The numbers never change; new ones may be added.
 ///
@@ -145,6 +146,22 @@ pub(super) fn mesh_status(error: &MeshError) -> rayc_status {
         MeshError::Flat { .. } => RAYC_STATUS_MESH_FLAT,
         MeshError::Overflow { .. } | MeshError::BeyondRange { .. } => RAYC_STATUS_MESH_BEYOND_RANGE,
     }
+}
+
+/// A number that names no member of an enum.
+pub(super) fn unknown_enum(field: impl Display, value: u32, name: &str) -> Failure {
+    Failure::new(
+        RAYC_STATUS_UNKNOWN_ENUM,
+        text!("{field} is {value}, which is no member of {name}; use one of its names"),
+    )
+}
+
+/// Handles of both precisions in one call.
+pub(super) fn precision_mismatch() -> Failure {
+    Failure::new(
+        RAYC_STATUS_PRECISION_MISMATCH,
+        "handles of float and of double precision were used together; create them with the same precision",
+    )
 }
 
 impl From<ObjFileError> for Failure {

@@ -1,13 +1,8 @@
 //! Handles: values of the library's that the host holds by pointers, marked so that misuse can be told. Marks are no
 //! locks: what waits for nobody and costs next to nothing tells the host of its mistake, and does not repair it.
 
-use super::contact_system::rayc_contact_system;
-use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
-use super::mesh::rayc_mesh;
-use super::octree::rayc_octree;
 use super::pointers::{Output, null};
-use super::scene::rayc_scene;
 use crate::memory::{self, text};
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
@@ -17,7 +12,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 /// What a handle points to.
 #[repr(C)]
 struct Marked<V> {
-    /// `V::MARK` until it is destroyed; of every type in the same place.
+    /// Its kind's until it is destroyed; of every type in the same place.
     mark: AtomicU64,
     /// How many calls are reading it, or [`CHANGING`].
     users: AtomicU32,
@@ -27,35 +22,48 @@ struct Marked<V> {
 /// One call is changing it.
 const CHANGING: u32 = u32::MAX;
 
+/// The types of handles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum HandleKind {
+    Mesh,
+    Octree,
+    Contacts,
+    Scene,
+    ContactSystem,
+}
+
+impl HandleKind {
+    const ALL: [Self; 5] = [Self::Mesh, Self::Octree, Self::Contacts, Self::Scene, Self::ContactSystem];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Mesh => "rayc_mesh",
+            Self::Octree => "rayc_octree",
+            Self::Contacts => "rayc_contacts",
+            Self::Scene => "rayc_scene",
+            Self::ContactSystem => "rayc_contact_system",
+        }
+    }
+
+    const fn mark(self) -> u64 {
+        u64::from_le_bytes(*match self {
+            Self::Mesh => b"raycmesh",
+            Self::Octree => b"raycoctr",
+            Self::Contacts => b"rayccont",
+            Self::Scene => b"raycscen",
+            Self::ContactSystem => b"raycsyst",
+        })
+    }
+}
+
 /// A type of handle.
 pub(super) trait Handle {
-    const NAME: &'static str;
-    const MARK: u64;
+    const KIND: HandleKind;
 }
 
-macro_rules! handles {
-    ($($name:ident $mark:literal)*) => {
-        $(impl Handle for $name {
-            const NAME: &'static str = stringify!($name);
-            const MARK: u64 = u64::from_le_bytes(*$mark);
-        })*
-
-        /// The type of the handles with this mark.
-        fn marked_by(mark: u64) -> Option<&'static str> {
-            $(if mark == $name::MARK {
-                return Some($name::NAME);
-            })*
-            None
-        }
-    };
-}
-
-handles! {
-    rayc_mesh b"raycmesh"
-    rayc_octree b"raycoctr"
-    rayc_contacts b"rayccont"
-    rayc_scene b"raycscen"
-    rayc_contact_system b"raycsyst"
+/// The type of the handles with this mark.
+fn marked_by(mark: u64) -> Option<&'static str> {
+    HandleKind::ALL.into_iter().find(|kind| kind.mark() == mark).map(HandleKind::name)
 }
 
 /// A handle's value, while a call reads it.
@@ -123,12 +131,12 @@ unsafe fn found<V: Handle>(pointer: *const V, name: &str) -> Result<NonNull<Mark
     let handle = NonNull::new(pointer.cast_mut().cast::<Marked<V>>()).ok_or_else(|| null(name))?;
     // SAFETY: by this function's contract.
     let mark = handle.is_aligned().then(|| unsafe { &(*handle.as_ptr()).mark }.load(Ordering::Relaxed));
-    if mark == Some(V::MARK) { Ok(handle) } else { Err(no_handle::<V>(name, mark.and_then(marked_by))) }
+    if mark == Some(V::KIND.mark()) { Ok(handle) } else { Err(no_handle::<V>(name, mark.and_then(marked_by))) }
 }
 
 #[cold]
 fn no_handle<V: Handle>(name: &str, other: Option<&str>) -> Failure {
-    let own = V::NAME;
+    let own = V::KIND.name();
     let message = match other {
         Some(other) => text!("{name} is a handle of an {other}, not of an {own}; pass one of the right type"),
         None => text!("{name} is no handle of an {own}, or has been destroyed; pass one that {own}'s functions gave"),
@@ -194,7 +202,7 @@ pub(super) unsafe fn changing<'a, V: Handle>(pointer: *mut V, name: &str) -> Res
 /// `place` is writable.
 pub(super) unsafe fn give<V: Handle>(place: Output<*mut V>, value: V) {
     // A box of one value, which is laid out as the value itself.
-    let boxed = memory::boxed(Marked { mark: AtomicU64::new(V::MARK), users: AtomicU32::new(0), value });
+    let boxed = memory::boxed(Marked { mark: AtomicU64::new(V::KIND.mark()), users: AtomicU32::new(0), value });
     // SAFETY: by this function's contract.
     unsafe { place.write(Box::into_raw(boxed).cast()) }
 }

@@ -1,6 +1,6 @@
 use super::failure::{Failure, mesh_status, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{changing, give, reading, take_back};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::options::{flag, rayc_mesh_options, read_options};
 use super::pointers::{Output, reference, slice};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
@@ -19,6 +19,10 @@ use std::path::Path;
 /// RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
 pub struct rayc_mesh {
     pub(super) mesh: AnyMesh,
+}
+
+impl Handle for rayc_mesh {
+    const KIND: HandleKind = HandleKind::Mesh;
 }
 
 /// A mesh of either precision.
@@ -75,13 +79,6 @@ fn before_conversion<T: Scalar>(error: MeshError, positions: &Strided) -> MeshEr
         }
         _ => error,
     }
-}
-
-pub(super) fn precision_mismatch() -> Failure {
-    Failure::new(
-        rayc_status::RAYC_STATUS_PRECISION_MISMATCH,
-        "handles of float and of double precision were used together; create them with the same precision",
-    )
 }
 
 /// Checks and copies a surface.

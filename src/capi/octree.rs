@@ -1,7 +1,7 @@
-use super::failure::{Failure, rayc_status};
+use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{changing, give, glancing, reading, take_back};
-use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh};
+use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take_back};
+use super::mesh::{AnyMesh, rayc_mesh};
 use super::pointers::{Output, slice};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
@@ -19,6 +19,10 @@ pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
 /// rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
 pub struct rayc_octree {
     pub(super) octree: AnyOctree,
+}
+
+impl Handle for rayc_octree {
+    const KIND: HandleKind = HandleKind::Octree;
 }
 
 /// An octree of either precision.

@@ -1,14 +1,13 @@
-use super::failure::{Failure, rayc_status};
+use super::failure::{Failure, rayc_status, unknown_enum};
+use super::guard::guard;
 use super::host_threads::rayc_parallel_for;
 use super::pointers::{Output, reference};
 use super::vectors::rayc_scalar;
-use super::{guard::guard, response::rayc_weighting};
 use crate::contact::{ContactLaw, DetectionOptions, Sampling};
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::response::{PenaltyLaw, Weighting};
 use libc::c_void;
-use std::fmt::Display;
 
 /// How a mesh is kept. Fill with rayc_default_mesh_options(), then change what you need.
 #[repr(C)]
@@ -77,6 +76,16 @@ pub enum rayc_law {
 
 /// The sample_spacing that follows the size of each overlap.
 pub const RAYC_SPACING_AUTOMATIC: f64 = -1.0;
+
+/// What a contact's stiffness is multiplied with.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum rayc_weighting {
+    /// The area the ray stands for: stiffness is in N/m³, and the net force does not depend on the triangulation.
+    RAYC_WEIGHTING_AREA = 1,
+    /// Nothing, as in the paper: stiffness is in N/m per ray, and a finer mesh is a stiffer one.
+    RAYC_WEIGHTING_VERTEX = 2,
+}
 
 /// How contacts push. Fill with rayc_default_response_options(), then change what you need.
 #[repr(C)]
@@ -236,13 +245,6 @@ impl rayc_response_options {
         let whole_bodies = flag("whole_body_escape", self.whole_body_escape)?;
         Ok(if whole_bodies { law.pushing_whole_bodies() } else { law })
     }
-}
-
-pub(super) fn unknown_enum(field: impl Display, value: u32, name: &str) -> Failure {
-    Failure::new(
-        rayc_status::RAYC_STATUS_UNKNOWN_ENUM,
-        text!("{field} is {value}, which is no member of {name}; use one of its names"),
-    )
 }
 
 pub(super) fn flag(field: &str, value: u32) -> Result<bool, Failure> {

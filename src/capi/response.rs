@@ -13,16 +13,6 @@ use crate::response::{
     PenaltyLaw, add_differential, add_forces, add_push_differential, add_push_forces, energy, push_energy,
 };
 
-/// What a contact's stiffness is multiplied with.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum rayc_weighting {
-    /// The area the ray stands for: stiffness is in N/m³, and the net force does not depend on the triangulation.
-    RAYC_WEIGHTING_AREA = 1,
-    /// Nothing, as in the paper: stiffness is in N/m per ray, and a finer mesh is a stiffer one.
-    RAYC_WEIGHTING_VERTEX = 2,
-}
-
 /// Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
 /// in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
 /// coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite.

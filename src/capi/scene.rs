@@ -1,9 +1,9 @@
 use super::contacts::rayc_contacts;
-use super::failure::{Failure, rayc_status};
+use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{changing, give, reading, take_back};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::host_threads::HostThreads;
-use super::mesh::{AnyMesh, precision_mismatch, rayc_mesh, renew_positions};
+use super::mesh::{AnyMesh, rayc_mesh, renew_positions};
 use super::options::{flag, rayc_detection_options, rayc_scene_options, read_options};
 use super::pointers::{Output, reference};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
@@ -21,6 +21,10 @@ use std::sync::Arc;
 /// RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
 pub struct rayc_scene {
     pub(super) scene: AnyScene,
+}
+
+impl Handle for rayc_scene {
+    const KIND: HandleKind = HandleKind::Scene;
 }
 
 /// A scene of either precision.

@@ -1,5 +1,4 @@
-use super::failure::{Failure, rayc_status};
-use super::options::unknown_enum;
+use super::failure::{Failure, rayc_status, unknown_enum};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::response::VectorsMut;
