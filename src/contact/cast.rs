@@ -1,8 +1,8 @@
 use super::cutter::Cutter;
-use super::direction::Direction;
 use super::distance::{ContactLaw, distances_over_depths};
 use super::found::{Found, Origins, cosines, vector};
 use super::load::{CastSurfaceLanes, Turning};
+use super::pair::Direction;
 use super::samples::Sample;
 use super::{Contact, Statistics, past_folds, starts_outside};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};

@@ -1,32 +1,18 @@
 use super::cast::{Cast, Starts};
-use super::direction::Direction;
+use super::contact_point::Contact;
+use super::list::ContactList;
 use super::load::{CastLoad, scale_contacts, shares};
-use super::pair::Pair;
-use super::samples::Sample;
-use super::workspace::Workspace;
-use super::{Contact, ContactList, Statistics};
+use super::pair::{Direction, Pair};
+use super::statistics::Statistics;
+use super::workspace::{Chunk, Workspace};
 use crate::math::{LANE_COUNT, Scalar, dispatch};
 use crate::memory::Room;
-use crate::ray::Hit;
 
 /// A direction is cast in about so many chunks. They do not depend on the number of threads, and so neither do the sums
 /// over them.
 const CHUNKS: usize = 16;
 /// The fewest groups of vertices or triangles in a chunk, whose rays need not fill the last packet, and the most.
 const GROUPS_IN_CHUNK: [usize; 2] = [32, 64];
-
-/// What the rays of some groups found, where chunks are cast side by side.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Chunk<T: Scalar> {
-    load: CastLoad<T>,
-    statistics: Statistics,
-    contacts: Vec<Contact<T>>,
-    /// The number of contacts in the chunks before.
-    before: usize,
-    pieces: Vec<Sample<T>>,
-    vertices: Vec<u32>,
-    crossings: Vec<Hit<T>>,
-}
 
 impl<'a> Starts<'a> {
     fn chunk_count(self) -> usize {

@@ -4,7 +4,8 @@
 
 use super::edges::for_each_inside_stretch;
 use super::pair::Pair;
-use super::samples::{Sample, for_each_sample};
+use super::sampler::for_each_sample;
+use super::samples::Sample;
 use super::workspace::Workspace;
 use super::{Contact, ContactKind, ContactList, EscapePush, Statistics, SurfacePoint};
 use crate::math::{Scalar, Vector3, direction};
@@ -39,7 +40,13 @@ pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     if added.is_empty() {
         return None;
     }
-    pushes.room_for(1).push(EscapePush::new(pair, *away, depth, added));
+    pushes.room_for(1).push(EscapePush::new(
+        pair.bodies,
+        pair.tracers.map(|tracer| tracer.mesh()),
+        *away,
+        depth,
+        added,
+    ));
     Some(depth)
 }
 

@@ -1,7 +1,7 @@
 // Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
 
-use super::direction::Direction;
+use super::pair::Direction;
 use super::samples::vertex_point;
 use super::{Contact, ContactKind, SurfacePoint};
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, cosine};

@@ -1,6 +1,6 @@
 //! Rays of bodies that overlap themselves: what a hit means when there are several folds, by the winding number.
 
-use super::self_contact::{leaves_body_before_end, way_out_past_folds};
+use super::self_contact::winding::{leaves_body_before_end, way_out_past_folds};
 use crate::math::{LANE_COUNT, Mask, Scalar};
 use crate::octree::{PacketHits, Tracer};
 use crate::ray::{Hit, RayPacket};

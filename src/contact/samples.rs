@@ -1,6 +1,5 @@
-use super::SurfacePoint;
-use super::cutter::Cutter;
-use crate::math::{Aabb, Scalar, Vector3, direction, length};
+use super::contact_point::SurfacePoint;
+use crate::math::{Scalar, Vector3};
 use crate::mesh::Mesh;
 
 /// Where on a surface rays start.
@@ -48,31 +47,6 @@ pub(super) struct Sample<T: Scalar> {
     pub(super) area: T,
 }
 
-/// Offers the samples of `mesh` inside `region`, which is the overlap box with a margin, in the order of its vertices or
-/// triangles; without a cutter rays start at vertices.
-pub(super) fn for_each_sample<T: Scalar>(
-    mesh: &Mesh<T>,
-    region: &Aabb<T>,
-    cutter: Option<Cutter<'_, T>>,
-    offer: impl FnMut(Sample<T>),
-) {
-    match cutter {
-        Some(cutter) => on_faces(mesh, cutter, offer),
-        None => at_vertices(mesh, region, offer),
-    }
-}
-
-fn at_vertices<T: Scalar>(mesh: &Mesh<T>, region: &Aabb<T>, mut offer: impl FnMut(Sample<T>)) {
-    for &vertex in mesh.topology().surface_vertices() {
-        if !region.contains(&mesh.positions()[vertex as usize]) {
-            continue;
-        }
-        if let Some(normal) = mesh.vertex_normal(vertex) {
-            offer(Sample { point: vertex_point(mesh, vertex), normal: normal.normal, area: normal.area });
-        }
-    }
-}
-
 /// A vertex as a surface point.
 pub(super) fn vertex_point<T: Scalar>(mesh: &Mesh<T>, vertex: u32) -> SurfacePoint<T> {
     let topology = mesh.topology();
@@ -80,17 +54,4 @@ pub(super) fn vertex_point<T: Scalar>(mesh: &Mesh<T>, vertex: u32) -> SurfacePoi
     let vertices = [vertex, ring[0], ring[1]];
     let weights = [T::one(), T::zero(), T::zero()];
     SurfacePoint { triangle, vertices, weights, position: mesh.positions()[vertex as usize] }
-}
-
-fn on_faces<T: Scalar>(mesh: &Mesh<T>, mut cutter: Cutter<'_, T>, mut offer: impl FnMut(Sample<T>)) {
-    for triangle in 0..mesh.topology().triangles().len() as u32 {
-        let corners = mesh.corners(triangle);
-        if !Aabb::of_triangle(&corners).overlaps(cutter.region) {
-            continue;
-        }
-        let scaled_normal = mesh.scaled_normal(triangle);
-        if let Some(normal) = direction(&scaled_normal) {
-            cutter.cut(mesh, triangle, normal, length(&scaled_normal) * T::of(0.5), &mut offer);
-        }
-    }
 }

@@ -1,7 +1,9 @@
-use super::Statistics;
-use super::chunks::Chunk;
+use super::contact_point::Contact;
+use super::load::CastLoad;
 use super::samples::Sample;
-use super::self_contact::{SelfWorkspace, leaves_body_before_end, way_out_past_folds};
+use super::self_contact::winding::{leaves_body_before_end, way_out_past_folds};
+use super::self_contact::workspace::SelfWorkspace;
+use super::statistics::Statistics;
 use crate::math::Scalar;
 use crate::memory::{self, Room};
 use crate::octree::Tracer;
@@ -105,4 +107,17 @@ impl<T: Scalar> Workspace<T> {
         }
         uncovered
     }
+}
+
+/// What the rays of some groups found, where chunks are cast side by side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chunk<T: Scalar> {
+    pub(super) load: CastLoad<T>,
+    pub(super) statistics: Statistics,
+    pub(super) contacts: Vec<Contact<T>>,
+    /// The number of contacts in the chunks before.
+    pub(super) before: usize,
+    pub(super) pieces: Vec<Sample<T>>,
+    pub(super) vertices: Vec<u32>,
+    pub(super) crossings: Vec<Hit<T>>,
 }

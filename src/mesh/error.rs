@@ -1,4 +1,4 @@
-use super::obj_file::ObjSurface;
+use super::obj_text::ObjSurface;
 use std::fmt;
 
 /// Why a mesh was refused. Nothing was created or changed.

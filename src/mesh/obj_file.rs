@@ -1,4 +1,4 @@
-use super::obj_text;
+use super::obj_text::{self, ObjSurface};
 use crate::memory;
 use std::fmt;
 use std::fs::File;
@@ -7,15 +7,6 @@ use std::path::{Path, PathBuf};
 
 /// Positions and triangles as [`Mesh::new`](super::Mesh::new) takes them.
 pub type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
-
-/// The surface of a file, and where in the file it stands.
-#[derive(Debug, Default)]
-pub(crate) struct ObjSurface {
-    pub(crate) positions: Vec<[f64; 3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-    /// The line of the face that each triangle is a part of, from 1.
-    pub(crate) lines: Vec<u32>,
-}
 
 /// Why an `.obj` file could not be read.
 #[derive(Debug)]

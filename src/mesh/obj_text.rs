@@ -1,7 +1,6 @@
 //! The text of a Wavefront `.obj` file. Only vertices and faces matter here: all other statements are skipped, as are
 //! comments in whatever encoding.
 
-use super::obj_file::ObjSurface;
 use crate::memory::{Room, text};
 
 /// Of a word that is quoted in a message.
@@ -9,6 +8,15 @@ const QUOTED_LENGTH: usize = 40;
 
 /// What is wrong, and in which line.
 type Fault = String;
+
+/// The surface of a file, and where in the file it stands.
+#[derive(Debug, Default)]
+pub(crate) struct ObjSurface {
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The line of the face that each triangle is a part of, from 1.
+    pub(crate) lines: Vec<u32>,
+}
 
 /// The surface, or why the text holds none.
 pub(super) fn read(text: &[u8]) -> Result<ObjSurface, Fault> {

@@ -7,15 +7,6 @@ use crate::math::Scalar;
 use crate::memory::Room;
 use nalgebra::Matrix3;
 
-/// What a body rubs on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Surface {
-    /// The body of this number.
-    Body(u32),
-    /// The half-space of this number.
-    HalfSpace(u32),
-}
-
 /// A point of a triangle, or beside it in its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corners {

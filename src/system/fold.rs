@@ -1,9 +1,9 @@
 //! From contacts on surfaces to rows over the unknowns that carry those surfaces.
 
 use super::Material;
-use super::anchors::{Anchors, Corners, Hold, Surface, in_plane, sorted};
+use super::anchors::{Anchors, Corners, Hold, in_plane, sorted};
 use super::body::{Body, Course, Mover, weights_of};
-use super::loads::{Key, PairLoads};
+use super::loads::{Key, PairLoads, Surface};
 use super::row::{Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};

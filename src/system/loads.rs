@@ -1,7 +1,6 @@
 //! How much of the push that a step predicts its solve leaves, for each pair of bodies: what friction must be told.
 
 use super::Material;
-use super::anchors::Surface;
 use super::twist::V3;
 use crate::memory::Room;
 
@@ -13,6 +12,15 @@ pub(super) struct PairLoads {
     before: Vec<Pair>,
     /// Of this one, in the order in which rows came.
     pub(super) now: Vec<Pair>,
+}
+
+/// What a body rubs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Surface {
+    /// The body of this number.
+    Body(u32),
+    /// The half-space of this number.
+    HalfSpace(u32),
 }
 
 /// The bodies of a row, in its order or, for its pair, in ascending order.

@@ -1,7 +1,8 @@
 //! What a solver asks of a step under way, and how rows are held.
 
-use super::anchors::{Hold, Surface, in_plane};
+use super::anchors::{Hold, in_plane};
 use super::body::Course;
+use super::loads::Surface;
 use super::row::Row;
 use super::rows::Velocities;
 use super::step::Step;

@@ -1,5 +1,6 @@
+use super::nearness::rounding;
 use super::tangled::is_tangled;
-use super::touching::{Touching, rounding};
+use super::touching::Touching;
 use crate::math::{Aabb, Scalar, Vector3, length};
 use crate::memory;
 use crate::mesh::Mesh;

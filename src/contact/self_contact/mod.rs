@@ -7,37 +7,29 @@
 
 mod culling;
 mod memory;
+mod nearness;
 mod own_side;
 mod sets;
 mod tangled;
 mod touching;
-mod winding;
+pub(super) mod winding;
+pub(super) mod workspace;
 
 pub(crate) use memory::SelfMemory;
-pub(super) use winding::{leaves_body_before_end, way_out_past_folds};
 
 use super::cutter::Cutter;
 use super::found::cos_alpha;
-use super::samples::{Sample, Sampling, for_each_sample};
+use super::sampler::for_each_sample;
+use super::samples::{Sample, Sampling};
 use super::{Contact, ContactKind, ContactList, DetectionOptions, SurfacePoint};
 use crate::math::{Aabb, Scalar};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
 use crate::ray::{Hit, Ray};
-use culling::Culling;
-use own_side::Folds;
 use tangled::is_collapsed;
-use touching::Touching;
 use winding::{inward_ray, way_out, winding_number};
-
-/// What the search for self-contacts needs; kept with the contacts, so that a steady step allocates nothing.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SelfWorkspace<T: Scalar> {
-    touching: Touching<T>,
-    culling: Culling,
-    folds: Folds,
-}
+use workspace::SelfWorkspace;
 
 /// Finds the contacts between parts of one mesh, body 0; replaces what `contacts` held. Of the options only the sampling
 /// counts; automatic is one ray for each triangle.

@@ -1,7 +1,7 @@
 //! Bodies in which everything touches everything: garbage positions of a simulation gone wrong. Pairs of triangles that
 //! touch are then quadratically many, each ray crosses a part of the whole surface, and no inside is left to tell.
 
-use super::touching::{Nearness, nearness};
+use super::nearness::{Nearness, nearness};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::octree::is_merged;

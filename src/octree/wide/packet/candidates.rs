@@ -1,6 +1,5 @@
 use super::Search;
 use super::answer::Answer;
-use super::walk::Waiting;
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
 use crate::mesh::Mesh;
 use crate::octree::wide::node::CHILD_COUNT;
@@ -23,6 +22,15 @@ const MOST_LISTED: usize = TILES_AT_ONCE - CHILD_COUNT;
 
 /// So many candidates are computed at a time.
 const CANDIDATES_AT_ONCE: usize = 256;
+
+/// A node that some rays of a packet may meet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Waiting<T> {
+    /// The least t at which one of them enters its box.
+    pub(super) entry: T,
+    pub(super) node: u32,
+    pub(super) rays: Mask,
+}
 
 /// Room for what is found on the way of a packet; with space behind each list that may be overwritten.
 #[repr(C, align(64))]

@@ -1,21 +1,12 @@
 use super::Search;
 use super::answer::Answer;
-use super::candidates::{Candidates, resolve, work_off};
+use super::candidates::{Candidates, Waiting, resolve, work_off};
 use super::slabs::SingleSlabs;
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::octree::wide::node::{CHILD_COUNT, Node};
 
 /// A packet whose rays meet fewer tiles than so many is better served by lists: the next one is listed again.
 const FEWEST_WALKED: u32 = 24;
-
-/// A node that some rays of a packet may meet.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Waiting<T> {
-    /// The least t at which one of them enters its box.
-    pub(super) entry: T,
-    pub(super) node: u32,
-    pub(super) rays: Mask,
-}
 
 /// Each node's box is held against the rays that met its parent's; the nearest goes first, and rays that have met something
 /// nearer meanwhile are left out.

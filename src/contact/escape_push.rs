@@ -1,5 +1,4 @@
-use super::pair::Pair;
-use super::{Contact, ContactList};
+use super::contact_point::Contact;
 use crate::math::{Scalar, Vector3};
 use crate::mesh::Mesh;
 
@@ -24,10 +23,16 @@ pub struct EscapePush<T: Scalar> {
 }
 
 impl<T: Scalar> EscapePush<T> {
-    pub(super) fn new(pair: &Pair<'_, T>, direction: Vector3<T>, depth: T, contacts: &[Contact<T>]) -> Self {
-        let meshes = pair.tracers.map(|tracer| tracer.mesh());
+    /// Of the pair's contacts.
+    pub(super) fn new(
+        bodies: [u32; 2],
+        meshes: [&Mesh<T>; 2],
+        direction: Vector3<T>,
+        depth: T,
+        contacts: &[Contact<T>],
+    ) -> Self {
         Self {
-            bodies: pair.bodies,
+            bodies,
             direction,
             depth,
             area: contacts.iter().fold(T::zero(), |sum, contact| sum + contact.area),
@@ -43,11 +48,4 @@ fn centre<T: Scalar>(mesh: &Mesh<T>) -> Vector3<T> {
     let base = mesh.aabb().lower;
     let sum = mesh.positions().iter().fold(Vector3::zeros(), |sum, position| sum + (position - base));
     base + sum / T::of(mesh.positions().len() as f64)
-}
-
-impl<T: Scalar> ContactList<T> {
-    /// How each escaping pair is pushed as a whole, in the order of the pairs.
-    pub fn pushes(&self) -> &[EscapePush<T>] {
-        &self.pushes
-    }
 }

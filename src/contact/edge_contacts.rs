@@ -2,19 +2,12 @@ use super::distance::{ContactLaw, distance_over_depth};
 use super::edges::for_each_inside_stretch;
 use super::found::cos_alpha;
 use super::load::CastLoad;
-use super::pair::Pair;
+use super::pair::Direction;
 use super::samples::Sample;
 use super::{Contact, ContactKind, ContactList, SurfacePoint};
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::ray::{Hit, Ray};
-
-/// One direction of a pair: the rays of one body through the other. Algorithm 1 of the paper.
-pub(super) struct Direction<'a, T: Scalar> {
-    pub(super) pair: &'a Pair<'a, T>,
-    /// Which body casts.
-    pub(super) side: usize,
-}
 
 impl<T: Scalar> Direction<'_, T> {
     /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside; gives how many
