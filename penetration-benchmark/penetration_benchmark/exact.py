@@ -121,13 +121,12 @@ def edges_of(triangles):
 
 
 def edges_meet(positions, edges, other, triangles):
-    """Whether an edge and a triangle of another surface have a point in common."""
-    ends, corners = positions[edges], other[triangles]
+    """An edge and a triangle of another surface that have a point in common, by their numbers; None if none have."""
     low, high = np.maximum(positions.min(0), other.min(0)), np.minimum(positions.max(0), other.max(0))
-    ends = ends[(ends.min(1) <= high).all(1) & (ends.max(1) >= low).all(1)]
-    corners = corners[(corners.min(1) <= high).all(1) & (corners.max(1) >= low).all(1)]
+    (ends, edge_numbers), (corners, triangle_numbers) = within(positions[edges], low, high), within(
+        other[triangles], low, high)
     if not len(ends) or not len(corners):
-        return False
+        return None
     is_near = np.ones((len(ends), len(corners)), bool)
     for axis in range(3):
         is_near &= ends[:, :, axis].min(1)[:, None] <= corners[:, :, axis].max(1)
@@ -137,11 +136,20 @@ def edges_meet(positions, edges, other, triangles):
     here, there = side_of_plane(a, b, c, p), side_of_plane(a, b, c, q)
     left = np.flatnonzero(here * there <= 0)
     p, q, a, b, c, here, there = (x[left] for x in (p, q, a, b, c, here, there))
+    pairs = edge_numbers[of_edge[left]], triangle_numbers[of_triangle[left]]
     turns = np.stack([side_of_plane(p, q, r, s) for r, s in ((a, b), (b, c), (c, a))])
     is_flat = (here == 0) & (there == 0)
-    if (~is_flat & ~((turns > 0).any(0) & (turns < 0).any(0))).any():
-        return True
-    return any(meet_in_plane(p[i], q[i], (a[i], b[i], c[i])) for i in np.flatnonzero(is_flat))
+    is_met = ~is_flat & ~((turns > 0).any(0) & (turns < 0).any(0))
+    for i in np.flatnonzero(is_met | is_flat):
+        if is_met[i] or meet_in_plane(p[i], q[i], (a[i], b[i], c[i])):
+            return pairs[0][i], pairs[1][i]
+    return None
+
+
+def within(elements, low, high):
+    """Those whose boxes meet a box, and their numbers."""
+    numbers = np.flatnonzero((elements.min(1) <= high).all(1) & (elements.max(1) >= low).all(1))
+    return elements[numbers], numbers
 
 
 def meet_in_plane(p, q, corners):
@@ -159,12 +167,25 @@ def meet_in_plane(p, q, corners):
     return True
 
 
-def are_apart(positions, triangles, edges):
-    """Whether two connected bodies have no point in common; each argument a pair of arrays."""
-    (x, y), (t, s), (e, f) = positions, triangles, edges
-    if (x.min(0) > y.max(0)).any() or (y.min(0) > x.max(0)).any():
-        return True
-    if edges_meet(x, e, y, s) or edges_meet(y, f, x, t):
-        return False
-    # The surfaces do not meet, so each is inside the other with all its vertices or with none.
-    return classify(x[:1], y, s)[0] < 0 and classify(y[:1], x, t)[0] < 0
+class Apart:
+    """Whether two connected bodies have no point in common. It remembers where they last met: mostly they still do."""
+
+    def __init__(self, triangles):
+        self.triangles, self.edges, self.met = triangles, [edges_of(t) for t in triangles], None
+
+    def __call__(self, positions):
+        (x, y), (t, s) = positions, self.triangles
+        if (x.min(0) > y.max(0)).any() or (y.min(0) > x.max(0)).any():
+            return True
+        if self.met:
+            i, (edge, triangle) = self.met
+            if edges_meet(positions[i], self.edges[i][edge:edge + 1], positions[1 - i],
+                          self.triangles[1 - i][triangle:triangle + 1]):
+                return False
+        for i in (0, 1):
+            met = edges_meet(positions[i], self.edges[i], positions[1 - i], self.triangles[1 - i])
+            if met:
+                self.met = i, met
+                return False
+        # The surfaces do not meet, so each is inside the other with all its vertices or with none.
+        return classify(x[:1], y, s)[0] < 0 and classify(y[:1], x, t)[0] < 0

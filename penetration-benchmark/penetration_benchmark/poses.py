@@ -57,20 +57,19 @@ def rounded(values):
 class Shape:
     def __init__(self, name):
         self.name, (self.positions, self.triangles) = name, shapes.make(name)
-        self.edges = exact.edges_of(self.triangles)
 
 
 class Pair:
     def __init__(self, first, second):
         self.names, self.shapes = (first.name, second.name), (first, second)
+        self.apart = exact.Apart((first.triangles, second.triangles))
 
     def positions(self, q, t):
         first, second = self.shapes
         return first.positions, second.positions @ rotation_of(*q).T + np.array(t)
 
     def are_apart(self, q, t):
-        first, second = self.shapes
-        return exact.are_apart(self.positions(q, t), (first.triangles, second.triangles), (first.edges, second.edges))
+        return self.apart(self.positions(q, t))
 
     def count_inside(self, q, t):
         """Of the first in the second, and of the second in the first."""
@@ -133,8 +132,8 @@ def draw_contained(random_, _, shape):
         q, t = random_.quaternion(), rounded(random_.points_inside(pair.shapes[0], 1)[0])
         first, second = pair.positions(q, t)
         if pair.count_inside(q, t) == (0, len(second)) and not (
-                exact.edges_meet(first, pair.shapes[0].edges, second, pair.shapes[1].triangles)
-                or exact.edges_meet(second, pair.shapes[1].edges, first, pair.shapes[0].triangles)):
+                exact.edges_meet(first, pair.apart.edges[0], second, pair.shapes[1].triangles)
+                or exact.edges_meet(second, pair.apart.edges[1], first, pair.shapes[0].triangles)):
             return pair, q, t
 
 
