@@ -77,13 +77,13 @@ def orthonormal(matrix):
 
 
 def free(library, surfaces, pose, are_apart, found):
-    """(outcome, steps, way): freed, stuck or exploded; the way is the longest of each step, added up, in sizes."""
+    """(outcome, steps, way, bodies): freed, stuck or exploded; the way is the longest of each step, added up, in sizes."""
     bodies = [Body(surface, placement) for surface, placement in zip(surfaces, pose.placements())]
     starts, way, still = [body.centre for body in bodies], 0.0, 0
     for steps in range(MOST_STEPS + 1):
         positions = tuple(body.positions() for body in bodies)
         if are_apart(positions):
-            return "freed", steps, way
+            return "freed", steps, way, bodies
         library.move(np.stack([body.placement() for body in bodies]), positions)
         moved = step(bodies, found(library.contacts()))
         way += moved
@@ -91,5 +91,5 @@ def free(library, surfaces, pose, are_apart, found):
         if still >= MOST_STILL_STEPS:
             break
         if any(not np.linalg.norm(body.centre - start) < FARTHEST * body.size for body, start in zip(bodies, starts)):
-            return "exploded", steps, way
-    return "stuck", MOST_STEPS, way
+            return "exploded", steps, way, bodies
+    return "stuck", MOST_STEPS, way, bodies
