@@ -7,6 +7,7 @@ import importlib
 KNOWN = {
     "raycontact": ("raycontact_library", "Raycontact"),
     "raycontact-paper": ("raycontact_library", "RaycontactPaper"),
+    "raycontact-no-escape": ("raycontact_library", "RaycontactNoEscape"),
     "embree": ("embree", "Embree"),
     "trimesh": ("trimesh_library", "Trimesh"),
     "fcl": ("fcl_library", "Fcl"),

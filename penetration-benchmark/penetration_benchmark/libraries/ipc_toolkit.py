@@ -15,6 +15,7 @@ class IpcToolkit(Library):
 
     def load(self, first, second):
         ipctk.set_num_threads(1)
+        ipctk.set_logger_level(ipctk.LoggerLevel.off)  # it warns of every pair that touches at the start
         self.counts = (len(first.positions), len(second.positions))
         faces = np.concatenate([first.triangles, second.triangles + self.counts[0]]).astype(np.int32)
         rest = np.concatenate([first.positions, second.positions + 10.0])

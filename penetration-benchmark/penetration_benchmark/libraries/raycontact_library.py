@@ -49,3 +49,9 @@ class RaycontactPaper(Raycontact):
     settings = "as in the paper: rays from vertices, its law, no areas, no edges, no escape"
     detection = {"sample_spacing": 0.0, "edges": 0, "escape": 0, "law": raycontact.Law.RAY_LENGTH}
     response = {"weighting": raycontact.Weighting.VERTEX}
+
+
+class RaycontactNoEscape(Raycontact):
+    name = "raycontact, no escape"
+    settings = "default without escapes: contacts alone"
+    detection = {"escape": 0}
