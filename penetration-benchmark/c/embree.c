@@ -57,6 +57,8 @@ static int make(body *b, const penetration_surface *surface) {
   for (size_t i = 0; i < 3 * surface->vertex_count; ++i) b->positions[i] = (float)surface->positions[i];
   b->scene = rtcNewScene(device);
   rtcSetSceneFlags(b->scene, RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  /* Only so does a scene keep one tree for each geometry, which alone can be refitted. */
+  rtcSetSceneBuildQuality(b->scene, RTC_BUILD_QUALITY_LOW);
   b->geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryBuildQuality(b->geometry, RTC_BUILD_QUALITY_REFIT);
   rtcSetSharedGeometryBuffer(b->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, b->positions, 0,

@@ -3,9 +3,9 @@
 
 import numpy as np
 
-MOST_STEPS = 200
+MOST_STEPS = 100
 # How many steps in which neither body moves make it stuck: a library may wait before it acts.
-MOST_STILL_STEPS = 40
+MOST_STILL_STEPS = 30
 # How much a motion costs beside the contacts' weights.
 INERTIA = 0.05
 # The longest way of any point in one step, in the body's size.

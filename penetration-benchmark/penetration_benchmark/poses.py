@@ -14,7 +14,7 @@ from . import exact, shapes
 from .files import rotation_of
 
 # How many of each kind in a full set.
-COUNTS = {"deep": 120, "concentric": 40, "coincident": 13, "contained": 60, "edges": 40, "shallow": 60, "apart": 40,
+COUNTS = {"deep": 60, "concentric": 26, "coincident": 13, "contained": 30, "edges": 20, "shallow": 40, "apart": 20,
           "fine": 12}
 FREE = ("deep", "concentric", "coincident", "contained", "edges", "shallow")
 

@@ -32,7 +32,7 @@ class IpcToolkit(Library):
         raise NotImplementedError("it has no inside: distances are unsigned, and the start must be free of intersections")
 
     def contacts(self):
-        # As its tutorial takes it.
+        # In the units of the scene, since no length is given from outside.
         distance = 1e-3 * np.linalg.norm(np.ptp(self.positions, axis=0))
         self.found.build(self.mesh, self.positions, distance)
         force = -ipctk.BarrierPotential(distance, 1.0).gradient(self.found, self.mesh, self.positions)
