@@ -62,7 +62,7 @@ def draw_free(folder):
 def draw_directions(folder):
     rows = [row for row in read(folder, "measure.csv") if row["kind"] == "random" and row["median"]]
     names = list(dict.fromkeys(row["library"] for row in rows))[::-1]
-    figure, panels = plot.subplots(1, 2, figsize=(8.4, 0.42 * len(names) + 1.0), sharey=True, layout="constrained")
+    figure, panels = plot.subplots(1, 2, figsize=(8.4, 0.42 * len(names) + 1.0), sharex=True, sharey=True, layout="constrained")
     for axes, shapes in zip(panels, ("convex", "concave")):
         for offset, (judge, (label, colour, marker)) in zip((0.15, -0.15), JUDGES.items()):
             own = {row["library"]: row for row in rows if (row["shapes"], row["judge"]) == (shapes, judge)}

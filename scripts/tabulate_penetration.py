@@ -98,7 +98,8 @@ def vertices(rows):
     columns = [{library: wrong[library][i] for library in libraries} for i in (0, 1)]
     for place in TIMES:
         columns.append({library: ratio(rows, library, place, "inside") for library in libraries})
-    return ranked(["library", "inside, missed", "outside, called inside", *map(", ".join, TIMES)], libraries, columns, order)
+    head = ["library", "inside, missed", "outside, called inside", *map(", ".join, TIMES)]
+    return ranked(head, libraries, columns, order)
 
 
 def ratio(rows, library, place, query):
@@ -144,7 +145,8 @@ def free(rows):
     rows = [row for row in rows if not row["refused"] == row["poses"]]
     libraries = [name for name in names(rows)]
     everything = {library: share(only(rows, library=library), "freed") for library in libraries}
-    columns = [everything, {library: (str(total(only(rows, library=library), "nearly")), None) for library in libraries}]
+    nearly = {library: (str(total(only(rows, library=library), "nearly")), None) for library in libraries}
+    columns = [everything, nearly]
     columns += [{library: share(only(rows, library=library, kind=kind), "freed") for library in libraries}
                 for kind in FREE_KINDS]
     return ranked(["library", "all", "nearly", *FREE_KINDS], libraries, columns,
@@ -200,8 +202,8 @@ def main():
             "free": free(freed),
             "ways": shapes(freed),
             "intersecting": intersecting(read(folder, "intersecting")),
-            "date": f"Run on {about[0]['date']}, seed {about[0]['seed']}, {100 * float(about[0]['share']):.3g} % of the "
-                    "full number of poses.",
+            "date": f"Run on {about[0]['date']}, seed {about[0]['seed']}, "
+                    f"{100 * float(about[0]['share']):.3g} % of the full number of poses.",
         }
         with open(path, encoding="utf-8") as file:
             text = file.read()

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT OR Apache-2.0 */
-/* The example: every vertex against every triangle. Each vertex inside is pushed to the nearest point of the other surface, with a
- * third of the area around it as weight. cc -std=c99 -O2 -shared -fPIC brute_force.c -o brute_force.so -lm */
+/* The example: every vertex against every triangle. Each vertex inside is pushed to the nearest point of the other
+ * surface, with a third of the area around it as weight.
+ * cc -std=c99 -O2 -shared -fPIC brute_force.c -o brute_force.so -lm */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

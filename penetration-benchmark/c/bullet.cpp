@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Bullet 3.24: btConvexHullShape where both shapes are convex, else btGImpactMeshShape, its shape for concave bodies that
-// move. c++ -std=c++17 -O3 -shared -fPIC -isystem /usr/include/bullet bullet.cpp -o bullet.so -lBulletCollision -lLinearMath
+// Bullet 3.24: btConvexHullShape where both shapes are convex, else btGImpactMeshShape, its shape for concave bodies
+// that move.
+// c++ -std=c++17 -O3 -shared -fPIC -isystem /usr/include/bullet bullet.cpp -o bullet.so -lBulletCollision -lLinearMath
 #include <btBulletCollisionCommon.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>

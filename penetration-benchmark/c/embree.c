@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT OR Apache-2.0 */
-/* Algorithm 1 of Hermann, Faure and Raffin 2008 on Embree 3.13: from each vertex in the other body's box a ray along the inward
- * normal; where it leaves the other body before its own it is a contact. One tree a body, refitted in each step, robust
- * traversal. cc -std=c99 -O3 -march=native -shared -fPIC embree.c -o embree.so -lembree3 -lm */
+/* Algorithm 1 of Hermann, Faure and Raffin 2008 on Embree 3.13: from each vertex in the other body's box a ray along
+ * the inward normal; where it leaves the other body before its own it is a contact. One tree a body, refitted in each
+ * step, robust traversal. cc -std=c99 -O3 -march=native -shared -fPIC embree.c -o embree.so -lembree3 -lm */
 #include <embree3/rtcore.h>
 #include <math.h>
 #include <stdlib.h>
@@ -102,7 +102,7 @@ typedef struct {
   float direction[3], length, cosine;
 } found;
 
-/* Whether vertex v of body i has a contact: then where its ray leads, how far it runs, and the cosine to the face there. */
+/* Whether vertex v of body i has a contact: then where its ray leads, how far it runs, and the cosine there. */
 static int find_contact(int i, uint32_t v, found *out) {
   const body *own = &bodies[i], *other = &bodies[1 - i];
   const float *p = own->positions + 3 * (size_t)v, *n = own->normals + 3 * (size_t)v;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT OR Apache-2.0 */
 /* What a library has to answer: four functions. Build them into a shared library, and run
- * python -m penetration_benchmark --c-library <file>. One thread calls, one pair at a time; lengths are plain numbers. */
+ * python -m penetration_benchmark --c-library <file>. One thread calls, one pair at a time; lengths have no unit. */
 #ifndef PENETRATION_H
 #define PENETRATION_H
 
@@ -35,8 +35,8 @@ typedef struct penetration_contact {
 /* Takes a pair of bodies in place of the one before, which is freed; copies what it needs. Not timed. */
 int penetration_load(const penetration_surface *first, const penetration_surface *second);
 
-/* Moves both: a step begins. poses: for each body three rows of rotation and translation, r r r t; positions: the vertices so
- * placed, which stay until the next call. Take which you need. */
+/* Moves both: a step begins. poses: for each body three rows of rotation and translation, r r r t; positions: the
+ * vertices so placed, which stay until the next call. Take which you need. */
 int penetration_move(const double poses[24], const double *first_positions, const double *second_positions);
 
 /* Sets 1 for each vertex inside the other body, 0 for the others. */

@@ -87,7 +87,8 @@ def ray_parity(points, corners, low, high, axis):
     is_missed = (turns > 0).any(0) & (turns < 0).any(0)
     is_edge = (turns == 0).any(0) & ~is_missed
     crossed = np.flatnonzero(~is_missed & ~is_edge)
-    # The plane is passed beyond the point where the point is below a triangle that faces along the axis, or above another.
+    # The plane is passed beyond the point where the point is below a triangle that faces along the axis, or above one
+    # that faces back.
     sides = side_of_plane(a[crossed], b[crossed], c[crossed], p[crossed])
     ahead = crossed[sides == -turns[0, crossed]]
     is_open = np.zeros(len(points), bool)

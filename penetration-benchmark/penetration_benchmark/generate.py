@@ -7,8 +7,8 @@ from . import files, poses, shapes
 
 
 def generate(folder, seed=1, share=1.0, progress=lambda done, of: None):
-    """share: of the counts of a full set; each kind has at least two poses. A smaller set is the beginning of each kind of
-    a larger one."""
+    """share: of the counts of a full set; each kind has at least two poses. Each kind of a smaller set is the beginning
+    of that of a larger one."""
     folder = pathlib.Path(folder)
     (folder / "shapes").mkdir(parents=True, exist_ok=True)
     known = {}

@@ -77,7 +77,7 @@ def orthonormal(matrix):
 
 
 def free(library, surfaces, pose, are_apart, found):
-    """(outcome, steps, way, bodies): freed, stuck or exploded; the way is the longest of each step, added up, in sizes."""
+    """(outcome, steps, way, bodies): freed, stuck or exploded; the way is the sum of each step's longest, in sizes."""
     bodies = [Body(surface, placement) for surface, placement in zip(surfaces, pose.placements())]
     starts, way, still = [body.centre for body in bodies], 0.0, 0
     for steps in range(MOST_STEPS + 1):

@@ -14,8 +14,8 @@ from .library import Contacts, found
 
 DETECT = ["library", "kind", "shapes", "poses", "refused", "inside", "missed", "false", "verdicts_right", "inside_us",
           "inside_ratio", "contacts_us", "contacts_ratio", "note"]
-MEASURE = ["library", "kind", "shapes", "judge", "poses", "refused", "silent", "median", "ninety", "worst", "size_median",
-           "size_ninety", "note"]
+MEASURE = ["library", "kind", "shapes", "judge", "poses", "refused", "silent", "median", "ninety", "worst",
+           "size_median", "size_ninety", "note"]
 FREE = ["library", "kind", "shapes", "poses", "refused", "freed", "nearly", "stuck", "exploded", "median_steps",
         "ninety_steps", "median_way", "note"]
 INTERSECTING = ["library", "kind", "poses", "told_intersecting", "median_share", "largest_share"]
@@ -141,8 +141,8 @@ def detect(libraries, surfaces, poses, progress):
 
 
 def read_judges():
-    """Of each pose of the references: the force of an even pressure (minus the gradient of the overlap volume) and that of
-    hydroelastic contact."""
+    """Of each pose of the references: the force of an even pressure (minus the gradient of the overlap volume) and that
+    of hydroelastic contact."""
     judges = {}
     for name in ("overlap_volume", "hydroelastic"):
         with open(REFERENCES / f"{name}.csv", newline="", encoding="utf-8") as file:
@@ -159,8 +159,8 @@ def measure(libraries, surfaces, poses, progress):
         placements = pose.placements()
         positions = tuple(placed(s, p) for s, p in zip(pair, placements))
         for library in libraries:
-            cells = [(table.cell(library.name, pose.kind, group(pair), judge), judges[judge][pose.id]) for judge in judges
-                     if pose.kind == "random" or judge == "hydroelastic"]
+            cells = [(table.cell(library.name, pose.kind, group(pair), judge), judges[judge][pose.id])
+                     for judge in judges if pose.kind == "random" or judge == "hydroelastic"]
             try:
                 library.load(*pair)
                 library.move(placements, positions)
@@ -219,8 +219,8 @@ def free(libraries, surfaces, poses, progress):
     for (name, kind, shapes), cell in table.cells.items():
         steps = cell.get("steps", [])
         outcomes = [cell.get(outcome, 0) for outcome in ("freed", "nearly", "stuck", "exploded")]
-        yield [name, kind, shapes, cell["poses"], cell["refused"], *outcomes,
-               *map(number, (quantile(steps, 0.5), quantile(steps, 0.9), quantile(cell.get("ways", []), 0.5))), note(cell)]
+        quantiles = quantile(steps, 0.5), quantile(steps, 0.9), quantile(cell.get("ways", []), 0.5)
+        yield [name, kind, shapes, cell["poses"], cell["refused"], *outcomes, *map(number, quantiles), note(cell)]
 
 
 def is_nearly_free(bodies, apart):
@@ -231,8 +231,8 @@ def is_nearly_free(bodies, apart):
 
 
 def intersecting(libraries, surfaces, poses, progress):
-    """What a library that must start without intersections does with a start that has some: whether it tells, and how much
-    of a way of a tenth of the size, along the line of centres, its step rule lets the bodies go."""
+    """What a library that must start without intersections does with a start that has some: whether it tells, and how
+    much of a way of a tenth of the size, along the line of centres, its step rule lets the bodies go."""
     table = Table()
     for library in libraries:
         for done, pose in enumerate(poses if hasattr(library, "free_share") else []):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Tetrahedra of the shapes that are not convex, for libraries that need an inside: only where their build gives them."""
+"""Tetrahedra of the shapes that are not convex, for libraries that need them: where their build gives them."""
 
 import itertools
 

@@ -13,7 +13,7 @@ from penetration_benchmark.generate import generate
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("set")
-    generate(path, 1, 0.1)
+    generate(path, 1, 0.08)
     return path
 
 
@@ -22,14 +22,14 @@ def contents(folder):
 
 
 def test_a_seed_gives_the_same_files(folder, tmp_path):
-    generate(tmp_path / "same", 1, 0.1)
-    generate(tmp_path / "other", 2, 0.1)
+    generate(tmp_path / "same", 1, 0.08)
+    generate(tmp_path / "other", 2, 0.08)
     assert contents(tmp_path / "same") == contents(folder)
     assert contents(tmp_path / "other")["poses.csv"] != contents(folder)["poses.csv"]
 
 
 def test_a_small_set_is_the_beginning_of_a_larger(folder, tmp_path):
-    generate(tmp_path, 1, 0.15)
+    generate(tmp_path, 1, 0.1)
     small, large = ([(pose.kind, pose.pair, pose.translation.tolist()) for pose in files.read_poses(path / "poses.csv")]
                     for path in (folder, tmp_path))
     for kind in {kind for kind, *_ in small}:
@@ -56,7 +56,8 @@ def test_poses_are_of_their_kind(folder):
             continue
         first, second = (surfaces[name] for name in pose.pair)
         x, y = (files.placed(surface, placement) for surface, placement in zip((first, second), pose.placements()))
-        inside = [(exact.classify(p, q, surface.triangles) > 0).mean() for p, q, surface in ((x, y, second), (y, x, first))]
+        inside = [(exact.classify(p, q, surface.triangles) > 0).mean()
+                  for p, q, surface in ((x, y, second), (y, x, first))]
         is_apart = exact.Apart((first.triangles, second.triangles))((x, y))
         assert is_apart == (pose.kind == "apart")
         assert pose.kind != "contained" or inside == [0, 1]

@@ -29,7 +29,7 @@ class IpcToolkit(Library):
         self.positions = np.asfortranarray(np.concatenate(positions))
 
     def inside(self):
-        raise NotImplementedError("it has no inside: distances are unsigned, and the start must be free of intersections")
+        raise NotImplementedError("it has no inside: distances have no sign, and a start must not intersect")
 
     def contacts(self):
         # In the units of the scene, since no length is given from outside.
