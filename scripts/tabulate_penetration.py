@@ -154,7 +154,7 @@ def free(rows):
 
 
 def shapes(rows):
-    """Freed, steps and way by kind of shapes, for deep poses, where a library frees any."""
+    """Freed, steps and way by kind of shapes, where a library frees any; best among those that free all."""
     libraries, columns = [name for name in names(rows) if total(only(rows, library=name), "freed")], []
     for kind, group in (("shallow", "convex"), ("shallow", "concave"), ("deep", "convex"), ("deep", "concave")):
         cells = {}
@@ -164,10 +164,11 @@ def shapes(rows):
             if found:
                 row = found[0]
                 texts = [row["freed"], row["median_steps"], row["ninety_steps"], f"{float(row['median_way']):.2g}"]
-                cells[library] = " / ".join(texts), float(row["median_way"])
+                is_all = int(row["freed"]) == int(row["poses"])
+                cells[library] = " / ".join(texts), float(row["median_way"]) if is_all else None
         columns.append(cells)
     head = ["library", "shallow, convex", "shallow, concave", "deep, convex", "deep, concave"]
-    return ranked(head, libraries, columns, {name: float(columns[3][name][1] or 99) for name in libraries})
+    return ranked(head, libraries, columns, {name: -total(only(rows, library=name), "freed") for name in libraries})
 
 
 def intersecting(rows):

@@ -83,7 +83,9 @@ class Drake(Library):
             areas = np.linalg.norm(normals, axis=1)
             kept = areas > 0
             middles, directions = corners.mean(1)[kept], sign * normals[kept] / areas[kept, None]
-            parts.append(Contacts.make(middles, middles, directions, pressure[triangles].mean(1)[kept], areas[kept]))
+            # With pressure 1 a length the surface lies as deep in the one body as in the other: they part by both.
+            depths = 2 * pressure[triangles].mean(1)[kept]
+            parts.append(Contacts.make(middles, middles, directions, depths, 0.5 * areas[kept]))
         return np.concatenate(parts)
 
 
