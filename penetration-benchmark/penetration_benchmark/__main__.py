@@ -59,7 +59,7 @@ def open_libraries(options):
     for name in names:
         try:
             opened.append(libraries.make(name))
-        except (ImportError, OSError, KeyError) as error:
+        except (ImportError, OSError, KeyError) as error:  # KeyError: PENETRATION_BUILD is not set
             if not is_all:
                 raise
             print(f"{name} is left out: {error!r}", file=sys.stderr)
@@ -82,6 +82,11 @@ def main(arguments=None):
     chosen = options.tasks.split(",")
     if any(task not in HEADS for task in chosen):
         parser.error(f"the tasks are {', '.join(HEADS)}")
+    unknown = [name for name in options.libraries.split(",") if name not in ("", "all", *libraries.KNOWN)]
+    if unknown:
+        parser.error(f"there is no library '{unknown[0]}'; there are {', '.join(libraries.KNOWN)}")
+    if not options.share > 0:
+        parser.error(f"a share of {options.share} has no poses; give a number above 0")
     out = pathlib.Path(options.out)
     folder = pathlib.Path(options.set or out / "set")
     if not options.set:
