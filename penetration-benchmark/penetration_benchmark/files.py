@@ -2,6 +2,7 @@
 """Shapes and poses as files; README.md describes them."""
 
 import csv
+import os
 import pathlib
 from typing import NamedTuple
 
@@ -10,8 +11,9 @@ import numpy as np
 from .library import Surface
 
 COLUMNS = ["id", "pair", "kind", *(f"quaternion_{c}" for c in "wxyz"), *(f"translation_{c}" for c in "xyz")]
-# The folder of the repository with forces from judges that are not ours.
-REFERENCES = pathlib.Path(__file__).resolve().parents[2] / "references"
+# The folder of the repository with forces from judges that are not ours; to be named where the package is installed.
+REFERENCES = pathlib.Path(os.environ.get("PENETRATION_REFERENCES",
+                                         pathlib.Path(__file__).resolve().parents[2] / "references"))
 
 
 class Pose(NamedTuple):
