@@ -9,9 +9,9 @@ usage: scripts/test.sh [--long]
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the pages of the Rust
 library, the oracle with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the
 instructions of a step, the hash of all results, the versions that the library is made of, inputs that nobody chose for
-a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the C and C++ tests with the
-packages and the manual (cmake --workflow --preset test), and the command lines of all programs. Missing Debian packages
-are installed first. With --long the oracle asks 1e7 queries, self-collision takes 1e5 steps, forces are measured at every
+a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the benchmark of deep contact without
+its peers, the C and C++ tests with the packages and the manual (cmake --workflow --preset test), and the command lines of
+all programs. Missing Debian packages are installed first. With --long the oracle asks 1e7 queries, self-collision takes 1e5 steps, forces are measured at every
 size, as in docs/accuracy.md, licences are checked, the sanitizers run, and the page of all measurements is made anew and
 tested in Chromium.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
@@ -65,6 +65,7 @@ check 'supply chain' scripts/supply_chain.sh "${supply_chain[@]}"
 check 'fuzzing' scripts/fuzz.sh --seconds 15
 check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
 check 'Python' scripts/python.sh
+check 'penetration' scripts/penetration.sh --check
 check 'C, C++ tests' cmake --workflow --preset test
 check 'command lines' scripts/command_lines.sh
 if [[ $long == true ]]; then

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""The libraries that have been measured, each at the settings that its authors recommend for this."""
+
+import importlib
+
+# Module and class, in the order of the tables.
+KNOWN = {
+    "raycontact": ("raycontact_library", "Raycontact"),
+    "raycontact-paper": ("raycontact_library", "RaycontactPaper"),
+    "raycontact-no-escape": ("raycontact_library", "RaycontactNoEscape"),
+    "embree": ("embree", "Embree"),
+    "trimesh": ("trimesh_library", "Trimesh"),
+    "fcl": ("fcl_library", "Fcl"),
+    "coal": ("coal_library", "Coal"),
+    "bullet": ("bullet", "Bullet"),
+    "mujoco": ("mujoco_library", "Mujoco"),
+    "drake": ("drake", "Drake"),
+    "ipc-toolkit": ("ipc_toolkit", "IpcToolkit"),
+}
+
+
+def make(name):
+    """Raises ImportError or OSError where the library is not installed."""
+    module, kind = KNOWN[name]
+    return getattr(importlib.import_module(f".{module}", __name__), kind)()

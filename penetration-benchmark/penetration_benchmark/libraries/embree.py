@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+import os
+
+from ..c_library import CLibrary
+
+
+class Embree(CLibrary):
+    name = "Algorithm 1 on Embree"
+    version = "3.13.5"
+    settings = "trees refitted in each step, robust traversal, single precision; inside is what has a contact"
+    documentation = "https://www.embree.org/api.html"
+
+    def __init__(self):
+        super().__init__(os.path.join(os.environ["PENETRATION_BUILD"], "embree.so"))

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Draws free.svg and directions.svg from free.csv and measure.csv in one folder.
+
+Usage: draw_penetration.py [docs/penetration]
+
+scripts/penetration.sh measures and calls it. Needs matplotlib.
+"""
+
+import argparse
+import csv
+import os
+import sys
+
+try:
+    import matplotlib
+
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plot  # after the choice of output
+except ModuleNotFoundError:
+    matplotlib = None  # --help works without
+
+# Told apart by colour-blind readers too.
+OUTCOMES = {"freed": ("apart", "#1b6ab3"), "nearly": ("apart after a shift of 2 % of the size", "#8fbce6"),
+            "stuck": ("stuck after 100 steps", "#ee8822"), "exploded": ("exploded", "#c02050"),
+            "refused": ("shapes refused", "#cccccc")}
+JUDGES = {"overlap_volume": ("even pressure", "#555555", "s"), "hydroelastic": ("hydroelastic contact", "#1b6ab3", "o")}
+
+
+def read(folder, name):
+    with open(os.path.join(folder, name), newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def save(figure, folder, name):
+    # Neither date nor random names: the same figures give the same file.
+    figure.savefig(os.path.join(folder, name), bbox_inches="tight", metadata={"Date": None})
+    plot.close(figure)
+
+
+def draw_free(folder):
+    rows = read(folder, "free.csv")
+    sums = {}
+    for row in rows:
+        own = sums.setdefault(row["library"], dict.fromkeys(OUTCOMES, 0))
+        for outcome in OUTCOMES:
+            own[outcome] += int(row[outcome])
+    done = {name: own for name, own in sums.items() if own["refused"] < sum(own.values())}
+    names = sorted(done, key=lambda name: done[name]["freed"])
+    figure, axes = plot.subplots(figsize=(7.2, 0.36 * len(names) + 0.8), layout="constrained")
+    left = [0.0] * len(names)
+    for outcome, (label, colour) in OUTCOMES.items():
+        width = [100 * done[name][outcome] / sum(done[name].values()) for name in names]
+        if any(width):
+            axes.barh(names, width, left=left, color=colour, label=label, height=0.7)
+            left = [a + b for a, b in zip(left, width)]
+    axes.set(xlabel="% of all overlapping poses", xlim=(0, 100))
+    figure.legend(fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    save(figure, folder, "free.svg")
+
+
+def draw_directions(folder):
+    rows = [row for row in read(folder, "measure.csv") if row["kind"] == "random" and row["median"]]
+    names = list(dict.fromkeys(row["library"] for row in rows))[::-1]
+    figure, panels = plot.subplots(1, 2, figsize=(8.4, 0.42 * len(names) + 1.0), sharex=True, sharey=True, layout="constrained")
+    for axes, shapes in zip(panels, ("convex", "concave")):
+        for offset, (judge, (label, colour, marker)) in zip((0.15, -0.15), JUDGES.items()):
+            own = {row["library"]: row for row in rows if (row["shapes"], row["judge"]) == (shapes, judge)}
+            places = [names.index(name) + offset for name in own]
+            ends = [[float(row[key]) for row in own.values()] for key in ("median", "ninety")]
+            axes.hlines(places, *ends, color=colour, linewidth=1.5)
+            axes.plot(ends[0], places, marker, color=colour, markersize=5, label=label if axes is panels[0] else None)
+        axes.set(xscale="log", title=f"{shapes} shapes", xlabel="degrees: median, and the line to 90 %")
+        axes.set_yticks(range(len(names)), names)
+        axes.grid(axis="x", linewidth=0.4)
+    figure.legend(fontsize=8, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    save(figure, folder, "directions.svg")
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n\n", maxsplit=1)[0],
+        epilog="Exit status: 0 when drawn, 1 when something is missing, 2 for a wrong command line.",
+    )
+    parser.add_argument("folder", nargs="?", default="docs/penetration", help="default: docs/penetration")
+    folder = parser.parse_args().folder
+    if matplotlib is None:
+        sys.exit("draw_penetration.py: matplotlib is missing (Debian: python3-matplotlib)")
+    # Letters as text and fixed names keep the files small and the same from run to run.
+    matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "penetration", "font.size": 9})
+    try:
+        draw_free(folder)
+        draw_directions(folder)
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"draw_penetration.py: {error}: run scripts/penetration.sh --full")
+
+
+if __name__ == "__main__":
+    main()

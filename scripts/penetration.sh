@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Runs the open benchmark of deep contact on this library and its peers, and renews the tables and charts of its page.
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+usage() {
+    cat <<END
+usage: scripts/penetration.sh [--quick|--full|--check]
+
+Runs penetration-benchmark/ in a virtual environment of its own in target/penetration, with this library as a wheel and
+its peers from PyPI and Debian, in fixed versions.
+  --quick   (default) every tenth pose; the CSV files go to target/penetration/quick. A few minutes
+  --full    all poses; renews the CSV files in docs/penetration, the charts beside them and the tables of
+            docs/penetration.md. About half an hour
+  --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
+            still answers as in docs/penetration/quick. Under a minute
+Exit status: 0 when done, 1 when something fails, 2 for a wrong command line.
+END
+}
+
+size="${1:---quick}"
+case "$size" in
+    --quick | --full | --check) ;;
+    -h | --help) usage && exit 0 ;;
+    *) usage >&2 && fail "unknown argument '$1'" 2 ;;
+esac
+
+tools=(hatchling==1.33.0 cffi==2.1.1 numpy==2.4.6 pytest==9.2.0)
+peers=(coal==3.0.3 drake==1.51.1 embreex==4.4.0.post1 ipctk==1.6.1 matplotlib==3.11.2 mujoco==4.0.0 python-fcl==0.7.0.11
+    scipy==1.17.1 trimesh==5.2.0)
+folder="$root/target/penetration"
+environment="$folder/venv"
+wheels="$folder/wheel"
+# Nothing of the caller's own Python: only what is installed here.
+unset PYTHONPATH PYTHONHOME
+export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_QUIET=1 PYTHONDONTWRITEBYTECODE=1 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
+[[ -x "$environment/bin/pip" ]] || python3 -m venv --clear "$environment" ||
+    fail "python3 cannot make a virtual environment in $environment. On Debian: scripts/setup.sh"
+"$environment/bin/pip" install "${tools[@]}" || fail "pip could not install ${tools[*]}"
+
+say 'Building the wheel'
+rm -rf "$wheels"
+"$environment/bin/pip" wheel --no-deps --no-build-isolation --wheel-dir "$wheels" "$root" ||
+    fail 'the wheel could not be built'
+"$environment/bin/pip" install --force-reinstall --no-deps "$wheels"/*.whl || fail 'the wheel could not be installed'
+
+cd "$root/penetration-benchmark"
+if [[ $size == --check ]]; then
+    "$environment/bin/python" -m pytest -p no:cacheprovider --quiet --strict-markers tests ||
+        fail 'the benchmark does not hold'
+    exit 0
+fi
+
+say 'Installing and building the peers'
+install_packages libembree-dev libbullet-dev
+"$environment/bin/pip" install "${peers[@]}" || fail "pip could not install ${peers[*]}"
+export PENETRATION_BUILD="$folder/build"
+mkdir -p "$PENETRATION_BUILD"
+flags=(-Wall -Wextra -O3 -march=native -shared -fPIC)
+cc -std=c99 "${flags[@]}" c/embree.c -o "$PENETRATION_BUILD/embree.so" -lembree3 -lm &&
+    c++ -std=c++17 "${flags[@]}" -isystem /usr/include/bullet c/bullet.cpp -o "$PENETRATION_BUILD/bullet.so" \
+        -lBulletCollision -lLinearMath || fail 'the peers behind c/penetration.h could not be built'
+
+say 'Measuring'
+run() { "$environment/bin/python" -m penetration_benchmark "$@" || fail 'a task failed, see above'; }
+if [[ $size == --quick ]]; then
+    run "$folder/quick" --share 0.1
+    say "Figures: $folder/quick"
+    exit 0
+fi
+run "$folder/full"
+# What --check asks again.
+run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper --tasks measure,free,detect
+docs="$root/docs/penetration"
+mkdir -p "$docs/quick"
+cp "$folder/full"/*.csv "$docs/"
+cp "$folder/own"/*.csv "$docs/quick/"
+"$environment/bin/python" "$root/scripts/draw_penetration.py" "$docs" || fail 'the charts could not be drawn, see above'
+"$environment/bin/python" "$root/scripts/tabulate_penetration.py" "$root/docs" || fail 'the tables could not be written'
+say "Figures and charts: $docs"

@@ -1,0 +1,225 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Writes the tables of docs/penetration.md anew from the CSV files in docs/penetration.
+
+Usage: tabulate_penetration.py [docs]
+
+A table stands between the lines <!-- NAME --> and <!-- end -->. scripts/penetration.sh measures and calls this.
+"""
+
+import argparse
+import csv
+import os
+import re
+import sys
+
+KINDS = ["shallow", "deep", "concentric", "coincident", "contained", "edges", "apart"]
+FREE_KINDS = KINDS[:-1]
+# Where times are compared: kind and shapes.
+TIMES = [("shallow", "convex"), ("deep", "convex"), ("deep", "concave"), ("fine", "convex"), ("fine", "concave")]
+FORCES = [("random", "convex", "overlap_volume"), ("random", "concave", "overlap_volume"),
+          ("random", "convex", "hydroelastic"), ("random", "concave", "hydroelastic"),
+          ("pressed", "concave", "hydroelastic")]
+JUDGES = {"overlap_volume": "even pressure", "hydroelastic": "hydroelastic"}
+
+
+def table(head, rows):
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head), *rows])
+
+
+class Column:
+    """Cells of one column: their text, and what the best of them is known by (less is better)."""
+
+    def __init__(self, cells):
+        ranks = [rank for _, rank in cells.values() if rank is not None]
+        best = min(ranks, default=None)
+        self.texts = {library: f"**{text}**" if rank is not None and rank == best else text
+                      for library, (text, rank) in cells.items()}
+
+
+def ranked(head, libraries, columns, order):
+    """The rows in the order of one number of each library, less being better; those without it last."""
+    last = float("inf")
+    known = sorted(libraries, key=lambda library: last if order.get(library) is None else order[library])
+    columns = [Column(column) for column in columns]
+    return table(head, [[library, *(column.texts[library] for column in columns)] for library in known])
+
+
+def total(rows, column):
+    values = [int(row[column]) for row in rows if row[column]]
+    return sum(values) if values else None
+
+
+def only(rows, **wanted):
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+
+
+def names(rows):
+    return list(dict.fromkeys(row["library"] for row in rows))
+
+
+def share(rows, column):
+    """(text, rank) of a part of all poses, in per cent; those that a library refuses are not among them."""
+    done, of = total(rows, column), sum(int(row["poses"]) - int(row["refused"]) for row in rows)
+    if done is None or not of:
+        return "–", None
+    text = f"{100 * done / of:.4g}" if done != of else "100"
+    refused = total(rows, "refused")
+    return text + (f" of {of}" if refused else ""), -done / of
+
+
+def libraries_table(rows):
+    lines = []
+    for row in rows:
+        link = f"[authors]({row['documentation']})" if row["documentation"].startswith("http") else "[here](options.md)"
+        lines.append([row["library"], row["version"], row["settings"], link])
+    return table(["library", "version", "settings", "documentation"], lines)
+
+
+def verdicts(rows):
+    rows = [row for row in rows if row["verdicts_right"]]
+    libraries = names(rows)
+    columns = [{library: share(only(rows, library=library, kind=kind), "verdicts_right") for library in libraries}
+               for kind in KINDS]
+    everything = {library: share([row for row in rows if row["library"] == library and row["kind"] in KINDS],
+                                 "verdicts_right") for library in libraries}
+    order = {library: rank for library, (_, rank) in everything.items()}
+    return ranked(["library", "all", *KINDS], libraries, [everything, *columns], order)
+
+
+def vertices(rows):
+    libraries = [name for name in names(rows) if total(only(rows, library=name), "inside") is not None]
+    wrong, order = {}, {}
+    for library in libraries:
+        own = [row for row in only(rows, library=library) if row["inside"]]
+        missed, false, inside = (total(own, column) for column in ("missed", "false", "inside"))
+        order[library] = (missed + false) / inside
+        wrong[library] = [(f"{missed} of {inside}", missed / inside), (str(false), false)]
+    columns = [{library: wrong[library][i] for library in libraries} for i in (0, 1)]
+    for place in TIMES:
+        columns.append({library: ratio(rows, library, place, "inside") for library in libraries})
+    head = ["library", "inside, missed", "outside, called inside", *map(", ".join, TIMES)]
+    return ranked(head, libraries, columns, order)
+
+
+def ratio(rows, library, place, query):
+    found = [row for row in only(rows, library=library, kind=place[0], shapes=place[1]) if row[query + "_ratio"]]
+    if not found:
+        return "–", None
+    return f"{float(found[0][query + '_ratio']):.2g} ({float(found[0][query + '_us']):.3g} µs)", float(
+        found[0][query + "_ratio"])
+
+
+def times(rows):
+    libraries = [name for name in names(rows) if any(row["contacts_us"] for row in only(rows, library=name))]
+    columns = [{library: ratio(rows, library, place, "contacts") for library in libraries} for place in TIMES]
+    return ranked(["library", *map(", ".join, TIMES)], libraries, columns,
+                  {library: columns[2][library][1] for library in libraries})
+
+
+def forces(rows, kinds, texts, head):
+    libraries = [name for name in names(rows) if any(row["median"] for row in only(rows, library=name))]
+    columns = []
+    for kind, shapes, judge in kinds:
+        cells = {}
+        for library in libraries:
+            row = only(rows, library=library, kind=kind, shapes=shapes, judge=judge)[0]
+            cells[library] = texts(row) if row["median"] else ("–", None)
+        columns.append(cells)
+    titles = [f"{kind}, {shapes}, to {JUDGES[judge]}" for kind, shapes, judge in kinds]
+    return ranked([head, *titles], libraries, columns, {library: columns[-2][library][1] for library in libraries})
+
+
+def direction(row):
+    silent = f" ({row['silent']} of {row['poses']} silent)" if row["silent"] != "0" else ""
+    refused = f" ({row['refused']} of {row['poses']} refused)" if row["refused"] != "0" else ""
+    return " / ".join(f"{float(row[key]):.2g}" for key in ("median", "ninety", "worst")) + silent + refused, float(
+        row["median"])
+
+
+def size(row):
+    return " / ".join(f"{float(row[key]):.3g}" for key in ("size_median", "size_ninety")), float(row["size_median"])
+
+
+def free(rows):
+    rows = [row for row in rows if not row["refused"] == row["poses"]]
+    libraries = [name for name in names(rows)]
+    everything = {library: share(only(rows, library=library), "freed") for library in libraries}
+    nearly = {library: (str(total(only(rows, library=library), "nearly")), None) for library in libraries}
+    columns = [everything, nearly]
+    columns += [{library: share(only(rows, library=library, kind=kind), "freed") for library in libraries}
+                for kind in FREE_KINDS]
+    return ranked(["library", "all", "nearly", *FREE_KINDS], libraries, columns,
+                  {library: rank for library, (_, rank) in everything.items()})
+
+
+def shapes(rows):
+    """Freed, steps and way by kind of shapes, where a library frees any; best among those that free all."""
+    libraries, columns = [name for name in names(rows) if total(only(rows, library=name), "freed")], []
+    for kind, group in (("shallow", "convex"), ("shallow", "concave"), ("deep", "convex"), ("deep", "concave")):
+        cells = {}
+        for library in libraries:
+            found = [row for row in only(rows, library=library, kind=kind, shapes=group) if row["median_steps"]]
+            cells[library] = ("–", None)
+            if found:
+                row = found[0]
+                texts = [row["freed"], row["median_steps"], row["ninety_steps"], f"{float(row['median_way']):.2g}"]
+                is_all = int(row["freed"]) == int(row["poses"])
+                cells[library] = " / ".join(texts), float(row["median_way"]) if is_all else None
+        columns.append(cells)
+    head = ["library", "shallow, convex", "shallow, concave", "deep, convex", "deep, concave"]
+    return ranked(head, libraries, columns, {name: -total(only(rows, library=name), "freed") for name in libraries})
+
+
+def intersecting(rows):
+    lines = [[row["kind"], row["poses"], row["told_intersecting"], f"{float(row['median_share']):.2g}",
+              f"{float(row['largest_share']):.2g}"] for row in rows]
+    return table(["kind", "poses", "told to intersect", "median part of the way", "largest"], lines)
+
+
+def read(folder, name):
+    with open(os.path.join(folder, "penetration", f"{name}.csv"), newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n\n", maxsplit=1)[0],
+        epilog="Exit status: 0 when written, 1 when something is missing, 2 for a wrong command line.",
+    )
+    parser.add_argument("folder", nargs="?", default="docs", help="default: docs")
+    folder = parser.parse_args().folder
+    path = os.path.join(folder, "penetration.md")
+    try:
+        detected, measured, freed = (read(folder, name) for name in ("detect", "measure", "free"))
+        about = read(folder, "libraries")
+        tables = {
+            "libraries": libraries_table(about),
+            "verdicts": verdicts(detected),
+            "vertices": vertices(detected),
+            "times": times(detected),
+            "directions": forces(measured, FORCES, direction, "library"),
+            "sizes": forces(measured, FORCES[:4], size, "library"),
+            "free": free(freed),
+            "ways": shapes(freed),
+            "intersecting": intersecting(read(folder, "intersecting")),
+            "date": f"Run on {about[0]['date']}, seed {about[0]['seed']}, "
+                    f"{100 * float(about[0]['share']):.3g} % of the full number of poses.",
+        }
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        for name, lines in tables.items():
+            place = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)
+            if not place.search(text):
+                raise ValueError(f"{path} has no lines <!-- {name} --> and <!-- end -->: put them where the table goes")
+            text = place.sub(lambda match, lines=lines: match[1] + lines + "\n" + match[2], text)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+    except (OSError, ValueError) as error:
+        sys.exit(f"tabulate_penetration.py: {error}")
+    except (KeyError, IndexError) as error:
+        sys.exit(f"tabulate_penetration.py: a CSV file lacks {error}: run scripts/penetration.sh --full")
+
+
+if __name__ == "__main__":
+    main()
