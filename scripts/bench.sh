@@ -6,7 +6,7 @@ usage() {
     cat <<END
 usage: scripts/bench.sh [quick|full|docs] [options of the measuring program]
 
-quick (default): every method on the ordinary workloads, within three minutes after the build.
+quick (default): every method on the ordinary workloads and two deep pairs, about ten minutes after the build.
 full: also up to 409 600 triangles a body and up to 1000 bodies.
 docs: measures nothing; takes the last measurement over into docs/performance.md and docs/performance/.
 Writes out/bench/detect.csv and charts beside it, and prints how many times as long as raycontact each peer takes.

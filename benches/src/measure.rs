@@ -45,7 +45,10 @@ pub fn run(
     for description in methods {
         progress.set_message(format!("{}: preparing {}", workload.name, description.name));
         if !description.can_take(workload) {
-            progress.println(format!("{} is left out of {}: it would not end soon", description.name, workload.name));
+            progress.println(format!(
+                "{} is left out of {}: it cannot take it, or would not end soon",
+                description.name, workload.name
+            ));
             progress.inc(ROUNDS.into());
             continue;
         }

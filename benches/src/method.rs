@@ -109,10 +109,15 @@ pub fn all() -> Vec<Description> {
 const MOST_TRIANGLES_FOR_BULLET: usize = 50_000;
 
 impl Description {
-    /// Whether it can be made ready for the workload in a time that one would wait.
+    /// Whether it can take the workload, and be made ready for it in a time that one would wait.
     pub fn can_take(&self, workload: &Workload) -> bool {
         let largest = workload.bodies.iter().map(|body| body.triangles.len()).max().unwrap_or(0);
-        self.name != "bullet-vf" || largest <= MOST_TRIANGLES_FOR_BULLET
+        match self.name {
+            "bullet-vf" => largest <= MOST_TRIANGLES_FOR_BULLET,
+            // It knows its way over grids alone.
+            "floor" => workload.bodies.iter().all(|body| body.rows > 0),
+            _ => true,
+        }
     }
 
     pub fn start(&self, workload: &Workload, host: &Host, peers: &peer::Library) -> Result<Box<dyn Method>, String> {
