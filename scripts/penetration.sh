@@ -30,19 +30,10 @@ peers=(coal==3.0.3 drake==1.51.1 embreex==4.4.0.post1 ipctk==1.6.1 matplotlib==3
 folder="$root/target/penetration"
 environment="$folder/venv"
 wheels="$folder/wheel"
-# Nothing of the caller's own Python: only what is installed here.
-unset PYTHONPATH PYTHONHOME
-export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_QUIET=1 PYTHONDONTWRITEBYTECODE=1 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-[[ -x "$environment/bin/pip" ]] || python3 -m venv --clear "$environment" ||
-    fail "python3 cannot make a virtual environment in $environment. On Debian: scripts/setup.sh"
-"$environment/bin/pip" install "${tools[@]}" || fail "pip could not install ${tools[*]}"
-
-say 'Building the wheel'
-rm -rf "$wheels"
-"$environment/bin/pip" wheel --no-deps --no-build-isolation --wheel-dir "$wheels" "$root" ||
-    fail 'the wheel could not be built'
-"$environment/bin/pip" install --force-reinstall --no-deps "$wheels"/*.whl || fail 'the wheel could not be installed'
+source scripts/wheel.sh
+install_wheel "$environment" "$wheels" "${tools[@]}"
 
 cd "$root/penetration-benchmark"
 if [[ $size == --check ]]; then

@@ -22,20 +22,9 @@ esac
 tools=(hatchling==1.33.0 cffi==2.1.1 numpy==2.4.6 pytest==9.2.0)
 wheels="$root/target/python/wheel"
 environment="$root/target/python/environment"
-# Nothing of the caller's own Python: only what is installed here.
-unset PYTHONPATH PYTHONHOME
-export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_QUIET=1 PYTHONDONTWRITEBYTECODE=1
 
-[[ -x "$environment/bin/pip" ]] || python3 -m venv --clear "$environment" ||
-    fail "python3 cannot make a virtual environment in $environment. On Debian: scripts/setup.sh"
-"$environment/bin/pip" install "${tools[@]}" || fail "pip could not install ${tools[*]}"
-
-say 'Building the wheel'
-rm -rf "$wheels"
-"$environment/bin/pip" wheel --no-deps --no-build-isolation --wheel-dir "$wheels" "$root" ||
-    fail 'the wheel could not be built'
-"$environment/bin/pip" install --force-reinstall --no-deps "$wheels"/*.whl || fail 'the wheel could not be installed'
-say "$(ls -sh "$wheels"/*.whl | sed "s|$root/||")"
+source scripts/wheel.sh
+install_wheel "$environment" "$wheels" "${tools[@]}"
 
 cd "$environment"
 "$environment/bin/python" -m pytest -p no:cacheprovider --quiet --strict-markers -W error "$root/python/tests" ||

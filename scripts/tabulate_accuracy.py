@@ -11,8 +11,9 @@ import argparse
 import csv
 import math
 import os
-import re
 import sys
+
+import document_tables
 
 SIDES = ["10", "14", "20", "30", "50", "100", "150"]
 SIZES = ["500", "1600", "5000", "16 000", "50 000"]
@@ -104,15 +105,7 @@ def main():
             "convergence": convergence(errors, DEFAULTS),
             "convergence, others": convergence(errors, OTHERS),
         }
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
-        for name, lines in tables.items():
-            place = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)
-            if not place.search(text):
-                raise ValueError(f"{path} has no lines <!-- {name} --> and <!-- end -->: put them where the table goes")
-            text = place.sub(lambda match, lines=lines: match[1] + lines + "\n" + match[2], text)
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
+        document_tables.renew(path, tables)
     except (OSError, ValueError) as error:
         sys.exit(f"tabulate_accuracy.py: {error}")
     except (KeyError, IndexError) as error:

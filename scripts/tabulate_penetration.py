@@ -10,8 +10,9 @@ A table stands between the lines <!-- NAME --> and <!-- end -->. scripts/penetra
 import argparse
 import csv
 import os
-import re
 import sys
+
+import document_tables
 
 KINDS = ["shallow", "deep", "concentric", "coincident", "contained", "edges", "apart"]
 FREE_KINDS = KINDS[:-1]
@@ -206,15 +207,7 @@ def main():
             "date": f"Run on {about[0]['date']}, seed {about[0]['seed']}, "
                     f"{100 * float(about[0]['share']):.3g} % of the full number of poses.",
         }
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
-        for name, lines in tables.items():
-            place = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)
-            if not place.search(text):
-                raise ValueError(f"{path} has no lines <!-- {name} --> and <!-- end -->: put them where the table goes")
-            text = place.sub(lambda match, lines=lines: match[1] + lines + "\n" + match[2], text)
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
+        document_tables.renew(path, tables)
     except (OSError, ValueError) as error:
         sys.exit(f"tabulate_penetration.py: {error}")
     except (KeyError, IndexError) as error:
