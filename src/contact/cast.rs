@@ -1,14 +1,17 @@
-use super::cutter::Cutter;
+use super::border::{self, Inside};
+use super::cutter::{CutPiece, Cutter};
 use super::distance::{ContactLaw, distances_over_depths};
-use super::found::{Found, Origins, cosines, vector};
+use super::face_source::{FaceSource, Starts};
+use super::found::{Found, Origins, cosines, set_lane, vector};
 use super::load::{CastSurfaceLanes, Turning};
 use super::pair::Direction;
 use super::samples::Sample;
-use super::{Contact, Statistics, past_folds, starts_outside};
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
+use super::workspace::Pieces;
+use super::{Contact, Statistics, SurfacePoint, past_folds, starts_outside};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
 use crate::memory::Room;
-use crate::mesh::{Mesh, NormalLanes, Standing};
-use crate::octree::{Candidates, PacketHits, PointDistances, Tracer};
+use crate::mesh::{Mesh, NormalLanes};
+use crate::octree::{Candidates, PacketHits, PointDistances};
 use crate::ray::{Hit, RayPacket};
 
 /// The rays from some of a body's groups of vertices or triangles through the other body, sixteen at a time through
@@ -19,31 +22,12 @@ pub(super) struct Cast<'a, T: Scalar> {
     pub(super) surface: &'a mut Turning<T>,
     pub(super) statistics: &'a mut Statistics,
     pub(super) contacts: &'a mut Vec<Contact<T>>,
-    /// Room for the pieces of a triangle.
-    pub(super) pieces: &'a mut Vec<Sample<T>>, // must be empty
+    /// Room for the pieces of a triangle, and for what is inside of those that the other body's surface crosses.
+    pub(super) pieces: &'a mut Pieces<T>,
     /// Room for the vertices in the overlap box.
     pub(super) vertices: &'a mut Vec<u32>,
     /// Room for the crossings of a ray.
     pub(super) crossings: &'a mut Vec<Hit<T>>,
-}
-
-/// Where rays start.
-#[derive(Clone, Copy)]
-pub(super) enum Starts<'a> {
-    /// From the vertices or triangles of these groups.
-    Groups(&'a [u32]),
-    /// From the triangles at these places, each for its patch.
-    Patches(&'a Standing, &'a [u32]),
-}
-
-impl Starts<'_> {
-    /// In how many steps they are taken.
-    pub(super) fn len(&self) -> usize {
-        match self {
-            Self::Groups(groups) => groups.len(),
-            Self::Patches(_, places) => places.len().div_ceil(LANE_COUNT),
-        }
-    }
 }
 
 impl<T: Scalar> Kernel<T> for Cast<'_, T> {
@@ -54,10 +38,11 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
         let pair = self.direction.pair;
         // Small functions that fill packets, and one loop that traces them: what is inlined here is large.
         let cutter = pair.cutter();
-        let mut source = Source::new(match pair.patch_area {
+        let cutter = match pair.patch_area {
             Some(area) => cutter.map(|cutter| cutter.with_patches(area)),
             None => cutter,
-        });
+        };
+        let mut source = Source::new(cutter, pair.measures_distances());
         let from_vertices = source.faces.is_none();
         if from_vertices {
             self.list_vertices::<L>();
@@ -86,6 +71,11 @@ struct Rays<T: Scalar> {
     candidates: Candidates<T>,
     hits: PacketHits<T>,
     distances: PointDistances<T>,
+    /// Which lanes stand for surface that the other body's may cross: it is coarse, and not yet the part inside.
+    coarse: Mask,
+    /// Which lanes stand for a part of their triangle, and the barycentric weights of its corners.
+    cut: Mask,
+    corner_weights: [[Vector3<T>; 3]; LANE_COUNT],
 }
 
 impl<T: Scalar> Rays<T> {
@@ -98,7 +88,46 @@ impl<T: Scalar> Rays<T> {
             candidates: Candidates::new(),
             hits: PacketHits::empty(),
             distances: PointDistances::new(),
+            coarse: 0,
+            cut: 0,
+            corner_weights: [[Vector3::zeros(); 3]; LANE_COUNT],
         }
+    }
+}
+
+impl<T: Scalar> Rays<T> {
+    fn set_sample(&mut self, lane: usize, sample: &Sample<T>) {
+        set_lane(&mut self.samples.position, lane, &sample.point.position);
+        set_lane(&mut self.samples.normal, lane, &sample.normal);
+        self.samples.area[lane] = sample.area;
+        self.origins.indices[lane] = sample.point.triangle;
+        set_lane(&mut self.origins.weights, lane, &sample.point.weights.into());
+    }
+
+    /// Which lanes start beside the region: coarse surface that reaches into it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn beside<L: Lanes<T>>(&self, region: &Aabb<T>) -> Mask {
+        if self.coarse == 0 {
+            return 0;
+        }
+        let at = Vectors::<T, L>::load(&self.samples.position);
+        let within = Vectors::splat(&region.lower).are_at_most(at) & at.are_at_most(Vectors::splat(&region.upper));
+        self.coarse & !within
+    }
+
+    /// The piece that a lane stands for.
+    fn piece(&self, lane: usize, own: &Mesh<T>) -> CutPiece<T> {
+        let triangle = self.origins.indices[lane];
+        let point = SurfacePoint {
+            triangle,
+            vertices: own.topology().triangles()[triangle as usize],
+            weights: vector(&self.origins.weights, lane).into(),
+            position: vector(&self.samples.position, lane),
+        };
+        let sample = Sample { point, normal: vector(&self.samples.normal, lane), area: self.samples.area[lane] };
+        let whole = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let corner_weights = if self.cut >> lane & 1 == 1 { self.corner_weights[lane] } else { whole };
+        CutPiece { sample, corner_weights }
     }
 }
 
@@ -145,28 +174,31 @@ impl<T: Scalar> Cast<'_, T> {
         let own = self.direction.pair.tracers[self.direction.side];
         let mut count = 0;
         let thirds = Vector3::repeat(T::one() / T::of(3.0));
-        let Origins { indices: triangles, weights, .. } = &mut rays.origins;
+        (rays.coarse, rays.cut) = (0, 0);
+        if self.pieces.inside.len() >= LANE_COUNT {
+            return self.fill_from_inside(rays);
+        }
         while count < LANE_COUNT {
-            if let Some(piece) = self.pieces.pop() {
-                set_lane(&mut rays.samples.position, count, &piece.point.position);
-                set_lane(&mut rays.samples.normal, count, &piece.normal);
-                rays.samples.area[count] = piece.area;
-                triangles[count] = piece.point.triangle;
-                set_lane(weights, count, &piece.point.weights.into());
+            if let Some(piece) = self.pieces.cut.pop() {
+                rays.set_sample(count, &piece.sample);
+                rays.corner_weights[count] = piece.corner_weights;
+                rays.cut |= 1 << count;
+                rays.coarse |= Mask::from(source.keeps_border) << count;
                 count += 1;
             } else if source.left != 0 {
                 let lane = source.left.trailing_zeros() as usize;
                 source.left &= source.left - 1;
                 if source.short >> lane & 1 == 0 {
-                    source.cut(own.mesh(), lane, self.pieces);
+                    source.cut(own.mesh(), lane, &mut self.pieces.cut);
                     continue;
                 }
                 let (samples, faces) = (&mut rays.samples, &source.lanes);
                 set_lane(&mut samples.position, count, &vector(&faces.position, lane));
                 set_lane(&mut samples.normal, count, &vector(&faces.normal, lane));
                 samples.area[count] = faces.area[lane];
-                triangles[count] = source.triangles[lane];
-                set_lane(weights, count, &thirds);
+                rays.origins.indices[count] = source.triangles[lane];
+                set_lane(&mut rays.origins.weights, count, &thirds);
+                rays.coarse |= (source.coarse >> lane & 1) << count;
                 count += 1;
             } else if *next_group < self.starts.len() {
                 self.statistics.without_normal += source.next::<L>(own, self.starts, *next_group);
@@ -175,11 +207,28 @@ impl<T: Scalar> Cast<'_, T> {
                 if count == 0 && source.left & !source.short == 0 && source.left.count_ones() >= ENOUGH {
                     rays.samples = source.lanes;
                     rays.samples.found = std::mem::take(&mut source.left);
-                    *triangles = source.triangles;
-                    *weights = [[thirds.x; LANE_COUNT]; 3];
+                    rays.origins.indices = source.triangles;
+                    rays.origins.weights = [[thirds.x; LANE_COUNT]; 3];
+                    rays.coarse = source.coarse & rays.samples.found;
                     return true;
                 }
+            } else if count == 0 {
+                return self.fill_from_inside(rays);
             } else {
+                break;
+            }
+        }
+        rays.samples.found = ((1u32 << count) - 1) as Mask;
+        count > 0
+    }
+
+    /// Of the parts inside the other body the last ones.
+    fn fill_from_inside(&mut self, rays: &mut Rays<T>) -> bool {
+        let mut count = 0;
+        while let Some(sample) = self.pieces.inside.pop() {
+            rays.set_sample(count, &sample);
+            count += 1;
+            if count == LANE_COUNT {
                 break;
             }
         }
@@ -192,10 +241,12 @@ impl<T: Scalar> Cast<'_, T> {
     fn cast<L: Lanes<T>>(&mut self, rays: &mut Rays<T>) {
         let Direction { pair, side } = *self.direction;
         let other = pair.tracers[1 - side];
-        let Rays { samples, origins, surface, packet, candidates, hits, distances } = rays;
-        self.statistics.rays += u64::from(samples.found.count_ones());
+        let beside = rays.beside::<L>(pair.region);
+        let Rays { samples, surface, packet, candidates, hits, coarse, .. } = rays;
+        let present = samples.found & !beside;
+        self.statistics.rays += u64::from(present.count_ones());
         surface.add::<L>(samples);
-        packet.set_inward::<L>(samples.found, &samples.position, &samples.normal, &pair.ray_regions[side]);
+        packet.set_inward::<L>(present, &samples.position, &samples.normal, &pair.ray_regions[side]);
         other.nearest_of_packet::<L>(packet, candidates, hits);
         let goes_past_folds = pair.options.past_folds;
         let mut followed = 0;
@@ -206,6 +257,9 @@ impl<T: Scalar> Cast<'_, T> {
         let exits = hits.found & hits.exits;
         self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
         self.statistics.entry_hits += u64::from((hits.found & !exits).count_ones());
+        let crossed = if *coarse != 0 { self.cut_at_surface::<L>(rays, exits & !followed) } else { 0 };
+        let Rays { samples, origins, packet, candidates, hits, distances, .. } = rays;
+        let exits = exits & !crossed;
         if exits == 0 {
             return;
         }
@@ -225,6 +279,43 @@ impl<T: Scalar> Cast<'_, T> {
         distances_over_depths::<T, L>(other, packet, measured, hits, distances, &mut cos_alpha);
         let found = Found { packet, samples, origins, hits, cos_alpha };
         found.accept::<L>(accepted, self.direction, self.contacts);
+    }
+
+    /// Holds coarse surface against that of the other body, and keeps what lies inside where it is crossed. Gives which of
+    /// the rays in `exits` are no contacts thereby: the part inside casts another.
+    #[inline(never)]
+    fn cut_at_surface<L: Lanes<T>>(&mut self, rays: &mut Rays<T>, exits: Mask) -> Mask {
+        let Direction { pair, side } = *self.direction;
+        let [own, other] = [pair.tracers[side], pair.tracers[1 - side]];
+        let asked = rays.coarse & rays.samples.found;
+        let corners_of = |piece: &CutPiece<T>| {
+            let corners = own.mesh().corners(piece.sample.point.triangle);
+            piece.corner_weights.map(|weights| corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z)
+        };
+        let mut reach = [T::zero(); LANE_COUNT];
+        for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+            let piece = rays.piece(lane, own.mesh());
+            reach[lane] = border::reach(&corners_of(&piece), &piece.sample.point.position);
+        }
+        other.distances_of_packet::<L>(&rays.samples.position, asked, &reach, &mut rays.distances);
+        let mut crossed = 0;
+        for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+            if rays.distances.distances[lane] >= reach[lane] {
+                continue;
+            }
+            let piece = rays.piece(lane, own.mesh());
+            let is_inside = exits >> lane & 1 == 1;
+            let Some(nearest) = other.closest_point(&piece.sample.point.position, reach[lane]) else { continue };
+            match border::inside_part(&piece, &corners_of(&piece), other, &nearest, is_inside) {
+                Inside::Part(part) => {
+                    self.pieces.inside.room_for(1).push(part);
+                    crossed |= Mask::from(is_inside) << lane;
+                }
+                Inside::All | Inside::Nothing => {}
+            }
+        }
+        self.statistics.border_pieces += u64::from(crossed.count_ones());
+        crossed
     }
 
     /// Which of the rays leave their own body before the other.
@@ -256,11 +347,6 @@ impl<T: Scalar> Cast<'_, T> {
     }
 }
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn set_lane<T: Scalar>([x, y, z]: &mut [[T; LANE_COUNT]; 3], lane: usize, vector: &Vector3<T>) {
-    (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
-}
-
 /// Where the next rays come from.
 struct Source<'a, T: Scalar> {
     /// The next vertex, group or sixteen patches.
@@ -270,101 +356,8 @@ struct Source<'a, T: Scalar> {
 }
 
 impl<'a, T: Scalar> Source<'a, T> {
-    fn new(cutter: Option<Cutter<'a, T>>) -> Self {
-        Self { next: 0, faces: cutter.map(FaceSource::new) }
+    fn new(cutter: Option<Cutter<'a, T>>, keeps_border: bool) -> Self {
+        Self { next: 0, faces: cutter.map(|cutter| FaceSource::new(cutter, keeps_border)) }
     }
 }
 
-/// A group of triangles on its way into packets.
-struct FaceSource<'a, T: Scalar> {
-    cutter: Cutter<'a, T>,
-    triangles: [u32; LANE_COUNT],
-    lanes: NormalLanes<T>,
-    /// Which of the triangles have rays that are not yet in a packet.
-    left: Mask,
-    /// Which need not be cut.
-    short: Mask,
-    /// How many stood for others too.
-    patch_count: u64,
-}
-
-impl<'a, T: Scalar> FaceSource<'a, T> {
-    fn new(cutter: Cutter<'a, T>) -> Self {
-        Self { cutter, triangles: [0; LANE_COUNT], lanes: NormalLanes::empty(), left: 0, short: 0, patch_count: 0 }
-    }
-
-    /// Turns to another group, or the next sixteen patches; gives how many of the triangles in the region have no normal.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn next<L: Lanes<T>>(&mut self, own: &Tracer<'_, T>, starts: Starts<'_>, number: usize) -> u64 {
-        let mut count = 0;
-        let mut add = |triangle| {
-            self.triangles[count] = triangle;
-            count += 1;
-        };
-        let mut patches = None;
-        match starts {
-            Starts::Groups(groups) => own.triangles_of(groups[number], add),
-            Starts::Patches(standing, places) => {
-                let places = &places[number * LANE_COUNT..places.len().min((number + 1) * LANE_COUNT)];
-                places.iter().for_each(|&place| add(standing.triangle(place)));
-                patches = Some((standing, places));
-            }
-        }
-        let mut corners = [[[T::zero(); LANE_COUNT]; 3]; 3];
-        own.mesh().face_normals::<L>(&self.triangles[..count], &mut corners, &mut self.lanes);
-        let Aabb { lower, upper } = self.cutter.region;
-        let (lower, upper) = (Vectors::<T, L>::splat(lower), Vectors::splat(upper));
-        let (a, b, c) = (Vectors::load(&corners[0]), Vectors::load(&corners[1]), Vectors::load(&corners[2]));
-        let touching = a.smaller(b).smaller(c).are_at_most(upper)
-            & lower.are_at_most(a.larger(b).larger(c))
-            & ((1u32 << count) - 1) as Mask;
-        let (ab, bc, ca) = (a.sub(b), b.sub(c), c.sub(a));
-        let longest = ab.dot(ab).larger(bc.dot(bc)).larger(ca.dot(ca));
-        let middle = Vectors::load(&self.lanes.position);
-        let middles_inside = lower.are_at_most(middle) & middle.are_at_most(upper);
-        self.short = !L::splat(self.cutter.longest_allowed).is_less(longest);
-        if let Some((standing, places)) = patches {
-            self.stand_for_patches::<L>(own.mesh(), standing, places, middles_inside & touching);
-        }
-        self.left = touching & self.lanes.found & (middles_inside | !self.short);
-        u64::from((touching & !self.lanes.found).count_ones())
-    }
-
-    /// Gives the triangles the normals and areas of the patches that they stand for: of the sum of area · normal, so that
-    /// an even pressure pushes a patch just as its triangles.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn stand_for_patches<L: Lanes<T>>(
-        &mut self,
-        mesh: &Mesh<T>,
-        standing: &Standing,
-        places: &[u32],
-        mut wanted: Mask,
-    ) {
-        while wanted != 0 {
-            let lane = wanted.trailing_zeros() as usize;
-            wanted &= wanted - 1;
-            let border = standing.border(places[lane]);
-            if border.is_empty() {
-                continue;
-            }
-            self.patch_count += 1;
-            self.short |= 1 << lane;
-            let vector = mesh.doubled_area_within::<L>(border) * T::of(0.5);
-            match direction(&vector) {
-                Some(normal) => {
-                    set_lane(&mut self.lanes.normal, lane, &normal);
-                    self.lanes.area[lane] = length(&vector);
-                    self.lanes.found |= 1 << lane;
-                }
-                None => self.lanes.found &= !(1 << lane),
-            }
-        }
-    }
-
-    /// The pieces of one triangle, the last first.
-    fn cut(&mut self, mesh: &Mesh<T>, lane: usize, pieces: &mut Vec<Sample<T>>) {
-        let (normal, area) = (vector(&self.lanes.normal, lane), self.lanes.area[lane]);
-        self.cutter.cut(mesh, self.triangles[lane], normal, area, &mut |piece| pieces.room_for(1).push(piece));
-        pieces.reverse();
-    }
-}

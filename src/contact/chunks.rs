@@ -1,5 +1,6 @@
-use super::cast::{Cast, Starts};
+use super::cast::Cast;
 use super::contact_point::Contact;
+use super::face_source::Starts;
 use super::list::ContactList;
 use super::load::{CastLoad, scale_contacts, shares};
 use super::pair::{Direction, Pair};
@@ -39,7 +40,7 @@ impl<T: Scalar> Pair<'_, T> {
     pub(super) fn cast_samples(&self, list: &mut ContactList<T>) {
         list.workspace.clear();
         let ContactList { contacts, workspace, statistics, .. } = list;
-        let Workspace { helpers, chunks, groups, places, vertices, samples, crossings, .. } = workspace;
+        let Workspace { helpers, chunks, groups, places, vertices, pieces, crossings, .. } = workspace;
         let [first, second] = places;
         let groups = [0, 1].map(|side| if self.casts(side) { groups[side].as_slice() } else { &[] });
         let starts = [self.starts(0, groups[0], first), self.starts(1, groups[1], second)];
@@ -59,7 +60,7 @@ impl<T: Scalar> Pair<'_, T> {
                     surface: &mut load.surface,
                     statistics,
                     contacts,
-                    pieces: samples,
+                    pieces,
                     vertices,
                     crossings,
                 });

@@ -11,6 +11,8 @@ pub(super) struct Cutter<'a, T: Scalar> {
     /// Pieces left larger than asked.
     pub(super) uncut: u64,
     halvings_left: u32,
+    /// Whether pieces are offered too that touch the region, but have their middles beside it.
+    keeps_border: bool,
 }
 
 /// How often a surface is cut in all, so that needles and any number a caller may ask for end: ten times what an
@@ -45,6 +47,14 @@ struct Face<T: Scalar> {
     triangle: u32,
     vertices: [u32; 3],
     normal: Vector3<T>,
+}
+
+/// A part of a triangle that casts a ray from its middle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutPiece<T: Scalar> {
+    pub(super) sample: Sample<T>,
+    /// Barycentric weights of each corner in the triangle.
+    pub(super) corner_weights: [Vector3<T>; 3],
 }
 
 /// A part of a triangle.
@@ -84,7 +94,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         };
         // A region that is no more than a line or a point gives no measure: one ray for each triangle then.
         let longest_allowed = if squared_spacing > T::zero() { squared_spacing * T::of(2.0) } else { T::INFINITY };
-        Some(Self { region, longest_allowed, uncut: 0, halvings_left })
+        Some(Self { region, longest_allowed, uncut: 0, halvings_left, keeps_border: false })
     }
 
     /// The same with so many times as few rays.
@@ -99,14 +109,19 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         self
     }
 
-    /// Offers the middles of the triangle's pieces that lie in the region, given its normal and area.
+    /// The same, but offering also pieces that only touch the region.
+    pub(super) fn with_border(self) -> Self {
+        Self { keeps_border: true, ..self }
+    }
+
+    /// Offers the triangle's pieces whose middles lie in the region, given its normal and area.
     pub(super) fn cut(
         &mut self,
         mesh: &Mesh<T>,
         triangle: u32,
         normal: Vector3<T>,
         area: T,
-        offer: &mut impl FnMut(Sample<T>),
+        offer: &mut impl FnMut(CutPiece<T>),
     ) {
         let face = Face { triangle, vertices: mesh.topology().triangles()[triangle as usize], normal };
         self.halve(&face, &Piece::whole(mesh.corners(triangle), area), offer);
@@ -115,7 +130,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
     /// Halves the piece at the middle of its longest edge until that edge is short enough, and offers the middle of
     /// each part that lies in the region. Parts beside the region are dropped whole, so that a floor costs what lies
     /// under the body.
-    fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, offer: &mut impl FnMut(Sample<T>)) {
+    fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, offer: &mut impl FnMut(CutPiece<T>)) {
         if !Aabb::of_triangle(&piece.corners).overlaps(self.region) {
             return;
         }
@@ -149,10 +164,11 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         }
         self.uncut += u64::from(is_too_long);
         let (position, weights) = piece.middle();
-        if self.region.contains(&position) {
+        if self.keeps_border || self.region.contains(&position) {
             let point =
                 SurfacePoint { triangle: face.triangle, vertices: face.vertices, weights: weights.into(), position };
-            offer(Sample { point, normal: face.normal, area: piece.area });
+            let sample = Sample { point, normal: face.normal, area: piece.area };
+            offer(CutPiece { sample, corner_weights: piece.weights });
         }
     }
 }
@@ -168,7 +184,7 @@ mod tests {
     fn areas(cutter: &mut Cutter<'_, f64>, corners: [[f64; 3]; 3], area: f64) -> Vec<f64> {
         let mesh = Mesh::open(&corners, &[[0, 1, 2]]).expect("it has an area");
         let mut areas = Vec::new();
-        cutter.cut(&mesh, 0, Vector3::z(), area, &mut |piece| areas.push(piece.area));
+        cutter.cut(&mesh, 0, Vector3::z(), area, &mut |piece| areas.push(piece.sample.area));
         areas
     }
 

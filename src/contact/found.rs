@@ -147,3 +147,8 @@ pub(super) fn cos_alpha<T: Scalar>(collided: &Mesh<T>, triangle: u32, ray: &Vect
 pub(super) fn vector<T: Scalar>([x, y, z]: &[[T; LANE_COUNT]; 3], lane: usize) -> Vector3<T> {
     Vector3::new(x[lane], y[lane], z[lane])
 }
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn set_lane<T: Scalar>([x, y, z]: &mut [[T; LANE_COUNT]; 3], lane: usize, vector: &Vector3<T>) {
+    (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
+}

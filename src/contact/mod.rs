@@ -1,5 +1,6 @@
 //! Contacts between surfaces: Algorithm 1 of the paper, and what goes beyond it.
 
+mod border;
 mod cast;
 mod chunks;
 mod contact_point;
@@ -10,6 +11,7 @@ mod edge_contacts;
 mod edges;
 mod escape;
 mod escape_push;
+mod face_source;
 mod found;
 mod list;
 mod load;

@@ -104,6 +104,11 @@ impl<T: Scalar> Pair<'_, T> {
         cutter.map(|cutter| cutter.with_part_of_rays(self.part_of_rays))
     }
 
+    /// Whether forces grow with the distance to the other body's surface, at all points inside.
+    pub(super) fn measures_distances(&self) -> bool {
+        self.options.law == ContactLaw::Pressure && !self.hides_behind_own_surface
+    }
+
     /// From the middle of the second body's box to that of the first; where they are the same, along an axis.
     pub(super) fn line_of_centres(&self) -> Vector3<T> {
         let [first, second] = self.tracers.map(|tracer| tracer.mesh().aabb().centre());

@@ -36,7 +36,8 @@ fn on_faces<T: Scalar>(mesh: &Mesh<T>, mut cutter: Cutter<'_, T>, mut offer: imp
         }
         let scaled_normal = mesh.scaled_normal(triangle);
         if let Some(normal) = direction(&scaled_normal) {
-            cutter.cut(mesh, triangle, normal, length(&scaled_normal) * T::of(0.5), &mut offer);
+            let area = length(&scaled_normal) * T::of(0.5);
+            cutter.cut(mesh, triangle, normal, area, &mut |piece| offer(piece.sample));
         }
     }
 }

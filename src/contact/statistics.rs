@@ -1,5 +1,5 @@
 /// What a query did. Every ray is either a contact or counted under the one reason why it is none: `rays` is the number of
-/// contacts + `misses` + `entry_hits` + `own_surface_hits` + `replaced`.
+/// contacts + `misses` + `entry_hits` + `own_surface_hits` + `replaced` + `border_pieces`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Pairs of meshes whose boxes overlap.
@@ -56,6 +56,8 @@ pub struct Statistics {
     pub tangled_bodies: u64,
     /// Pairs of a crowd, whose triangles are cut into fewer pieces ([`Sampling::Automatic`](super::Sampling::Automatic)).
     pub crowded_pairs: u64,
+    /// Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead.
+    pub border_pieces: u64,
 }
 
 impl std::ops::AddAssign for Statistics {
@@ -82,5 +84,6 @@ impl std::ops::AddAssign for Statistics {
         self.escapes_forbidden += more.escapes_forbidden;
         self.tangled_bodies += more.tangled_bodies;
         self.crowded_pairs += more.crowded_pairs;
+        self.border_pieces += more.border_pieces;
     }
 }

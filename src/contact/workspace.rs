@@ -1,4 +1,5 @@
 use super::contact_point::Contact;
+use super::cutter::CutPiece;
 use super::load::CastLoad;
 use super::samples::Sample;
 use super::self_contact::winding::{leaves_body_before_end, way_out_past_folds};
@@ -23,6 +24,7 @@ pub(super) struct Workspace<T: Scalar> {
     pub(super) places: [Vec<u32>; 2],
     /// Of one chunk's groups the vertices in the overlap box.
     pub(super) vertices: Vec<u32>,
+    pub(super) pieces: Pieces<T>,
     pub(super) samples: Vec<Sample<T>>,
     pub(super) rays: Vec<Ray<T>>,
     pub(super) hits: Vec<Option<Hit<T>>>,
@@ -109,6 +111,15 @@ impl<T: Scalar> Workspace<T> {
     }
 }
 
+/// Parts of triangles that have yet to cast; none are left when a direction or chunk is done.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pieces<T: Scalar> {
+    /// Of one triangle, the last first.
+    pub(super) cut: Vec<CutPiece<T>>,
+    /// The parts inside the other body of pieces that its surface crosses.
+    pub(super) inside: Vec<Sample<T>>,
+}
+
 /// What the rays of some groups found, where chunks are cast side by side.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk<T: Scalar> {
@@ -117,7 +128,7 @@ pub(super) struct Chunk<T: Scalar> {
     pub(super) contacts: Vec<Contact<T>>,
     /// The number of contacts in the chunks before.
     pub(super) before: usize,
-    pub(super) pieces: Vec<Sample<T>>,
+    pub(super) pieces: Pieces<T>,
     pub(super) vertices: Vec<u32>,
     pub(super) crossings: Vec<Hit<T>>,
 }
