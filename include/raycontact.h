@@ -669,7 +669,7 @@ typedef struct rayc_contact {
 
 /**
  * What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
- * reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced.
+ * reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced + border_pieces.
  */
 typedef struct rayc_statistics {
   /**
@@ -770,6 +770,11 @@ typedef struct rayc_statistics {
    * Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
    */
   uint64_t crowded_pairs;
+  /**
+   * Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead, from its
+   * own middle. Only under RAYC_LAW_PRESSURE between closed bodies.
+   */
+  uint64_t border_pieces;
 } rayc_statistics;
 
 /**

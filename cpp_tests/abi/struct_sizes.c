@@ -112,7 +112,7 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
   CHECK(END_OF(rayc_contact_system_options, keeps_rigid_unknowns) == sizeof(rayc_contact_system_options));
   CHECK(END_OF(rayc_material, depth_cap) == sizeof(rayc_material));
-  CHECK(END_OF(rayc_statistics, crowded_pairs) == sizeof(rayc_statistics));
+  CHECK(END_OF(rayc_statistics, border_pieces) == sizeof(rayc_statistics));
   CHECK(END_OF(rayc_pair_memory, net_push) == sizeof(rayc_pair_memory));
   CHECK(END_OF(rayc_escape_push, centres) == sizeof(rayc_escape_push));
 }

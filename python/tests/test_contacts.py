@@ -116,7 +116,7 @@ def test_every_ray_is_counted():
     contacts, _ = overlapping()
     counted = contacts.statistics()
     assert counted["pairs"] == 1 and counted["contacts"] == len(contacts)
-    reasons = ("contacts", "misses", "entry_hits", "own_surface_hits", "replaced")
+    reasons = ("contacts", "misses", "entry_hits", "own_surface_hits", "replaced", "border_pieces")
     assert counted["rays"] == sum(counted[name] for name in reasons) > 0
 
 

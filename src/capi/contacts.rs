@@ -126,7 +126,7 @@ pub struct rayc_contact {
 }
 
 /// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
-/// reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced.
+/// reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced + border_pieces.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_statistics {
@@ -182,6 +182,9 @@ pub struct rayc_statistics {
     pub tangled_bodies: u64,
     /// Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
     pub crowded_pairs: u64,
+    /// Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead, from its
+    /// own middle. Only under RAYC_LAW_PRESSURE between closed bodies.
+    pub border_pieces: u64,
 }
 
 impl Growing for rayc_statistics {
@@ -372,7 +375,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
         let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
         let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
         let Statistics { escapes_turned, escapes_forbidden, patches, estimate_rays, replaced, .. } = found;
-        let Statistics { tangled_bodies, crowded_pairs, .. } = found;
+        let Statistics { tangled_bodies, crowded_pairs, border_pieces, .. } = found;
         let known = rayc_statistics {
             pairs,
             open_pairs,
@@ -397,6 +400,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             replaced,
             tangled_bodies,
             crowded_pairs,
+            border_pieces,
         };
         write_known(struct_size, statistics, "statistics", known)
     })

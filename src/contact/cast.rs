@@ -1,17 +1,15 @@
-use super::border::{self, Inside};
-use super::cutter::{CutPiece, Cutter};
+use super::border::CutAtSurface;
+use super::cutter::Cutter;
 use super::distance::{ContactLaw, distances_over_depths};
 use super::face_source::{FaceSource, Starts};
 use super::found::{Found, Origins, cosines, set_lane, vector};
-use super::load::{CastSurfaceLanes, Turning};
+use super::load::Turning;
 use super::pair::Direction;
-use super::samples::Sample;
+use super::rays::Rays;
 use super::workspace::Pieces;
-use super::{Contact, Statistics, SurfacePoint, past_folds, starts_outside};
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
-use crate::memory::Room;
-use crate::mesh::{Mesh, NormalLanes};
-use crate::octree::{Candidates, PacketHits, PointDistances};
+use super::{Contact, Statistics, past_folds, starts_outside};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3};
+use crate::octree::{Candidates, PacketHits};
 use crate::ray::{Hit, RayPacket};
 
 /// The rays from some of a body's groups of vertices or triangles through the other body, sixteen at a time through
@@ -42,7 +40,8 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
             Some(area) => cutter.map(|cutter| cutter.with_patches(area)),
             None => cutter,
         };
-        let mut source = Source::new(cutter, pair.measures_distances());
+        let cutter = if pair.measures_distances() { cutter.map(Cutter::with_border) } else { cutter };
+        let mut source = Source::new(cutter);
         let from_vertices = source.faces.is_none();
         if from_vertices {
             self.list_vertices::<L>();
@@ -61,75 +60,6 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
 
 /// So many faces of one group make a packet worth its while.
 const ENOUGH: u32 = 8;
-
-/// Rays on their way.
-struct Rays<T: Scalar> {
-    samples: NormalLanes<T>,
-    origins: Origins<T>,
-    surface: CastSurfaceLanes<T>,
-    packet: RayPacket<T>,
-    candidates: Candidates<T>,
-    hits: PacketHits<T>,
-    distances: PointDistances<T>,
-    /// Which lanes stand for surface that the other body's may cross: it is coarse, and not yet the part inside.
-    coarse: Mask,
-    /// Which lanes stand for a part of their triangle, and the barycentric weights of its corners.
-    cut: Mask,
-    corner_weights: [[Vector3<T>; 3]; LANE_COUNT],
-}
-
-impl<T: Scalar> Rays<T> {
-    fn new(from_vertices: bool) -> Self {
-        Self {
-            samples: NormalLanes::empty(),
-            origins: Origins::new(from_vertices),
-            surface: CastSurfaceLanes::new(),
-            packet: RayPacket::empty(),
-            candidates: Candidates::new(),
-            hits: PacketHits::empty(),
-            distances: PointDistances::new(),
-            coarse: 0,
-            cut: 0,
-            corner_weights: [[Vector3::zeros(); 3]; LANE_COUNT],
-        }
-    }
-}
-
-impl<T: Scalar> Rays<T> {
-    fn set_sample(&mut self, lane: usize, sample: &Sample<T>) {
-        set_lane(&mut self.samples.position, lane, &sample.point.position);
-        set_lane(&mut self.samples.normal, lane, &sample.normal);
-        self.samples.area[lane] = sample.area;
-        self.origins.indices[lane] = sample.point.triangle;
-        set_lane(&mut self.origins.weights, lane, &sample.point.weights.into());
-    }
-
-    /// Which lanes start beside the region: coarse surface that reaches into it.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn beside<L: Lanes<T>>(&self, region: &Aabb<T>) -> Mask {
-        if self.coarse == 0 {
-            return 0;
-        }
-        let at = Vectors::<T, L>::load(&self.samples.position);
-        let within = Vectors::splat(&region.lower).are_at_most(at) & at.are_at_most(Vectors::splat(&region.upper));
-        self.coarse & !within
-    }
-
-    /// The piece that a lane stands for.
-    fn piece(&self, lane: usize, own: &Mesh<T>) -> CutPiece<T> {
-        let triangle = self.origins.indices[lane];
-        let point = SurfacePoint {
-            triangle,
-            vertices: own.topology().triangles()[triangle as usize],
-            weights: vector(&self.origins.weights, lane).into(),
-            position: vector(&self.samples.position, lane),
-        };
-        let sample = Sample { point, normal: vector(&self.samples.normal, lane), area: self.samples.area[lane] };
-        let whole = [Vector3::x(), Vector3::y(), Vector3::z()];
-        let corner_weights = if self.cut >> lane & 1 == 1 { self.corner_weights[lane] } else { whole };
-        CutPiece { sample, corner_weights }
-    }
-}
 
 impl<T: Scalar> Cast<'_, T> {
     /// The next packet of samples; false where there are no more.
@@ -174,7 +104,7 @@ impl<T: Scalar> Cast<'_, T> {
         let own = self.direction.pair.tracers[self.direction.side];
         let mut count = 0;
         let thirds = Vector3::repeat(T::one() / T::of(3.0));
-        (rays.coarse, rays.cut) = (0, 0);
+        rays.cut = 0;
         if self.pieces.inside.len() >= LANE_COUNT {
             return self.fill_from_inside(rays);
         }
@@ -183,7 +113,6 @@ impl<T: Scalar> Cast<'_, T> {
                 rays.set_sample(count, &piece.sample);
                 rays.corner_weights[count] = piece.corner_weights;
                 rays.cut |= 1 << count;
-                rays.coarse |= Mask::from(source.keeps_border) << count;
                 count += 1;
             } else if source.left != 0 {
                 let lane = source.left.trailing_zeros() as usize;
@@ -198,7 +127,6 @@ impl<T: Scalar> Cast<'_, T> {
                 samples.area[count] = faces.area[lane];
                 rays.origins.indices[count] = source.triangles[lane];
                 set_lane(&mut rays.origins.weights, count, &thirds);
-                rays.coarse |= (source.coarse >> lane & 1) << count;
                 count += 1;
             } else if *next_group < self.starts.len() {
                 self.statistics.without_normal += source.next::<L>(own, self.starts, *next_group);
@@ -209,7 +137,6 @@ impl<T: Scalar> Cast<'_, T> {
                     rays.samples.found = std::mem::take(&mut source.left);
                     rays.origins.indices = source.triangles;
                     rays.origins.weights = [[thirds.x; LANE_COUNT]; 3];
-                    rays.coarse = source.coarse & rays.samples.found;
                     return true;
                 }
             } else if count == 0 {
@@ -242,7 +169,7 @@ impl<T: Scalar> Cast<'_, T> {
         let Direction { pair, side } = *self.direction;
         let other = pair.tracers[1 - side];
         let beside = rays.beside::<L>(pair.region);
-        let Rays { samples, surface, packet, candidates, hits, coarse, .. } = rays;
+        let Rays { samples, surface, packet, candidates, hits, cut, .. } = rays;
         let present = samples.found & !beside;
         self.statistics.rays += u64::from(present.count_ones());
         surface.add::<L>(samples);
@@ -257,7 +184,13 @@ impl<T: Scalar> Cast<'_, T> {
         let exits = hits.found & hits.exits;
         self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
         self.statistics.entry_hits += u64::from((hits.found & !exits).count_ones());
-        let crossed = if *coarse != 0 { self.cut_at_surface::<L>(rays, exits & !followed) } else { 0 };
+        let crossed = if *cut != 0 && pair.measures_distances() {
+            let inside = &mut self.pieces.inside;
+            L::outlined(CutAtSurface { direction: self.direction, rays, exits: exits & !followed, inside })
+        } else {
+            0
+        };
+        self.statistics.border_pieces += u64::from(crossed.count_ones());
         let Rays { samples, origins, packet, candidates, hits, distances, .. } = rays;
         let exits = exits & !crossed;
         if exits == 0 {
@@ -279,43 +212,6 @@ impl<T: Scalar> Cast<'_, T> {
         distances_over_depths::<T, L>(other, packet, measured, hits, distances, &mut cos_alpha);
         let found = Found { packet, samples, origins, hits, cos_alpha };
         found.accept::<L>(accepted, self.direction, self.contacts);
-    }
-
-    /// Holds coarse surface against that of the other body, and keeps what lies inside where it is crossed. Gives which of
-    /// the rays in `exits` are no contacts thereby: the part inside casts another.
-    #[inline(never)]
-    fn cut_at_surface<L: Lanes<T>>(&mut self, rays: &mut Rays<T>, exits: Mask) -> Mask {
-        let Direction { pair, side } = *self.direction;
-        let [own, other] = [pair.tracers[side], pair.tracers[1 - side]];
-        let asked = rays.coarse & rays.samples.found;
-        let corners_of = |piece: &CutPiece<T>| {
-            let corners = own.mesh().corners(piece.sample.point.triangle);
-            piece.corner_weights.map(|weights| corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z)
-        };
-        let mut reach = [T::zero(); LANE_COUNT];
-        for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
-            let piece = rays.piece(lane, own.mesh());
-            reach[lane] = border::reach(&corners_of(&piece), &piece.sample.point.position);
-        }
-        other.distances_of_packet::<L>(&rays.samples.position, asked, &reach, &mut rays.distances);
-        let mut crossed = 0;
-        for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
-            if rays.distances.distances[lane] >= reach[lane] {
-                continue;
-            }
-            let piece = rays.piece(lane, own.mesh());
-            let is_inside = exits >> lane & 1 == 1;
-            let Some(nearest) = other.closest_point(&piece.sample.point.position, reach[lane]) else { continue };
-            match border::inside_part(&piece, &corners_of(&piece), other, &nearest, is_inside) {
-                Inside::Part(part) => {
-                    self.pieces.inside.room_for(1).push(part);
-                    crossed |= Mask::from(is_inside) << lane;
-                }
-                Inside::All | Inside::Nothing => {}
-            }
-        }
-        self.statistics.border_pieces += u64::from(crossed.count_ones());
-        crossed
     }
 
     /// Which of the rays leave their own body before the other.
@@ -356,8 +252,7 @@ struct Source<'a, T: Scalar> {
 }
 
 impl<'a, T: Scalar> Source<'a, T> {
-    fn new(cutter: Option<Cutter<'a, T>>, keeps_border: bool) -> Self {
-        Self { next: 0, faces: cutter.map(|cutter| FaceSource::new(cutter, keeps_border)) }
+    fn new(cutter: Option<Cutter<'a, T>>) -> Self {
+        Self { next: 0, faces: cutter.map(FaceSource::new) }
     }
 }
-

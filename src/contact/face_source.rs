@@ -5,9 +5,6 @@ use crate::memory::Room;
 use crate::mesh::{Mesh, NormalLanes, Standing};
 use crate::octree::Tracer;
 
-/// Which part of a piece's squared longest edge a triangle's is at least, that counts as coarse.
-const COARSE: f64 = 0.25;
-
 /// Where rays start.
 #[derive(Clone, Copy)]
 pub(super) enum Starts<'a> {
@@ -36,19 +33,14 @@ pub(super) struct FaceSource<'a, T: Scalar> {
     pub(super) left: Mask,
     /// Which need not be cut.
     pub(super) short: Mask,
-    /// Which are not much smaller than the pieces that triangles are cut into: it shows where they are only partly inside.
-    pub(super) coarse: Mask,
-    /// Whether coarse triangles are held against the other body's surface.
-    pub(super) keeps_border: bool,
     /// How many stood for others too.
     pub(super) patch_count: u64,
 }
 
 impl<'a, T: Scalar> FaceSource<'a, T> {
-    pub(super) fn new(cutter: Cutter<'a, T>, keeps_border: bool) -> Self {
-        let cutter = if keeps_border { cutter.with_border() } else { cutter };
+    pub(super) fn new(cutter: Cutter<'a, T>) -> Self {
         let (triangles, lanes) = ([0; LANE_COUNT], NormalLanes::empty());
-        Self { cutter, triangles, lanes, left: 0, short: 0, coarse: 0, keeps_border, patch_count: 0 }
+        Self { cutter, triangles, lanes, left: 0, short: 0, patch_count: 0 }
     }
 
     /// Turns to another group, or the next sixteen patches; gives how many of the triangles in the region have no normal.
@@ -81,14 +73,10 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
         let middle = Vectors::load(&self.lanes.position);
         let middles_inside = lower.are_at_most(middle) & middle.are_at_most(upper);
         self.short = !L::splat(self.cutter.longest_allowed).is_less(longest);
-        self.coarse = 0;
-        if self.keeps_border {
-            self.coarse = L::splat(self.cutter.longest_allowed * T::of(COARSE)).is_less(longest);
-        }
         if let Some((standing, places)) = patches {
             self.stand_for_patches::<L>(own.mesh(), standing, places, middles_inside & touching);
         }
-        self.left = touching & self.lanes.found & (middles_inside | !self.short | self.coarse);
+        self.left = touching & self.lanes.found & (middles_inside | !self.short);
         u64::from((touching & !self.lanes.found).count_ones())
     }
 
@@ -111,7 +99,6 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
             }
             self.patch_count += 1;
             self.short |= 1 << lane;
-            self.coarse &= !(1 << lane);
             let vector = mesh.doubled_area_within::<L>(border) * T::of(0.5);
             match direction(&vector) {
                 Some(normal) => {

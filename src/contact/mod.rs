@@ -20,6 +20,7 @@ mod options;
 mod pair;
 mod past_folds;
 mod query;
+mod rays;
 mod recovery;
 mod sampler;
 mod samples;
