@@ -2,13 +2,19 @@
 //! count with the part that is inside, and forces do not jump where a middle passes the surface.
 
 use super::cutter::CutPiece;
+use super::found::vector;
 use super::pair::Direction;
+use super::part::{Cut, Part};
 use super::rays::Rays;
 use super::samples::Sample;
 use crate::closest::ClosestPoint;
-use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, direction, length};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, direction};
 use crate::memory::Room;
 use crate::mesh::Mesh;
+use crate::octree::Tracer;
+
+/// By so many planes a piece is cut at most: at a corner of the other body three faces meet.
+const MOST_PLANES: usize = 3;
 
 /// Holds the pieces in a packet against the other body's surface, and keeps what lies inside of those that it
 /// crosses. Gives which of the rays in `exits` are no contacts thereby.
@@ -28,21 +34,19 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
         let (own, other) = (pair.tracers[side].mesh(), pair.tracers[1 - side]);
         let rays = self.rays;
         let lanes = |mask: Mask| (0..LANE_COUNT).filter(move |lane| mask >> lane & 1 == 1);
-        let asked = rays.cut;
         let mut reaches = [T::zero(); LANE_COUNT];
-        for lane in lanes(asked) {
-            let piece = rays.piece(lane, own);
-            reaches[lane] = reach(&piece.corners(own), &piece.sample.point.position);
+        for lane in lanes(rays.cut) {
+            let part = Part::whole(&rays.corner_weights[lane]);
+            let corners = own.corners(rays.origins.indices[lane]);
+            reaches[lane] = part.reach(&corners, &vector(&rays.samples.position, lane));
         }
-        other.distances_of_packet::<L>(&rays.samples.position, asked, &reaches, &mut rays.distances);
+        other.distances_of_packet::<L>(&rays.samples.position, rays.cut, &reaches, &mut rays.distances);
         let mut crossed = 0;
-        for lane in lanes(asked & !L::load(&reaches).is_at_most(L::load(&rays.distances.distances))) {
+        for lane in lanes(rays.cut & !L::load(&reaches).is_at_most(L::load(&rays.distances.distances))) {
             let piece = rays.piece(lane, own);
             let is_inside = self.exits >> lane & 1 == 1;
-            let nearest = other.closest_point(&piece.sample.point.position, reaches[lane]);
-            let part = nearest.and_then(|nearest| inside_part(&piece, own, other.mesh(), &nearest, is_inside));
-            if let Some(part) = part {
-                self.inside.room_for(1).push(part);
+            if let Some(sample) = inside_part(&piece, own, other, is_inside) {
+                self.inside.room_for(1).push(sample);
                 crossed |= Mask::from(is_inside) << lane;
             }
         }
@@ -50,67 +54,54 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
     }
 }
 
-/// How far from its middle a piece reaches.
-fn reach<T: Scalar>(corners: &[Vector3<T>; 3], middle: &Vector3<T>) -> T {
-    corners.iter().fold(T::zero(), |most, corner| most.max(length(&(corner - middle))))
-}
-
-/// The part of a piece that lies inside the other body, by the plane through the nearest point of its surface, given on
-/// which side of the surface the middle is; `None` where the plane does not cross it.
+/// The part of a piece that lies inside the other body, given on which side of its surface the middle is; `None` where the
+/// surface does not cross the piece.
 fn inside_part<T: Scalar>(
     piece: &CutPiece<T>,
     own: &Mesh<T>,
-    other: &Mesh<T>,
-    nearest: &ClosestPoint<T>,
+    other: &Tracer<'_, T>,
     is_inside: bool,
 ) -> Option<Sample<T>> {
-    let inward = inward(other, &piece.sample.point.position, nearest, is_inside)?;
-    let corners = piece.corners(own);
-    let (part, weights) = positive_part(corners.map(|corner| (corner - nearest.position).dot(&inward)))?;
-    let mean = |vectors: &[Vector3<T>; 3]| vectors[0] * weights[0] + vectors[1] * weights[1] + vectors[2] * weights[2];
-    let mut sample = piece.sample;
-    sample.area *= part;
-    sample.point.position = mean(&corners);
-    sample.point.weights = mean(&piece.corner_weights).into();
-    (sample.area > T::zero()).then_some(sample)
+    let whole = Part::whole(&piece.corner_weights);
+    let corners = own.corners(piece.sample.point.triangle);
+    let mut part = whole;
+    for round in 0..MOST_PLANES {
+        let (middle, _) = part.middle(&corners);
+        let Some(nearest) = other.closest_point(&middle, part.reach(&corners, &middle)) else { break };
+        let known = (round == 0).then_some(is_inside);
+        if known.is_none() && nearest.weights.iter().any(|&weight| weight <= T::zero()) {
+            break;
+        }
+        let Some(inward) = inward(other.mesh(), &middle, &nearest, known) else { break };
+        match part.beyond(&corners, &nearest.position, &inward) {
+            Cut::All => break,
+            Cut::Some(inside) => part = inside,
+            Cut::Nothing => return None,
+        }
+    }
+    let area = piece.sample.area * (part.doubled_area() / whole.doubled_area());
+    if part.count == whole.count && part.weights == whole.weights || !(area > T::zero()) {
+        return None;
+    }
+    let (position, weights) = part.middle(&corners);
+    let mut sample = Sample { area, ..piece.sample };
+    (sample.point.position, sample.point.weights) = (position, weights.into());
+    Some(sample)
 }
 
-/// The direction in which the depth below the surface grows at the point; `None` where no triangle tells.
+/// The direction in which the depth below the surface grows at the point, given on which side of it that is if it is known;
+/// `None` where no triangle tells.
 fn inward<T: Scalar>(
     other: &Mesh<T>,
     point: &Vector3<T>,
     nearest: &ClosestPoint<T>,
-    is_inside: bool,
+    is_inside: Option<bool>,
 ) -> Option<Vector3<T>> {
     let within_face = nearest.weights.iter().all(|&weight| weight > T::zero());
-    let away = point - nearest.position;
+    let (away, outward) = (point - nearest.position, other.scaled_normal(nearest.triangle));
+    let is_inside = is_inside.unwrap_or_else(|| away.dot(&outward) < T::zero());
     match direction(&away) {
         Some(away) if !within_face => Some(if is_inside { away } else { -away }),
-        _ => direction(&-other.scaled_normal(nearest.triangle)),
+        _ => direction(&-outward),
     }
-}
-
-/// Of a triangle with a linear function given at its corners: how much of it has positive values, and the weights of that
-/// part's middle. `None` where no part, or all, has.
-fn positive_part<T: Scalar>(values: [T; 3]) -> Option<(T, [T; 3])> {
-    let is_positive = values.map(|value| value > T::zero());
-    let count = is_positive.iter().filter(|&&is| is).count();
-    if count == 0 || count == 3 {
-        return None;
-    }
-    // The corner on a side of its own, and where the edges from it to the others cross zero.
-    let alone = (0..3).find(|&corner| is_positive[corner] == (count == 1))?;
-    let others = [(alone + 1) % 3, (alone + 2) % 3];
-    let crossings = others.map(|corner| values[alone] / (values[alone] - values[corner]));
-    let third = T::one() / T::of(3.0);
-    let cut_off = crossings[0] * crossings[1];
-    let mut middle = [T::zero(); 3];
-    middle[others[0]] = crossings[0] * third;
-    middle[others[1]] = crossings[1] * third;
-    middle[alone] = T::one() - middle[others[0]] - middle[others[1]];
-    if count == 1 {
-        return Some((cut_off, middle));
-    }
-    let rest = T::one() - cut_off;
-    (rest > T::zero()).then(|| (rest, middle.map(|weight| (third - weight * cut_off) / rest)))
 }

@@ -57,14 +57,6 @@ pub(super) struct CutPiece<T: Scalar> {
     pub(super) corner_weights: [Vector3<T>; 3],
 }
 
-impl<T: Scalar> CutPiece<T> {
-    /// Where its corners are.
-    pub(super) fn corners(&self, own: &Mesh<T>) -> [Vector3<T>; 3] {
-        let [a, b, c] = own.corners(self.sample.point.triangle);
-        self.corner_weights.map(|weights| a * weights.x + b * weights.y + c * weights.z)
-    }
-}
-
 /// A part of a triangle.
 struct Piece<T: Scalar> {
     corners: [Vector3<T>; 3],

@@ -18,6 +18,7 @@ mod load;
 mod memory;
 mod options;
 mod pair;
+mod part;
 mod past_folds;
 mod query;
 mod rays;

@@ -8,7 +8,7 @@ use super::row::{Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
 use crate::contact::{Contact, EscapePush};
-use crate::math::Scalar;
+use crate::math::{Scalar, direction};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::response::PenaltyLaw;
@@ -49,6 +49,19 @@ struct Spring {
     cos_alpha: f64,
     /// The coefficient for a stiffness of 1.
     area: f64,
+    /// Along which the pair pushes its first body as a whole, of unit length, or zero.
+    pushes: V3,
+}
+
+/// The directions of a pair's contacts, by what they push with: as a whole, on the body with the smaller number.
+fn net_direction<T: Scalar>(contacts: &[Contact<T>], law: &PenaltyLaw) -> V3 {
+    let mut sum = V3::zeros();
+    for contact in contacts {
+        let push = contact.direction * (law.coefficient(contact) * contact.depth);
+        let push: V3 = push.map(T::to_f64);
+        sum += if contact.colliding <= contact.collided { push } else { -push };
+    }
+    direction(&sum).unwrap_or_default()
 }
 
 #[derive(Default)]
@@ -64,33 +77,46 @@ const MOST_FAR_WEIGHT: f64 = 2.0;
 impl<T: Scalar> Folding<'_, T> {
     /// `wanted`: whether to take contacts of this pair of numbers.
     pub(super) fn fold_contacts(&mut self, contacts: &[Contact<T>], wanted: impl Fn(u32, u32) -> bool) {
-        for contact in contacts {
-            let area = self.law.coefficient(contact).to_f64();
-            let (bodies, course) = (self.bodies, self.course);
-            let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
-            let any_moves = first.is_movable() || second.is_movable();
-            if !any_moves || area <= 0.0 || !wanted(contact.colliding, contact.collided) {
-                continue;
+        let pair = |contact: &Contact<T>| {
+            let Contact { colliding, collided, .. } = *contact;
+            (colliding.min(collided), colliding.max(collided))
+        };
+        for contacts in contacts.chunk_by(|one, next| pair(one) == pair(next)) {
+            let net = net_direction(contacts, &self.law);
+            for contact in contacts {
+                let pushes = if contact.colliding <= contact.collided { net } else { -net };
+                self.fold_contact(contact, pushes, &wanted);
             }
-            let (p1, p2) = (&contact.p1, &contact.p2);
-            let direction: V3 = contact.direction.map(T::to_f64);
-            let from = sorted(p1.vertices, weights_of(p1));
-            let point = first.point(&from.vertices, &from.weights, &course);
-            let spring = Spring {
-                key: (contact.colliding, Surface::Body(contact.collided)),
-                direction,
-                depth: contact.depth.to_f64(),
-                cos_alpha: contact.cos_alpha.to_f64(),
-                area,
-            };
-            let mut ends = Ends::default();
-            self.add_end(&mut ends, 0, first.number, &from, None, &point);
-            let own = Corners { vertices: p2.vertices, weights: weights_of(p2) };
-            let held = self.held_inside(second.number, &own, &point);
-            self.add_end(&mut ends, 1, second.number, &own, held, &point);
-            let to = in_plane(second, &p2.vertices, &point, &direction, &course);
-            self.finish(spring, None, ends, Some((p1.triangle, from, Hold::Material(to))));
         }
+    }
+
+    fn fold_contact(&mut self, contact: &Contact<T>, pushes: V3, wanted: impl Fn(u32, u32) -> bool) {
+        let area = self.law.coefficient(contact).to_f64();
+        let (bodies, course) = (self.bodies, self.course);
+        let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
+        let any_moves = first.is_movable() || second.is_movable();
+        if !any_moves || area <= 0.0 || !wanted(contact.colliding, contact.collided) {
+            return;
+        }
+        let (p1, p2) = (&contact.p1, &contact.p2);
+        let direction: V3 = contact.direction.map(T::to_f64);
+        let from = sorted(p1.vertices, weights_of(p1));
+        let point = first.point(&from.vertices, &from.weights, &course);
+        let spring = Spring {
+            key: (contact.colliding, Surface::Body(contact.collided)),
+            direction,
+            depth: contact.depth.to_f64(),
+            cos_alpha: contact.cos_alpha.to_f64(),
+            area,
+            pushes,
+        };
+        let mut ends = Ends::default();
+        self.add_end(&mut ends, 0, first.number, &from, None, &point);
+        let own = Corners { vertices: p2.vertices, weights: weights_of(p2) };
+        let held = self.held_inside(second.number, &own, &point);
+        self.add_end(&mut ends, 1, second.number, &own, held, &point);
+        let to = in_plane(second, &p2.vertices, &point, &direction, &course);
+        self.finish(spring, None, ends, Some((p1.triangle, from, Hold::Material(to))));
     }
 
     /// Escaping pairs: one spring between the two centres of mass, so that every node gets the same acceleration.
@@ -112,6 +138,7 @@ impl<T: Scalar> Folding<'_, T> {
                 depth: push.depth.to_f64(),
                 cos_alpha: 1.0,
                 area: self.law.push_coefficient(push).to_f64(),
+                pushes: V3::zeros(),
             };
             self.finish(spring, None, ends, None);
         }
@@ -158,7 +185,7 @@ impl<T: Scalar> Folding<'_, T> {
             let mut ends = Ends::default();
             self.add_end(&mut ends, 0, own, &from, None, &point);
             let key = (own, Surface::HalfSpace(number));
-            let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area };
+            let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
             self.finish(spring, Some(half_space), ends, Some((vertex, from, Hold::Space(point + normal * depth))));
         }
     }
@@ -279,7 +306,7 @@ impl<T: Scalar> Folding<'_, T> {
 
     /// The entries added since the last row become one.
     fn finish(&mut self, spring: Spring, floor: Option<&HalfSpace>, ends: Ends, hold: Option<(u32, Corners, Hold)>) {
-        let Spring { key, direction, depth, cos_alpha, area } = spring;
+        let Spring { key, direction, depth, cos_alpha, area, pushes } = spring;
         let pair = self.pair(key, floor);
         let material = self.loads.now[pair].material;
         let hold = hold.filter(|_| material.friction > 0.0);
@@ -288,7 +315,8 @@ impl<T: Scalar> Folding<'_, T> {
             coefficient: material.stiffness * area,
             asked: 0.0,
             damping_time: material.damping_time,
-            friction: material.friction,
+            // Only what pushes along the surface that it presses on grips: the sides of what has sunk into a floor do not.
+            friction: material.friction * cos_alpha,
             pair,
             order: if matches!(key.1, Surface::Body(second) if second < key.0) { -1.0 } else { 1.0 },
             ahead: Slip::default(),
@@ -320,6 +348,10 @@ impl<T: Scalar> Folding<'_, T> {
         }
         let row = &mut self.rows.rows[place];
         (row.ahead, row.sliding) = (slip, sliding);
+        // The row is relieved only by motion along it: what deepens it otherwise, as a floor's top does the sides of what
+        // falls onto it, is over when the step is.
+        let unseen = (self.course.time * slip.across.dot(&pushes)).max(0.0) / cos_alpha;
+        let depth = if depth > unseen { depth - unseen } else { 0.0 };
         row.asked = Row::asked(depth, cos_alpha, self.course.time * slip.along, material.depth_cap);
     }
 

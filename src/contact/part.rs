@@ -1,0 +1,91 @@
+//! A convex part of a triangle, in the triangle's barycentric weights, cut by planes.
+
+use crate::math::{Scalar, Vector3, length};
+
+/// A triangle cut by three planes has six corners. Where rounding decides on which side each corner lies, a cut may leave up
+/// to half as many again: 3, 4, 6, 9.
+const MOST_CORNERS: usize = 9;
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part<T: Scalar> {
+    /// Of each corner, in order around it.
+    pub(super) weights: [Vector3<T>; MOST_CORNERS],
+    pub(super) count: usize,
+}
+
+/// What a plane leaves of a part.
+pub(super) enum Cut<T: Scalar> {
+    All,
+    Some(Part<T>),
+    Nothing,
+}
+
+fn position<T: Scalar>([a, b, c]: &[Vector3<T>; 3], weights: &Vector3<T>) -> Vector3<T> {
+    a * weights.x + b * weights.y + c * weights.z
+}
+
+impl<T: Scalar> Part<T> {
+    /// The triangle with these weights.
+    pub(super) fn whole(weights: &[Vector3<T>; 3]) -> Self {
+        let mut all = [Vector3::zeros(); MOST_CORNERS];
+        all[..3].copy_from_slice(weights);
+        Self { weights: all, count: 3 }
+    }
+
+    /// The triangles from the first corner to each edge: the sum of their weights, and their doubled area as a part of the
+    /// triangle's.
+    fn fan(&self) -> impl Iterator<Item = (Vector3<T>, T)> {
+        let first = self.weights[0];
+        self.weights[1..self.count].windows(2).map(move |pair| {
+            let [b, c] = [pair[0], pair[1]].map(|corner| corner - first);
+            (first + pair[0] + pair[1], b.x * c.y - b.y * c.x)
+        })
+    }
+
+    /// As a part of the doubled area of the triangle.
+    pub(super) fn doubled_area(&self) -> T {
+        self.fan().fold(T::zero(), |sum, (_, doubled_area)| sum + doubled_area)
+    }
+
+    /// The centre of area: where it is, and its weights.
+    pub(super) fn middle(&self, corners: &[Vector3<T>; 3]) -> (Vector3<T>, Vector3<T>) {
+        let sum = self.fan().fold(Vector3::zeros(), |sum, (corners, doubled_area)| sum + corners * doubled_area);
+        let weights = sum / (self.doubled_area() * T::of(3.0));
+        (position(corners, &weights), weights)
+    }
+
+    /// How far it reaches from a point.
+    pub(super) fn reach(&self, corners: &[Vector3<T>; 3], from: &Vector3<T>) -> T {
+        let distance = |weights| length(&(position(corners, weights) - from));
+        self.weights[..self.count].iter().map(distance).fold(T::zero(), |most, distance| most.max(distance))
+    }
+
+    /// What lies beyond the plane through `point`, in the direction `inward`.
+    pub(super) fn beyond(&self, corners: &[Vector3<T>; 3], point: &Vector3<T>, inward: &Vector3<T>) -> Cut<T> {
+        let depth = |weights: &Vector3<T>| (position(corners, weights) - point).dot(inward);
+        let mut part = Self { count: 0, ..*self };
+        let mut keep = |weights| {
+            part.weights[part.count] = weights;
+            part.count += 1;
+        };
+        let mut from = self.weights[self.count - 1];
+        let mut from_depth = depth(&from);
+        let mut beyond = 0;
+        for to in &self.weights[..self.count] {
+            let to_depth = depth(to);
+            if (from_depth > T::zero()) != (to_depth > T::zero()) {
+                keep(from + (to - from) * (from_depth / (from_depth - to_depth)));
+            }
+            if to_depth > T::zero() {
+                keep(*to);
+                beyond += 1;
+            }
+            (from, from_depth) = (*to, to_depth);
+        }
+        match beyond {
+            0 => Cut::Nothing,
+            _ if beyond == self.count => Cut::All,
+            _ => Cut::Some(part),
+        }
+    }
+}
