@@ -89,3 +89,62 @@ impl<T: Scalar> Part<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [Vector3<f64>; 3] =
+        [Vector3::new(1.0, 0.0, 2.0), Vector3::new(4.0, 0.5, 2.0), Vector3::new(1.5, 3.0, 1.0)];
+    const WHOLE: [Vector3<f64>; 3] =
+        [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+
+    /// Against the share of many points spread evenly over the triangle, and the mean of their weights.
+    #[test]
+    fn parts_are_as_large_as_the_points_they_hold_and_in_their_middle() {
+        let planes = [
+            (Vector3::new(2.0, 0.7, 1.8), Vector3::new(1.0, 0.2, 0.0)),
+            (Vector3::new(2.0, 1.0, 1.5), Vector3::new(-0.3, -1.0, 0.4)),
+            (Vector3::new(2.6, 0.5, 2.0), Vector3::new(-0.8, 1.5, 0.1)),
+        ];
+        let count = 700;
+        let mut part = Part::whole(&WHOLE);
+        for number in 0..planes.len() {
+            let (point, inward) = planes[number];
+            let Cut::Some(left) = part.beyond(&CORNERS, &point, &inward) else { panic!("plane {number} cuts") };
+            part = left;
+            let mut held = 0.0;
+            let mut sum = Vector3::zeros();
+            for i in 0..count {
+                for j in 0..count - i {
+                    let [x, y] = [i, j].map(|k| (f64::from(k) + 1.0 / 3.0) / f64::from(count));
+                    let weights = Vector3::new(x, y, 1.0 - x - y);
+                    let at = position(&CORNERS, &weights);
+                    if planes[..=number].iter().all(|(point, inward)| (at - point).dot(inward) > 0.0) {
+                        held += 1.0;
+                        sum += weights;
+                    }
+                }
+            }
+            let all = f64::from(count * (count + 1) / 2);
+            assert!(
+                (part.doubled_area() - held / all).abs() < 0.003,
+                "{number}: {} {}",
+                part.doubled_area(),
+                held / all
+            );
+            let (at, weights) = part.middle(&CORNERS);
+            assert!((weights - sum / held).amax() < 0.003, "{number}: {weights} {}", sum / held);
+            assert_eq!(at, position(&CORNERS, &weights));
+        }
+        assert_eq!(part.count, 3);
+    }
+
+    #[test]
+    fn planes_beside_a_part_leave_all_or_nothing() {
+        let part = Part::whole(&WHOLE);
+        let beside = Vector3::new(0.0, 0.0, 0.0);
+        assert!(matches!(part.beyond(&CORNERS, &beside, &Vector3::x()), Cut::All));
+        assert!(matches!(part.beyond(&CORNERS, &beside, &-Vector3::x()), Cut::Nothing));
+    }
+}
