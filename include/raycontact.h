@@ -244,6 +244,30 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_RIGID_ELIMINATED = 608,
   /**
+   * Options that must be equal on all ranks are not. This and the next are only said by raycontact/mpi.hpp, on all ranks.
+   */
+  RAYC_STATUS_RANKS_DISAGREE = 700,
+  /**
+   * Two ranks have a body of the same key.
+   */
+  RAYC_STATUS_BODY_ON_TWO_RANKS = 701,
+  /**
+   * A body's owner is to be a rank that the communicator does not have.
+   */
+  RAYC_STATUS_UNKNOWN_RANK = 702,
+  /**
+   * A body has come back under its key with another mesh.
+   */
+  RAYC_STATUS_OTHER_MESH = 703,
+  /**
+   * The communicator is MPI_COMM_NULL or joins two groups, or MPI has not begun or has ended.
+   */
+  RAYC_STATUS_INVALID_COMMUNICATOR = 704,
+  /**
+   * MPI or Zoltan refused a call, or a message is longer than MPI can count.
+   */
+  RAYC_STATUS_MPI_FAILED = 705,
+  /**
    * A fault inside the library was caught. Destroy the handles of this call; please report it.
    */
   RAYC_STATUS_PANIC = 900,
@@ -1927,6 +1951,16 @@ enum rayc_status rayc_scene_share_body(struct rayc_scene *scene,
                                        uint32_t is_ghost,
                                        uint32_t neighbours,
                                        uint32_t overlaps_itself);
+
+/**
+ * Whether the scene that has the body of key `own` finds the contacts with a ghost of key `ghost` (*found: 1) or that which
+ * has them the other way round does (0): see rayc_scene_share_body().
+ *
+ * Errors: RAYC_STATUS_INVALID_OPTION where the keys are the same.
+ */
+enum rayc_status rayc_finds_pair(uint64_t own,
+                                 uint64_t ghost,
+                                 uint32_t *found);
 
 /**
  * Finds the contacts of bodies with themselves, where that is switched on, as the next rayc_scene_query() would, which does
