@@ -22,28 +22,39 @@ pub struct PairForces {
 pub struct ForcesByPair<T: Scalar> {
     pairs: Vec<PairForces>,
     forces: Vec<(u32, Vector3<T>)>,
-    collected: Vec<Part<T>>,
+    sums: Vec<Sum<T>>,
+    /// For either body of a pair, by vertex: where its sum stands, or [`NOWHERE`].
+    places: [Vec<u32>; 2],
 }
 
-/// What one contact adds at one vertex.
+const NOWHERE: u32 = u32::MAX;
+
+/// What a pair does at one vertex.
 #[derive(Clone, Copy, Debug)]
-struct Part<T: Scalar> {
+struct Sum<T: Scalar> {
     side: usize,
     vertex: u32,
-    /// When it came.
-    number: usize,
     force: Vector3<T>,
 }
 
 struct Collector<'a, T: Scalar> {
     first: u32,
-    parts: &'a mut Vec<Part<T>>,
+    sums: &'a mut Vec<Sum<T>>,
+    places: &'a mut [Vec<u32>; 2],
 }
 
 impl<T: Scalar> BodiesMut<T> for Collector<'_, T> {
     fn add_to(&mut self, body: u32, vertex: u32, force: Vector3<T>) {
-        let (side, number) = (usize::from(body != self.first), self.parts.len());
-        self.parts.room_for(1).push(Part { side, vertex, number, force });
+        let side = usize::from(body != self.first);
+        let (places, at) = (&mut self.places[side], vertex as usize);
+        if places.len() <= at {
+            places.room_for(at + 1 - places.len()).resize(at + 1, NOWHERE);
+        }
+        if places[at] == NOWHERE {
+            places[at] = self.sums.len() as u32;
+            self.sums.room_for(1).push(Sum { side, vertex, force: Vector3::zeros() });
+        }
+        self.sums[places[at] as usize].force += force;
     }
 }
 
@@ -72,6 +83,10 @@ impl<T: Scalar> ForcesByPair<T> {
     ) {
         self.pairs.clear();
         self.forces.clear();
+        // Something is left only where memory has ended on the way.
+        for Sum { side, vertex, .. } in self.sums.drain(..) {
+            self.places[side][vertex as usize] = NOWHERE;
+        }
         let (mut contacts, mut pushes) = (&list.contacts[..], list.pushes());
         while let Some(first) = contacts.first() {
             let bodies = [first.colliding, first.collided];
@@ -79,26 +94,25 @@ impl<T: Scalar> ForcesByPair<T> {
             let end = contacts.iter().position(|contact| !is_of_pair([contact.colliding, contact.collided]));
             let (of_pair, others) = contacts.split_at(end.unwrap_or(contacts.len()));
             contacts = others;
-            self.collected.clear();
-            let mut collector = Collector { first: bodies[0], parts: &mut self.collected };
+            let mut collector = Collector { first: bodies[0], sums: &mut self.sums, places: &mut self.places };
             add_forces(of_pair, law, positions, velocities, &mut collector);
             if let Some((push, others)) = pushes.split_first().filter(|(push, _)| is_of_pair(push.bodies)) {
                 pushes = others;
                 add_push_forces(std::slice::from_ref(push), law, positions, velocities, &mut collector);
             }
-            self.take_collected(bodies);
+            self.take_sums(bodies);
         }
     }
 
-    fn take_collected(&mut self, bodies: [u32; 2]) {
-        let Self { pairs, forces, collected } = self;
-        collected.sort_unstable_by_key(|part| (part.side, part.vertex, part.number));
-        let start = forces.len();
-        let mut counts = [0; 2];
-        for part in collected.chunk_by(|one, next| (one.side, one.vertex) == (next.side, next.vertex)) {
-            let sum = part.iter().fold(Vector3::zeros(), |sum, part| sum + part.force);
-            forces.room_for(1).push((part[0].vertex, sum));
-            counts[part[0].side] += 1;
+    fn take_sums(&mut self, bodies: [u32; 2]) {
+        let Self { pairs, forces, sums, places } = self;
+        sums.sort_unstable_by_key(|sum| (sum.side, sum.vertex));
+        let (start, mut counts) = (forces.len(), [0; 2]);
+        forces.room_for(sums.len());
+        for Sum { side, vertex, force } in sums.drain(..) {
+            places[side][vertex as usize] = NOWHERE;
+            counts[side] += 1;
+            forces.push((vertex, force));
         }
         pairs.room_for(1).push(PairForces { bodies, start, counts });
     }

@@ -203,11 +203,12 @@ impl<T: Scalar> Scene<T> {
     /// memories are then as before.
     pub fn restore_pair_memories(&mut self, bytes: &[u8]) -> Result<(), SceneError> {
         let history = saved::restore(bytes, self.newest_stamp())?;
-        let mut memories = history.before.iter().chain(&history.after);
-        memories.try_for_each(|([a, b], _)| self.known_pair(*a, *b).map(drop))?;
-        if !history.is_in_order(|pair| self.bodies.order(pair)) {
+        let key = |number: u32| self.bodies.get(number).map_or(u64::from(number), |body| body.key);
+        if !history.is_in_order(|pair| pair.map(|number| (key(number), number))) {
             return Err(SavedStateError::Damaged.into());
         }
+        let mut memories = history.before.iter().chain(&history.after);
+        memories.try_for_each(|([a, b], _)| self.known_pair(*a, *b).map(drop))?;
         self.pairs.history = history;
         Ok(())
     }

@@ -156,7 +156,7 @@ impl<T: Scalar> History<T> {
     }
 
     /// Whether both lists are in the order by which pairs compare.
-    pub(super) fn is_in_order(&self, order: impl Fn(&[u32; 2]) -> [u32; 2]) -> bool {
+    pub(super) fn is_in_order<K: PartialOrd>(&self, order: impl Fn(&[u32; 2]) -> [K; 2]) -> bool {
         [&self.before, &self.after].into_iter().all(|list| {
             let of_two = |two: &[Remembered<T>]| order(&two[0].0) < order(&two[1].0);
             list.windows(2).all(of_two)
