@@ -61,10 +61,12 @@ void check_steps() {
   std::vector<double> broken = row.shape.positions;
   broken[4] = std::nan("");
   if (rank_here == last) row.scene.set_positions(row.key, raycontact::vectors(broken));
-  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_NOT_FINITE, "NaN", rank_count == 1 ? "vertex 1" : "rank " + std::to_string(last));
+  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_NOT_FINITE, "NaN",
+               rank_count == 1 ? "vertex 1" : "rank " + std::to_string(last));
   expect(row.largest_force() == force, "NaN", "forces are as before");
   if (rank_here == 0) row.scene.set_velocities(row.key, raycontact::vectors(broken));
-  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_NOT_FINITE, "velocities", "velocities of the body of key 100");
+  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_NOT_FINITE, "velocities",
+               "velocities of the body of key 100");
 }
 
 }  // namespace
@@ -86,7 +88,8 @@ int main(int argc, char** argv) {
     expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_WRONG_COUNT, "count", "");
     expect_fault([&] { row.scene.step(-1); }, RAYC_STATUS_INVALID_OPTION, "seconds", "-1");
     std::vector<int> owners = {is_last ? rank_count : 0};
-    expect_fault([&] { row.scene.migrate(owners, pack, unpack); }, RAYC_STATUS_UNKNOWN_RANK, "owner", "is to own a body");
+    expect_fault([&] { row.scene.migrate(owners, pack, unpack); }, RAYC_STATUS_UNKNOWN_RANK, "owner",
+                 "is to own a body");
     owners.push_back(0);
     expect_fault([&] { row.scene.migrate(owners, pack, unpack); }, RAYC_STATUS_WRONG_COUNT, "owners", "2 owners for 1");
     expect(row.scene.keys() == std::vector<uint64_t>{row.key}, "owners", "nothing has moved");
@@ -139,8 +142,8 @@ int main(int argc, char** argv) {
     expect_fault([&] { raycontact::DistributedScene other(MPI_COMM_WORLD, options); }, RAYC_STATUS_INVALID_OPTION,
                  "options", "stiffness");
   }
-  expect_fault([] { raycontact::DistributedScene other(MPI_COMM_NULL); }, RAYC_STATUS_INVALID_COMMUNICATOR, "communicator",
-               "MPI_COMM_NULL");
+  expect_fault([] { raycontact::DistributedScene other(MPI_COMM_NULL); }, RAYC_STATUS_INVALID_COMMUNICATOR,
+               "communicator", "MPI_COMM_NULL");
   MPI_Allreduce(MPI_IN_PLACE, &failures, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
   MPI_Finalize();
   return failures == 0 ? 0 : 1;

@@ -1,6 +1,6 @@
-// Bodies that drift through one another, for a plain scene and for a distributed one: tori that touch their neighbours, some
-// of which overlap themselves, with small ones inside them that must escape. They sway as they go, so that vertices have
-// velocities of their own, and forces move them.
+// Bodies that drift through one another, for a plain scene and for a distributed one: tori that touch their neighbours,
+// some of which overlap themselves, with small ones inside them that must escape. They sway as they go, so that
+// vertices have velocities of their own, and forces move them.
 #ifndef DRIFTING_BODIES_HPP
 #define DRIFTING_BODIES_HPP
 
@@ -63,7 +63,8 @@ inline Body first_state(uint32_t number) {
 }
 
 /** Where the vertices are, and how fast they move. */
-inline void place(const Body& body, const Torus& rest, std::vector<double>& positions, std::vector<double>& velocities) {
+inline void place(const Body& body, const Torus& rest, std::vector<double>& positions,
+                  std::vector<double>& velocities) {
   const double time = body.steps * step_length, rate = 5 + body.number % 3;
   positions.resize(rest.positions.size());
   velocities.resize(rest.positions.size());

@@ -21,7 +21,8 @@ struct Options {
 const char* const usage =
     "usage: mpirun -n RANKS distributed [options]\n"
     "\n"
-    "Tori drift through one another, spread over the ranks of a run; some have small ones inside that must escape. Prints\n"
+    "Tori drift through one another, spread over the ranks of a run; some have small ones inside that must escape. "
+    "Prints\n"
     "a hash of every force of every step, which is the same for any number of ranks, and what the exchange took.\n"
     "\n"
     "  --bodies N      how many bodies (220)\n"
@@ -57,8 +58,9 @@ int parse(int argc, char** argv, Options& options) {
     *number->second = std::strtol(argv[i], &end, 10);
     const long least = option == "--around" ? 6 : 1;
     if (*end != '\0' || *number->second < least || *number->second > 1000000)
-      return std::fprintf(stderr, "distributed: %s needs a whole number of at least %ld, not %s\n\n%s", option.c_str(), least,
-                          argv[i], usage), 2;
+      return std::fprintf(stderr, "distributed: %s needs a whole number of at least %ld, not %s\n\n%s", option.c_str(),
+                          least, argv[i], usage),
+             2;
   }
   return -1;
 }
@@ -101,15 +103,17 @@ class Run {
       escapes_ = statistics.escaping_pairs;
       if (frames_ && step % options_.every == 0) write_frame(step);
       if (rank_ == 0)
-        progress.show(static_cast<double>(step + 1) / static_cast<double>(options_.steps),
-                      std::to_string(statistics.contacts) + " contacts, " + std::to_string(escapes_) + " pairs escaping");
+        progress.show(
+            static_cast<double>(step + 1) / static_cast<double>(options_.steps),
+            std::to_string(statistics.contacts) + " contacts, " + std::to_string(escapes_) + " pairs escaping");
     }
   }
 
   /** Sums over all ranks, and of times the longest. */
   void print() const {
     const raycontact::Traffic& own = scene_.traffic();
-    uint64_t sums[] = {own.header_bytes, own.position_bytes, own.shape_bytes, own.force_bytes, own.ghosts, own.new_ghosts};
+    uint64_t sums[] = {own.header_bytes, own.position_bytes, own.shape_bytes,
+                       own.force_bytes,  own.ghosts,         own.new_ghosts};
     double seconds[] = {own.query_seconds, own.sum_seconds, own.ghost_seconds,
                         own.total_seconds - own.query_seconds - own.sum_seconds - own.ghost_seconds, own.total_seconds};
     double all[5];
@@ -118,9 +122,10 @@ class Run {
     MPI_Allreduce(MPI_IN_PLACE, seconds, 5, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
     if (rank_ != 0) return;
     const double steps = static_cast<double>(options_.steps);
-    std::printf("%ld bodies on %d ranks, %ld steps: %.0f pairs and %.0f contacts a step, %llu pairs escaping at the end\n\n",
-                options_.bodies, size_, options_.steps, static_cast<double>(pairs_) / steps,
-                static_cast<double>(contacts_) / steps, static_cast<unsigned long long>(escapes_));
+    std::printf(
+        "%ld bodies on %d ranks, %ld steps: %.0f pairs and %.0f contacts a step, %llu pairs escaping at the end\n\n",
+        options_.bodies, size_, options_.steps, static_cast<double>(pairs_) / steps,
+        static_cast<double>(contacts_) / steps, static_cast<unsigned long long>(escapes_));
     std::printf("a step, all ranks together  %10s\n", "bytes");
     const char* const names[] = {"headers", "positions of ghosts", "meshes", "forces back"};
     for (int i = 0; i < 4; ++i) std::printf("  %-25s %10.0f\n", names[i], static_cast<double>(sums[i]) / steps);

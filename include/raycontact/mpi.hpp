@@ -2,8 +2,8 @@
 /**
  * raycontact over MPI: the contacts of one scene whose bodies are spread over the ranks of a communicator, to the bit.
  *
- * Header-only; link raycontact::mpi in CMake, which brings MPI and Zoltan. Include this one file; the parts below `mpi/` are
- * its chapters. In short, on every rank:
+ * Header-only; link raycontact::mpi in CMake, which brings MPI and Zoltan. Include this one file; the parts below
+ * `mpi/` are its chapters. In short, on every rank:
  *
  *     raycontact::DistributedScene scene(MPI_COMM_WORLD);      // after MPI_Init, which stays the host's
  *     scene.add(key, mesh);                                    // for each of this rank's bodies; keys are the host's

@@ -79,15 +79,20 @@ inline bool read_vectors(const rayc_vectors& from, std::vector<double>& to) {
   for (std::size_t i = 0; i < to.size(); ++i) {
     const char* at = static_cast<const char*>(from.data) + i / 3 * stride + i % 3 * size;
     float narrow = 0;
-    if (size == sizeof(float)) std::memcpy(&narrow, at, size);
-    else std::memcpy(&to[i], at, size);
+    if (size == sizeof(float))
+      std::memcpy(&narrow, at, size);
+    else
+      std::memcpy(&to[i], at, size);
     if (size == sizeof(float)) to[i] = narrow;
     if (!(to[i] - to[i] == 0)) return false;
   }
   return true;
 }
 
-/** The bodies of one rank. Calls of the host note what is wrong and leave all as it was; the next collective call says it. */
+/**
+ * The bodies of one rank. Calls of the host note what is wrong and leave all as it was; the next collective call says
+ * it.
+ */
 class Bodies {
  public:
   std::map<uint64_t, Own> own;
@@ -152,8 +157,9 @@ class Bodies {
     const std::string what = "velocities of the body of key " + std::to_string(key);
     std::vector<double> read;
     if (velocities.count != body->vertex_count)
-      fault.note(RAYC_STATUS_WRONG_COUNT, what + ": there are " + std::to_string(velocities.count) + "; give one for each of " +
-                                              std::to_string(body->vertex_count) + " vertices");
+      fault.note(RAYC_STATUS_WRONG_COUNT, what + ": there are " + std::to_string(velocities.count) +
+                                              "; give one for each of " + std::to_string(body->vertex_count) +
+                                              " vertices");
     else if (velocities.data == nullptr)
       fault.note(RAYC_STATUS_NULL_POINTER, what + ": data is NULL; pass a valid pointer");
     else if (!read_vectors(velocities, read))
@@ -171,7 +177,8 @@ class Bodies {
   }
 
   void remove_ghost(std::map<uint64_t, Ghost>::iterator ghost) {
-    fault.check(rayc_scene_remove_body(scene.get(), ghost->second.number), "ghost of key " + std::to_string(ghost->first));
+    fault.check(rayc_scene_remove_body(scene.get(), ghost->second.number),
+                "ghost of key " + std::to_string(ghost->first));
     named.erase(ghost->second.number);
     ghosts.erase(ghost);
   }

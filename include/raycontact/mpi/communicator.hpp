@@ -45,7 +45,8 @@ class Communicator {
     MPI_Initialized(&has_begun);
     MPI_Finalized(&has_ended);
     if (has_begun == 0 || has_ended != 0) {
-      fault.note(RAYC_STATUS_INVALID_COMMUNICATOR, "MPI has not begun or has ended; call between MPI_Init and MPI_Finalize");
+      fault.note(RAYC_STATUS_INVALID_COMMUNICATOR,
+                 "MPI has not begun or has ended; call between MPI_Init and MPI_Finalize");
       return fault;
     }
     if (host == MPI_COMM_NULL) {

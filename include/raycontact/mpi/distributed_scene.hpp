@@ -30,9 +30,9 @@ struct DistributedOptions {
  *
  * Keys are the host's, any numbers that differ from body to body; they stand for the bodies in all calls, and decide
  * every order. Calls are of two kinds. Those of one rank, about its own bodies, never fail: what is wrong is noted,
- * changes nothing, and is said by the next collective call. Collective calls, so marked, are made by all ranks in the same
- * order. What goes wrong on one rank they say on all, with the same status and message, which begins with the rank.
- * Moves, does not copy. The communicator is duplicated; the scene must end before MPI_Finalize.
+ * changes nothing, and is said by the next collective call. Collective calls, so marked, are made by all ranks in the
+ * same order. What goes wrong on one rank they say on all, with the same status and message, which begins with the
+ * rank. Moves, does not copy. The communicator is duplicated; the scene must end before MPI_Finalize.
  */
 class DistributedScene {
  public:
@@ -62,8 +62,9 @@ class DistributedScene {
     if (!fault) fault.check(rayc_scene_set_detection_options(scene, &options.detection), "detection options");
     std::size_t counts[2];
     if (!fault)
-      fault.check(rayc_contacts_sum_pair_forces(contacts, &options.response, 0, nullptr, nullptr, &counts[0], &counts[1]),
-                  "response options");
+      fault.check(
+          rayc_contacts_sum_pair_forces(contacts, &options.response, 0, nullptr, nullptr, &counts[0], &counts[1]),
+          "response options");
     fault = state->comm.agree(fault);
     if (!fault) fault = compare(state->comm, options);
     if (fault) return detail::failure<DistributedScene>(error(fault));
@@ -71,8 +72,8 @@ class DistributedScene {
   }
 
   /**
-   * Adds a body of this rank's at the mesh's present positions, without velocities. Noted: RAYC_STATUS_KEY_TAKEN, and the
-   * errors of rayc_scene_add_mesh(). The next step() says RAYC_STATUS_BODY_ON_TWO_RANKS where another rank has the
+   * Adds a body of this rank's at the mesh's present positions, without velocities. Noted: RAYC_STATUS_KEY_TAKEN, and
+   * the errors of rayc_scene_add_mesh(). The next step() says RAYC_STATUS_BODY_ON_TWO_RANKS where another rank has the
    * key; such bodies are then as before they were added. RAYC_STATUS_OTHER_MESH where the key was another mesh's
    * until the step before.
    */
@@ -90,9 +91,7 @@ class DistributedScene {
    * Renews a body's velocities in m/s, which count where the response has damping. Noted: RAYC_STATUS_UNKNOWN_BODY,
    * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NULL_POINTER, RAYC_STATUS_NOT_FINITE.
    */
-  void set_velocities(uint64_t key, const rayc_vectors& velocities) {
-    state_->bodies.set_velocities(key, velocities);
-  }
+  void set_velocities(uint64_t key, const rayc_vectors& velocities) { state_->bodies.set_velocities(key, velocities); }
 
   /**
    * Collective: finds all contacts at the present positions, sums their forces, and ends a step of so many seconds, as
@@ -100,19 +99,21 @@ class DistributedScene {
    *
    * Errors: what any rank has noted; RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite,
    * RAYC_STATUS_RANKS_DISAGREE where ranks give different ones;
-   * RAYC_STATUS_BODY_ON_TWO_RANKS, RAYC_STATUS_OTHER_MESH, RAYC_STATUS_MPI_FAILED, RAYC_STATUS_OUT_OF_MEMORY. Forces and
-   * what pairs remember are then as before.
+   * RAYC_STATUS_BODY_ON_TWO_RANKS, RAYC_STATUS_OTHER_MESH, RAYC_STATUS_MPI_FAILED, RAYC_STATUS_OUT_OF_MEMORY. Forces
+   * and what pairs remember are then as before.
    */
   Outcome<void> step(double seconds) {
     mpi_detail::Fault& noted = state_->bodies.fault;
     if (!(std::isfinite(seconds) && seconds >= 0))
-      noted.note(RAYC_STATUS_INVALID_OPTION, "the step is " + std::to_string(seconds) + " seconds long; give a finite number >= 0");
+      noted.note(RAYC_STATUS_INVALID_OPTION,
+                 "the step is " + std::to_string(seconds) + " seconds long; give a finite number >= 0");
     mpi_detail::Fault fault = state_->step.run(seconds, state_->waiting);
     if (fault) return detail::failure<void>(error(fault));
     return check(rayc_scene_advance(state_->bodies.scene.get(), seconds));
   }
 
-  /** The forces of the last step on an own body, in N: x, y, z of each vertex. Empty where this rank does not have it. */
+  /** The forces of the last step on an own body, in N: x, y, z of each vertex. Empty where this rank does not have it.
+   */
   Span<const double> forces(uint64_t key) const { return vectors_of(key, &mpi_detail::Own::forces); }
 
   /** The positions of an own body: x, y, z of each vertex. Empty where this rank does not have it. */
@@ -126,11 +127,11 @@ class DistributedScene {
   }
 
   /**
-   * Collective: lets bodies change ranks so that each has about as much to do, by the rays that each body took in the last
-   * step, in boxes of space (Zoltan's recursive coordinate bisection). Not each step: it moves all that a body is.
+   * Collective: lets bodies change ranks so that each has about as much to do, by the rays that each body took in the
+   * last step, in boxes of space (Zoltan's recursive coordinate bisection). Not each step: it moves all that a body is.
    *
-   * `pack(key)` gives the host's own state of a body that leaves, as std::vector<unsigned char>; `unpack(key, bytes)` is
-   * given it on the new rank. Neither may throw or call the scene.
+   * `pack(key)` gives the host's own state of a body that leaves, as std::vector<unsigned char>; `unpack(key, bytes)`
+   * is given it on the new rank. Neither may throw or call the scene.
    *
    * Errors: what any rank has noted, and RAYC_STATUS_MPI_FAILED; then no body has moved. RAYC_STATUS_OUT_OF_MEMORY.
    */
@@ -140,7 +141,8 @@ class DistributedScene {
     std::vector<mpi_detail::Weighed> weighed;
     for (auto& [key, body] : bodies.own) {
       rayc_body_state state{};
-      bodies.fault.check(rayc_scene_body_state(bodies.scene.get(), body.number, sizeof state, &state), "cost of a body");
+      bodies.fault.check(rayc_scene_body_state(bodies.scene.get(), body.number, sizeof state, &state),
+                         "cost of a body");
       // A body that came after the last step has cost nothing here yet.
       if (state.cost > 0) body.cost = state.cost;
       mpi_detail::Weighed of_body;
@@ -204,10 +206,17 @@ class DistributedScene {
   static mpi_detail::Fault compare(const mpi_detail::Communicator& comm, const DistributedOptions& options) {
     const rayc_detection_options& detection = options.detection;
     const rayc_response_options& response = options.response;
-    const double own[] = {double(options.scene.precision), detection.sample_spacing,       double(detection.edges),
-                          double(detection.escape),        double(detection.past_folds),   double(detection.law),
-                          detection.force_tolerance,       response.stiffness,             response.damping_time,
-                          double(response.weighting),      double(response.whole_body_escape)};
+    const double own[] = {double(options.scene.precision),
+                          detection.sample_spacing,
+                          double(detection.edges),
+                          double(detection.escape),
+                          double(detection.past_folds),
+                          double(detection.law),
+                          detection.force_tolerance,
+                          response.stiffness,
+                          response.damping_time,
+                          double(response.weighting),
+                          double(response.whole_body_escape)};
     constexpr std::size_t count = sizeof own / sizeof *own;
     double firsts[count];
     for (std::size_t i = 0; i < count; ++i) firsts[i] = own[i];

@@ -45,9 +45,9 @@ class Partition {
     int has_changed = 0, global_entries = 0, local_entries = 0, import_count = 0, export_count = 0;
     ZOLTAN_ID_PTR imports = nullptr, local_imports = nullptr, exports = nullptr, local_exports = nullptr;
     int *import_ranks = nullptr, *import_parts = nullptr, *export_ranks = nullptr, *export_parts = nullptr;
-    const int status = Zoltan_LB_Partition(zoltan, &has_changed, &global_entries, &local_entries, &import_count, &imports,
-                                           &local_imports, &import_ranks, &import_parts, &export_count, &exports,
-                                           &local_exports, &export_ranks, &export_parts);
+    const int status = Zoltan_LB_Partition(zoltan, &has_changed, &global_entries, &local_entries, &import_count,
+                                           &imports, &local_imports, &import_ranks, &import_parts, &export_count,
+                                           &exports, &local_exports, &export_ranks, &export_parts);
     if (status == ZOLTAN_OK || status == ZOLTAN_WARN)
       for (int i = 0; i < export_count; ++i) owners[local_exports[i]] = export_ranks[i];
     else

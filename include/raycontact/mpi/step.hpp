@@ -13,22 +13,9 @@
 #include <vector>
 
 #include "raycontact/mpi/bodies.hpp"
+#include "raycontact/mpi/traffic.hpp"
 
 namespace raycontact {
-
-/** What the exchange has taken on this rank since the scene was made. */
-struct Traffic {
-  uint64_t header_bytes = 0;    ///< sent, 56 for each body and neighbouring rank
-  uint64_t position_bytes = 0;  ///< sent, of positions, and of velocities where there is damping
-  uint64_t shape_bytes = 0;     ///< sent, of meshes: each once to a rank
-  uint64_t force_bytes = 0;     ///< sent back to the owners of ghosts
-  uint64_t ghosts = 0;          ///< ghosts, summed over all steps
-  uint64_t new_ghosts = 0;      ///< of these, those that were not there in the step before
-  double query_seconds = 0;     ///< in the library's query
-  double ghost_seconds = 0;     ///< in adding, moving and removing ghosts
-  double sum_seconds = 0;       ///< in summing forces pair by pair
-  double total_seconds = 0;     ///< in all of step(); what remains is exchange and waiting
-};
 
 namespace mpi_detail {
 
@@ -118,8 +105,9 @@ class Step {
     // All ranks see the same numbers here, and need not agree.
     for (const Greeting& greeting : greetings_)
       if (greeting.seconds != greetings_[0].seconds)
-        fault.note(RAYC_STATUS_RANKS_DISAGREE, "the step is " + std::to_string(greetings_[0].seconds) + " s long on rank 0 and " +
-                                                   std::to_string(greeting.seconds) + " s on another; give all ranks the same");
+        fault.note(RAYC_STATUS_RANKS_DISAGREE, "the step is " + std::to_string(greetings_[0].seconds) +
+                                                   " s long on rank 0 and " + std::to_string(greeting.seconds) +
+                                                   " s on another; give all ranks the same");
     return fault;
   }
 
@@ -197,8 +185,10 @@ class Step {
       const auto& [other, rank] = others[j - owns.size()];
       uint32_t is_found_here = 0;
       static_cast<void>(rayc_finds_pair(owns[i].first, other, &is_found_here));
-      if (is_found_here != 0) borrowed_[rank].insert(other);
-      else lent_[rank].insert(owns[i].first);
+      if (is_found_here != 0)
+        borrowed_[rank].insert(other);
+      else
+        lent_[rank].insert(owns[i].first);
     });
     for (auto& [key, body] : bodies_.own)
       bodies_.fault.check(rayc_scene_share_body(bodies_.scene.get(), body.number, 0, body.neighbours, 0), "own body");
@@ -292,9 +282,12 @@ class Step {
   bool number(uint64_t key, uint32_t* number) const {
     const auto own = bodies_.own.find(key);
     const auto ghost = bodies_.ghosts.find(key);
-    if (own != bodies_.own.end()) *number = own->second.number;
-    else if (ghost != bodies_.ghosts.end()) *number = ghost->second.number;
-    else return false;
+    if (own != bodies_.own.end())
+      *number = own->second.number;
+    else if (ghost != bodies_.ghosts.end())
+      *number = ghost->second.number;
+    else
+      return false;
     return true;
   }
 
@@ -307,17 +300,20 @@ class Step {
       }
     }
     std::size_t pair_count = 0, force_count = 0;
-    fault.check(rayc_contacts_sum_pair_forces(bodies_.contacts.get(), &response_, velocities.size(), nullptr,
-                                              velocities.empty() ? nullptr : velocities.data(), &pair_count, &force_count),
-                "forces");
+    fault.check(
+        rayc_contacts_sum_pair_forces(bodies_.contacts.get(), &response_, velocities.size(), nullptr,
+                                      velocities.empty() ? nullptr : velocities.data(), &pair_count, &force_count),
+        "forces");
     pairs_.resize(pair_count);
     forces_.resize(force_count);
-    fault.check(rayc_contacts_copy_pair_forces(bodies_.contacts.get(), pair_count, pairs_.data(), force_count, forces_.data()),
-                "forces");
+    fault.check(
+        rayc_contacts_copy_pair_forces(bodies_.contacts.get(), pair_count, pairs_.data(), force_count, forces_.data()),
+        "forces");
     if (fault) pairs_.clear();
   }
 
-  /** What a pair does to a ghost goes to its owner, which adds it in the order of the keys as if it had found it itself. */
+  /** What a pair does to a ghost goes to its owner, which adds it in the order of the keys as if it had found it
+   * itself. */
   void return_forces(Fault& fault) {
     for (auto& [key, body] : bodies_.own) body.parts.clear();
     std::map<int, Bytes> messages;

@@ -1,13 +1,14 @@
-// Bodies that drift through one another over several ranks, and change ranks every five steps: every force of every step
-// has the bits of a plain scene's. With --drop-memory bodies change ranks without what their pairs remember, and the
-// bits must be others. With --kill one rank is killed, and the run must end.
+// Bodies that drift through one another over several ranks, and change ranks every five steps: every force of every
+// step has the bits of a plain scene's. With --drop-memory bodies change ranks without what their pairs remember, and
+// the bits must be others. With --kill one rank is killed, and the run must end.
+#include "drifting_bodies.hpp"
+
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <map>
 #include <string>
 
-#include "drifting_bodies.hpp"
 #include "raycontact/mpi.hpp"
 
 namespace {
@@ -91,7 +92,8 @@ Outcome run_distributed(bool drops_memory, bool kills, uint64_t* moved) {
         add_anew(scene, host, rests, step, rank, size);
       } else if (step % (2 * steps_between_migrations) == 0) {
         std::vector<int> owners;
-        for (uint64_t key : scene.keys()) owners.push_back(static_cast<int>((key + static_cast<uint64_t>(step)) % static_cast<uint64_t>(size)));
+        for (uint64_t key : scene.keys())
+          owners.push_back(static_cast<int>((key + static_cast<uint64_t>(step)) % static_cast<uint64_t>(size)));
         scene.migrate(owners, pack, unpack);
       } else {
         scene.rebalance(pack, unpack);
@@ -115,9 +117,10 @@ Outcome run_distributed(bool drops_memory, bool kills, uint64_t* moved) {
   MPI_Allreduce(MPI_IN_PLACE, moved, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
   uint64_t ghosts = scene.traffic().ghosts;
   MPI_Allreduce(MPI_IN_PLACE, &ghosts, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
-  if (rank == 0) std::printf("%d ranks: hash=%016llx, %llu bodies moved, %llu ghosts in %d steps\n", size,
-                             static_cast<unsigned long long>(outcome.hash), static_cast<unsigned long long>(*moved),
-                             static_cast<unsigned long long>(ghosts), step_count);
+  if (rank == 0)
+    std::printf("%d ranks: hash=%016llx, %llu bodies moved, %llu ghosts in %d steps\n", size,
+                static_cast<unsigned long long>(outcome.hash), static_cast<unsigned long long>(*moved),
+                static_cast<unsigned long long>(ghosts), step_count);
   return outcome;
 }
 
@@ -133,10 +136,11 @@ int main(int argc, char** argv) {
   const Outcome found = run_distributed(mode == "--drop-memory", mode == "--kill", &moved);
   if (rank == 0) {
     const Outcome expected = run_plain(body_count, step_count);
-    std::printf("plain:   hash=%016llx, %llu contacts, %llu of escaping pairs' steps, %llu with themselves, %llu crowded\n",
-                static_cast<unsigned long long>(expected.hash), static_cast<unsigned long long>(expected.contacts),
-                static_cast<unsigned long long>(expected.escapes), static_cast<unsigned long long>(expected.self_contacts),
-                static_cast<unsigned long long>(expected.crowded));
+    std::printf(
+        "plain:   hash=%016llx, %llu contacts, %llu of escaping pairs' steps, %llu with themselves, %llu crowded\n",
+        static_cast<unsigned long long>(expected.hash), static_cast<unsigned long long>(expected.contacts),
+        static_cast<unsigned long long>(expected.escapes), static_cast<unsigned long long>(expected.self_contacts),
+        static_cast<unsigned long long>(expected.crowded));
     const auto expect = [&failures](bool condition, const char* what) {
       if (!condition) std::fprintf(stderr, "failed: %s\n", what), ++failures;
     };
