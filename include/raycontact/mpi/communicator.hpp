@@ -29,6 +29,12 @@ struct Fault {
     message = std::string(rayc_status_name(static_cast<uint32_t>(code))) + ": " + text;
   }
 
+  /** Takes over what another has noted. */
+  void take(Fault& other) {
+    const Fault taken = std::exchange(other, Fault());
+    if (status == RAYC_STATUS_OK) *this = taken;
+  }
+
   /** Notes what a call of raycontact.h said, if anything; gives whether all went well. */
   bool check(rayc_status code, const std::string& what) {
     if (code != RAYC_STATUS_OK) note(code, what + ": " + rayc_last_error_message());

@@ -42,7 +42,7 @@ class Migration {
     step_.forget();
     const std::vector<Bytes> received = comm_.swap_all(messages, TAG_MIGRATION, fault);
     for (std::size_t rank = 0; rank < received.size(); ++rank) receive(received[rank], static_cast<int>(rank), unpack);
-    fault.note(static_cast<rayc_status>(bodies_.fault.status), bodies_.fault.message);
+    fault.take(bodies_.fault);
     return comm_.agree(fault);
   }
 

@@ -250,7 +250,7 @@ class Step {
     if (found == bodies_.ghosts.end()) {
       Ghost ghost;
       if (!bodies_.add_received(key, shape, &ghost.number)) {
-        fault.note(static_cast<rayc_status>(bodies_.fault.status), bodies_.fault.message);
+        fault.take(bodies_.fault);
         return;
       }
       ghost.shape = shape;
