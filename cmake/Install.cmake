@@ -46,7 +46,7 @@ configure_package_config_file(
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/raycontactConfigVersion.cmake"
                                  COMPATIBILITY SameMajorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/raycontactConfig.cmake"
-              "${CMAKE_CURRENT_BINARY_DIR}/raycontactConfigVersion.cmake" DESTINATION "${package_dir}"
+              "${CMAKE_CURRENT_BINARY_DIR}/raycontactConfigVersion.cmake" cmake/raycontactMpi.cmake DESTINATION "${package_dir}"
         COMPONENT development)
 
 # Relative to the file itself, unless the folders were given as absolute paths.

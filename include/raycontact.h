@@ -63,6 +63,11 @@
 #define RAYC_NO_TRIANGLE UINT32_MAX
 
 /**
+ * For rayc_scene_share_body(): a body has as many neighbours as are in the scene.
+ */
+#define RAYC_NEIGHBOURS_COUNTED UINT32_MAX
+
+/**
  * How a call ended. The numbers never change; new ones may be added.
  *
  * After every status but RAYC_STATUS_OK the call has changed nothing, no output has been written, and
@@ -119,6 +124,10 @@ typedef enum rayc_status {
    * around a parallel_for. That call is not disturbed; wait for it.
    */
   RAYC_STATUS_BUSY = 110,
+  /**
+   * Another body of the scene has the key.
+   */
+  RAYC_STATUS_KEY_TAKEN = 111,
   /**
    * The mesh has no triangle.
    */
@@ -234,6 +243,30 @@ typedef enum rayc_status {
    * The contact system eliminates rigid bodies, and for this call it must keep them.
    */
   RAYC_STATUS_RIGID_ELIMINATED = 608,
+  /**
+   * Options that must be equal on all ranks are not. This and the next are only said by raycontact/mpi.hpp, on all ranks.
+   */
+  RAYC_STATUS_RANKS_DISAGREE = 700,
+  /**
+   * Two ranks have a body of the same key.
+   */
+  RAYC_STATUS_BODY_ON_TWO_RANKS = 701,
+  /**
+   * A body's owner is to be a rank that the communicator does not have.
+   */
+  RAYC_STATUS_UNKNOWN_RANK = 702,
+  /**
+   * A body has come back under its key with another mesh.
+   */
+  RAYC_STATUS_OTHER_MESH = 703,
+  /**
+   * The communicator is MPI_COMM_NULL or joins two groups, or MPI has not begun or has ended.
+   */
+  RAYC_STATUS_INVALID_COMMUNICATOR = 704,
+  /**
+   * MPI or Zoltan refused a call, or a message is longer than MPI can count.
+   */
+  RAYC_STATUS_MPI_FAILED = 705,
   /**
    * A fault inside the library was caught. Destroy the handles of this call; please report it.
    */
@@ -823,7 +856,7 @@ typedef struct rayc_escape_push {
  */
 typedef struct rayc_pair_memory {
   /**
-   * The pair's bodies, the smaller number first.
+   * The pair's bodies, the one that comes first in their order first: by key, and so by number where none has a key.
    */
   uint32_t first;
   /**
@@ -960,6 +993,78 @@ typedef struct rayc_closest_point {
    */
   double position[3];
 } rayc_closest_point;
+
+/**
+ * The forces of one pair of bodies, or of a body with itself: where they lie among those of all pairs.
+ */
+typedef struct rayc_pair_forces {
+  /**
+   * The body whose contacts come first.
+   */
+  uint32_t first;
+  /**
+   * The other; the same for a body with itself.
+   */
+  uint32_t second;
+  /**
+   * Where the pair's forces begin.
+   */
+  size_t start;
+  /**
+   * How many are the first body's.
+   */
+  size_t first_count;
+  /**
+   * How many after them are the second's; 0 for a body with itself.
+   */
+  size_t second_count;
+} rayc_pair_forces;
+
+/**
+ * What a pair does at one vertex.
+ */
+typedef struct rayc_vertex_force {
+  /**
+   * The vertex, in ascending order for each body of a pair.
+   */
+  uint32_t vertex;
+  /**
+   * Always 0, so that equal forces are equal byte by byte.
+   */
+  uint32_t reserved;
+  /**
+   * The force in N.
+   */
+  double force[3];
+} rayc_vertex_force;
+
+/**
+ * What a scene knows of a body's present state; later versions may tell more, at the end.
+ */
+typedef struct rayc_body_state {
+  /**
+   * The smallest corner of the box around the body's surface.
+   */
+  double lower[3];
+  /**
+   * The largest.
+   */
+  double upper[3];
+  /**
+   * How many rays as long as the newest query took for the body, 0 before the first: those of its contacts with itself,
+   * half of those of its pairs, and all of those with ghosts. Fifty triangles that are read count as a ray.
+   */
+  double cost;
+  /**
+   * 1: the body may overlap itself, as the newest query or rayc_scene_find_self_contacts() found; 0: it does not, or
+   * its self-collision is off.
+   */
+  uint32_t overlaps_itself;
+  /**
+   * Always 0.
+   */
+  uint32_t reserved;
+} rayc_body_state;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1299,6 +1404,19 @@ enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene,
                                      uint32_t *body);
 
 /**
+ * The same with a key of the host's. Pairs, contacts and sums come in the order of the bodies' keys, and of equal ones by
+ * number; the first body of a pair is the first in this order. A body added without one has its number for a key. So
+ * scenes whose bodies have the same keys find the same contacts in the same order, whatever the numbers, which depend on
+ * who was there before.
+ *
+ * Errors: RAYC_STATUS_KEY_TAKEN, and those of rayc_scene_add_mesh().
+ */
+enum rayc_status rayc_scene_add_mesh_with_key(struct rayc_scene *scene,
+                                              const struct rayc_mesh *mesh,
+                                              uint64_t key,
+                                              uint32_t *body);
+
+/**
  * Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY.
@@ -1362,8 +1480,8 @@ enum rayc_status rayc_scene_advance(struct rayc_scene *scene,
 /**
  * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
  * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
- * need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with
- * itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+ * need to be. Replaces what `contacts` held; the order is by pair (the body that comes first by key, and so by number where none has a key, then
+ * the other; a body with itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
  *
  * With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
  */
@@ -1392,7 +1510,7 @@ enum rayc_status rayc_scene_may_escape(const struct rayc_scene *scene, uint32_t 
 enum rayc_status rayc_scene_pair_memory_count(const struct rayc_scene *scene, size_t *count);
 
 /**
- * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
+ * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in the
  * order of their first, then their second body. struct_size: sizeof(rayc_pair_memory), so that a later library writes
  * no more of each than the caller knows.
  *
@@ -1586,6 +1704,35 @@ enum rayc_status rayc_octree_winding_numbers(const struct rayc_octree *octree,
                                              int32_t *numbers);
 
 /**
+ * How many bytes rayc_mesh_pack() writes.
+ */
+enum rayc_status rayc_mesh_packed_length(const struct rayc_mesh *mesh, size_t *length);
+
+/**
+ * Writes the mesh as it was created to `bytes`: its triangles and the positions of then, not the present ones; length must
+ * be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
+ *
+ * Patches, tiles and the order of contacts are settled by the positions at creation. So what rayc_mesh_unpack() makes
+ * of the bytes in another process, given the same positions, has the same contacts in the same order, to the bit; a mesh
+ * created anew from the present positions has not.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_mesh_pack(const struct rayc_mesh *mesh,
+                                size_t length,
+                                uint8_t *bytes);
+
+/**
+ * Makes the mesh that was packed, of the same precision, at the positions of its creation. *mesh: the new handle.
+ *
+ * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
+ * and those of rayc_mesh_create() where bytes fit their checksum and are no mesh all the same.
+ */
+enum rayc_status rayc_mesh_unpack(size_t length,
+                                  const uint8_t *bytes,
+                                  struct rayc_mesh **mesh);
+
+/**
  * Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in m;
  * velocities: at the start, in m/s; free_velocities: what they would be at the end if nothing touched the nodes. The scene's
  * bodies are put where they would then be, their contacts found, and made rows; pairs that contacts cannot part escape as
@@ -1734,6 +1881,34 @@ enum rayc_status rayc_contact_system_explicit_step(struct rayc_contact_system *s
                                                    double *longest_step);
 
 /**
+ * Sums the contact forces pair by pair, for rayc_contacts_copy_pair_forces(): first the contacts of each pair, in their
+ * order, at each vertex that they act on. Added in the order of the pairs they are the forces of rayc_contacts_add_forces()
+ * but for the order of summation. As a pair's sum does not depend on other pairs, it may be found in another process.
+ *
+ * options, body_count, positions, velocities: as in rayc_contacts_add_forces(), and so are the errors. *pair_count: how
+ * many pairs have contacts, bodies with themselves among them; *force_count: how many forces there are.
+ */
+enum rayc_status rayc_contacts_sum_pair_forces(struct rayc_contacts *contacts,
+                                               const struct rayc_response_options *options,
+                                               size_t body_count,
+                                               const struct rayc_vectors *positions,
+                                               const struct rayc_vectors *velocities,
+                                               size_t *pair_count,
+                                               size_t *force_count);
+
+/**
+ * Copies what the last rayc_contacts_sum_pair_forces() of these contacts has summed; both counts must be those it gave.
+ * The pairs come in their order; the forces of each pair are its first body's, then its second's.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_contacts_copy_pair_forces(const struct rayc_contacts *contacts,
+                                                size_t pair_count,
+                                                struct rayc_pair_forces *pairs,
+                                                size_t force_count,
+                                                struct rayc_vertex_force *forces);
+
+/**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_contact_system_options).
  *
  * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
@@ -1758,6 +1933,64 @@ enum rayc_status rayc_bearing_material(double pressure,
                                        double depth,
                                        size_t struct_size,
                                        struct rayc_material *material);
+
+/**
+ * Says how a body is shared between scenes of several processes, each of which has some bodies of its own and ghosts of
+ * those of others that meet them. From the next query on; a new body is not shared.
+ *
+ * is_ghost: 1 for another scene's body. It has no contacts with itself here and none with other ghosts. Of a pair of it and
+ * a body of this scene's own the contacts are found by one of the two scenes alone, which follows from the two keys
+ * (rayc_scene_add_mesh_with_key()) and is about as often the one as the other. 0 for a body of this scene's own.
+ * neighbours: how many bodies' boxes overlap its own in all scenes together, by which crowds are known, or
+ * RAYC_NEIGHBOURS_COUNTED. overlaps_itself: of a ghost, what rayc_scene_body_state() says in its own scene; otherwise 0.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a flag is neither 0 nor 1.
+ */
+enum rayc_status rayc_scene_share_body(struct rayc_scene *scene,
+                                       uint32_t body,
+                                       uint32_t is_ghost,
+                                       uint32_t neighbours,
+                                       uint32_t overlaps_itself);
+
+/**
+ * Whether the scene that has the body of key `own` finds the contacts with a ghost of key `ghost` (*found: 1) or that which
+ * has them the other way round does (0): see rayc_scene_share_body().
+ *
+ * Errors: RAYC_STATUS_INVALID_OPTION where the keys are the same.
+ */
+enum rayc_status rayc_finds_pair(uint64_t own,
+                                 uint64_t ghost,
+                                 uint32_t *found);
+
+/**
+ * Finds the contacts of bodies with themselves, where that is switched on, as the next rayc_scene_query() would, which does
+ * not do it again at the same positions: so that rayc_body_state says overlaps_itself before it.
+ */
+enum rayc_status rayc_scene_find_self_contacts(struct rayc_scene *scene);
+
+/**
+ * A body's state. struct_size: sizeof(rayc_body_state), so that a later library writes no more than the caller knows.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_scene_body_state(const struct rayc_scene *scene,
+                                       uint32_t body,
+                                       size_t struct_size,
+                                       struct rayc_body_state *state);
+
+/**
+ * Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, of this scene or of another: for bodies
+ * that change from one process to another. The pair's bodies by their numbers in this scene, the one that comes first in
+ * their order first. It is forgotten by a query at which the two boxes do not overlap. struct_size:
+ * sizeof(rayc_pair_memory).
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where both are the same body,
+ * RAYC_STATUS_SAVED_STATE_BROKEN where it is nothing that a pair remembers or the bodies are the other way round,
+ * RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_scene_set_pair_memory(struct rayc_scene *scene,
+                                            size_t struct_size,
+                                            const struct rayc_pair_memory *memory);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -14,6 +14,9 @@ packages=(
     python3-vtk9    # draws the demo's picture
     doxygen         # the manual
     libtbb-dev      # threads of a host, lent to the library
+    libopenmpi-dev  # bodies over several processes, which openmpi-bin starts
+    openmpi-bin
+    libtrilinos-zoltan-dev # which process is to have which body
     valgrind        # counts instructions
     xvfb            # gives VTK something to draw on where there is no screen
     xauth           # xvfb-run needs it

@@ -46,6 +46,7 @@
 //! # }
 //! ```
 
+mod bytes;
 pub mod capi;
 pub mod closest;
 pub mod contact;

@@ -42,6 +42,10 @@ static rayc_status push_of_contacts(size_t size, rayc_escape_push* place) {
   return rayc_contacts_copy_escape_pushes(contacts, 0, 1, size, place);
 }
 
+static rayc_status state_of_body(size_t size, rayc_body_state* place) {
+  return rayc_scene_body_state(scene, 0, size, place);
+}
+
 static rayc_status bearing_material(size_t size, rayc_material* place) {
   return rayc_bearing_material(1, 1, size, place);
 }
@@ -115,6 +119,7 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_statistics, border_pieces) == sizeof(rayc_statistics));
   CHECK(END_OF(rayc_pair_memory, net_push) == sizeof(rayc_pair_memory));
   CHECK(END_OF(rayc_escape_push, centres) == sizeof(rayc_escape_push));
+  CHECK(END_OF(rayc_body_state, reserved) == sizeof(rayc_body_state));
 }
 
 /* Nor a hole within, whose bytes would be whatever they were. */
@@ -125,6 +130,7 @@ static void arrays_elements_have_no_holes(void) {
   CHECK(sizeof(rayc_escape_push) == 4 * sizeof(uint32_t) + 11 * sizeof(double));
   CHECK(sizeof(rayc_contact) == 4 * sizeof(uint32_t) + 2 * sizeof(rayc_surface_point) + 6 * sizeof(double));
   CHECK(sizeof(rayc_surface_point) == 4 * sizeof(uint32_t) + 6 * sizeof(double));
+  CHECK(sizeof(rayc_vertex_force) == 2 * sizeof(uint32_t) + 3 * sizeof(double));
   CHECK(sizeof(rayc_hit) == 2 * sizeof(uint32_t) + 4 * sizeof(double));
 }
 
@@ -142,6 +148,7 @@ int main(void) {
                "statistics");
   make_escapes();
   CHECK_SIZES(rayc_pair_memory, END_OF(rayc_pair_memory, net_push), pair_memory_of_scene);
+  CHECK_SIZES(rayc_body_state, END_OF(rayc_body_state, reserved), state_of_body);
   CHECK_SIZES(rayc_escape_push, END_OF(rayc_escape_push, centres), push_of_contacts);
   arrays_are_written_in_steps_of_the_callers_size();
   CHECK_OK(rayc_scene_destroy(scene));

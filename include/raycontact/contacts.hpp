@@ -101,6 +101,23 @@ class Contacts {
   }
 
   /**
+   * The forces summed pair by pair, at the positions of detection: rayc_contacts_sum_pair_forces(). Replaces what
+   * `pairs` and `forces` held. `velocities`: one array for each body; an empty span stands for none.
+   */
+  Outcome<void> sum_pair_forces_to(const rayc_response_options& options, std::vector<rayc_pair_forces>& pairs,
+                                   std::vector<rayc_vertex_force>& forces,
+                                   Span<const rayc_vectors> velocities = {}) {
+    std::size_t pair_count = 0, force_count = 0;
+    rayc_status status = rayc_contacts_sum_pair_forces(get(), &options, velocities.size(), nullptr, given(velocities),
+                                                       &pair_count, &force_count);
+    pairs.resize(pair_count);
+    forces.resize(force_count);
+    if (status == RAYC_STATUS_OK)
+      status = rayc_contacts_copy_pair_forces(get(), pair_count, pairs.data(), force_count, forces.data());
+    return check(status);
+  }
+
+  /**
    * Adds stiffness_factor * (df/dx) d + damping_factor * (df/dv) d for the displacements d:
    * rayc_contacts_add_differential().
    */

@@ -129,6 +129,23 @@ class Mesh {
     return detail::outcome(status, std::move(indices));
   }
 
+  /** The mesh as it was created, as bytes: rayc_mesh_pack(). */
+  Outcome<std::vector<uint8_t>> pack() const {
+    std::size_t length = 0;
+    rayc_status status = rayc_mesh_packed_length(get(), &length);
+    std::vector<uint8_t> bytes(length);
+    if (status == RAYC_STATUS_OK) status = rayc_mesh_pack(get(), length, bytes.data());
+    return detail::outcome(status, std::move(bytes));
+  }
+
+  /** The mesh that was packed, at the positions of its creation: rayc_mesh_unpack(). */
+  static Outcome<Mesh> unpack(Span<const uint8_t> bytes) {
+    rayc_mesh* mesh = nullptr;
+    rayc_status status = detail::check_abi();
+    if (status == RAYC_STATUS_OK) status = rayc_mesh_unpack(bytes.size(), bytes.data(), &mesh);
+    return detail::outcome(status, Mesh(mesh));
+  }
+
   /** For raycontact.h; stays this object's. NULL after a move. */
   rayc_mesh* get() const noexcept { return handle_.get(); }
 

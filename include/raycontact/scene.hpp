@@ -105,6 +105,29 @@ class Scene {
     return detail::outcome(status, body);
   }
 
+  /** The same with a key of the host's, by which orders go: rayc_scene_add_mesh_with_key(). */
+  Outcome<uint32_t> add(const Mesh& mesh, uint64_t key) {
+    uint32_t body = 0;
+    const rayc_status status = rayc_scene_add_mesh_with_key(get(), mesh.get(), key, &body);
+    return detail::outcome(status, body);
+  }
+
+  /** Says how a body is shared between scenes of several processes: rayc_scene_share_body(). */
+  Outcome<void> share(uint32_t body, bool is_ghost, uint32_t neighbours = RAYC_NEIGHBOURS_COUNTED,
+                      bool overlaps_itself = false) {
+    return check(rayc_scene_share_body(get(), body, is_ghost, neighbours, overlaps_itself));
+  }
+
+  /** Finds contacts of bodies with themselves ahead of the query: rayc_scene_find_self_contacts(). */
+  Outcome<void> find_self_contacts() { return check(rayc_scene_find_self_contacts(get())); }
+
+  /** A body's box, what it cost, and whether it overlaps itself. */
+  Outcome<rayc_body_state> body_state(uint32_t body) const {
+    rayc_body_state state{};
+    const rayc_status status = rayc_scene_body_state(get(), body, sizeof state, &state);
+    return detail::outcome(status, state);
+  }
+
   /** Removes a body; its number is refused until, over a thousand removals later, another body gets it. */
   Outcome<void> remove(uint32_t body) { return check(rayc_scene_remove_body(get(), body)); }
 
@@ -175,7 +198,12 @@ class Scene {
     return check(status);
   }
 
-  /** The same as bytes, for the host's own save files: rayc_scene_save_pair_memories(). */
+  /** Replaces what one pair remembers: rayc_scene_set_pair_memory(). */
+  Outcome<void> set_pair_memory(const rayc_pair_memory& memory) {
+    return check(rayc_scene_set_pair_memory(get(), sizeof memory, &memory));
+  }
+
+  /** What all pairs remember as bytes, for the host's own save files: rayc_scene_save_pair_memories(). */
   Outcome<void> save_pair_memories_to(std::vector<uint8_t>& bytes) const {
     std::size_t length = 0;
     rayc_status status = rayc_scene_saved_length(get(), &length);

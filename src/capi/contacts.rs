@@ -4,6 +4,7 @@ use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
 use super::options::{Growing, rayc_detection_options, read_options, write_known};
+use super::pair_forces::AnyForcesByPair;
 use super::pointers::Output;
 use crate::contact::{Contact, ContactKind, ContactList, Statistics, SurfacePoint, query_pair, query_self};
 use crate::math::Scalar;
@@ -16,6 +17,7 @@ use crate::memory::text;
 /// must not be used: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
 pub struct rayc_contacts {
     pub(super) list: AnyContacts,
+    pub(super) pair_forces: AnyForcesByPair,
 }
 
 impl Handle for rayc_contacts {
@@ -230,7 +232,8 @@ impl<T: Scalar> From<&Contact<T>> for rayc_contact {
 pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        give(Output::new(contacts, "contacts")?, rayc_contacts { list: AnyContacts::F64(ContactList::default()) });
+        let list = AnyContacts::F64(ContactList::default());
+        give(Output::new(contacts, "contacts")?, rayc_contacts { list, pair_forces: AnyForcesByPair::default() });
         Ok(())
     })
 }

@@ -1,5 +1,5 @@
 use crate::memory::text;
-use crate::mesh::{MeshError, ObjFileError};
+use crate::mesh::{MeshError, ObjFileError, PackedMeshError};
 use crate::octree::OctreeError;
 use crate::response::LawError;
 use crate::scene::{SavedStateError, SceneError};
@@ -41,6 +41,8 @@ pub enum rayc_status {
     /// A call that has not returned is using the handle, and one of the two changes it: another thread's, or the query
     /// around a parallel_for. That call is not disturbed; wait for it.
     RAYC_STATUS_BUSY = 110,
+    /// Another body of the scene has the key.
+    RAYC_STATUS_KEY_TAKEN = 111,
 
     /// The mesh has no triangle.
     RAYC_STATUS_MESH_EMPTY = 200,
@@ -105,6 +107,19 @@ pub enum rayc_status {
     RAYC_STATUS_INVALID_STEP = 607,
     /// The contact system eliminates rigid bodies, and for this call it must keep them.
     RAYC_STATUS_RIGID_ELIMINATED = 608,
+
+    /// Options that must be equal on all ranks are not. This and the next are only said by raycontact/mpi.hpp, on all ranks.
+    RAYC_STATUS_RANKS_DISAGREE = 700,
+    /// Two ranks have a body of the same key.
+    RAYC_STATUS_BODY_ON_TWO_RANKS = 701,
+    /// A body's owner is to be a rank that the communicator does not have.
+    RAYC_STATUS_UNKNOWN_RANK = 702,
+    /// A body has come back under its key with another mesh.
+    RAYC_STATUS_OTHER_MESH = 703,
+    /// The communicator is MPI_COMM_NULL or joins two groups, or MPI has not begun or has ended.
+    RAYC_STATUS_INVALID_COMMUNICATOR = 704,
+    /// MPI or Zoltan refused a call, or a message is longer than MPI can count.
+    RAYC_STATUS_MPI_FAILED = 705,
 
     /// A fault inside the library was caught. Destroy the handles of this call; please report it.
     RAYC_STATUS_PANIC = 900,
@@ -198,9 +213,23 @@ impl From<SceneError> for Failure {
             SceneError::SameBody { .. } | SceneError::StepLength { .. } => {
                 Self::new(RAYC_STATUS_INVALID_OPTION, message)
             }
+            SceneError::KeyTaken { .. } => Self::new(RAYC_STATUS_KEY_TAKEN, message),
+            SceneError::PairMemory { .. } => Self::new(RAYC_STATUS_SAVED_STATE_BROKEN, message),
             SceneError::SavedState(error) => Self::new(saved_state_status(error), message),
             SceneError::ThreadsNotStarted { .. } => Self::new(RAYC_STATUS_THREADS_NOT_STARTED, message),
         }
+    }
+}
+
+impl From<PackedMeshError> for Failure {
+    fn from(error: PackedMeshError) -> Self {
+        let status = match &error {
+            PackedMeshError::NotPacked { .. } | PackedMeshError::Damaged => RAYC_STATUS_SAVED_STATE_BROKEN,
+            PackedMeshError::OtherVersion { .. } => RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
+            PackedMeshError::OtherPrecision { .. } => RAYC_STATUS_PRECISION_MISMATCH,
+            PackedMeshError::Mesh(error) => mesh_status(error),
+        };
+        Self::new(status, text!("{error}"))
     }
 }
 

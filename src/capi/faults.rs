@@ -100,6 +100,9 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contact_system_explicit_step(null_mut(), null_mut(), 0.0, 0, null(), null(), 0, null_mut(), null_mut());
         rayc_mesh_create(null(), null(), null(), 0, null_mut());
         rayc_mesh_create_from_obj(null(), null(), null_mut());
+        rayc_mesh_packed_length(null(), null_mut());
+        rayc_mesh_pack(null(), 0, null_mut());
+        rayc_mesh_unpack(0, null(), null_mut());
         rayc_mesh_destroy(null_mut());
         rayc_mesh_set_positions(null_mut(), null());
         rayc_mesh_vertex_count(null(), null_mut());
@@ -125,10 +128,18 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contacts_copy_coefficients(null(), null(), 0, 0, null_mut());
         rayc_contacts_add_forces(null(), null(), 0, null(), null(), null());
         rayc_contacts_add_differential(null(), null(), 0.0, 0.0, 0, null(), null());
+        rayc_contacts_sum_pair_forces(null_mut(), null(), 0, null(), null(), null_mut(), null_mut());
+        rayc_contacts_copy_pair_forces(null(), 0, null_mut(), 0, null_mut());
         rayc_contacts_energy(null(), null(), 0, null(), null_mut());
         rayc_scene_create(null(), null_mut());
         rayc_scene_destroy(null_mut());
         rayc_scene_add_mesh(null_mut(), null(), null_mut());
+        rayc_scene_add_mesh_with_key(null_mut(), null(), 0, null_mut());
+        rayc_scene_share_body(null_mut(), 0, 0, 0, 0);
+        rayc_finds_pair(0, 1, null_mut());
+        rayc_scene_find_self_contacts(null_mut());
+        rayc_scene_body_state(null(), 0, 0, null_mut());
+        rayc_scene_set_pair_memory(null_mut(), 0, null());
         rayc_scene_remove_body(null_mut(), 0);
         rayc_scene_set_positions(null_mut(), 0, null());
         rayc_scene_set_detection_options(null_mut(), null());

@@ -258,7 +258,7 @@ pub(super) fn flag(field: &str, value: u32) -> Result<bool, Failure> {
     }
 }
 
-fn check_size<O: Growing>(struct_size: usize) -> Result<(), Failure> {
+pub(super) fn check_size<O: Growing>(struct_size: usize) -> Result<(), Failure> {
     let (name, largest) = (O::NAME, size_of::<O>());
     let smallest = O::SMALLEST.next_multiple_of(align_of::<O>());
     // A size that is no multiple of the alignment would cut a field.

@@ -13,7 +13,7 @@ use crate::memory::text;
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_pair_memory {
-    /// The pair's bodies, the smaller number first.
+    /// The pair's bodies, the one that comes first in their order first: by key, and so by number where none has a key.
     pub first: u32,
     /// The other.
     pub second: u32,
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn rayc_scene_pair_memory_count(scene: *const rayc_scene, 
     })
 }
 
-/// Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in ascending
+/// Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in the
 /// order of their first, then their second body. struct_size: sizeof(rayc_pair_memory), so that a later library writes
 /// no more of each than the caller knows.
 ///

@@ -122,6 +122,33 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
     })
 }
 
+/// The same with a key of the host's. Pairs, contacts and sums come in the order of the bodies' keys, and of equal ones by
+/// number; the first body of a pair is the first in this order. A body added without one has its number for a key. So
+/// scenes whose bodies have the same keys find the same contacts in the same order, whatever the numbers, which depend on
+/// who was there before.
+///
+/// Errors: RAYC_STATUS_KEY_TAKEN, and those of rayc_scene_add_mesh().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_add_mesh_with_key(
+    scene: *mut rayc_scene,
+    mesh: *const rayc_mesh,
+    key: u64,
+    body: *mut u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut scene = changing(scene, "scene")?;
+        let mesh = reading(mesh, "mesh")?;
+        let place = Output::new(body, "body")?;
+        place.write(match (&mut scene.scene, &mesh.mesh) {
+            (AnyScene::F32(scene), AnyMesh::F32(mesh)) => scene.add_with_key(mesh.clone(), key)?,
+            (AnyScene::F64(scene), AnyMesh::F64(mesh)) => scene.add_with_key(mesh.clone(), key)?,
+            _ => return Err(precision_mismatch()),
+        });
+        Ok(())
+    })
+}
+
 /// Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY.
@@ -249,8 +276,8 @@ pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64
 
 /// Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
 /// for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
-/// need to be. Replaces what `contacts` held; the order is by pair (smaller body number first, then the other; a body with
-/// itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+/// need to be. Replaces what `contacts` held; the order is by pair (the body that comes first by key, and so by number where none has a key, then
+/// the other; a body with itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
 ///
 /// With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
 #[unsafe(no_mangle)]

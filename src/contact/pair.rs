@@ -117,14 +117,14 @@ impl<T: Scalar> Pair<'_, T> {
 
     /// The direction of the pair's first body where the body that comes first in space has this one. Where one way is as
     /// good as its opposite, bodies that change their numbers thus go the same ways; and as all pairs share the order, no
-    /// three bodies of a pile chase one another in a circle. Boxes are compared by their corners, the same boxes by number.
+    /// three bodies of a pile chase one another in a circle. Boxes are compared by their corners; of the same boxes the pair's
+    /// first body is first.
     pub(super) fn of_first(&self, away: Vector3<T>) -> Vector3<T> {
         let [first, second] = self.tracers.map(|tracer| {
             let Aabb { lower, upper } = tracer.mesh().aabb();
             [lower.x, lower.y, lower.z, upper.x, upper.y, upper.z]
         });
-        let is_first = if first == second { self.bodies[0] < self.bodies[1] } else { first < second };
-        if is_first { away } else { -away }
+        if first <= second { away } else { -away }
     }
 
     /// The ray from a point of one body along which it leaves the other, when its first body goes `away`.

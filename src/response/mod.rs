@@ -8,10 +8,12 @@
 //! surface is left out, so that conjugate gradients may be used.
 
 mod law;
+mod pair_forces;
 mod vectors;
 mod whole_body;
 
 pub use law::{LawError, PenaltyLaw, Weighting};
+pub use pair_forces::{ForcesByPair, PairForces};
 pub use vectors::{BodiesMut, Vectors, VectorsMut};
 pub use whole_body::{add_push_differential, add_push_forces, push_energy};
 

@@ -1,4 +1,5 @@
 use super::OwnContacts;
+use super::sharing::Sharing;
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
@@ -12,6 +13,8 @@ pub(super) const REMOVALS_BETWEEN: usize = 1 << 16;
 #[derive(Debug)]
 pub(super) struct Body<T: Scalar> {
     pub(super) number: u32,
+    /// Where it comes among the bodies; of equal keys by the number.
+    pub(super) key: u64,
     pub(super) mesh: Mesh<T>,
     pub(super) octree: Octree<T>,
     /// Room for where it meets other bodies.
@@ -20,58 +23,85 @@ pub(super) struct Body<T: Scalar> {
     pub(super) tiles: Vec<u32>,
     /// Where self-collision is switched on.
     pub(super) own: Option<OwnContacts<T>>,
+    pub(super) sharing: Sharing,
+    /// How many rays as long as the last query took for it.
+    pub(super) cost: f64,
 }
 
 /// A body in a place of its own, so that the list is short to move.
 pub(super) type Boxed<T> = Box<[Body<T>; 1]>;
 
-/// The bodies of a scene in ascending order of their numbers. A number without a body costs four bytes and no time.
+/// The bodies of a scene in their order: ascending by key, and by number where keys are equal. A number without a body costs
+/// eight bytes and no time.
 #[derive(Debug)]
 pub(super) struct Bodies<T: Scalar> {
     list: Vec<Boxed<T>>,
     /// The numbers without a body, the one that has been so for longest first. With those of the list they are all below
     /// some number.
     free: VecDeque<u32>,
+    /// By number where the body stands in the list.
+    places: Vec<u32>,
 }
+
+/// The place of a number without a body.
+const NOWHERE: u32 = u32::MAX;
 
 impl<T: Scalar> Default for Bodies<T> {
     fn default() -> Self {
-        Self { list: Vec::new(), free: VecDeque::new() }
+        Self { list: Vec::new(), free: VecDeque::new(), places: Vec::new() }
     }
 }
 
 impl<T: Scalar> Bodies<T> {
-    /// Adds a body; gives its number.
-    pub(super) fn add(&mut self, mesh: Mesh<T>) -> u32 {
+    /// Adds a body; gives its number, which is its key where none is given.
+    pub(super) fn add(&mut self, mesh: Mesh<T>, key: Option<u64>) -> u32 {
         let rested = self.free.len() > REMOVALS_BETWEEN;
         let number = if rested { self.free[0] } else { (self.list.len() + self.free.len()) as u32 };
+        let key = key.unwrap_or_else(|| u64::from(number));
         let octree = Octree::new(&mesh);
-        let body = Body { number, mesh, octree, regions: Vec::new(), tiles: Vec::new(), own: None };
+        let (regions, tiles, sharing) = (Vec::new(), Vec::new(), Sharing::default());
+        let body = Body { number, key, mesh, octree, regions, tiles, own: None, sharing, cost: 0.0 };
         let body = memory::boxed(body);
         // To remove one takes no memory then.
         self.free.room_for(self.list.len() + 1);
         self.list.room_for(1);
         if rested {
             self.free.pop_front();
+        } else {
+            self.places.room_for(1).push(NOWHERE);
         }
-        let place = self.place(number).unwrap_or_else(|place| place);
+        let place = self.list.partition_point(|other| (other[0].key, other[0].number) < (key, number));
         self.list.insert(place, body);
+        self.renew_places(place);
         number
     }
 
     pub(super) fn remove(&mut self, number: u32) -> Option<Body<T>> {
-        let place = self.place(number).ok()?;
+        let place = self.place(number)?;
         self.free.room_for(1).push_back(number);
         let [body] = *self.list.remove(place);
+        self.places[number as usize] = NOWHERE;
+        self.renew_places(place);
         Some(body)
     }
 
+    /// Whether a body has this key.
+    pub(super) fn has_key(&self, key: u64) -> bool {
+        self.list.binary_search_by_key(&key, |body| body[0].key).is_ok()
+    }
+
+    fn renew_places(&mut self, first: usize) {
+        for (place, body) in self.list.iter().enumerate().skip(first) {
+            self.places[body[0].number as usize] = place as u32;
+        }
+    }
+
     pub(super) fn get(&self, number: u32) -> Option<&Body<T>> {
-        self.place(number).ok().map(|place| &self.list[place][0])
+        self.place(number).map(|place| &self.list[place][0])
     }
 
     pub(super) fn get_mut(&mut self, number: u32) -> Option<&mut Body<T>> {
-        self.place(number).ok().map(|place| &mut self.list[place][0])
+        self.place(number).map(|place| &mut self.list[place][0])
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &Body<T>> {
@@ -90,12 +120,19 @@ impl<T: Scalar> Bodies<T> {
         &mut self.list
     }
 
-    /// Where a body stands in the list, or would.
-    pub(super) fn place(&self, number: u32) -> Result<usize, usize> {
-        // As long as none has been removed, at its number; never behind it.
-        match self.list.get(number as usize) {
-            Some(body) if body[0].number == number => Ok(number as usize),
-            _ => self.list.binary_search_by_key(&number, |body| body[0].number),
-        }
+    /// Where a body stands in the list.
+    pub(super) fn place(&self, number: u32) -> Option<usize> {
+        self.places.get(number as usize).filter(|&&place| place != NOWHERE).map(|&place| place as usize)
+    }
+
+    /// Where the bodies of a pair stand, both of which are there: pairs compare by it.
+    pub(super) fn order(&self, pair: &[u32; 2]) -> [u32; 2] {
+        pair.map(|number| self.places[number as usize])
+    }
+
+    /// The two bodies at these places.
+    pub(super) fn two_mut(&mut self, [first, second]: [usize; 2]) -> [&mut Body<T>; 2] {
+        let bodies = self.list.get_disjoint_mut([first, second]).expect("two different places of the list");
+        bodies.map(|body| &mut body[0])
     }
 }

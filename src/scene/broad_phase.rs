@@ -9,8 +9,8 @@ pub(super) struct BroadPhase<T: Scalar> {
     pairs: Vec<[u32; 2]>,
     /// Every pair both ways, in ascending order.
     meetings: Vec<[u32; 2]>,
-    /// The boxes in ascending order of their bodies.
-    boxes: Vec<(Aabb<T>, u32)>,
+    /// The boxes in the order of the bodies.
+    boxes: Vec<Aabb<T>>,
 }
 
 impl<T: Scalar> Default for BroadPhase<T> {
@@ -20,16 +20,13 @@ impl<T: Scalar> Default for BroadPhase<T> {
 }
 
 impl<T: Scalar> BroadPhase<T> {
-    /// Finds the pairs anew, of those that are wanted. The boxes are in ascending order of their bodies.
-    pub(super) fn update(
-        &mut self,
-        boxes: impl Iterator<Item = (Aabb<T>, u32)>,
-        is_wanted: impl Fn(&[u32; 2]) -> bool,
-    ) {
+    /// Finds the pairs anew, of those that are wanted. The boxes are in the order of the bodies, which are named by their
+    /// places in it.
+    pub(super) fn update(&mut self, boxes: impl Iterator<Item = Aabb<T>>, is_wanted: impl Fn(&[u32; 2]) -> bool) {
         self.sorted.clear();
         self.boxes.clear();
         memory::append(&mut self.boxes, boxes);
-        memory::append(&mut self.sorted, self.boxes.iter().copied());
+        memory::append(&mut self.sorted, self.boxes.iter().copied().zip(0..));
         let axis = self.longest_axis();
         self.sorted.sort_unstable_by(|(a, i), (b, j)| {
             a.lower[axis].partial_cmp(&b.lower[axis]).expect("positions are finite").then(i.cmp(j))
@@ -51,14 +48,13 @@ impl<T: Scalar> BroadPhase<T> {
         self.meetings.sort_unstable();
     }
 
-    /// How many others each of the two bodies meets at least.
-    pub(super) fn neighbours(&self, pair: &[u32; 2]) -> u32 {
+    /// How many others a body meets.
+    pub(super) fn neighbours(&self, body: u32) -> u32 {
         let met_before = |body: u32| self.meetings.partition_point(|&[one, _]| one < body);
-        let [first, second] = pair.map(|body| met_before(body + 1) - met_before(body));
-        first.min(second) as u32
+        (met_before(body + 1) - met_before(body)) as u32
     }
 
-    /// Overlapping pairs, smaller number first, in ascending order.
+    /// Overlapping pairs, smaller place first, in ascending order.
     pub(super) fn pairs(&self) -> &[[u32; 2]] {
         &self.pairs
     }
@@ -67,16 +63,7 @@ impl<T: Scalar> BroadPhase<T> {
     pub(super) fn met_by(&self, body: u32) -> impl Iterator<Item = &Aabb<T>> {
         let first = self.meetings.partition_point(|&[one, _]| one < body);
         let own = self.meetings[first..].iter().take_while(move |&&[one, _]| one == body);
-        own.map(|&[_, other]| self.box_of(other))
-    }
-
-    fn box_of(&self, body: u32) -> &Aabb<T> {
-        let place = match self.boxes.get(body as usize) {
-            // As long as none has been removed.
-            Some((_, number)) if *number == body => body as usize,
-            _ => self.boxes.binary_search_by_key(&body, |(_, number)| *number).expect("pairs name present bodies"),
-        };
-        &self.boxes[place].0
+        own.map(|&[_, other]| &self.boxes[other as usize])
     }
 
     /// The axis along which the scene is longest: there the fewest intervals meet.

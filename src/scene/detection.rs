@@ -1,8 +1,11 @@
 use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
-use super::pairs::Remembered;
+use super::pairs::{Remembered, by_number};
+use super::sharing::finds_pair;
 use super::{OwnContacts, Scene};
-use crate::contact::{ContactLaw, ContactList, DetectionOptions, detect_pair_among, detect_self, reach_region};
+use crate::contact::{
+    ContactLaw, ContactList, DetectionOptions, Statistics, detect_pair_among, detect_self, reach_region,
+};
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::threads::Helpers;
@@ -26,7 +29,7 @@ pub(super) enum List {
 
 impl<T: Scalar> Scene<T> {
     /// Finds all contacts between different bodies at their present positions, and of those bodies with themselves for
-    /// which that is switched on. Replaces what `contacts` held; their order is by pair (smaller body number first, then
+    /// which that is switched on. Replaces what `contacts` held; their order is by pair (the first body in their order, then
     /// the other; a body with itself first of all), then the colliding body, then along its surface.
     ///
     /// A query changes nothing that a later one in the same step could see: with the same positions it finds the same
@@ -45,11 +48,17 @@ impl<T: Scalar> Scene<T> {
     }
 
     fn detect(&mut self, contacts: &mut ContactList<T>) {
-        let boxes = self.bodies.iter().map(|body| (*body.mesh.aabb(), body.number));
-        let ignored = &self.pairs.ignored;
-        self.broad_phase.update(boxes, |pair| ignored.is_empty() || !ignored.contains(pair));
         let stamp = self.newest_stamp();
-        self.pairs.history.start_query(self.broad_phase.pairs(), stamp);
+        let Self { bodies, broad_phase, pairs, .. } = self;
+        let (list, ignored) = (bodies.list(), &pairs.ignored);
+        broad_phase.update(bodies.iter().map(|body| *body.mesh.aabb()), |pair| {
+            let [[first], [second]] = pair.map(|place| &*list[place as usize]);
+            let is_ignored = !ignored.is_empty() && ignored.contains(&by_number([first.number, second.number]));
+            !is_ignored && first.is_found_with(second)
+        });
+        let numbers = |pair: &[u32; 2]| pair.map(|place| list[place as usize][0].number);
+        pairs.history.start_query(broad_phase.pairs().iter().map(numbers), stamp, |pair| bodies.order(pair));
+        bodies.iter_mut().for_each(Body::start_cost);
         self.order_lists();
         if self.threads.helpers().are_there() && self.rays_expected() >= FEWEST_RAYS_TO_SHARE {
             self.detect_side_by_side(contacts);
@@ -64,9 +73,9 @@ impl<T: Scalar> Scene<T> {
         let lists = &mut self.lists;
         lists.clear();
         let mut next_pair = self.broad_phase.pairs().iter().enumerate().peekable();
-        for (place, body) in self.bodies.iter().enumerate() {
-            memory::append(lists, body.own.is_some().then_some((List::Body(place), 0)));
-            while let Some((place, _)) = next_pair.next_if(|(_, pair)| pair[0] == body.number) {
+        for (first, body) in self.bodies.iter().enumerate() {
+            memory::append(lists, body.own.is_some().then_some((List::Body(first), 0)));
+            while let Some((place, _)) = next_pair.next_if(|(_, pair)| pair[0] as usize == first) {
                 lists.room_for(1).push((List::Pair(place), 0));
             }
         }
@@ -75,7 +84,7 @@ impl<T: Scalar> Scene<T> {
     /// About how many rays take as long as all there is to do.
     fn rays_expected(&self) -> f64 {
         let of_pairs = self.broad_phase.pairs().iter().map(|pair| {
-            let [Some(a), Some(b)] = pair.map(|number| self.bodies.get(number)) else { return 0.0 };
+            let [[a], [b]] = pair.map(|place| &*self.bodies.list()[place as usize]);
             a.rays_expected_into(b) + b.rays_expected_into(a)
         });
         let of_bodies = self.bodies.iter().filter(|body| body.own.is_some()).map(Body::triangle_count);
@@ -92,19 +101,21 @@ impl<T: Scalar> Scene<T> {
         for (list, _) in lists {
             let last = match *list {
                 List::Body(place) => place,
-                List::Pair(place) => bodies.place(pairs.history.after[place].0[1]).expect("pairs name present bodies"),
+                List::Pair(place) => broad_phase.pairs()[place][1] as usize,
             };
             let end = next.max(last + 1);
-            Helpers::Nobody.for_each(&mut bodies.list_mut()[next..end], |_, body| {
+            Helpers::Nobody.for_each(&mut bodies.list_mut()[next..end], |place, body| {
                 let [body] = &mut **body;
-                body.update(broad_phase.met_by(body.number), options);
+                body.update(broad_phase.met_by((next + place) as u32), options);
             });
             next = end;
+            let before = all_rays(&contacts.statistics);
             let narrow_phase = NarrowPhase { bodies, broad_phase, options, forbidden: &pairs.without_escape };
             match *list {
                 List::Body(place) => contacts.append(narrow_phase.own(place)),
                 List::Pair(place) => narrow_phase.detect(&mut pairs.history.after[place], contacts),
             }
+            bodies.add_cost(list, broad_phase.pairs(), all_rays(&contacts.statistics) - before);
         }
     }
 
@@ -119,9 +130,9 @@ impl<T: Scalar> Scene<T> {
         let found = &mut pair_contacts[..count];
         let helpers = threads.helpers();
         threads.run(|| {
-            helpers.for_each(bodies.list_mut(), |_, body| {
+            helpers.for_each(bodies.list_mut(), |place, body| {
                 let [body] = &mut **body;
-                body.update(broad_phase.met_by(body.number), options);
+                body.update(broad_phase.met_by(place as u32), options);
             });
             let narrow_phase = NarrowPhase { bodies, broad_phase, options, forbidden: &pairs.without_escape };
             let [with_pairs, within_pairs] = helpers.outside_and_within(count);
@@ -149,7 +160,18 @@ impl<T: Scalar> Scene<T> {
                 (*before, found(list))
             });
         });
+        for (list, _) in lists {
+            let statistics = match *list {
+                List::Body(place) => bodies.list()[place][0].own.as_ref().map(|own| own.contacts.statistics),
+                List::Pair(place) => Some(pair_contacts[place].statistics),
+            };
+            bodies.add_cost(list, broad_phase.pairs(), statistics.map_or(0, |statistics| all_rays(&statistics)));
+        }
     }
+}
+
+fn all_rays(statistics: &Statistics) -> u64 {
+    statistics.rays + statistics.estimate_rays
 }
 
 /// Detection between two bodies of a scene.
@@ -172,11 +194,13 @@ impl<T: Scalar> NarrowPhase<'_, T> {
     fn detect(&self, (pair, memory): &mut Remembered<T>, contacts: &mut ContactList<T>) {
         let bodies = pair.map(|number| self.bodies.get(number).expect("pairs name present bodies"));
         let tracers = bodies.map(|body| body.octree.tracer(&body.mesh).expect("octrees are up to date"));
-        let may_escape = self.forbidden.binary_search(pair).is_err();
-        let may_overlap = |body: &Body<T>| body.own.as_ref().is_some_and(|own| own.may_overlap);
-        let past_folds = self.options.past_folds || bodies.into_iter().any(may_overlap);
+        let may_escape = self.forbidden.binary_search(&by_number(*pair)).is_err();
+        let past_folds = self.options.past_folds || bodies.into_iter().any(Body::may_overlap_itself);
         let options = DetectionOptions { past_folds, ..*self.options };
-        let (neighbours, tracers) = (self.broad_phase.neighbours(pair), tracers.each_ref());
+        let places = self.bodies.order(pair);
+        let [first, second] = [0, 1]
+            .map(|side| bodies[side].sharing.neighbours.unwrap_or_else(|| self.broad_phase.neighbours(places[side])));
+        let (neighbours, tracers) = (first.min(second), tracers.each_ref());
         detect_pair_among(neighbours, *pair, tracers, &options, Some(memory), may_escape, contacts);
     }
 }
@@ -198,20 +222,49 @@ impl<T: Scalar> Body<T> {
         inside * self.mesh.topology().surface_vertices().len() as f64 + self.triangle_count() / TRIANGLES_READ_PER_RAY
     }
 
+    /// Whether the contacts of the two, first and second in their order, are to be found here.
+    fn is_found_with(&self, other: &Self) -> bool {
+        match [self.sharing.is_ghost, other.sharing.is_ghost] {
+            [false, false] => true,
+            [false, true] => finds_pair(self.key, other.key),
+            [true, false] => finds_pair(other.key, self.key),
+            [true, true] => false,
+        }
+    }
+
+    pub(super) fn may_overlap_itself(&self) -> bool {
+        self.sharing.overlaps_itself || self.own.as_ref().is_some_and(|own| own.may_overlap)
+    }
+
+    /// What it costs to read it.
+    fn start_cost(&mut self) {
+        self.cost = self.triangle_count() / TRIANGLES_READ_PER_RAY;
+    }
+
+    /// Finds the body's contacts with itself, where they are asked for; gives whether the octree has followed the mesh.
+    pub(super) fn find_own_contacts(&mut self, options: &DetectionOptions<T>) -> bool {
+        let Self { number, mesh, octree, own, .. } = self;
+        let Some(own) = own else { return false };
+        if std::mem::take(&mut own.found_at) == mesh.stamp() {
+            return octree.tracer(mesh).is_ok();
+        }
+        own.contacts.clear();
+        own.may_overlap = false;
+        if own.memory.is_clear(mesh, octree) {
+            return false;
+        }
+        octree.update(mesh).expect("a body keeps its own octree");
+        let found = detect_self(*number, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
+        own.may_overlap = found.expect("the octree is up to date");
+        true
+    }
+
     /// Finds the body's contacts with itself, where they are asked for; the octree follows the mesh where it is needed.
     fn update<'a>(&mut self, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
-        let Self { number, mesh, octree, regions, tiles, own } = self;
-        if let Some(own) = own {
-            own.contacts.clear();
-            own.may_overlap = false;
-        }
-        let own = own.as_mut().and_then(|own| (!own.memory.is_clear(mesh, octree)).then_some(own));
-        if let Some(own) = own {
-            octree.update(mesh).expect("a body keeps its own octree");
-            let found = detect_self(*number, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
-            own.may_overlap = found.expect("the octree is up to date");
+        if self.find_own_contacts(options) {
             return;
         }
+        let Self { mesh, octree, regions, tiles, .. } = self;
         // Only bodies that meet another one need their octree.
         regions.clear();
         memory::append(regions, others.map(|other| reach_region(mesh.aabb(), other, options.law)));
@@ -219,6 +272,22 @@ impl<T: Scalar> Body<T> {
             let for_distances = options.law == ContactLaw::Pressure;
             let updated = octree.update_in(mesh, regions, options.sampling.patch_area(), for_distances, tiles);
             updated.expect("a body keeps its own octree");
+        }
+    }
+}
+
+impl<T: Scalar> Bodies<T> {
+    /// Shares out what a list of contacts took.
+    fn add_cost(&mut self, list: &List, pairs: &[[u32; 2]], rays: u64) {
+        let rays = rays as f64;
+        match *list {
+            List::Body(place) => self.list_mut()[place][0].cost += rays,
+            List::Pair(place) => {
+                let both = self.two_mut(pairs[place].map(|place| place as usize));
+                // A ghost's scene does not hear of it.
+                let share = if both.iter().any(|body| body.sharing.is_ghost) { rays } else { rays * 0.5 };
+                both.into_iter().for_each(|body| body.cost += share);
+            }
         }
     }
 }

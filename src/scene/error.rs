@@ -14,6 +14,16 @@ pub enum SceneError {
         /// Its number.
         body: u32,
     },
+    /// Another body has this key.
+    KeyTaken {
+        /// The key.
+        key: u64,
+    },
+    /// What a pair was to remember is nothing that it can.
+    PairMemory {
+        /// Its bodies' numbers.
+        pair: [u32; 2],
+    },
     /// A step's length is negative or not finite.
     StepLength {
         /// The seconds given.
@@ -35,6 +45,12 @@ impl fmt::Display for SceneError {
         match self {
             Self::UnknownBody { body } => write!(f, "the scene has no body {body}; it was never added, or was removed"),
             Self::SameBody { body } => write!(f, "body {body} was named twice; name two different bodies"),
+            Self::KeyTaken { key } => write!(f, "key {key} is another body's in this scene; give each body its own"),
+            Self::PairMemory { pair: [first, second] } => write!(
+                f,
+                "the memory of the pair {first}, {second} is nothing that a pair remembers, or its bodies are the other way \
+                 round; pass what a scene gave, the body that comes first by key first"
+            ),
             Self::StepLength { seconds } => {
                 write!(f, "the step is {seconds} seconds long; give a finite number of seconds ≥ 0")
             }

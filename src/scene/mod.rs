@@ -6,9 +6,11 @@ mod detection;
 mod error;
 mod pairs;
 mod saved;
+mod sharing;
 
 pub use error::SceneError;
 pub use saved::SavedStateError;
+pub use sharing::{Sharing, finds_pair};
 
 use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory};
 use crate::math::Scalar;
@@ -18,7 +20,7 @@ use crate::threads::{ParallelFor, Threads};
 use bodies::Bodies;
 use broad_phase::BroadPhase;
 use detection::List;
-use pairs::Pairs;
+use pairs::{Pairs, by_number};
 use std::sync::Arc;
 
 /// Bodies, and what is needed to find all contacts among them.
@@ -46,6 +48,8 @@ struct OwnContacts<T: Scalar> {
     contacts: ContactList<T>,
     /// Whether the body may overlap itself at its present positions.
     may_overlap: bool,
+    /// The stamp of the positions for which the next query need not find them; 0 for none.
+    found_at: u64,
 }
 
 impl<T: Scalar> Scene<T> {
@@ -80,14 +84,31 @@ impl<T: Scalar> Scene<T> {
     /// Sets how contacts are found from the next query on.
     pub fn set_options(&mut self, options: DetectionOptions<T>) {
         self.options = options;
+        self.bodies.iter_mut().filter_map(|body| body.own.as_mut()).for_each(|own| own.found_at = 0);
     }
 
     /// Adds a body; gives its number: the smallest that no body had yet, or where more than 1024 numbers are without a body,
     /// of these the one that has been so for longest. So the number of a removed body is refused
     /// ([`SceneError::UnknownBody`]) until 1024 others have been removed after it, and numbers stay below those that were
     /// in use at once and 1024 more.
+    ///
+    /// The number is also the body's key, by which all that has an order goes: see
+    /// [`add_with_key`](Self::add_with_key).
     pub fn add(&mut self, mesh: Mesh<T>) -> u32 {
-        self.bodies.add(mesh)
+        self.bodies.add(mesh, None)
+    }
+
+    /// The same with a key of the host's. Pairs, contacts and sums come in the order of the bodies' keys, and of equal ones
+    /// by number; the first body of a pair is the first in this order. So scenes whose bodies have the same keys find the
+    /// same contacts in the same order, whatever the numbers, which depend on who was there before.
+    ///
+    /// # Errors
+    /// [`SceneError::KeyTaken`].
+    pub fn add_with_key(&mut self, mesh: Mesh<T>, key: u64) -> Result<u32, SceneError> {
+        if self.bodies.has_key(key) {
+            return Err(SceneError::KeyTaken { key });
+        }
+        Ok(self.bodies.add(mesh, Some(key)))
     }
 
     /// Removes a body. Its number is refused from here on, until [`add`](Self::add) gives it to another body.
@@ -107,7 +128,7 @@ impl<T: Scalar> Scene<T> {
         self.bodies.get(body).map(|body| &body.mesh).ok_or(SceneError::UnknownBody { body })
     }
 
-    /// The numbers of its bodies, in ascending order.
+    /// The numbers of its bodies, in the bodies' order: ascending, where none has a key of the host's.
     pub fn body_numbers(&self) -> impl Iterator<Item = u32> {
         self.bodies.iter().map(|body| body.number)
     }
@@ -155,12 +176,11 @@ impl<T: Scalar> Scene<T> {
         if !(seconds.is_finite() && seconds >= 0.0) {
             return Err(SceneError::StepLength { seconds });
         }
-        self.pairs.history.advance(seconds);
+        self.pairs.history.advance(seconds, |pair| self.bodies.order(pair));
         Ok(())
     }
 
-    /// What each pair whose boxes overlapped in the last query remembers since, in ascending order of the pairs (smaller
-    /// number first).
+    /// What each pair whose boxes overlapped in the last query remembers since, in the order of the pairs.
     pub fn pair_memories(&self) -> &[([u32; 2], PairMemory<T>)] {
         self.pairs.history.newest()
     }
@@ -183,6 +203,10 @@ impl<T: Scalar> Scene<T> {
     /// memories are then as before.
     pub fn restore_pair_memories(&mut self, bytes: &[u8]) -> Result<(), SceneError> {
         let history = saved::restore(bytes, self.newest_stamp())?;
+        let key = |number: u32| self.bodies.get(number).map_or(u64::from(number), |body| body.key);
+        if !history.is_in_order(|pair| pair.map(|number| (key(number), number))) {
+            return Err(SavedStateError::Damaged.into());
+        }
         let mut memories = history.before.iter().chain(&history.after);
         memories.try_for_each(|([a, b], _)| self.known_pair(*a, *b).map(drop))?;
         self.pairs.history = history;
@@ -209,9 +233,10 @@ impl<T: Scalar> Scene<T> {
         self.bodies.iter().map(|body| body.mesh.stamp()).max().unwrap_or_default()
     }
 
+    /// The pair by number.
     fn known_pair(&self, a: u32, b: u32) -> Result<[u32; 2], SceneError> {
         self.mesh(a).and(self.mesh(b))?;
-        if a == b { Err(SceneError::SameBody { body: a }) } else { Ok([a.min(b), a.max(b)]) }
+        if a == b { Err(SceneError::SameBody { body: a }) } else { Ok(by_number([a, b])) }
     }
 
     /// Switches contacts of a body with itself on or off from the next query on; off for a new body. Where it is on,

@@ -3,16 +3,21 @@ use crate::math::Scalar;
 use crate::memory::Room;
 use std::collections::HashSet;
 
-/// A pair, its smaller number first, and what it remembers.
+/// A pair, its bodies in their order, and what it remembers.
 pub(super) type Remembered<T> = ([u32; 2], PairMemory<T>);
 
-/// What is known of pairs from step to step. Lists are in ascending order.
+/// A pair by its numbers alone, the smaller first.
+pub(super) fn by_number([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// What is known of pairs from step to step.
 #[derive(Debug)]
 pub(super) struct Pairs<T: Scalar> {
     pub(super) history: History<T>,
-    /// The pairs that may not escape, overlapping or not.
+    /// The pairs that may not escape, overlapping or not: by number, in ascending order.
     pub(super) without_escape: Vec<[u32; 2]>,
-    /// The pairs that do not collide; in no order, as there may be very many.
+    /// The pairs that do not collide: by number, in no order, as there may be very many.
     pub(super) ignored: HashSet<[u32; 2]>,
 }
 
@@ -38,7 +43,7 @@ impl<T: Scalar> Pairs<T> {
             (Err(place), false) => {
                 self.without_escape.room_for(1).insert(place, pair);
                 // Also what led to an escape is not to start the next one.
-                self.history.forget(|known| *known == pair);
+                self.history.forget(|known| by_number(*known) == pair);
             }
             _ => {}
         }
@@ -46,7 +51,8 @@ impl<T: Scalar> Pairs<T> {
 }
 
 /// What the overlapping pairs remember: as the last step left it, which all queries of this step start from, and as the
-/// newest query would leave it to the next step.
+/// newest query would leave it to the next step. Both lists are in the order of the bodies, which stays as it is while other
+/// bodies come and go.
 #[derive(Debug)]
 pub(super) struct History<T: Scalar> {
     pub(super) before: Vec<Remembered<T>>,
@@ -79,8 +85,13 @@ impl<T: Scalar> History<T> {
     }
 
     /// Starts a query: what `pairs` remembered before this step goes into `after`; nothing for those that are new. `stamp`
-    /// is the newest of the bodies' positions.
-    pub(super) fn start_query(&mut self, pairs: &[[u32; 2]], stamp: u64) {
+    /// is the newest of the bodies' positions, `order` what pairs compare by.
+    pub(super) fn start_query(
+        &mut self,
+        pairs: impl Iterator<Item = [u32; 2]>,
+        stamp: u64,
+        order: impl Fn(&[u32; 2]) -> [u32; 2],
+    ) {
         if !self.is_hosts && stamp != self.queried_at {
             self.end_step();
         }
@@ -88,14 +99,15 @@ impl<T: Scalar> History<T> {
         self.after.clear();
         let mut known = self.before.iter().peekable();
         for pair in pairs {
-            while known.next_if(|(other, _)| other < pair).is_some() {}
-            let memory = known.next_if(|(other, _)| other == pair).map_or(PairMemory::default(), |(_, memory)| *memory);
-            self.after.room_for(1).push((*pair, memory));
+            while known.next_if(|(other, _)| order(other) < order(&pair)).is_some() {}
+            let memory =
+                known.next_if(|(other, _)| *other == pair).map_or(PairMemory::default(), |(_, memory)| *memory);
+            self.after.room_for(1).push((pair, memory));
         }
     }
 
     /// Ends a step of so many seconds.
-    pub(super) fn advance(&mut self, seconds: f64) {
+    pub(super) fn advance(&mut self, seconds: f64, order: impl Fn(&[u32; 2]) -> [u32; 2]) {
         self.is_hosts = true;
         self.passed += (seconds / WHOLE_STEP).min(1.0);
         let is_whole = self.passed >= NEARLY_WHOLE;
@@ -106,7 +118,7 @@ impl<T: Scalar> History<T> {
             // Counts stand still, but an escape begins and ends at once, and so does an overlap.
             let mut known = self.before.iter().peekable();
             for (pair, memory) in &mut self.after {
-                while known.next_if(|(other, _)| *other < *pair).is_some() {}
+                while known.next_if(|(other, _)| order(other) < order(pair)).is_some() {}
                 let before = known.next_if(|(other, _)| other == pair).map(|(_, before)| before);
                 let goes_on =
                     |before: &&PairMemory<T>| before.escape == memory.escape && *memory != PairMemory::default();
@@ -128,5 +140,27 @@ impl<T: Scalar> History<T> {
     fn forget(&mut self, mut is_gone: impl FnMut(&[u32; 2]) -> bool) {
         self.before.retain(|(pair, _)| !is_gone(pair));
         self.after.retain(|(pair, _)| !is_gone(pair));
+    }
+
+    /// Replaces what a pair remembers, before this step and since.
+    pub(super) fn set(&mut self, pair: [u32; 2], memory: PairMemory<T>, order: impl Fn(&[u32; 2]) -> [u32; 2]) {
+        let lists = [Some(&mut self.before), Some(&mut self.after).filter(|_| self.is_queried)];
+        // Room first: either both change or none.
+        let lists = lists.map(|list| list.map(|list| list.room_for(1)));
+        for list in lists.into_iter().flatten() {
+            match list.binary_search_by_key(&order(&pair), |(other, _)| order(other)) {
+                Ok(place) => list[place].1 = memory,
+                Err(place) => list.insert(place, (pair, memory)),
+            }
+        }
+    }
+
+    /// Whether both lists are in the order by which pairs compare.
+    pub(super) fn is_in_order<K: PartialOrd>(&self, order: impl Fn(&[u32; 2]) -> [K; 2]) -> bool {
+        [&self.before, &self.after].into_iter().all(|list| {
+            let of_two = |two: &[Remembered<T>]| order(&two[0].0) < order(&two[1].0);
+            list.windows(2).all(of_two)
+                && list.iter().map(|(pair, _)| order(pair)).all(|[first, second]| first < second)
+        })
     }
 }

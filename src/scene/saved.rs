@@ -2,6 +2,7 @@
 
 use super::SceneError;
 use super::pairs::{History, Remembered};
+use crate::bytes::{CHECKSUM, Reader, checksum};
 use crate::contact::{PairMemory, Record};
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
@@ -59,7 +60,6 @@ const IS_HOSTS: u32 = 2;
 const IS_AT_QUERY: u32 = 4;
 /// Five whole numbers and eight others, these always in double precision, which holds both.
 const ENTRY: usize = 5 * 4 + 8 * 8;
-const CHECKSUM: usize = 8;
 
 /// How many bytes the history takes.
 pub(super) fn saved_length<T: Scalar>(history: &History<T>) -> usize {
@@ -135,18 +135,13 @@ pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>,
     Ok(History { before, after, is_queried, queried_at, is_hosts, passed })
 }
 
-/// So many memories, in ascending order of their pairs.
+/// So many memories; whether they are in order only the scene knows.
 fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<T>>, SavedStateError> {
     let mut memories = memory::with_room(count as usize);
     for _ in 0..count {
         memories.push(entry(bytes).ok_or(SavedStateError::Damaged)?);
     }
-    let in_order = memories.windows(2).all(|pair: &[Remembered<T>]| pair[0].0 < pair[1].0);
-    if in_order && memories.iter().all(|([first, second], memory)| first < second && is_possible(memory)) {
-        Ok(memories)
-    } else {
-        Err(SavedStateError::Damaged)
-    }
+    if memories.iter().all(|(_, memory)| is_possible(memory)) { Ok(memories) } else { Err(SavedStateError::Damaged) }
 }
 
 fn entry<T: Scalar>(bytes: &mut Reader) -> Option<Remembered<T>> {
@@ -160,36 +155,12 @@ fn entry<T: Scalar>(bytes: &mut Reader) -> Option<Remembered<T>> {
     (escaping <= 1).then_some((pair, PairMemory { escape: (escaping == 1).then_some(away), lowest, halved, net_push }))
 }
 
-fn is_possible<T: Scalar>(memory: &PairMemory<T>) -> bool {
+/// Whether a pair can come to remember this.
+pub(super) fn is_possible<T: Scalar>(memory: &PairMemory<T>) -> bool {
     let is_direction = |away: Vector3<T>| (away.norm_squared() - T::one()).abs() < T::of(1e-3);
     // In this form NaN is not.
     memory.escape.is_none_or(is_direction)
         && memory.lowest.value >= T::zero()
         && memory.halved.value >= T::zero()
         && memory.net_push.norm_squared() < T::of(1.001)
-}
-
-/// FNV-1a.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
-}
-
-struct Reader<'a> {
-    rest: &'a [u8],
-}
-
-impl Reader<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (taken, rest) = self.rest.split_first_chunk()?;
-        self.rest = rest;
-        Some(*taken)
-    }
-
-    fn whole(&mut self) -> Option<u32> {
-        self.take().map(u32::from_le_bytes)
-    }
-
-    fn number<T: Scalar>(&mut self) -> Option<T> {
-        self.take().map(|bytes| T::of(f64::from_le_bytes(bytes)))
-    }
 }

@@ -33,6 +33,7 @@ mod refused_numbers;
 mod response;
 mod self_and_others;
 mod self_collision;
+mod shared_bodies;
 mod sharing;
 mod steps;
 mod tolerance;

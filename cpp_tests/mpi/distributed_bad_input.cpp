@@ -1,0 +1,150 @@
+// What is wrong on one rank is said on all, each fault by its own status, and nothing has changed.
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "expect.hpp"
+#include "raycontact/mpi.hpp"
+#include "torus.hpp"
+
+namespace {
+
+int rank_here = 0, rank_count = 1;
+
+/** The call throws this status on all ranks, with one message, which says `part`. */
+template <class Call>
+void expect_fault(Call call, rayc_status status, const char* test, const std::string& part) {
+  std::string message = "nothing";
+  int found = RAYC_STATUS_OK;
+  try {
+    call();
+  } catch (const raycontact::Error& error) {
+    found = error.status();
+    message = error.what();
+  }
+  expect(found == status, test, std::string("rank ") + std::to_string(rank_here) + " says " + message);
+  expect(message.find(part) != std::string::npos, test, "\"" + message + "\" does not say \"" + part + "\"");
+  int statuses[2] = {found, -found};
+  MPI_Allreduce(MPI_IN_PLACE, statuses, 2, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+  expect(statuses[0] == -statuses[1], test, "all ranks say the same");
+}
+
+/** One torus on each rank, in a row, each of which overlaps its neighbours. */
+struct Row {
+  raycontact::DistributedScene scene{MPI_COMM_WORLD};
+  Torus shape = in_row(torus(16, 8), static_cast<uint32_t>(rank_here));
+  uint64_t key = 100 + static_cast<uint64_t>(rank_here);
+
+  Row() { scene.add(key, mesh(shape)); }
+  static raycontact::Mesh mesh(const Torus& torus) { return {raycontact::vectors(torus.positions), torus.triangles}; }
+
+  double largest_force() const {
+    double largest = 0;
+    for (double number : scene.forces(key)) largest = std::max(largest, std::fabs(number));
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    return largest;
+  }
+};
+
+const auto pack = [](uint64_t) { return std::vector<unsigned char>(); };
+const auto unpack = [](uint64_t, const std::vector<unsigned char>&) {};
+
+void check_steps() {
+  const char* test = "steps";
+  Row row;
+  const int last = rank_count - 1;
+  row.scene.step(0.01);
+  const double force = row.largest_force();
+  expect(rank_count == 1 || force > 0, test, "the row overlaps");
+
+  std::vector<double> broken = row.shape.positions;
+  broken[4] = std::nan("");
+  if (rank_here == last) row.scene.set_positions(row.key, raycontact::vectors(broken));
+  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_NOT_FINITE, "NaN",
+               rank_count == 1 ? "vertex 1" : "rank " + std::to_string(last));
+  expect(row.largest_force() == force, "NaN", "forces are as before");
+  if (rank_here == 0) row.scene.set_velocities(row.key, raycontact::vectors(broken));
+  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_NOT_FINITE, "velocities",
+               "velocities of the body of key 100");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_here);
+  MPI_Comm_size(MPI_COMM_WORLD, &rank_count);
+  const bool is_first = rank_here == 0, is_last = rank_here == rank_count - 1;
+  check_steps();
+  {
+    Row row;
+    if (is_first) row.scene.add(row.key, Row::mesh(row.shape));
+    expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_KEY_TAKEN, "key twice", "key 100");
+    row.scene.step(0.01);
+    if (is_last) row.scene.set_positions(7, raycontact::vectors(row.shape.positions));
+    expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_UNKNOWN_BODY, "unknown key", "key 7");
+    if (is_last) row.scene.set_positions(row.key, raycontact::vectors(row.shape.positions.data(), 3));
+    expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_WRONG_COUNT, "count", "");
+    expect_fault([&] { row.scene.step(-1); }, RAYC_STATUS_INVALID_OPTION, "seconds", "-1");
+    std::vector<int> owners = {is_last ? rank_count : 0};
+    expect_fault([&] { row.scene.migrate(owners, pack, unpack); }, RAYC_STATUS_UNKNOWN_RANK, "owner",
+                 "is to own a body");
+    owners.push_back(0);
+    expect_fault([&] { row.scene.migrate(owners, pack, unpack); }, RAYC_STATUS_WRONG_COUNT, "owners", "2 owners for 1");
+    expect(row.scene.keys() == std::vector<uint64_t>{row.key}, "owners", "nothing has moved");
+    row.scene.step(0.01);
+  }
+  if (rank_count > 1) {
+    Row row;
+    row.scene.step(0.01);
+    const double force = row.largest_force();
+    if (is_last) row.scene.add(100, Row::mesh(row.shape));
+    expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_BODY_ON_TWO_RANKS, "two ranks", "key 100");
+    expect(row.scene.keys() == std::vector<uint64_t>{row.key}, "two ranks", "the second is taken back");
+    row.scene.step(0.01);
+    expect(row.largest_force() == force, "two ranks", "forces are as before");
+    expect_fault([&] { row.scene.step(is_last ? 0.02 : 0.01); }, RAYC_STATUS_RANKS_DISAGREE, "seconds", "0.02");
+
+    // Each in turn, so that the rank that has it as a ghost is among those that notice.
+    int noticed = 0;
+    for (int rank = 0; rank < rank_count; ++rank) {
+      const bool is_mine = rank == rank_here;
+      if (is_mine) {
+        row.scene.remove(row.key);
+        row.scene.add(row.key, Row::mesh(in_row(torus(15, 9), static_cast<uint32_t>(rank_here))));
+      }
+      int status = RAYC_STATUS_OK;
+      try {
+        row.scene.step(0.01);
+      } catch (const raycontact::Error& error) {
+        status = error.status();
+      }
+      expect(status == RAYC_STATUS_OK || status == RAYC_STATUS_OTHER_MESH, "another mesh", std::to_string(status));
+      noticed += status == RAYC_STATUS_OTHER_MESH ? 1 : 0;
+      if (is_mine) {
+        row.scene.remove(row.key);
+        row.scene.add(row.key, Row::mesh(row.shape));
+      }
+      try {
+        row.scene.step(0.01);
+      } catch (const raycontact::Error&) {
+      }
+    }
+    expect(noticed > 0, "another mesh", "somebody notices");
+
+    raycontact::DistributedOptions options;
+    if (is_last) options.detection.edges = 0;
+    expect_fault([&] { raycontact::DistributedScene other(MPI_COMM_WORLD, options); }, RAYC_STATUS_RANKS_DISAGREE,
+                 "options", "an option is 0");
+    options = raycontact::DistributedOptions();
+    if (is_last) options.response.stiffness = -1;
+    expect_fault([&] { raycontact::DistributedScene other(MPI_COMM_WORLD, options); }, RAYC_STATUS_INVALID_OPTION,
+                 "options", "stiffness");
+  }
+  expect_fault([] { raycontact::DistributedScene other(MPI_COMM_NULL); }, RAYC_STATUS_INVALID_COMMUNICATOR,
+               "communicator", "MPI_COMM_NULL");
+  MPI_Allreduce(MPI_IN_PLACE, &failures, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
+  MPI_Finalize();
+  return failures == 0 ? 0 : 1;
+}

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/** One step: boxes, headers, positions of ghosts, the query, and forces back. */
+#ifndef RAYCONTACT_MPI_STEP_HPP
+#define RAYCONTACT_MPI_STEP_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "raycontact/mpi/bodies.hpp"
+#include "raycontact/mpi/traffic.hpp"
+
+namespace raycontact {
+
+namespace mpi_detail {
+
+enum Tag { TAG_HEADERS = 1, TAG_GHOSTS, TAG_FORCES, TAG_OWNERS, TAG_MIGRATION, TAG_KEYS };
+
+/** A body as its neighbours first hear of it. */
+struct Header {
+  uint64_t key;
+  Box box;
+};
+static_assert(sizeof(Header) == 56, "headers have no padding");
+
+class Step {
+ public:
+  /** Keys of own bodies that other ranks have as ghosts, by rank; and ranks that bodies are had from. */
+  using Keys = std::map<int, std::set<uint64_t>>;
+
+  Step(const Communicator& comm, Bodies& bodies, const rayc_response_options& response, Traffic& traffic)
+      : comm_(comm), bodies_(bodies), response_(response), traffic_(traffic) {}
+
+  const Keys& lent() const { return lent_; }
+  const Keys& borrowed() const { return borrowed_; }
+
+  /** Forgets who has which ghosts. */
+  void forget() {
+    lent_.clear();
+    borrowed_.clear();
+  }
+
+  /** Gives the fault on which all ranks agree, if there is one; then no contacts have been looked for. */
+  Fault run(double seconds, std::vector<KeyedMemory>& waiting) {
+    const double start = MPI_Wtime();
+    if (Fault fault = find_neighbours(seconds)) return fault;
+    if (any_new_)
+      if (Fault fault = check_keys()) return fault;
+    find_pairs(swap_headers());
+    Fault fault;
+    fault.check(rayc_scene_find_self_contacts(bodies_.scene.get()), "contacts of bodies with themselves");
+    swap_bodies(fault);
+    for (const KeyedMemory& keyed : waiting) put_back(keyed, fault);
+    if (Fault agreed = comm_.agree(fault)) return agreed;
+    waiting.clear();
+    const double before = MPI_Wtime();
+    fault.check(rayc_scene_query(bodies_.scene.get(), bodies_.contacts.get()), "query");
+    const double after = MPI_Wtime();
+    sum_forces(fault);
+    traffic_.query_seconds += after - before;
+    traffic_.sum_seconds += MPI_Wtime() - after;
+    return_forces(fault);
+    fault = comm_.agree(fault);
+    if (!fault) add_forces();
+    traffic_.total_seconds += MPI_Wtime() - start;
+    return fault;
+  }
+
+ private:
+  /** What each rank tells all others: its fault, whether it has new bodies, the step, and the box around its bodies. */
+  struct Greeting {
+    int32_t status, has_new;
+    double seconds;
+    Box box;
+  };
+
+  Fault find_neighbours(double seconds) {
+    Greeting own{};
+    own.seconds = seconds;
+    Fault fault = std::exchange(bodies_.fault, Fault());
+    for (auto& [key, body] : bodies_.own) {
+      rayc_body_state state{};
+      fault.check(rayc_scene_body_state(bodies_.scene.get(), body.number, sizeof state, &state), "box of a body");
+      std::copy_n(state.lower, 3, body.box.lower);
+      std::copy_n(state.upper, 3, body.box.upper);
+      own.box.include(body.box);
+    }
+    own.status = fault.status;
+    own.has_new = bodies_.has_new ? 1 : 0;
+    greetings_.resize(static_cast<std::size_t>(comm_.size()));
+    MPI_Allgather(&own, sizeof own, MPI_BYTE, greetings_.data(), sizeof own, MPI_BYTE, comm_.get());
+    neighbours_.clear();
+    any_new_ = false;
+    for (int rank = 0; rank < comm_.size(); ++rank) {
+      const Greeting& greeting = greetings_[static_cast<std::size_t>(rank)];
+      if (greeting.status != RAYC_STATUS_OK) return comm_.tell(rank, fault);
+      any_new_ = any_new_ || greeting.has_new != 0;
+      if (rank != comm_.rank() && greeting.box.overlaps(own.box)) neighbours_.push_back(rank);
+    }
+    // All ranks see the same numbers here, and need not agree.
+    for (const Greeting& greeting : greetings_)
+      if (greeting.seconds != greetings_[0].seconds)
+        fault.note(RAYC_STATUS_RANKS_DISAGREE, "the step is " + std::to_string(greetings_[0].seconds) +
+                                                   " s long on rank 0 and " + std::to_string(greeting.seconds) +
+                                                   " s on another; give all ranks the same");
+    return fault;
+  }
+
+  /** Each key is looked at by one rank, which sees whether two others have it. New bodies that do are taken back. */
+  Fault check_keys() {
+    const auto size = static_cast<uint64_t>(comm_.size());
+    Fault fault;
+    std::vector<Bytes> keys(size);
+    for (const auto& [key, body] : bodies_.own) write(keys[key % size], key);
+    const std::vector<Bytes> received = comm_.swap_all(keys, TAG_KEYS, fault);
+    std::map<uint64_t, std::vector<std::size_t>> owners;
+    for (std::size_t rank = 0; rank < received.size(); ++rank)
+      for (Reader reader(received[rank]); !reader.is_at_end();) owners[reader.read<uint64_t>()].push_back(rank);
+    std::vector<Bytes> twice(size);
+    for (const auto& [key, ranks] : owners) {
+      if (ranks.size() == 1) continue;
+      fault.note(RAYC_STATUS_BODY_ON_TWO_RANKS, "body of key " + std::to_string(key) + " is on the ranks " +
+                                                    std::to_string(ranks[0]) + " and " + std::to_string(ranks[1]) +
+                                                    "; add it on one of them only");
+      for (std::size_t rank : ranks) write(twice[rank], key);
+    }
+    for (const Bytes& message : comm_.swap_all(twice, TAG_KEYS, fault))
+      for (Reader reader(message); !reader.is_at_end();) {
+        const auto key = reader.read<uint64_t>();
+        if (bodies_.own.at(key).is_new) bodies_.remove(key);
+      }
+    fault = comm_.agree(fault);
+    if (!fault) {
+      for (auto& [key, body] : bodies_.own) body.is_new = false;
+      bodies_.has_new = false;
+    }
+    return fault;
+  }
+
+  std::vector<std::vector<Header>> swap_headers() {
+    std::vector<Bytes> messages;
+    for (int rank : neighbours_) {
+      Bytes message;
+      for (const auto& [key, body] : bodies_.own)
+        if (body.box.overlaps(greetings_[static_cast<std::size_t>(rank)].box)) write(message, Header{key, body.box});
+      traffic_.header_bytes += message.size();
+      messages.push_back(std::move(message));
+    }
+    Fault fault;
+    std::vector<std::vector<Header>> headers;
+    for (const Bytes& message : comm_.swap(neighbours_, messages, neighbours_, TAG_HEADERS, fault))
+      headers.push_back(Reader(message).read_all<Header>(message.size() / sizeof(Header)));
+    return headers;
+  }
+
+  /** Which bodies overlap, and who finds the contacts of each pair: both ranks come to the same without a reply. */
+  void find_pairs(const std::vector<std::vector<Header>>& headers) {
+    std::vector<Box> boxes;
+    std::vector<std::pair<uint64_t, Own*>> owns;
+    std::vector<std::pair<uint64_t, int>> others;
+    for (auto& [key, body] : bodies_.own) {
+      body.neighbours = 0;
+      boxes.push_back(body.box);
+      owns.emplace_back(key, &body);
+    }
+    for (std::size_t i = 0; i < headers.size(); ++i)
+      for (const Header& header : headers[i]) {
+        boxes.push_back(header.box);
+        others.emplace_back(header.key, neighbours_[i]);
+      }
+    forget();
+    for_each_overlap(boxes, [&](std::size_t i, std::size_t j) {
+      if (i > j) std::swap(i, j);
+      if (i >= owns.size()) return;
+      ++owns[i].second->neighbours;
+      if (j < owns.size()) {
+        ++owns[j].second->neighbours;
+        return;
+      }
+      const auto& [other, rank] = others[j - owns.size()];
+      uint32_t is_found_here = 0;
+      static_cast<void>(rayc_finds_pair(owns[i].first, other, &is_found_here));
+      if (is_found_here != 0)
+        borrowed_[rank].insert(other);
+      else
+        lent_[rank].insert(owns[i].first);
+    });
+    for (auto& [key, body] : bodies_.own)
+      bodies_.fault.check(rayc_scene_share_body(bodies_.scene.get(), body.number, 0, body.neighbours, 0), "own body");
+  }
+
+  static std::vector<int> ranks(const Keys& keys) {
+    std::vector<int> ranks;
+    for (const auto& [rank, of_rank] : keys) ranks.push_back(rank);
+    return ranks;
+  }
+
+  void swap_bodies(Fault& fault) {
+    const bool has_damping = response_.damping_time > 0;
+    std::vector<Bytes> messages;
+    for (const auto& [rank, keys] : lent_) {
+      Bytes message;
+      for (uint64_t key : keys) {
+        const Own& body = bodies_.own.at(key);
+        rayc_body_state state{};
+        fault.check(rayc_scene_body_state(bodies_.scene.get(), body.number, sizeof state, &state), "state of a body");
+        const std::size_t before = message.size();
+        write(message, key);
+        bodies_.write_shape(message, body.shape, rank);
+        traffic_.shape_bytes += message.size() - before - 24;
+        write(message, body.neighbours);
+        write(message, state.overlaps_itself);
+        write(message, uint64_t{body.vertex_count});
+        const std::size_t head = message.size();
+        write(message, body.positions.data(), body.positions.size());
+        if (has_damping) write(message, body.velocities.data(), body.velocities.size());
+        traffic_.position_bytes += message.size() - head;
+      }
+      messages.push_back(std::move(message));
+    }
+    const std::vector<int> from = ranks(borrowed_);
+    const std::vector<Bytes> received = comm_.swap(ranks(lent_), messages, from, TAG_GHOSTS, fault);
+    const double start = MPI_Wtime();
+    for (auto& [key, ghost] : bodies_.ghosts) ghost.is_current = false;
+    for (std::size_t i = 0; i < from.size(); ++i)
+      for (Reader reader(received[i]); !reader.is_at_end();) renew_ghost(reader, from[i], has_damping, fault);
+    for (auto at = bodies_.ghosts.begin(); at != bodies_.ghosts.end();) {
+      const auto ghost = at++;
+      if (!ghost->second.is_current) bodies_.remove_ghost(ghost);
+    }
+    traffic_.ghosts += bodies_.ghosts.size();
+    traffic_.ghost_seconds += MPI_Wtime() - start;
+  }
+
+  void renew_ghost(Reader& reader, int from, bool has_damping, Fault& fault) {
+    const auto key = reader.read<uint64_t>();
+    const uint64_t shape = bodies_.read_shape(reader, from);
+    const auto neighbours = reader.read<uint32_t>();
+    const auto overlaps_itself = reader.read<uint32_t>();
+    const auto count = reader.read<uint64_t>();
+    const std::vector<double> positions = reader.read_all<double>(3 * count);
+    std::vector<double> velocities = reader.read_all<double>(has_damping ? 3 * count : 0);
+    const std::string what = "ghost of key " + std::to_string(key);
+    auto found = bodies_.ghosts.find(key);
+    if (found == bodies_.ghosts.end()) {
+      Ghost ghost;
+      if (!bodies_.add_received(key, shape, &ghost.number)) {
+        fault.take(bodies_.fault);
+        return;
+      }
+      ghost.shape = shape;
+      found = bodies_.ghosts.emplace(key, std::move(ghost)).first;
+      bodies_.named[found->second.number] = Named{key, nullptr, &found->second};
+      ++traffic_.new_ghosts;
+    }
+    Ghost& ghost = found->second;
+    ghost.is_current = true;
+    if (ghost.shape != shape) {
+      fault.note(RAYC_STATUS_OTHER_MESH, "body of key " + std::to_string(key) +
+                                             " has another mesh than in the step before; give other bodies other keys");
+      return;
+    }
+    ghost.owner = from;
+    ghost.velocities = std::move(velocities);
+    const rayc_vectors view = vectors(positions);
+    fault.check(rayc_scene_share_body(bodies_.scene.get(), ghost.number, 1, neighbours, overlaps_itself), what);
+    fault.check(rayc_scene_set_positions(bodies_.scene.get(), ghost.number, &view), what);
+  }
+
+  /** A pair whose bodies do not meet any more has forgotten. */
+  void put_back(const KeyedMemory& keyed, Fault& fault) {
+    rayc_pair_memory memory = keyed.memory;
+    if (number(keyed.first, &memory.first) && number(keyed.second, &memory.second))
+      fault.check(rayc_scene_set_pair_memory(bodies_.scene.get(), sizeof memory, &memory), "memory of a pair");
+  }
+
+  bool number(uint64_t key, uint32_t* number) const {
+    const auto own = bodies_.own.find(key);
+    const auto ghost = bodies_.ghosts.find(key);
+    if (own != bodies_.own.end())
+      *number = own->second.number;
+    else if (ghost != bodies_.ghosts.end())
+      *number = ghost->second.number;
+    else
+      return false;
+    return true;
+  }
+
+  void sum_forces(Fault& fault) {
+    std::vector<rayc_vectors> velocities;
+    if (response_.damping_time > 0) {
+      for (const auto& [number, body] : bodies_.named) {
+        if (velocities.size() <= number) velocities.resize(number + 1, vectors<double>(nullptr, 0));
+        velocities[number] = vectors(body.own != nullptr ? body.own->velocities : body.ghost->velocities);
+      }
+    }
+    std::size_t pair_count = 0, force_count = 0;
+    fault.check(
+        rayc_contacts_sum_pair_forces(bodies_.contacts.get(), &response_, velocities.size(), nullptr,
+                                      velocities.empty() ? nullptr : velocities.data(), &pair_count, &force_count),
+        "forces");
+    pairs_.resize(pair_count);
+    forces_.resize(force_count);
+    fault.check(
+        rayc_contacts_copy_pair_forces(bodies_.contacts.get(), pair_count, pairs_.data(), force_count, forces_.data()),
+        "forces");
+    if (fault) pairs_.clear();
+  }
+
+  /** What a pair does to a ghost goes to its owner, which adds it in the order of the keys as if it had found it
+   * itself. */
+  void return_forces(Fault& fault) {
+    for (auto& [key, body] : bodies_.own) body.parts.clear();
+    std::map<int, Bytes> messages;
+    for (const auto& [rank, keys] : borrowed_) messages[rank];
+    for (const rayc_pair_forces& pair : pairs_) {
+      const Named &first = bodies_.named.at(pair.first), &second = bodies_.named.at(pair.second);
+      give(first, second.key, pair.start, pair.first_count, messages);
+      if (pair.first != pair.second)
+        give(second, first.key, pair.start + pair.first_count, pair.second_count, messages);
+    }
+    std::vector<Bytes> sent;
+    for (auto& [rank, message] : messages) {
+      traffic_.force_bytes += message.size();
+      sent.push_back(std::move(message));
+    }
+    for (const Bytes& message : comm_.swap(ranks(borrowed_), sent, ranks(lent_), TAG_FORCES, fault))
+      for (Reader reader(message); !reader.is_at_end();) {
+        const auto key = reader.read<uint64_t>();
+        const auto other = reader.read<uint64_t>();
+        const auto count = static_cast<std::size_t>(reader.read<uint64_t>());
+        const auto vertices = reader.read_all<uint32_t>(count);
+        bodies_.own.at(key).parts.push_back(Part{other, forces_.size(), count});
+        for (std::size_t i = 0; i < count; ++i) {
+          rayc_vertex_force force{};
+          force.vertex = vertices[i];
+          reader.read(force.force, 3);
+          forces_.push_back(force);
+        }
+      }
+  }
+
+  void give(const Named& body, uint64_t other, std::size_t start, std::size_t count, std::map<int, Bytes>& messages) {
+    if (body.own != nullptr) {
+      body.own->parts.push_back(Part{other, start, count});
+      return;
+    }
+    Bytes& message = messages[body.ghost->owner];
+    write(message, body.key);
+    write(message, other);
+    write(message, uint64_t{count});
+    for (std::size_t i = start; i < start + count; ++i) write(message, forces_[i].vertex);
+    for (std::size_t i = start; i < start + count; ++i) write(message, forces_[i].force, 3);
+  }
+
+  void add_forces() {
+    for (auto& [key, body] : bodies_.own) {
+      std::fill(body.forces.begin(), body.forces.end(), 0.0);
+      std::sort(body.parts.begin(), body.parts.end(), [](const Part& a, const Part& b) { return a.other < b.other; });
+      for (const Part& part : body.parts)
+        for (std::size_t i = part.start; i < part.start + part.count; ++i)
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            body.forces[3 * std::size_t{forces_[i].vertex} + axis] += forces_[i].force[axis];
+    }
+  }
+
+  const Communicator& comm_;
+  Bodies& bodies_;
+  const rayc_response_options& response_;
+  Traffic& traffic_;
+  std::vector<Greeting> greetings_;
+  std::vector<int> neighbours_;
+  bool any_new_ = false;
+  Keys lent_, borrowed_;
+  std::vector<rayc_pair_forces> pairs_;
+  std::vector<rayc_vertex_force> forces_;
+};
+
+}  // namespace mpi_detail
+}  // namespace raycontact
+
+#endif  // RAYCONTACT_MPI_STEP_HPP

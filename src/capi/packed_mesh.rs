@@ -1,0 +1,69 @@
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::handles::{give, reading};
+use super::mesh::{AnyMesh, rayc_mesh};
+use super::pointers::{Output, slice};
+use crate::memory::text;
+use crate::mesh::{Mesh, packed_number_size};
+
+/// How many bytes rayc_mesh_pack() writes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length: *mut usize) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mesh = reading(mesh, "mesh")?;
+        Output::new(length, "length")?.write(match &mesh.mesh {
+            AnyMesh::F32(mesh) => mesh.packed_length(),
+            AnyMesh::F64(mesh) => mesh.packed_length(),
+        });
+        Ok(())
+    })
+}
+
+/// Writes the mesh as it was created to `bytes`: its triangles and the positions of then, not the present ones; length must
+/// be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
+///
+/// Patches, tiles and the order of contacts are settled by the positions at creation. So what rayc_mesh_unpack() makes
+/// of the bytes in another process, given the same positions, has the same contacts in the same order, to the bit; a mesh
+/// created anew from the present positions has not.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, bytes: *mut u8) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut packed = Vec::new();
+        match &reading(mesh, "mesh")?.mesh {
+            AnyMesh::F32(mesh) => mesh.pack(&mut packed),
+            AnyMesh::F64(mesh) => mesh.pack(&mut packed),
+        }
+        if packed.len() != length {
+            let message =
+                text!("bytes has room for {length}, but the packed mesh takes {}; give that many", packed.len());
+            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+        }
+        Output::array(bytes, length, "bytes")?.write_all(packed.into_iter());
+        Ok(())
+    })
+}
+
+/// Makes the mesh that was packed, of the same precision, at the positions of its creation. *mesh: the new handle.
+///
+/// Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
+/// and those of rayc_mesh_create() where bytes fit their checksum and are no mesh all the same.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_unpack(length: usize, bytes: *const u8, mesh: *mut *mut rayc_mesh) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let bytes = slice(bytes, length, "bytes")?;
+        let place = Output::new(mesh, "mesh")?;
+        let (number_size, _) = packed_number_size(bytes)?;
+        let mesh = if number_size as usize == size_of::<f32>() {
+            AnyMesh::F32(Mesh::unpack(bytes)?)
+        } else {
+            AnyMesh::F64(Mesh::unpack(bytes)?)
+        };
+        give(place, rayc_mesh { mesh });
+        Ok(())
+    })
+}

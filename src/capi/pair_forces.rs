@@ -1,0 +1,139 @@
+use super::contacts::{AnyContacts, rayc_contacts};
+use super::failure::{Failure, rayc_status};
+use super::given::{Arrays, Given};
+use super::guard::guard;
+use super::handles::{changing, reading};
+use super::options::{rayc_response_options, read_options};
+use super::pointers::Output;
+use super::vectors::rayc_vectors;
+use crate::contact::ContactList;
+use crate::math::{Scalar, Vector3};
+use crate::memory::text;
+use crate::response::{ForcesByPair, PairForces, PenaltyLaw};
+
+/// The forces of one pair of bodies, or of a body with itself: where they lie among those of all pairs.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_pair_forces {
+    /// The body whose contacts come first.
+    pub first: u32,
+    /// The other; the same for a body with itself.
+    pub second: u32,
+    /// Where the pair's forces begin.
+    pub start: usize,
+    /// How many are the first body's.
+    pub first_count: usize,
+    /// How many after them are the second's; 0 for a body with itself.
+    pub second_count: usize,
+}
+
+/// What a pair does at one vertex.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_vertex_force {
+    /// The vertex, in ascending order for each body of a pair.
+    pub vertex: u32,
+    /// Always 0, so that equal forces are equal byte by byte.
+    pub reserved: u32,
+    /// The force in N.
+    pub force: [f64; 3],
+}
+
+/// Sums of either precision.
+#[derive(Default)]
+pub(super) struct AnyForcesByPair {
+    f32: ForcesByPair<f32>,
+    f64: ForcesByPair<f64>,
+}
+
+/// Sums the contact forces pair by pair, for rayc_contacts_copy_pair_forces(): first the contacts of each pair, in their
+/// order, at each vertex that they act on. Added in the order of the pairs they are the forces of rayc_contacts_add_forces()
+/// but for the order of summation. As a pair's sum does not depend on other pairs, it may be found in another process.
+///
+/// options, body_count, positions, velocities: as in rayc_contacts_add_forces(), and so are the errors. *pair_count: how
+/// many pairs have contacts, bodies with themselves among them; *force_count: how many forces there are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_sum_pair_forces(
+    contacts: *mut rayc_contacts,
+    options: *const rayc_response_options,
+    body_count: usize,
+    positions: *const rayc_vectors,
+    velocities: *const rayc_vectors,
+    pair_count: *mut usize,
+    force_count: *mut usize,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut contacts = changing(contacts, "contacts")?;
+        let rayc_contacts { list, pair_forces } = &mut *contacts;
+        let law = read_options(options)?.law()?;
+        let positions = Given::if_any(positions, body_count, "positions")?;
+        let velocities = Given::if_any(velocities, body_count, "velocities")?;
+        let places = [Output::new(pair_count, "pair_count")?, Output::new(force_count, "force_count")?];
+        let counts = match list {
+            AnyContacts::F32(list) => sum(list, &mut pair_forces.f32, &law, positions, velocities)?,
+            AnyContacts::F64(list) => sum(list, &mut pair_forces.f64, &law, positions, velocities)?,
+        };
+        for (place, count) in places.into_iter().zip(counts) {
+            place.write(count);
+        }
+        Ok(())
+    })
+}
+
+fn sum<T: Scalar>(
+    list: &ContactList<T>,
+    forces: &mut ForcesByPair<T>,
+    law: &PenaltyLaw,
+    positions: Option<&[Given]>,
+    velocities: Option<&[Given]>,
+) -> Result<[usize; 2], Failure> {
+    let read = [("positions", positions), ("velocities", velocities)];
+    Arrays { read, written: None }.check(list, law)?;
+    forces.sum(list, law, positions, velocities);
+    Ok([forces.pairs().len(), forces.forces().len()])
+}
+
+/// Copies what the last rayc_contacts_sum_pair_forces() of these contacts has summed; both counts must be those it gave.
+/// The pairs come in their order; the forces of each pair are its first body's, then its second's.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_copy_pair_forces(
+    contacts: *const rayc_contacts,
+    pair_count: usize,
+    pairs: *mut rayc_pair_forces,
+    force_count: usize,
+    forces: *mut rayc_vertex_force,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let contacts = reading(contacts, "contacts")?;
+        let (all_pairs, count) = match &contacts.list {
+            AnyContacts::F32(_) => (contacts.pair_forces.f32.pairs(), contacts.pair_forces.f32.forces().len()),
+            AnyContacts::F64(_) => (contacts.pair_forces.f64.pairs(), contacts.pair_forces.f64.forces().len()),
+        };
+        if [pair_count, force_count] != [all_pairs.len(), count] {
+            let message = text!(
+                "there is room for {pair_count} pairs and {force_count} forces, but {} and {count} were summed; give those \
+                 counts",
+                all_pairs.len()
+            );
+            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+        }
+        let pairs = Output::array(pairs, pair_count, "pairs")?;
+        let forces = Output::array(forces, force_count, "forces")?;
+        pairs.write_all(all_pairs.iter().map(|&PairForces { bodies: [first, second], start, counts }| {
+            rayc_pair_forces { first, second, start, first_count: counts[0], second_count: counts[1] }
+        }));
+        match &contacts.list {
+            AnyContacts::F32(_) => forces.write_all(contacts.pair_forces.f32.forces().iter().map(at_vertex)),
+            AnyContacts::F64(_) => forces.write_all(contacts.pair_forces.f64.forces().iter().map(at_vertex)),
+        }
+        Ok(())
+    })
+}
+
+fn at_vertex<T: Scalar>((vertex, force): &(u32, Vector3<T>)) -> rayc_vertex_force {
+    rayc_vertex_force { vertex: *vertex, reserved: 0, force: force.map(T::to_f64).into() }
+}

@@ -1,0 +1,168 @@
+use super::failure::{Failure, rayc_status};
+use super::guard::guard;
+use super::handles::{changing, reading};
+use super::options::{Growing, check_size, flag, write_known};
+use super::pair_memory::rayc_pair_memory;
+use super::pointers::{Output, reference};
+use super::scene::{AnyScene, rayc_scene};
+use crate::contact::{PairMemory, Record};
+use crate::math::{Scalar, Vector3};
+use crate::memory::text;
+use crate::scene::{Scene, SceneError, Sharing, finds_pair};
+
+/// For rayc_scene_share_body(): a body has as many neighbours as are in the scene.
+pub const RAYC_NEIGHBOURS_COUNTED: u32 = u32::MAX;
+
+/// What a scene knows of a body's present state; later versions may tell more, at the end.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_body_state {
+    /// The smallest corner of the box around the body's surface.
+    pub lower: [f64; 3],
+    /// The largest.
+    pub upper: [f64; 3],
+    /// How many rays as long as the newest query took for the body, 0 before the first: those of its contacts with itself,
+    /// half of those of its pairs, and all of those with ghosts. Fifty triangles that are read count as a ray.
+    pub cost: f64,
+    /// 1: the body may overlap itself, as the newest query or rayc_scene_find_self_contacts() found; 0: it does not, or
+    /// its self-collision is off.
+    pub overlaps_itself: u32,
+    /// Always 0.
+    pub reserved: u32,
+}
+
+impl Growing for rayc_body_state {
+    const NAME: &'static str = "rayc_body_state";
+    const SMALLEST: usize = size_of::<Self>();
+}
+
+/// Says how a body is shared between scenes of several processes, each of which has some bodies of its own and ghosts of
+/// those of others that meet them. From the next query on; a new body is not shared.
+///
+/// is_ghost: 1 for another scene's body. It has no contacts with itself here and none with other ghosts. Of a pair of it and
+/// a body of this scene's own the contacts are found by one of the two scenes alone, which follows from the two keys
+/// (rayc_scene_add_mesh_with_key()) and is about as often the one as the other. 0 for a body of this scene's own.
+/// neighbours: how many bodies' boxes overlap its own in all scenes together, by which crowds are known, or
+/// RAYC_NEIGHBOURS_COUNTED. overlaps_itself: of a ghost, what rayc_scene_body_state() says in its own scene; otherwise 0.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a flag is neither 0 nor 1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_share_body(
+    scene: *mut rayc_scene,
+    body: u32,
+    is_ghost: u32,
+    neighbours: u32,
+    overlaps_itself: u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut scene = changing(scene, "scene")?;
+        let sharing = Sharing {
+            is_ghost: flag("is_ghost", is_ghost)?,
+            neighbours: Some(neighbours).filter(|&count| count != RAYC_NEIGHBOURS_COUNTED),
+            overlaps_itself: flag("overlaps_itself", overlaps_itself)?,
+        };
+        match &mut scene.scene {
+            AnyScene::F32(scene) => scene.share(body, sharing)?,
+            AnyScene::F64(scene) => scene.share(body, sharing)?,
+        }
+        Ok(())
+    })
+}
+
+/// Whether the scene that has the body of key `own` finds the contacts with a ghost of key `ghost` (*found: 1) or that which
+/// has them the other way round does (0): see rayc_scene_share_body().
+///
+/// Errors: RAYC_STATUS_INVALID_OPTION where the keys are the same.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_finds_pair(own: u64, ghost: u64, found: *mut u32) -> rayc_status {
+    // SAFETY: the pointer is the caller's, as documented.
+    guard(|| unsafe {
+        let place = Output::new(found, "found")?;
+        if own == ghost {
+            let message = text!("both keys are {own}; give those of two different bodies");
+            return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
+        }
+        place.write(u32::from(finds_pair(own, ghost)));
+        Ok(())
+    })
+}
+
+/// Finds the contacts of bodies with themselves, where that is switched on, as the next rayc_scene_query() would, which does
+/// not do it again at the same positions: so that rayc_body_state says overlaps_itself before it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_find_self_contacts(scene: *mut rayc_scene) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        match &mut changing(scene, "scene")?.scene {
+            AnyScene::F32(scene) => scene.find_self_contacts(),
+            AnyScene::F64(scene) => scene.find_self_contacts(),
+        }
+        Ok(())
+    })
+}
+
+/// A body's state. struct_size: sizeof(rayc_body_state), so that a later library writes no more than the caller knows.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_STRUCT_SIZE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_body_state(
+    scene: *const rayc_scene,
+    body: u32,
+    struct_size: usize,
+    state: *mut rayc_body_state,
+) -> rayc_status {
+    fn state_of<T: Scalar>(scene: &Scene<T>, body: u32) -> Result<rayc_body_state, SceneError> {
+        let [lower, upper] = {
+            let aabb = scene.body_box(body)?;
+            [aabb.lower, aabb.upper].map(|corner| corner.map(T::to_f64).into())
+        };
+        let (cost, overlaps_itself) = (scene.body_cost(body)?, u32::from(scene.overlaps_itself(body)?));
+        Ok(rayc_body_state { lower, upper, cost, overlaps_itself, reserved: 0 })
+    }
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let found = match &reading(scene, "scene")?.scene {
+            AnyScene::F32(scene) => state_of(scene, body)?,
+            AnyScene::F64(scene) => state_of(scene, body)?,
+        };
+        write_known(struct_size, state, "state", found)
+    })
+}
+
+/// Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, of this scene or of another: for bodies
+/// that change from one process to another. The pair's bodies by their numbers in this scene, the one that comes first in
+/// their order first. It is forgotten by a query at which the two boxes do not overlap. struct_size:
+/// sizeof(rayc_pair_memory).
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where both are the same body,
+/// RAYC_STATUS_SAVED_STATE_BROKEN where it is nothing that a pair remembers or the bodies are the other way round,
+/// RAYC_STATUS_INVALID_STRUCT_SIZE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_set_pair_memory(
+    scene: *mut rayc_scene,
+    struct_size: usize,
+    memory: *const rayc_pair_memory,
+) -> rayc_status {
+    fn set<T: Scalar>(scene: &mut Scene<T>, memory: &rayc_pair_memory) -> Result<(), SceneError> {
+        let vector = |[x, y, z]: [f64; 3]| Vector3::new(T::of(x), T::of(y), T::of(z));
+        let remembered = PairMemory {
+            escape: (memory.escaping != 0).then(|| vector(memory.direction)),
+            lowest: Record { value: T::of(memory.lowest), steps: memory.lowest_steps },
+            halved: Record { value: T::of(memory.halved), steps: memory.halved_steps },
+            net_push: vector(memory.net_push),
+        };
+        scene.set_pair_memory([memory.first, memory.second], remembered)
+    }
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut scene = changing(scene, "scene")?;
+        check_size::<rayc_pair_memory>(struct_size)?;
+        let memory = reference(memory, "memory")?;
+        match &mut scene.scene {
+            AnyScene::F32(scene) => set(scene, memory)?,
+            AnyScene::F64(scene) => set(scene, memory)?,
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,140 @@
+//! A mesh as it was created, as bytes: what another process needs to make the same mesh.
+
+use super::{Mesh, MeshError};
+use crate::bytes::{CHECKSUM, Reader, checksum};
+use crate::math::Scalar;
+use crate::memory::{self, Room};
+use std::fmt;
+
+/// Why packed bytes were refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PackedMeshError {
+    /// They do not start as a packed mesh does, or their length does not fit their own counts.
+    NotPacked {
+        /// How many bytes there are.
+        length: usize,
+    },
+    /// Another version of the library wrote them in another form.
+    OtherVersion {
+        /// The form's number.
+        version: u32,
+    },
+    /// They hold numbers of the other precision.
+    OtherPrecision {
+        /// Bytes of one number.
+        bytes: u32,
+    },
+    /// They have been changed since they were packed.
+    Damaged,
+    /// They fit their checksum, and are no mesh all the same.
+    Mesh(MeshError),
+}
+
+impl fmt::Display for PackedMeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPacked { length } => {
+                write!(f, "the {length} bytes are not a packed mesh; pass all that were packed")
+            }
+            Self::OtherVersion { version } => {
+                write!(f, "the packed mesh has form {version}, this library reads {VERSION}; pack it anew")
+            }
+            Self::OtherPrecision { bytes } => {
+                write!(f, "the packed mesh has {bytes}-byte numbers; unpack it as a mesh of that precision")
+            }
+            Self::Damaged => write!(f, "the packed mesh has been changed since; pack it anew"),
+            Self::Mesh(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for PackedMeshError {}
+
+const MARK: [u8; 8] = *b"raycmesh";
+const VERSION: u32 = 1;
+const HEAD: usize = 8 + 3 * 4 + 2 * 8;
+/// Of one vertex: three numbers, always in double precision, which holds both.
+const VERTEX: usize = 3 * 8;
+const TRIANGLE: usize = 3 * 4;
+
+/// Bytes of one number of a packed mesh, by which its precision is known; and what follows.
+pub(crate) fn packed_number_size(bytes: &[u8]) -> Result<(u32, Reader<'_>), PackedMeshError> {
+    let mut head = Reader { rest: bytes };
+    let not_packed = || PackedMeshError::NotPacked { length: bytes.len() };
+    if head.take::<8>() != Some(MARK) {
+        return Err(not_packed());
+    }
+    let version = head.whole().ok_or_else(not_packed)?;
+    if version != VERSION {
+        return Err(PackedMeshError::OtherVersion { version });
+    }
+    let number_size = head.whole().ok_or_else(not_packed)?;
+    Ok((number_size, head))
+}
+
+impl<T: Scalar> Mesh<T> {
+    /// How many bytes [`pack`](Self::pack) appends.
+    pub fn packed_length(&self) -> usize {
+        let [vertices, triangles] = [self.reference.positions.len(), self.topology.triangles().len()];
+        HEAD + vertices * VERTEX + triangles * TRIANGLE + CHECKSUM
+    }
+
+    /// Appends the mesh as it was created: its triangles and reference positions, not the present ones. What is
+    /// [unpacked](Self::unpack) from it and given the same positions has the same contacts in the same order, to the bit, in
+    /// any process on any machine.
+    pub fn pack(&self, bytes: &mut Vec<u8>) {
+        let start = bytes.len();
+        let (positions, triangles) = (&self.reference.positions, self.topology.triangles());
+        bytes.room_for(self.packed_length());
+        bytes.extend(MARK);
+        [VERSION, size_of::<T>() as u32, u32::from(self.is_open())]
+            .into_iter()
+            .for_each(|word| bytes.extend(word.to_le_bytes()));
+        bytes.extend((positions.len() as u64).to_le_bytes());
+        bytes.extend((triangles.len() as u64).to_le_bytes());
+        for number in positions.iter().flat_map(|position| position.iter()) {
+            bytes.extend(number.to_f64().to_le_bytes());
+        }
+        for vertex in triangles.as_flattened() {
+            bytes.extend(vertex.to_le_bytes());
+        }
+        let checksum = checksum(&bytes[start..]);
+        bytes.extend(checksum.to_le_bytes());
+    }
+
+    /// The mesh that was packed, at its reference positions.
+    ///
+    /// # Errors
+    /// [`PackedMeshError`].
+    pub fn unpack(bytes: &[u8]) -> Result<Self, PackedMeshError> {
+        let (number_size, mut head) = packed_number_size(bytes)?;
+        let not_packed = || PackedMeshError::NotPacked { length: bytes.len() };
+        let (open, vertices, triangles) = (head.whole(), head.long(), head.long());
+        let length = || {
+            let [vertices, triangles] = [usize::try_from(vertices?).ok()?, usize::try_from(triangles?).ok()?];
+            let numbers = vertices.checked_mul(VERTEX)?.checked_add(triangles.checked_mul(TRIANGLE)?)?;
+            Some((numbers.checked_add(HEAD + CHECKSUM)?, vertices, triangles))
+        };
+        let (length, vertices, triangles) = length().ok_or_else(not_packed)?;
+        if length != bytes.len() {
+            return Err(not_packed());
+        }
+        let (body, end) = bytes.split_at(length - CHECKSUM);
+        if checksum(body).to_le_bytes() != *end {
+            return Err(PackedMeshError::Damaged);
+        }
+        if number_size as usize != size_of::<T>() {
+            return Err(PackedMeshError::OtherPrecision { bytes: number_size });
+        }
+        let mut vector = || Some([head.number()?, head.number()?, head.number()?]);
+        let positions = memory::tried((0..vertices).map(|_| vector().ok_or(PackedMeshError::Damaged)))?;
+        let mut corners = || Some([head.whole()?, head.whole()?, head.whole()?]);
+        let triangles = memory::tried((0..triangles).map(|_| corners().ok_or(PackedMeshError::Damaged)))?;
+        let made = match open {
+            Some(0) => Self::new(&positions, &triangles),
+            Some(1) => Self::open(&positions, &triangles),
+            _ => return Err(PackedMeshError::Damaged),
+        };
+        made.map_err(PackedMeshError::Mesh)
+    }
+}

@@ -1,0 +1,112 @@
+//! Scenes that share their bodies: each has some of its own, and ghosts of those of others that meet them.
+
+use super::bodies::Body;
+use super::{Scene, SceneError};
+use crate::contact::PairMemory;
+use crate::math::{Aabb, Scalar};
+
+/// What a scene is to know of a body that others have too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sharing {
+    /// Another scene's body: it has no contacts with itself here and none with other ghosts; of a pair of it and a body of
+    /// this scene's own one of the two scenes finds the contacts, as [`finds_pair`] says.
+    pub is_ghost: bool,
+    /// How many bodies' boxes overlap its own in all scenes together, by which crowds are known; `None`: as many as here.
+    pub neighbours: Option<u32>,
+    /// Of a ghost: what [`Scene::overlaps_itself`] says of the body in its own scene.
+    pub overlaps_itself: bool,
+}
+
+/// Whether the scene that has the body of key `own` finds the contacts with the other, of which it has a ghost; the scene
+/// that has it the other way round says the opposite. Each finds about half of such pairs.
+pub fn finds_pair(own: u64, ghost: u64) -> bool {
+    let low_finds = (own ^ ghost).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 63 == 0;
+    (own < ghost) == low_finds
+}
+
+impl<T: Scalar> Scene<T> {
+    /// Says how a body is shared with other scenes, from the next query on; not at all for a new one.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn share(&mut self, body: u32, sharing: Sharing) -> Result<(), SceneError> {
+        let shared = self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?;
+        if sharing.is_ghost {
+            shared.own = None;
+        }
+        shared.sharing = sharing;
+        Ok(())
+    }
+
+    /// Finds the contacts of bodies with themselves where they are asked for, as the next query at the same positions
+    /// would, which does not do it again.
+    pub fn find_self_contacts(&mut self) {
+        let Self { bodies, options, .. } = self;
+        for body in bodies.iter_mut() {
+            body.find_own_contacts(options);
+            if let Some(own) = &mut body.own {
+                own.found_at = body.mesh.stamp();
+            }
+        }
+    }
+
+    /// Whether a body may overlap itself, as the newest query or [`find_self_contacts`](Self::find_self_contacts) found;
+    /// never one whose self-collision is off.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn overlaps_itself(&self, body: u32) -> Result<bool, SceneError> {
+        self.bodies.get(body).map(Body::may_overlap_itself).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// The box of a body's surface.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn body_box(&self, body: u32) -> Result<&Aabb<T>, SceneError> {
+        self.mesh(body).map(|mesh| mesh.aabb())
+    }
+
+    /// How many rays as long as the newest query took for a body: those of its contacts with itself, half of those of its
+    /// pairs, and all of those with ghosts. Fifty triangles that are read count as a ray.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn body_cost(&self, body: u32) -> Result<f64, SceneError> {
+        self.bodies.get(body).map(|body| body.cost).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// Replaces what one pair remembers, as [`pair_memories`](Self::pair_memories) of this scene or another gave it; the
+    /// pair's bodies in their order. It counts from the next query on at which their boxes overlap, and is forgotten by one
+    /// at which they do not.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`], [`SceneError::SameBody`], [`SceneError::PairMemory`] where it is nothing that a pair can
+    /// remember or the bodies are the other way round; the memories are then as before.
+    pub fn set_pair_memory(&mut self, pair: [u32; 2], memory: PairMemory<T>) -> Result<(), SceneError> {
+        self.known_pair(pair[0], pair[1])?;
+        let [first, second] = self.bodies.order(&pair);
+        if first > second || !super::saved::is_possible(&memory) {
+            return Err(SceneError::PairMemory { pair });
+        }
+        self.pairs.history.set(pair, memory, |pair| self.bodies.order(pair));
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::finds_pair;
+
+    #[test]
+    fn one_of_two_scenes_finds_a_pair() {
+        let mut found = 0;
+        for own in 0..100u64 {
+            for ghost in (0..100).filter(|&ghost| ghost != own) {
+                assert_ne!(finds_pair(own, ghost), finds_pair(ghost, own), "{own} {ghost}");
+                found += u32::from(own < ghost && finds_pair(own, ghost));
+            }
+        }
+        assert!((2000..2950).contains(&found), "{found} of 4950 by the first");
+    }
+}
