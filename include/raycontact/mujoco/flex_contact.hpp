@@ -50,7 +50,7 @@ class FlexContact {
     check_doubled_contact(m);
     spacing_ = spacing_of(m);
     const auto dofs = static_cast<std::size_t>(m->nv);
-    for (Numbers* numbers : {&velocity_, &free_, &end_, &force_, &residual_, &product_, &found_}) numbers->assign(dofs, 0);
+    for (Numbers* numbers : {&velocity_, &free_, &end_, &force_, &outer_, &smooth_, &residual_, &product_, &change_}) numbers->assign(dofs, 0);
     for (Numbers* numbers : {&node_velocity_, &node_free_, &node_change_, &node_force_})
       numbers->assign(3 * nodes_.size(), 0);
     reset();
@@ -156,15 +156,15 @@ class FlexContact {
   double spacing_of(const mjModel* m) const {
     if (options_.sample_spacing != spacing_by_flexes) return options_.sample_spacing;
     double smallest = mjMAXVAL;
-    for (const Body& body : bodies_) smallest = std::min(smallest, m->flex_interp[body.flex] == 0 ? 0 : element_edge_of(m, body.flex));
+    for (const Body& body : bodies_) smallest = std::min(smallest, element_edge_of(m, body.flex));
     return smallest / 4;
   }
 
   rayc_material material_of(const mjModel* m, int flex) const {
     // Cells are coarse beside the surface that they carry, and bend less.
     const double edge = element_edge_of(m, flex);
-    const double depth = options_.depth > 0 ? options_.depth : m->flex_interp[flex] != 0 ? edge / 4 : edge / 10;
-    const double pressure = options_.pressure > 0 ? options_.pressure : youngs_modulus_of(m, flex) / 2;
+    const double depth = options_.depth > 0 ? options_.depth : m->flex_interp[flex] != 0 ? edge / 4 : edge / 16;
+    const double pressure = options_.pressure > 0 ? options_.pressure : youngs_modulus_of(m, flex);
     if (!(pressure > 0))
       throw std::invalid_argument("raycontact: " + title_of(m, flex) +
                                   " is no elastic solid from which a stiffness follows; set `pressure`");
@@ -213,55 +213,55 @@ class FlexContact {
   void find_forces(const mjModel* m, mjData* d) {
     const double h = m->opt.timestep;
     std::copy(d->qvel, d->qvel + m->nv, velocity_.begin());
-    // The last step's acceleration is a good guess.
-    for (std::size_t k = 0; k < free_.size(); ++k) free_[k] = velocity_[k] + h * d->qacc_warmstart[k];
+    gather_outer_forces(m, d);
+    // Where bodies would be without contact: what pulls from outside moves them, their own stiffness hardly in one step.
+    mj_solveM(m, d, free_.data(), outer_.data(), 1);
+    for (std::size_t k = 0; k < free_.size(); ++k) free_[k] = velocity_[k] + h * free_[k];
     nodes_.renew(m, d);
     nodes_.to_nodes(velocity_, node_velocity_);
     nodes_.to_nodes(free_, node_free_);
     if (!may_touch(m, d)) return;
-
-    metric_.gather_blocks(m, d);
-    metric_.invert_blocks();
-    find_free_velocities(m, d);
-    nodes_.to_nodes(free_, node_free_);
     system_->begin(*scene_, h, nodes_.positions(), node_velocity_, node_free_);
     try {
-      solve(m, d);
+      end_ = free_;
+      find_contact_force();
+      if (std::any_of(force_.begin(), force_.end(), [](double force) { return force != 0; })) solve(m, d);
+      nodes_.to_nodes(end_, node_change_);
+      system_->finish(node_change_);
     } catch (...) {
       system_->cancel();
       throw;
     }
   }
 
-  /** Velocities at the end of the step without contact, as MuJoCo's step would have them. */
-  void find_free_velocities(const mjModel* m, mjData* d) {
-    const double h = m->opt.timestep;
-    // The sum of forces that MuJoCo knows by now; `found_` holds the bias of gravity and rotation.
-    mj_rne(m, d, 0, found_.data());
-    for (std::size_t k = 0; k < free_.size(); ++k) residual_[k] = d->qfrc_passive[k] + d->qfrc_applied[k] - found_[k];
-    metric_.subtract_shift(m, d, velocity_, residual_, product_);
-    const double reference = h * metric_.norm(residual_, product_);
-    for (std::size_t k = 0; k < free_.size(); ++k) found_[k] = free_[k] - velocity_[k];
-    ImplicitMetric::product(m, d, found_, product_);
-    for (std::size_t k = 0; k < free_.size(); ++k) residual_[k] = h * residual_[k] - product_[k];
-    solver_.solve(
-        free_, residual_, options_.tolerance, reference, iterations,
-        [&](const Numbers& change, Numbers& result) { ImplicitMetric::product(m, d, change, result); },
-        [&](const Numbers& from, Numbers& to) { metric_.precondition(from, to); });
-    figures_.iterations = solver_.iterations();
+  /** Gravity, rotation and what the program applies. */
+  void gather_outer_forces(const mjModel* m, mjData* d) {
+    mj_rne(m, d, 0, outer_.data());
+    for (std::size_t k = 0; k < outer_.size(); ++k) outer_[k] = d->qfrc_applied[k] - outer_[k];
+    for (int body = 1; body < m->nbody; ++body) {
+      const mjtNum* applied = d->xfrc_applied + 6 * body;
+      if (std::any_of(applied, applied + 6, [](mjtNum force) { return force != 0; }))
+        mj_applyFT(m, d, applied, applied + 3, d->xipos + 3 * body, body, outer_.data());
+    }
   }
 
-  /** The step's solves; leaves the forces in force_. */
-  void solve(const mjModel* m, const mjData* d) {
+  /** The step's solves, for velocities at the end of it: M^ (end - velocity) = h (smooth + contact force at the end). */
+  void solve(const mjModel* m, mjData* d) {
     const double h = m->opt.timestep;
-    end_ = free_;
-    find_contact_force();
-    const double reference = h * metric_.norm(force_, product_);
-    for (int solve = 1; reference > 0; ++solve) {
+    for (std::size_t k = 0; k < smooth_.size(); ++k) smooth_[k] = outer_[k] + d->qfrc_passive[k];
+    metric_.subtract_shift(m, d, velocity_, smooth_, product_);
+    metric_.gather_blocks(m, d);
+    metric_.invert_blocks();
+    for (std::size_t k = 0; k < end_.size(); ++k) residual_[k] = h * (smooth_[k] + force_[k]);
+    const double reference = metric_.norm(residual_, product_);
+    // The last step's acceleration is a good guess.
+    for (std::size_t k = 0; k < end_.size(); ++k) end_[k] = velocity_[k] + h * d->qacc_warmstart[k];
+    for (int solve = 1;; ++solve) {
       figures_.solves = solve;
-      for (std::size_t k = 0; k < end_.size(); ++k) found_[k] = end_[k] - free_[k];
-      ImplicitMetric::product(m, d, found_, product_);
-      for (std::size_t k = 0; k < end_.size(); ++k) residual_[k] = h * force_[k] - product_[k];
+      find_contact_force();
+      for (std::size_t k = 0; k < end_.size(); ++k) change_[k] = end_[k] - velocity_[k];
+      ImplicitMetric::product(m, d, change_, product_);
+      for (std::size_t k = 0; k < end_.size(); ++k) residual_[k] = h * (smooth_[k] + force_[k]) - product_[k];
       solver_.solve(
           end_, residual_, options_.tolerance, reference, iterations,
           [&](const Numbers& change, Numbers& result) {
@@ -276,11 +276,8 @@ class FlexContact {
       // What MuJoCo's step is to add: the force as the rows are held, before they are held anew.
       find_contact_force();
       const bool is_wrong = system_->linearise(node_change_) > 0.01;
-      if (solve == options_.solves) break;
-      if (!system_->detect_again(*scene_, node_change_) && !is_wrong) break;
-      find_contact_force();
+      if (solve == options_.solves || (!system_->detect_again(*scene_, node_change_) && !is_wrong)) return;
     }
-    system_->finish(node_change_);
   }
 
   /** force_ = J^T contact forces at end_, as the rows are held. */
@@ -303,7 +300,7 @@ class FlexContact {
   std::unique_ptr<ContactSystem> system_;
   StepFigures figures_;
   // By degree of freedom, and by node.
-  Numbers velocity_, free_, end_, force_, residual_, product_, found_;
+  Numbers velocity_, free_, end_, force_, outer_, smooth_, residual_, product_, change_;
   Numbers node_velocity_, node_free_, node_change_, node_force_;
   Numbers boxes_, known_positions_, known_velocities_;
   double spacing_ = 0, time_ = 0;
