@@ -36,8 +36,8 @@ void print_usage(FILE* out) {
       "  --out FOLDER      write surfaces at start and end for ParaView\n"
       "  --xml FILE        write the model\n"
       "  --help            this text\n\n"
-      "Prints lines of figures. Exit status: 0 where the bodies came apart, or lie in a pile, and no element is inside\n"
-      "out, 1 where not, 2 wrong usage or unusable input.\n",
+      "Prints lines of figures. Exit status: 0 where bodies came apart in time, or lie in a pile, no element turned inside\n"
+      "out, and no energy or momentum came from nowhere; 1 where not, 2 wrong usage or unusable input.\n",
       out);
 }
 
@@ -67,10 +67,16 @@ std::string apart_of(const flexes::Figures& figures) {
 }
 
 /** Whether a run went as it should. */
-bool is_good(const flexes::Scene& scene, const flexes::Figures& figures) {
+bool is_good(const flexes::Scene& scene, const flexes::Figures& figures, double dt) {
   if (!figures.error.empty() || figures.most_inverted > 0) return false;
-  if (std::string(scene.name) != "pile") return figures.apart >= 0 && figures.energy_gain < 1e-3;
-  return figures.last_depth < 0.1 && figures.lowest > -0.05;
+  const std::string name = scene.name;
+  // Bodies may sink into one another and the floor by a part of an element's edge, 0.3 m.
+  if (name == "pile") return figures.deepest < 0.15 && figures.last_depth < 0.05 && figures.lowest > -0.05;
+  const double half_step = dt / 2;
+  if (figures.apart < 0 || figures.energy_gain > 1e-3 || figures.drift > 1e-5 * scene.model.bodies[0].mass) return false;
+  if (name == "tori") return figures.apart < 0.12 + half_step;
+  if (name == "skins") return figures.apart < 0.15 + half_step;
+  return figures.deepest < (dt < 0.01 ? 0.011 : 0.02) && figures.most_energy < (1 + 1e-9) * figures.start_energy;
 }
 
 int run_one(const Options& options) {
@@ -96,7 +102,7 @@ int run_one(const Options& options) {
     while (!run.is_done()) run.step();
   }
   const flexes::Figures f = run.figures();
-  const bool good = is_good(scene, f);
+  const bool good = is_good(scene, f, dt);
   std::printf(
       "%s: %s, apart after %s, depth %.4f m at the start, %.4f m at most, %.4f m at the end, %d inside out, energy %.4g J at "
       "the start, %.4g J at most, %.4g J at the end, gain once apart %.2g, momentum changed by %.2g kg m/s, lowest %.3f m, "
@@ -132,7 +138,7 @@ int print_table(const Options& options) {
         else
           std::printf(" |\n");
         std::fflush(stdout);
-        good = good && (i > 0 || is_good(scene, f));
+        good = good && (i > 0 || is_good(scene, f, dt));
       }
     }
   }

@@ -82,7 +82,10 @@ inline double shear_modulus_of_cells(const mjModel* m, int flex) {
 /** About Young's modulus (Pa), to within a fifth: 2.6 times the shear modulus. 0 where the flex is no elastic solid. */
 inline double youngs_modulus_of(const mjModel* m, int flex) {
   const int first = m->flex_stiffnessadr[flex];
-  const auto end = flex + 1 < m->nflex ? static_cast<mjtSize>(m->flex_stiffnessadr[flex + 1]) : m->nflexstiffness;
+  // Flexes without stiffness have no address.
+  auto end = static_cast<mjtSize>(first < 0 ? first : m->nflexstiffness);
+  for (int other = 0; other < m->nflex; ++other)
+    if (m->flex_stiffnessadr[other] > first) end = std::min(end, static_cast<mjtSize>(m->flex_stiffnessadr[other]));
   if (m->flex_interp[flex] == 0)
     return m->flex_dim[flex] == 3 && end > first ? 2.6 * detail::shear_modulus_of_tetrahedra(m, flex) : 0;
   const int order = m->flex_interp[flex], size = 3 * (order + 1) * (order + 1) * (order + 1);

@@ -220,6 +220,7 @@ class FlexContact {
     nodes_.renew(m, d);
     nodes_.to_nodes(velocity_, node_velocity_);
     nodes_.to_nodes(free_, node_free_);
+    check_finite(m);
     if (!may_touch(m, d)) return;
     system_->begin(*scene_, h, nodes_.positions(), node_velocity_, node_free_);
     try {
@@ -232,6 +233,16 @@ class FlexContact {
       system_->cancel();
       throw;
     }
+  }
+
+  void check_finite(const mjModel* m) const {
+    for (const Body& body : bodies_)
+      for (std::size_t k = 3 * body.first_node; k < 3 * (body.first_node + body.node_count); ++k)
+        if (!std::isfinite(nodes_.positions()[k] + node_velocity_[k] + node_free_[k]))
+          throw Error(RAYC_STATUS_NOT_FINITE, "raycontact: a position or velocity of node " +
+                                                  std::to_string(k / 3 - body.first_node) + " of " +
+                                                  title_of(m, body.flex) +
+                                                  " is not finite; take a smaller step or reset the state");
   }
 
   /** Gravity, rotation and what the program applies. */
