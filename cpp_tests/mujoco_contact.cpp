@@ -35,30 +35,36 @@ Model load(const std::string& xml) {
 
 std::string block(const std::string& name, const std::string& place, const std::string& more = "",
                   const std::string& contact = "contype=\"0\"") {
-  return "<flexcomp name=\"" + name + "\" type=\"grid\" dim=\"3\" count=\"4 4 4\" spacing=\"0.1 0.1 0.1\" mass=\"10\" radius=\"0.001\" pos=\"" +
-         place + "\" " + more + "<elasticity young=\"1e5\" poisson=\"0.3\" damping=\"0.005\"/><contact selfcollide=\"none\" " + contact +
-         "/>";
+  return "<flexcomp name=\"" + name +
+         "\" type=\"grid\" dim=\"3\" count=\"4 4 4\" spacing=\"0.1 0.1 0.1\" mass=\"10\" radius=\"0.001\" pos=\"" +
+         place + "\" " + more +
+         "<elasticity young=\"1e5\" poisson=\"0.3\" damping=\"0.005\"/><contact selfcollide=\"none\" " + contact + "/>";
 }
 
-std::string model(const std::string& bodies, const std::string& more = "", const std::string& option = "integrator=\"discrete\"") {
-  return "<mujoco>" + more + "<option timestep=\"0.005\" tolerance=\"1e-12\" iterations=\"1000\" " + option + "/><worldbody>" + bodies +
-         "</worldbody></mujoco>";
+std::string model(const std::string& bodies, const std::string& more = "",
+                  const std::string& option = "integrator=\"discrete\"") {
+  return "<mujoco>" + more + "<option timestep=\"0.005\" tolerance=\"1e-12\" iterations=\"1000\" " + option +
+         "/><worldbody>" + bodies + "</worldbody></mujoco>";
 }
 
 // A block on a hinged arm, one side of it pinned to the arm, and a free block that falls onto it.
 std::string arm_and_block() {
   return model(
-      "<body name=\"arm\"><joint name=\"hinge\" axis=\"0 1 0\"/><geom type=\"capsule\" size=\"0.02\" fromto=\"-1 0 0 -0.3 0 0\" "
+      "<body name=\"arm\"><joint name=\"hinge\" axis=\"0 1 0\"/><geom type=\"capsule\" size=\"0.02\" fromto=\"-1 0 0 "
+      "-0.3 0 0\" "
       "mass=\"3\" contype=\"0\" conaffinity=\"0\"/>" +
-      block("held", "0 0 0", "><pin grid=\"0 0 0 0 1 0 0 2 0 0 3 0 0 0 1 0 1 1 0 2 1 0 3 1\"/>") + "</flexcomp></body>" +
-      block("free", "0.05 0.02 0.32", ">") + "</flexcomp>");
+      block("held", "0 0 0", "><pin grid=\"0 0 0 0 1 0 0 2 0 0 3 0 0 0 1 0 1 1 0 2 1 0 3 1\"/>") +
+      "</flexcomp></body>" + block("free", "0.05 0.02 0.32", ">") + "</flexcomp>");
 }
 
 std::string skins(const char* dof) {
-  const std::string common = std::string("\" type=\"grid\" dim=\"3\" count=\"7 7 7\" spacing=\"0.1 0.1 0.1\" cellcount=\"2 3 2\" mass=\"10\" "
-                                         "radius=\"0.001\" dof=\"") + dof +
-                             "\"><elasticity young=\"1e5\" poisson=\"0.3\" damping=\"0.005\"/><contact contype=\"0\" "
-                             "selfcollide=\"none\"/></flexcomp>";
+  const std::string common =
+      std::string(
+          "\" type=\"grid\" dim=\"3\" count=\"7 7 7\" spacing=\"0.1 0.1 0.1\" cellcount=\"2 3 2\" mass=\"10\" "
+          "radius=\"0.001\" dof=\"") +
+      dof +
+      "\"><elasticity young=\"1e5\" poisson=\"0.3\" damping=\"0.005\"/><contact contype=\"0\" "
+      "selfcollide=\"none\"/></flexcomp>";
   return model("<flexcomp name=\"a\" pos=\"0 0 0" + common + "<flexcomp name=\"b\" pos=\"0.1 0.05 0.4" + common);
 }
 
@@ -83,7 +89,8 @@ void velocities_are_those_of_mujoco(const char* test, const std::string& xml) {
     ++touched;
     double wrong = 0, size = 0;
     for (int k = 0; k < m->nv; ++k) {
-      wrong = std::max(wrong, std::fabs(attached.contact().foreseen_velocities()[static_cast<std::size_t>(k)] - d->qvel[k]));
+      wrong = std::max(wrong,
+                       std::fabs(attached.contact().foreseen_velocities()[static_cast<std::size_t>(k)] - d->qvel[k]));
       size = std::max(size, std::fabs(d->qvel[k]));
     }
     expect(wrong < 1e-6 * size, test, "foresees velocities; they are wrong by " + std::to_string(wrong / size));
@@ -155,7 +162,9 @@ void surfaces_are_those_of_mujoco(const std::string& xml) {
         double x = 0;
         for (uint32_t e = surface.offsets[v]; e < surface.offsets[v + 1]; ++e)
           x += surface.weights[e] * motion.positions()[3 * surface.nodes[e] + k];
-        expect_near(x, d->flexvert_xpos[3 * (static_cast<std::size_t>(m->flex_vertadr[flex]) + surface.vertices[v]) + k], 1e-12, test, "a vertex");
+        expect_near(x,
+                    d->flexvert_xpos[3 * (static_cast<std::size_t>(m->flex_vertadr[flex]) + surface.vertices[v]) + k],
+                    1e-12, test, "a vertex");
       }
     expect(!surface.vertices.empty(), test, "has vertices");
   }
@@ -194,13 +203,15 @@ void results_repeat() {
     }
     // mj_forward leaves a warm start of its own, from which the solver ends within its tolerance.
     double wrong = 0;
-    for (int k = 0; k < m->nq; ++k) wrong = std::max(wrong, std::fabs(other->qpos[k] - first[static_cast<std::size_t>(k)]));
+    for (int k = 0; k < m->nq; ++k)
+      wrong = std::max(wrong, std::fabs(other->qpos[k] - first[static_cast<std::size_t>(k)]));
     expect(wrong < 1e-3, test, "with forward passes between, within " + std::to_string(wrong));
   }
   expect(mjcb_passive == nullptr, test, "leaves the callback as it was");
 
   register_plugin();
-  const Model switched = load(arm_and_block().insert(8, "<extension><plugin plugin=\"raycontact.flex_contact\"><instance name=\"c\"/></plugin></extension>"));
+  const Model switched = load(arm_and_block().insert(
+      8, "<extension><plugin plugin=\"raycontact.flex_contact\"><instance name=\"c\"/></plugin></extension>"));
   const Data from_xml(mj_makeData(switched.get()));
   expect(run(switched.get(), from_xml.get(), 80) == first, test, "by the plugin");
   mj_resetData(switched.get(), from_xml.get());
@@ -210,8 +221,8 @@ void results_repeat() {
 // A block lies on MuJoCo's floor, and another on it; friction holds it on a floor that leans.
 void rigid_geoms_stay_with_mujoco() {
   const char* test = "floor";
-  const Model m = load(model("<geom type=\"plane\" size=\"2 2 1\" euler=\"0 5 0\"/>" + block("a", "0 0 0.2", ">") + "</flexcomp>" +
-                             block("b", "0 0 0.52", ">") + "</flexcomp>"));
+  const Model m = load(model("<geom type=\"plane\" size=\"2 2 1\" euler=\"0 5 0\"/>" + block("a", "0 0 0.2", ">") +
+                             "</flexcomp>" + block("b", "0 0 0.52", ">") + "</flexcomp>"));
   const Data d(mj_makeData(m.get()));
   const AttachedContact attached(m.get(), d.get());
   run(m.get(), d.get(), 400);
@@ -222,14 +233,16 @@ void rigid_geoms_stay_with_mujoco() {
   const auto centre = [&](int flex) {
     std::array<double, 3> sum{};
     for (int v = 0; v < m->flex_vertnum[flex]; ++v)
-      for (std::size_t k = 0; k < 3; ++k) sum[k] += d->flexvert_xpos[3 * static_cast<std::size_t>(m->flex_vertadr[flex] + v) + k] / m->flex_vertnum[flex];
+      for (std::size_t k = 0; k < 3; ++k)
+        sum[k] += d->flexvert_xpos[3 * static_cast<std::size_t>(m->flex_vertadr[flex] + v) + k] / m->flex_vertnum[flex];
     return sum;
   };
   const std::array<double, 3> before = centre(1);
   expect(before[2] > 0.35 && before[2] < 0.5, test, "carries the upper block at " + std::to_string(before[2]));
   run(m.get(), d.get(), 200);
   const std::array<double, 3> after = centre(1);
-  expect_near(std::hypot(after[0] - before[0], after[1] - before[1], after[2] - before[2]), 0, 0.01, test, "way in a second");
+  expect_near(std::hypot(after[0] - before[0], after[1] - before[1], after[2] - before[2]), 0, 0.01, test,
+              "way in a second");
 }
 
 void bad_input_is_refused() {
@@ -241,8 +254,10 @@ void bad_input_is_refused() {
     expect(mjcb_passive == nullptr, test, "leaves the callback alone");
   };
   const std::string one = block("a", "0 0 0", ">") + "</flexcomp>";
-  const std::string rope = "<flexcomp name=\"rope\" type=\"grid\" dim=\"1\" count=\"5 1 1\" spacing=\"0.1 0.1 0.1\" radius=\"0.01\"/>";
-  const std::string cloth = "<flexcomp name=\"cloth\" type=\"grid\" dim=\"2\" count=\"5 5 1\" spacing=\"0.1 0.1 0.1\" radius=\"0.01\"/>";
+  const std::string rope =
+      "<flexcomp name=\"rope\" type=\"grid\" dim=\"1\" count=\"5 1 1\" spacing=\"0.1 0.1 0.1\" radius=\"0.01\"/>";
+  const std::string cloth =
+      "<flexcomp name=\"cloth\" type=\"grid\" dim=\"2\" count=\"5 5 1\" spacing=\"0.1 0.1 0.1\" radius=\"0.01\"/>";
   refused(model("<geom size=\"1\"/>"), {}, "no flexes");
   refused(model(one + rope), {}, "flex 'rope' is of dim 1");
   ContactOptions options;
@@ -259,7 +274,8 @@ void bad_input_is_refused() {
   options = {};
   options.sample_spacing = -0.5;
   refused(model(one), options, "sample_spacing");
-  refused(model(block("a", "0 0 0", ">", "") + "</flexcomp>" + block("b", "0 0 0", ">", "") + "</flexcomp>"), {}, "contype=\"0\"");
+  refused(model(block("a", "0 0 0", ">", "") + "</flexcomp>" + block("b", "0 0 0", ">", "") + "</flexcomp>"), {},
+          "contype=\"0\"");
   refused(model(one, "", "integrator=\"RK4\""), {}, "RK4");
   refused(model(one + "<geom size=\"1\"/>", "<option><flag sleep=\"enable\"/></option>"), {}, "sleep");
   expect_refusal([] { check_version(3012001); }, test, "MuJoCo 3.12.1 is running");
@@ -280,11 +296,13 @@ void bad_input_is_refused() {
                                      {"<config key=\"threads\" value=\"1.5\"/>", "threads must be a whole number"},
                                      {"", "flex 'rope' is of dim 1"}}) {
     warnings.clear();
-    const Model from_xml = load(model(one + rope, "<extension><plugin plugin=\"raycontact.flex_contact\"><instance name=\"c\">" + config +
-                                                      "</instance></plugin></extension>"));
+    const Model from_xml =
+        load(model(one + rope, "<extension><plugin plugin=\"raycontact.flex_contact\"><instance name=\"c\">" + config +
+                                   "</instance></plugin></extension>"));
     const Data data(mj_makeData(from_xml.get()));
     run(from_xml.get(), data.get(), 3);
-    expect(warnings.find(part) != std::string::npos, test, "the plugin warns \"" + warnings + "\", not \"" + part + "\"");
+    expect(warnings.find(part) != std::string::npos, test,
+           "the plugin warns \"" + warnings + "\", not \"" + part + "\"");
   }
 }
 

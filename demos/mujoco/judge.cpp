@@ -64,7 +64,8 @@ Judge::Judge(const mjModel* m, const Model& model) : m_(m) {
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const Shape& shape = model.bodies[b].shape;
     Surface surface;
-    surface.triangles = shape.dim == 3 ? boundary(shape) : std::vector<uint32_t>(shape.elements.begin(), shape.elements.end());
+    surface.triangles =
+        shape.dim == 3 ? boundary(shape) : std::vector<uint32_t>(shape.elements.begin(), shape.elements.end());
     surface.is_outside.resize(shape.points.size());
     for (const uint32_t corner : surface.triangles) surface.is_outside[corner] = true;
     surface.mesh = std::make_unique<raycontact::Mesh>(raycontact::vectors(shape.points), surface.triangles);
@@ -100,11 +101,12 @@ double Judge::depth(const mjData* d) {
     surfaces_[b].positions = positions(d, b);
     surfaces_[b].mesh->set_positions(raycontact::vectors(surfaces_[b].positions));
     surfaces_[b].octree->update(*surfaces_[b].mesh);
+    surfaces_[b].inside.assign(surfaces_[b].is_outside.size(), 0);
   }
   double most = 0;
   std::vector<int32_t> turns;
   std::vector<rayc_closest_point> closest;
-  for (const Surface& a : surfaces_)
+  for (Surface& a : surfaces_)
     for (const Surface& b : surfaces_) {
       if (&a == &b) continue;
       const rayc_vectors points = raycontact::vectors(a.positions);
@@ -113,7 +115,10 @@ double Judge::depth(const mjData* d) {
       b.octree->winding_numbers(*b.mesh, points, turns);
       b.octree->closest_points(*b.mesh, points, closest);
       for (std::size_t v = 0; v < points.count; ++v)
-        if (turns[v] != 0 && a.is_outside[v]) most = std::max(most, closest[v].distance);
+        if (turns[v] != 0 && a.is_outside[v]) {
+          most = std::max(most, closest[v].distance);
+          a.inside[v] = 1;
+        }
     }
   return most;
 }

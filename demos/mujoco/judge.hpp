@@ -29,6 +29,8 @@ class Judge {
   std::array<double, 3> momentum(const mjData* d) const;
   /** Positions of a body's vertices as they are. */
   std::vector<double> positions(const mjData* d, std::size_t body) const;
+  /** Of each of a body's vertices, at the last depth(): 1 where it is inside another body. */
+  const std::vector<uint8_t>& inside(std::size_t body) const { return surfaces_[body].inside; }
   /** Triangles of a body's surface. */
   const std::vector<uint32_t>& triangles(std::size_t body) const { return surfaces_[body].triangles; }
 
@@ -39,6 +41,7 @@ class Judge {
     std::unique_ptr<raycontact::Mesh> mesh;
     std::unique_ptr<raycontact::Octree> octree;
     std::vector<double> positions;
+    std::vector<uint8_t> inside;
   };
   struct Tetrahedron {
     std::array<std::size_t, 4> corners;  // among all vertices

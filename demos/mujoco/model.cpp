@@ -23,15 +23,20 @@ std::string numbers(const double* values, std::size_t count) {
   return text;
 }
 
-std::string attribute(const char* name, const std::string& value) { return std::string(" ") + name + "=\"" + value + "\""; }
+std::string attribute(const char* name, const std::string& value) {
+  return std::string(" ") + name + "=\"" + value + "\"";
+}
 
 }  // namespace
 
 const char* name_of(Contact contact) {
   switch (contact) {
-    case Contact::raycontact: return "raycontact";
-    case Contact::mujoco: return "mujoco";
-    case Contact::passive: return "passive";
+    case Contact::raycontact:
+      return "raycontact";
+    case Contact::mujoco:
+      return "mujoco";
+    case Contact::passive:
+      return "passive";
   }
   return "";
 }
@@ -106,7 +111,8 @@ Shape lumpy_ball(int times, double phase) {
   for (std::array<double, 3>& point : shape.points) {
     const double length = std::hypot(point[0], point[1], point[2]);
     for (double& x : point) x /= length;
-    const double bumps = std::sin(4 * point[0] + phase) * std::sin(4 * point[1] + 2 * phase) * std::sin(4 * point[2] + 1);
+    const double bumps =
+        std::sin(4 * point[0] + phase) * std::sin(4 * point[1] + 2 * phase) * std::sin(4 * point[2] + 1);
     for (double& x : point) x *= 0.7 + 0.2 * bumps;
   }
   return shape;
@@ -133,8 +139,9 @@ Shape from_obj(const std::string& path) {
 
 std::string xml_of(const Model& model, Contact contact) {
   const double gravity[] = {0, 0, -model.gravity};
-  std::string xml = "<mujoco>\n<option integrator=\"discrete\" iterations=\"500\"" + attribute("timestep", numbers(&model.timestep, 1)) +
-                    attribute("gravity", numbers(gravity, 3)) + "/>\n<size memory=\"500M\"/>\n<worldbody>\n";
+  std::string xml = "<mujoco>\n<option integrator=\"discrete\" iterations=\"500\"" +
+                    attribute("timestep", numbers(&model.timestep, 1)) + attribute("gravity", numbers(gravity, 3)) +
+                    "/>\n<size memory=\"500M\"/>\n<worldbody>\n";
   if (model.has_floor) xml += "<geom type=\"plane\" size=\"10 10 1\"/>\n";
   int number = 0;
   for (const Body& body : model.bodies) {
@@ -148,7 +155,9 @@ std::string xml_of(const Model& model, Contact contact) {
            attribute("element", elements) + ">\n<elasticity" + attribute("young", numbers(&body.young, 1)) +
            " poisson=\"0.3\" damping=\"0.005\"/>\n<contact selfcollide=\"none\"" +
            attribute("friction", numbers(&body.friction, 1)) +
-           (contact == Contact::raycontact ? " contype=\"0\"" : contact == Contact::passive ? " passive=\"true\"" : "") +
+           (contact == Contact::raycontact ? " contype=\"0\""
+            : contact == Contact::passive  ? " passive=\"true\""
+                                           : "") +
            "/>\n</flexcomp>\n";
   }
   return xml + "</worldbody>\n</mujoco>\n";

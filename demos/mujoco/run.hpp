@@ -26,16 +26,16 @@ Scene scene_named(const std::string& name, const std::vector<std::string>& files
 /** What a run has shown. */
 struct Figures {
   double start_depth = 0, deepest = 0, last_depth = 0;  // m; deepest: of all that follow the start
-  double apart = -1;             // s, from which on nothing is in anything; -1: never
-  int most_inverted = 0;         // tetrahedra at once
-  double start_energy = 0;       // J
-  double most_energy = 0;        // J, at any step
-  double energy_gain = 0;        // the largest rise over what it was when bodies came apart, as a part
-  double last_energy = 0;        // J
-  double drift = 0;              // kg m/s, the largest change of momentum; without gravity
-  double lowest = 0;             // m: of all vertices at the end
-  double step_time = 0;          // s, mean of a step
-  double adapter_time = 0;       // of that, within the callback
+  double apart = -1;                                    // s, from which on nothing is in anything; -1: never
+  int most_inverted = 0;                                // tetrahedra at once
+  double start_energy = 0;                              // J
+  double most_energy = 0;                               // J, at any step
+  double energy_gain = 0;   // the largest rise over what it was when bodies came apart, as a part
+  double last_energy = 0;   // J
+  double drift = 0;         // kg m/s, the largest change of momentum; without gravity
+  double lowest = 0;        // m: of all vertices at the end
+  double step_time = 0;     // s of the processor, mean of a step
+  double adapter_time = 0;  // of that, within the callback
   std::string error;
 };
 

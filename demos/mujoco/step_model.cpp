@@ -21,7 +21,8 @@ void step(const mjModel* m, mjData* d, double seconds) {
 void print_usage(FILE* out) {
   std::fputs(
       "usage: mujoco_step MODEL.xml [--seconds SECONDS] [--plugin LIBRARY]\n\n"
-      "Steps a model of MuJoCo's with raycontact between its flexes, or with the engine plugin in LIBRARY where the model\n"
+      "Steps a model of MuJoCo's with raycontact between its flexes, or with the engine plugin in LIBRARY where the "
+      "model\n"
       "switches it on, and prints where the centre of each flex's vertices ends.\n"
       "Exit status: 0, or 1 where the model is refused, 2 wrong usage.\n",
       out);

@@ -19,5 +19,4 @@
 #include "raycontact/mujoco/flex_contact.hpp"
 #include "raycontact/mujoco/plugin.hpp"
 
-
 #endif  // RAYCONTACT_MUJOCO_HPP

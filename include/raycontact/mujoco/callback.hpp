@@ -81,9 +81,9 @@ inline void passive_callback(const mjModel* m, mjData* d) {
 }  // namespace detail
 
 /**
- * As long as it lives, mj_step(m, d) has contact between the model's flexes: it sits in mjcb_passive, and calls what the
- * program had put there before. Several mjData may have one each, also on threads of their own; each must outlive its
- * contact. Install a callback of your own before the first of them is made.
+ * As long as it lives, mj_step(m, d) has contact between the model's flexes: it sits in mjcb_passive, and calls what
+ * the program had put there before. Several mjData may have one each, also on threads of their own; each must outlive
+ * its contact. Install a callback of your own before the first of them is made.
  */
 class AttachedContact {
  public:
@@ -111,6 +111,7 @@ class AttachedContact {
   AttachedContact(const AttachedContact&) = delete;
   AttachedContact& operator=(const AttachedContact&) = delete;
 
+  /** To ask for figures and materials. */
   const FlexContact& contact() const { return guarded_->contact; }
   /** What went wrong within a step; empty where nothing has. There is no contact from then on. */
   const std::string& error() const { return guarded_->error; }

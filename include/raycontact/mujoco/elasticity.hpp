@@ -17,7 +17,8 @@ namespace detail {
 /** Shear modulus of a flex of tetrahedra: the mean over its elements, from the energy of a shear. */
 inline double shear_modulus_of_tetrahedra(const mjModel* m, int flex) {
   // The order in which MuJoCo counts a tetrahedron's edges.
-  constexpr std::array<std::array<std::size_t, 2>, 6> edges{{{{0, 1}}, {{1, 2}}, {{2, 0}}, {{2, 3}}, {{0, 3}}, {{1, 3}}}};
+  constexpr std::array<std::array<std::size_t, 2>, 6> edges{
+      {{{0, 1}}, {{1, 2}}, {{2, 0}}, {{2, 3}}, {{0, 3}}, {{1, 3}}}};
   constexpr int numbers = 24;  // for each element: the upper triangle of a matrix over its edges, and three zeros
   const auto index = static_cast<std::size_t>(flex);
   const mjtNum* places = m->flex_vert0 + 3 * static_cast<std::size_t>(m->flex_vertadr[flex]);
@@ -26,7 +27,8 @@ inline double shear_modulus_of_tetrahedra(const mjModel* m, int flex) {
     const int* corners = m->flex_elem + m->flex_elemdataadr[flex] + 4 * e;
     const mjtNum* stiffness = m->flex_stiffness + m->flex_stiffnessadr[flex] + numbers * e;
     const auto along = [&](std::size_t edge, std::size_t k) {
-      const auto a = static_cast<std::size_t>(corners[edges[edge][0]]), b = static_cast<std::size_t>(corners[edges[edge][1]]);
+      const auto a = static_cast<std::size_t>(corners[edges[edge][0]]),
+                 b = static_cast<std::size_t>(corners[edges[edge][1]]);
       return 2 * m->flex_size[3 * index + k] * (places[3 * b + k] - places[3 * a + k]);
     };
     // A shear (x, -y, 0) changes the square of an edge's length by twice that.
@@ -40,7 +42,8 @@ inline double shear_modulus_of_tetrahedra(const mjModel* m, int flex) {
     for (std::size_t k = 0; k < 3; ++k) to[0][k] = along(0, k), to[1][k] = -along(2, k), to[2][k] = along(4, k);
     const double volume = std::fabs(to[0][0] * (to[1][1] * to[2][2] - to[1][2] * to[2][1]) +
                                     to[0][1] * (to[1][2] * to[2][0] - to[1][0] * to[2][2]) +
-                                    to[0][2] * (to[1][0] * to[2][1] - to[1][1] * to[2][0])) / 6;
+                                    to[0][2] * (to[1][0] * to[2][1] - to[1][1] * to[2][0])) /
+                          6;
     if (volume > 0) sum += energy / (2 * volume);
   }
   return sum / std::max(1, m->flex_elemnum[flex]);
@@ -67,7 +70,8 @@ inline double shear_modulus_of_cells(const mjModel* m, int flex) {
       shear[3 * static_cast<std::size_t>(c) + 1] = first[1] - place[1];
       shear[3 * static_cast<std::size_t>(c) + 2] = 0;
     }
-    const mjtNum* stiffness = m->flex_stiffness + m->flex_stiffnessadr[flex] + static_cast<std::ptrdiff_t>(cell) * size * size;
+    const mjtNum* stiffness =
+        m->flex_stiffness + m->flex_stiffnessadr[flex] + static_cast<std::ptrdiff_t>(cell) * size * size;
     double energy = 0;
     for (int i = 0; i < size; ++i)
       for (int j = 0; j < size; ++j)

@@ -23,19 +23,21 @@ namespace raycontact::mujoco {
 
 /** What the last step took. */
 struct StepFigures {
-  int solves = 0;      ///< 0: nothing touches
-  int iterations = 0;  ///< of conjugate gradients, in all solves
+  int solves = 0;             ///< 0: nothing touches
+  int iterations = 0;         ///< of conjugate gradients, in all solves
+  bool has_converged = true;  ///< false: a solve ended without its tolerance, and the force is rougher than that
 };
 
 /**
- * Contact between flexes of one model, for one mjData at a time: it remembers from step to step what friction holds on to.
- * Detection is where bodies would be at the end of the step, and the force is that at the step's end: it solves
- * (M + h D + h^2 K + h C) change = h force, with the stiffness K that MuJoCo's discrete integrator steps with and C that of
- * the contacts.
+ * Contact between flexes of one model, for one mjData at a time: it remembers from step to step what friction holds on
+ * to. Detection is where bodies would be at the end of the step, and the force is that at the step's end: it solves (M
+ * + h D + h^2 K + h C) change = h force, with the stiffness K that MuJoCo's discrete integrator steps with and C that
+ * of the contacts.
  */
 class FlexContact {
  public:
-  /** Throws std::invalid_argument, std::runtime_error or raycontact::Error saying what in the model is not supported. */
+  /** Throws std::invalid_argument, std::runtime_error or raycontact::Error saying what in the model is not supported.
+   */
   explicit FlexContact(const mjModel* m, ContactOptions options = {}) : options_(std::move(options)), metric_(m) {
     check_version(mj_version());
     check_options(options_);
@@ -50,7 +52,8 @@ class FlexContact {
     check_doubled_contact(m);
     spacing_ = spacing_of(m);
     const auto dofs = static_cast<std::size_t>(m->nv);
-    for (Numbers* numbers : {&velocity_, &free_, &end_, &force_, &outer_, &smooth_, &residual_, &product_, &change_}) numbers->assign(dofs, 0);
+    for (Numbers* numbers : {&velocity_, &free_, &end_, &force_, &outer_, &smooth_, &residual_, &product_, &change_})
+      numbers->assign(dofs, 0);
     for (Numbers* numbers : {&node_velocity_, &node_free_, &node_change_, &node_force_})
       numbers->assign(3 * nodes_.size(), 0);
     reset();
@@ -71,20 +74,21 @@ class FlexContact {
       try {
         const Mesh mesh(vectors(body.surface.positions), body.surface.triangles);
         const uint32_t number = scene_->add(mesh);
-        system_->add_deformable(*scene_, number, static_cast<uint32_t>(body.first_node),
-                                static_cast<uint32_t>(body.node_count),
-                                Carriers{body.surface.offsets, body.surface.nodes, body.surface.weights}, body.material);
+        system_->add_deformable(
+            *scene_, number, static_cast<uint32_t>(body.first_node), static_cast<uint32_t>(body.node_count),
+            Carriers{body.surface.offsets, body.surface.nodes, body.surface.weights}, body.material);
         if (options_.self_collision) scene_->set_self_collision(number, true);
       } catch (const Error& error) {
         throw Error(error.status(), "raycontact: flex number " + std::to_string(body.flex) + ": " + error.what());
       }
     }
-    is_known_ = false;
+    is_known_ = has_touched_ = false;
   }
 
   /**
-   * Adds the contact forces to `qfrc`, nv numbers: mjData::qfrc_passive, from within mjcb_passive or a plugin's compute.
-   * Asked again in the same state it adds the same forces. Throws raycontact::Error where positions are not finite.
+   * Adds the contact forces to `qfrc`, nv numbers: mjData::qfrc_passive, from within mjcb_passive or a plugin's
+   * compute. Asked again in the same state it adds the same forces. Throws raycontact::Error where positions are not
+   * finite.
    */
   void add_forces(const mjModel* m, mjData* d, mjtNum* qfrc) {
     if (!is_same_state(m, d)) {
@@ -102,8 +106,9 @@ class FlexContact {
     for (std::size_t k = 0; k < force_.size(); ++k) qfrc[k] += force_[k];
   }
 
+  /** What the last step took. */
   const StepFigures& last_step() const { return figures_; }
-  /** Velocities at the end of the last step, by degree of freedom, as the contact foresaw them; where nothing touched, a guess. */
+  /** By degree of freedom, the velocities at the end of the last step as foreseen; a guess where nothing touched. */
   const std::vector<double>& foreseen_velocities() const { return figures_.solves > 0 ? end_ : free_; }
   /** How many flexes touch one another. */
   std::size_t flex_count() const { return bodies_.size(); }
@@ -122,7 +127,8 @@ class FlexContact {
     const auto refuse = [](const std::string& what) { throw std::invalid_argument("raycontact: " + what); };
     if (m->nflex == 0) refuse("the model has no flexes; contact of rigid geoms is MuJoCo's own");
     if (m->opt.integrator == mjINT_RK4) refuse("the integrator RK4 asks for forces four times a step; take discrete");
-    if ((m->opt.enableflags & mjENBL_SLEEP) != 0) refuse("flexes that sleep would not be woken; switch the flag sleep off");
+    if ((m->opt.enableflags & mjENBL_SLEEP) != 0)
+      refuse("flexes that sleep would not be woken; switch the flag sleep off");
     if ((m->opt.disableflags & mjDSBL_SPRING) != 0 && (m->opt.disableflags & mjDSBL_DAMPER) != 0)
       refuse("with the flags spring and damper both disabled MuJoCo asks for no passive forces; enable one");
   }
@@ -214,19 +220,21 @@ class FlexContact {
     const double h = m->opt.timestep;
     std::copy(d->qvel, d->qvel + m->nv, velocity_.begin());
     gather_outer_forces(m, d);
-    // Where bodies would be without contact: what pulls from outside moves them, their own stiffness hardly in one step.
+    // Where bodies would be without contact: their own stiffness hardly moves them within one step.
     mj_solveM(m, d, free_.data(), outer_.data(), 1);
     for (std::size_t k = 0; k < free_.size(); ++k) free_[k] = velocity_[k] + h * free_[k];
     nodes_.renew(m, d);
     nodes_.to_nodes(velocity_, node_velocity_);
     nodes_.to_nodes(free_, node_free_);
     check_finite(m);
-    if (!may_touch(m, d)) return;
+    // What touched in the last step is looked at once more, so that what is remembered of it ends.
+    if (!may_touch(m, d) && !std::exchange(has_touched_, false)) return;
     system_->begin(*scene_, h, nodes_.positions(), node_velocity_, node_free_);
     try {
       end_ = free_;
       find_contact_force();
-      if (std::any_of(force_.begin(), force_.end(), [](double force) { return force != 0; })) solve(m, d);
+      has_touched_ = std::any_of(force_.begin(), force_.end(), [](double force) { return force != 0; });
+      if (has_touched_) solve(m, d);
       nodes_.to_nodes(end_, node_change_);
       system_->finish(node_change_);
     } catch (...) {
@@ -239,10 +247,9 @@ class FlexContact {
     for (const Body& body : bodies_)
       for (std::size_t k = 3 * body.first_node; k < 3 * (body.first_node + body.node_count); ++k)
         if (!std::isfinite(nodes_.positions()[k] + node_velocity_[k] + node_free_[k]))
-          throw Error(RAYC_STATUS_NOT_FINITE, "raycontact: a position or velocity of node " +
-                                                  std::to_string(k / 3 - body.first_node) + " of " +
-                                                  title_of(m, body.flex) +
-                                                  " is not finite; take a smaller step or reset the state");
+          throw Error(RAYC_STATUS_NOT_FINITE,
+                      "raycontact: a position or velocity of node " + std::to_string(k / 3 - body.first_node) + " of " +
+                          title_of(m, body.flex) + " is not finite; take a smaller step or reset the state");
   }
 
   /** Gravity, rotation and what the program applies. */
@@ -256,7 +263,7 @@ class FlexContact {
     }
   }
 
-  /** The step's solves, for velocities at the end of it: M^ (end - velocity) = h (smooth + contact force at the end). */
+  /** The step's solves for velocities at its end: metric (end - velocity) = h (smooth + contact force at the end). */
   void solve(const mjModel* m, mjData* d) {
     const double h = m->opt.timestep;
     for (std::size_t k = 0; k < smooth_.size(); ++k) smooth_[k] = outer_[k] + d->qfrc_passive[k];
@@ -273,7 +280,7 @@ class FlexContact {
       for (std::size_t k = 0; k < end_.size(); ++k) change_[k] = end_[k] - velocity_[k];
       ImplicitMetric::product(m, d, change_, product_);
       for (std::size_t k = 0; k < end_.size(); ++k) residual_[k] = h * (smooth_[k] + force_[k]) - product_[k];
-      solver_.solve(
+      const bool has_converged = solver_.solve(
           end_, residual_, options_.tolerance, reference, iterations,
           [&](const Numbers& change, Numbers& result) {
             ImplicitMetric::product(m, d, change, result);
@@ -284,6 +291,7 @@ class FlexContact {
           },
           [&](const Numbers& from, Numbers& to) { metric_.precondition(from, to); });
       figures_.iterations += solver_.iterations();
+      figures_.has_converged = figures_.has_converged && has_converged;
       // What MuJoCo's step is to add: the force as the rows are held, before they are held anew.
       find_contact_force();
       const bool is_wrong = system_->linearise(node_change_) > 0.01;
@@ -315,7 +323,7 @@ class FlexContact {
   Numbers node_velocity_, node_free_, node_change_, node_force_;
   Numbers boxes_, known_positions_, known_velocities_;
   double spacing_ = 0, time_ = 0;
-  bool is_known_ = false;
+  bool is_known_ = false, has_touched_ = false;
 };
 
 }  // namespace raycontact::mujoco

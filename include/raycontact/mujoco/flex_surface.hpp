@@ -18,11 +18,12 @@ namespace raycontact::mujoco {
 
 /** What moves a flex: its vertices, or the nodes of its cells where it is interpolated. */
 struct FlexNodes {
-  const int* bodies;     ///< one for each
+  const int* bodies;     ///< in which each sits
   const mjtNum* places;  ///< in the frame of that body; NULL: at its origin
-  std::size_t count;
+  std::size_t count;     ///< of nodes
 };
 
+/** The nodes of a flex of the model. */
 inline FlexNodes nodes_of(const mjModel* m, int flex) {
   if (m->flex_interp[flex] != 0) {
     const int first = m->flex_nodeadr[flex];
@@ -45,7 +46,7 @@ struct FlexSurface {
   std::vector<uint32_t> vertices;    ///< which of the flex's vertices each is
   std::vector<uint32_t> offsets{0};  ///< where each vertex's entries begin
   std::vector<uint32_t> nodes;       ///< counted from the flex's first
-  std::vector<double> weights;
+  std::vector<double> weights;       ///< of those nodes; those of a vertex sum to 1
 };
 
 namespace detail {
@@ -122,7 +123,8 @@ inline FlexSurface surface_of(const mjModel* m, int flex) {
     const double* a = &surface.positions[3 * surface.triangles[t]];
     const double* b = &surface.positions[3 * surface.triangles[t + 1]];
     const double* c = &surface.positions[3 * surface.triangles[t + 2]];
-    volume += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    volume +=
+        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
   }
   if (volume < 0)
     for (std::size_t t = 0; t < surface.triangles.size(); t += 3)

@@ -13,11 +13,12 @@
 
 namespace raycontact::mujoco {
 
+/** One number for each degree of freedom, or three for each node. */
 using Numbers = std::vector<double>;
 
 /**
- * M + h D + h^2 K: mass, damping and stiffness of flexes and joints, as mjData holds them while passive forces are asked
- * for. Without the discrete integrator M alone.
+ * M + h D + h^2 K: mass, damping and stiffness of flexes and joints, as mjData holds them while passive forces are
+ * asked for. Without the discrete integrator M alone.
  */
 class ImplicitMetric {
  public:
@@ -40,7 +41,8 @@ class ImplicitMetric {
     damping_time_.assign(count, 0);
     for (int flex = 0; flex < m->nflex; ++flex) {
       const bool has_cells = m->flex_interp[flex] != 0;
-      const int* bodies = has_cells ? m->flex_nodebodyid + m->flex_nodeadr[flex] : m->flex_vertbodyid + m->flex_vertadr[flex];
+      const int* bodies =
+          has_cells ? m->flex_nodebodyid + m->flex_nodeadr[flex] : m->flex_vertbodyid + m->flex_vertadr[flex];
       for (int n = 0; n < (has_cells ? m->flex_nodenum[flex] : m->flex_vertnum[flex]); ++n)
         for (int k = 0; k < m->body_dofnum[bodies[n]]; ++k)
           damping_time_[static_cast<std::size_t>(m->body_dofadr[bodies[n]] + k)] = m->flex_damping[flex];
@@ -68,14 +70,15 @@ class ImplicitMetric {
   }
 
   /** The shift of force -h K v by which MuJoCo's step looks ahead: of a flex's stiffness, at velocity v. */
-  void subtract_shift(const mjModel* m, const mjData* d, const Numbers& velocity, Numbers& force, Numbers& buffer) const {
+  void subtract_shift(const mjModel* m, const mjData* d, const Numbers& velocity, Numbers& force,
+                      Numbers& buffer) const {
     std::fill(buffer.begin(), buffer.end(), 0.0);
     add_stiffness_product(m, d, velocity, buffer);
     const double h = m->opt.timestep;
     for (std::size_t k = 0; k < force.size(); ++k) force[k] -= buffer[k] / (h + damping_time_[k]);
   }
 
-  /** The blocks on the matrix's diagonal, to which those of contacts may then be added. */
+  /** The blocks on the matrix's diagonal. */
   void gather_blocks(const mjModel* m, const mjData* d) {
     std::fill(blocks_.begin(), blocks_.end(), 0.0);
     for (int i = 0; i < m->nv; ++i) {
@@ -91,6 +94,7 @@ class ImplicitMetric {
     }
   }
 
+  /** Adds to the element of a row and a column, degrees of freedom, where both are of one block. */
   void add_to_block(int row, int column, double value) {
     const uint32_t block = block_of_[static_cast<std::size_t>(row)];
     if (block_of_[static_cast<std::size_t>(column)] != block) return;
@@ -123,6 +127,7 @@ class ImplicitMetric {
     return std::sqrt(sum);
   }
 
+  /** to = the inverse of the blocks times from. */
   void precondition(const Numbers& from, Numbers& to) const {
     for (std::size_t b = 0; b < firsts_.size(); ++b) {
       const double* a = &inverses_[9 * b];
@@ -140,15 +145,15 @@ class ImplicitMetric {
   Numbers damping_time_;            // of the flex that each degree of freedom belongs to
   std::vector<uint32_t> block_of_;  // by degree of freedom
   std::vector<int> firsts_, sizes_;
-  Numbers blocks_, inverses_;       // nine numbers for each
+  Numbers blocks_, inverses_;  // nine numbers for each
 };
 
 /** Conjugate gradients with room for their vectors. */
 class ConjugateGradients {
  public:
   /**
-   * Adds to x the solution of A y = residual, by `product(p, Ap)` and `precondition(r, z)`; true where the residual, as the
-   * preconditioner measures it, has fallen to `tolerance` times `reference`.
+   * Adds to x the solution of A y = residual, by `product(p, Ap)` and `precondition(r, z)`; true where the residual, as
+   * the preconditioner measures it, has fallen to `tolerance` times `reference`.
    */
   template <class Product, class Precondition>
   bool solve(Numbers& x, Numbers& residual, double tolerance, double reference, int iterations, Product&& product,

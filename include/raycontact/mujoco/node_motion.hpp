@@ -37,8 +37,11 @@ class NodeMotion {
     is_fresh_ = false;
   }
 
+  /** How many nodes there are. */
   std::size_t size() const { return bodies_.size(); }
+  /** kg; infinity for a node that nothing moves. */
   const std::vector<double>& masses() const { return masses_; }
+  /** x, y, z of each at the state of the last renew(). */
   const std::vector<double>& positions() const { return positions_; }
 
   /** Positions and axes at the present state. */
@@ -74,7 +77,8 @@ class NodeMotion {
     for (std::size_t n = 0; n < size(); ++n)
       for (; e < ends_[n]; ++e) {
         const double* axis = &axes_[3 * e];
-        to[static_cast<std::size_t>(dofs_[e])] += axis[0] * from[3 * n] + axis[1] * from[3 * n + 1] + axis[2] * from[3 * n + 2];
+        to[static_cast<std::size_t>(dofs_[e])] +=
+            axis[0] * from[3 * n] + axis[1] * from[3 * n + 1] + axis[2] * from[3 * n + 2];
       }
   }
 
@@ -99,7 +103,7 @@ class NodeMotion {
 
   std::vector<int> bodies_;
   std::vector<const mjtNum*> places_;
-  std::vector<std::size_t> ends_;     // of each node's degrees of freedom
+  std::vector<std::size_t> ends_;  // of each node's degrees of freedom
   std::vector<int> dofs_;
   std::vector<double> axes_;          // three numbers for each degree of freedom of each node
   std::vector<std::size_t> turning_;  // nodes whose axes change

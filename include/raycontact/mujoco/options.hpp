@@ -19,19 +19,19 @@ constexpr double spacing_by_flexes = -2;
 /** How flexes touch. Where a number is 0 or negative for "the flex's own", each flex has a value of its own. */
 struct ContactOptions {
   std::vector<std::string> flexes;  ///< the names of those that touch one another; none named: all of the model
-  double pressure = 0;         ///< Pa that surfaces bear at `depth`; 0: each flex's Young's modulus
+  double pressure = 0;              ///< Pa that surfaces bear at `depth`; 0: each flex's Young's modulus
   /// m; also the most that a step is asked to press out; 0: a sixteenth of an element's edge, or a quarter of a cell's.
   double depth = 0;
-  double damping_time = 0.01;  ///< s, >= 0: damping over stiffness
-  double friction = -1;        ///< Coulomb's coefficient, >= 0; -1: the first number of each flex's `friction`
-  bool self_collision = false;                       ///< also contacts of each flex with itself
-  /// m, >= 0: how far apart rays start, see rayc_detection_options, which has RAYC_SPACING_AUTOMATIC too. By default a quarter
-  /// of the smallest flex's element's or cell's edge.
+  double damping_time = 0.01;   ///< s, >= 0: damping over stiffness
+  double friction = -1;         ///< Coulomb's coefficient, >= 0; -1: the first number of each flex's `friction`
+  bool self_collision = false;  ///< also contacts of each flex with itself
+  /// m, >= 0: how far apart rays start, see rayc_detection_options, which has RAYC_SPACING_AUTOMATIC too. By default a
+  /// quarter of the smallest flex's element's or cell's edge.
   double sample_spacing = spacing_by_flexes;
-  double force_tolerance = 0;                        ///< 0 to 1: fewer rays; see rayc_detection_options
-  uint32_t threads = 1;                              ///< for detection; 1: the caller's own, 0: one for each core
-  int solves = 4;            ///< >= 1: solves in a step at most; a solve follows where forces were predicted wrongly
-  double tolerance = 1e-3;   ///< 0 to 1: a solve ends where its residual is that part of what it was
+  double force_tolerance = 0;  ///< 0 to 1: fewer rays; see rayc_detection_options
+  uint32_t threads = 1;        ///< for detection; 1: the caller's own, 0: one for each core
+  int solves = 4;              ///< >= 1: solves in a step at most; a solve follows where forces were predicted wrongly
+  double tolerance = 1e-3;     ///< 0 to 1: a solve ends where its residual is that part of what it was
 };
 
 /** Throws std::invalid_argument naming the first option that is out of its range. */
