@@ -104,10 +104,11 @@ void Run::step() {
   }
   const double start = processor_time();
   mj_step(m_.get(), d_.get());
-  figures_.step_time += processor_time() - start;
+  // The first step also builds what is searched in later; it is not counted.
+  if (steps_ > 0) figures_.step_time += processor_time() - start;
   if (contacts_ != nullptr) {
     mjcb_passive = timed_callback;
-    figures_.adapter_time += adapter_time;
+    if (steps_ > 0) figures_.adapter_time += adapter_time;
   }
   ++steps_;
   look();
@@ -139,9 +140,9 @@ void Run::look() {
 
 Figures Run::figures() const {
   Figures figures = figures_;
-  if (steps_ > 0) {
-    figures.step_time /= steps_;
-    figures.adapter_time /= steps_;
+  if (steps_ > 1) {
+    figures.step_time /= steps_ - 1;
+    figures.adapter_time /= steps_ - 1;
   }
   figures.lowest = 1e300;
   for (std::size_t b = 0; b < bodies_; ++b) {

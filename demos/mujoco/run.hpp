@@ -34,7 +34,7 @@ struct Figures {
   double last_energy = 0;   // J
   double drift = 0;         // kg m/s, the largest change of momentum; without gravity
   double lowest = 0;        // m: of all vertices at the end
-  double step_time = 0;     // s of the processor, mean of a step
+  double step_time = 0;     // s of the processor, mean of a step but the first
   double adapter_time = 0;  // of that, within the callback
   std::string error;
 };

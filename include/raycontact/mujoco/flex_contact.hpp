@@ -267,9 +267,8 @@ class FlexContact {
   void solve(const mjModel* m, mjData* d) {
     const double h = m->opt.timestep;
     for (std::size_t k = 0; k < smooth_.size(); ++k) smooth_[k] = outer_[k] + d->qfrc_passive[k];
+    metric_.renew(m, d);
     metric_.subtract_shift(m, d, velocity_, smooth_, product_);
-    metric_.gather_blocks(m, d);
-    metric_.invert_blocks();
     for (std::size_t k = 0; k < end_.size(); ++k) residual_[k] = h * (smooth_[k] + force_[k]);
     const double reference = metric_.norm(residual_, product_);
     // The last step's acceleration is a good guess.
@@ -278,12 +277,12 @@ class FlexContact {
       figures_.solves = solve;
       find_contact_force();
       for (std::size_t k = 0; k < end_.size(); ++k) change_[k] = end_[k] - velocity_[k];
-      ImplicitMetric::product(m, d, change_, product_);
+      metric_.product(m, d, change_, product_);
       for (std::size_t k = 0; k < end_.size(); ++k) residual_[k] = h * (smooth_[k] + force_[k]) - product_[k];
       const bool has_converged = solver_.solve(
           end_, residual_, options_.tolerance, reference, iterations,
           [&](const Numbers& change, Numbers& result) {
-            ImplicitMetric::product(m, d, change, result);
+            metric_.product(m, d, change, result);
             nodes_.to_nodes(change, node_change_);
             std::fill(node_force_.begin(), node_force_.end(), 0.0);
             system_->add_product(h, node_change_, node_force_);

@@ -3,18 +3,17 @@
 #ifndef RAYCONTACT_MUJOCO_IMPLICIT_METRIC_HPP
 #define RAYCONTACT_MUJOCO_IMPLICIT_METRIC_HPP
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "raycontact/mujoco/stiffness_blocks.hpp"
 #include "raycontact/mujoco/version.hpp"
 
 namespace raycontact::mujoco {
-
-/** One number for each degree of freedom, or three for each node. */
-using Numbers = std::vector<double>;
 
 /**
  * M + h D + h^2 K: mass, damping and stiffness of flexes and joints, as mjData holds them while passive forces are
@@ -44,27 +43,23 @@ class ImplicitMetric {
       const int* bodies =
           has_cells ? m->flex_nodebodyid + m->flex_nodeadr[flex] : m->flex_vertbodyid + m->flex_vertadr[flex];
       for (int n = 0; n < (has_cells ? m->flex_nodenum[flex] : m->flex_vertnum[flex]); ++n)
-        for (int k = 0; k < m->body_dofnum[bodies[n]]; ++k)
-          damping_time_[static_cast<std::size_t>(m->body_dofadr[bodies[n]] + k)] = m->flex_damping[flex];
+        for (int body = bodies[n]; body > 0; body = m->body_parentid[body])
+          for (int k = m->body_dofadr[body]; k < m->body_dofadr[body] + m->body_dofnum[body]; ++k)
+            damping_time_[static_cast<std::size_t>(k)] = m->flex_damping[flex];
     }
   }
 
-  /** result += (h^2 K + h D) of flexes times change. */
-  static void add_stiffness_product(const mjModel* m, const mjData* d, const Numbers& change, Numbers& result) {
-    if (d->efm_active == 0 || d->nefmK == 0) return;
-    for (int i = 0; i < m->nv; ++i) {
-      const int* columns = d->efm_K_colind + d->efm_K_rowadr[i];
-      const mjtNum* values = d->efm_K_val + d->efm_K_rowadr[i];
-      double sum = 0;
-      for (int k = 0; k < d->efm_K_rownnz[i]; ++k) sum += values[k] * change[static_cast<std::size_t>(columns[k])];
-      result[static_cast<std::size_t>(i)] += sum;
-    }
+  /** Takes the matrix of this step; before all that follows. */
+  void renew(const mjModel* m, const mjData* d) {
+    stiffness_.renew(m, d);
+    gather_blocks(m, d);
+    invert_blocks();
   }
 
   /** result = (M + h D + h^2 K) change. */
-  static void product(const mjModel* m, const mjData* d, const Numbers& change, Numbers& result) {
+  void product(const mjModel* m, const mjData* d, const Numbers& change, Numbers& result) const {
     mj_mulM(m, d, result.data(), change.data());
-    add_stiffness_product(m, d, change, result);
+    stiffness_.add_product(m, d, change, result);
     if (d->efm_active != 0 && d->efm_diag != nullptr)
       for (std::size_t k = 0; k < result.size(); ++k) result[k] += d->efm_diag[k] * change[k];
   }
@@ -73,12 +68,34 @@ class ImplicitMetric {
   void subtract_shift(const mjModel* m, const mjData* d, const Numbers& velocity, Numbers& force,
                       Numbers& buffer) const {
     std::fill(buffer.begin(), buffer.end(), 0.0);
-    add_stiffness_product(m, d, velocity, buffer);
+    stiffness_.add_product(m, d, velocity, buffer);
     const double h = m->opt.timestep;
     for (std::size_t k = 0; k < force.size(); ++k) force[k] -= buffer[k] / (h + damping_time_[k]);
   }
 
-  /** The blocks on the matrix's diagonal. */
+  /** The length of a force as the preconditioner measures it. */
+  double norm(const Numbers& force, Numbers& buffer) const {
+    precondition(force, buffer);
+    double sum = 0;
+    for (std::size_t k = 0; k < force.size(); ++k) sum += force[k] * buffer[k];
+    return std::sqrt(sum);
+  }
+
+  /** to = the inverse of the blocks times from. */
+  void precondition(const Numbers& from, Numbers& to) const {
+    for (std::size_t b = 0; b < firsts_.size(); ++b) {
+      const double* a = &blocks_[9 * b];
+      const double* x = &from[static_cast<std::size_t>(firsts_[b])];
+      double* y = &to[static_cast<std::size_t>(firsts_[b])];
+      if (sizes_[b] == 1) {
+        y[0] = a[0] * x[0];
+      } else {
+        for (std::size_t k = 0; k < 3; ++k) y[k] = a[3 * k] * x[0] + a[3 * k + 1] * x[1] + a[3 * k + 2] * x[2];
+      }
+    }
+  }
+
+ private:
   void gather_blocks(const mjModel* m, const mjData* d) {
     std::fill(blocks_.begin(), blocks_.end(), 0.0);
     for (int i = 0; i < m->nv; ++i) {
@@ -94,7 +111,7 @@ class ImplicitMetric {
     }
   }
 
-  /** Adds to the element of a row and a column, degrees of freedom, where both are of one block. */
+  // Where row and column, degrees of freedom, are of one block.
   void add_to_block(int row, int column, double value) {
     const uint32_t block = block_of_[static_cast<std::size_t>(row)];
     if (block_of_[static_cast<std::size_t>(column)] != block) return;
@@ -102,11 +119,9 @@ class ImplicitMetric {
     blocks_[9 * block + static_cast<std::size_t>(3 * (row - first) + column - first)] += value;
   }
 
-  /** Inverts the blocks: the preconditioner. */
   void invert_blocks() {
-    inverses_ = blocks_;
     for (std::size_t b = 0; b < firsts_.size(); ++b) {
-      double* a = &inverses_[9 * b];
+      double* a = &blocks_[9 * b];
       if (sizes_[b] == 1) {
         a[0] = 1 / a[0];
         continue;
@@ -119,33 +134,11 @@ class ImplicitMetric {
     }
   }
 
-  /** The length of a force as the preconditioner measures it. */
-  double norm(const Numbers& force, Numbers& buffer) const {
-    precondition(force, buffer);
-    double sum = 0;
-    for (std::size_t k = 0; k < force.size(); ++k) sum += force[k] * buffer[k];
-    return std::sqrt(sum);
-  }
-
-  /** to = the inverse of the blocks times from. */
-  void precondition(const Numbers& from, Numbers& to) const {
-    for (std::size_t b = 0; b < firsts_.size(); ++b) {
-      const double* a = &inverses_[9 * b];
-      const double* x = &from[static_cast<std::size_t>(firsts_[b])];
-      double* y = &to[static_cast<std::size_t>(firsts_[b])];
-      if (sizes_[b] == 1) {
-        y[0] = a[0] * x[0];
-      } else {
-        for (std::size_t k = 0; k < 3; ++k) y[k] = a[3 * k] * x[0] + a[3 * k + 1] * x[1] + a[3 * k + 2] * x[2];
-      }
-    }
-  }
-
- private:
+  StiffnessBlocks stiffness_;
   Numbers damping_time_;            // of the flex that each degree of freedom belongs to
   std::vector<uint32_t> block_of_;  // by degree of freedom
   std::vector<int> firsts_, sizes_;
-  Numbers blocks_, inverses_;  // nine numbers for each
+  Numbers blocks_;  // nine numbers for each
 };
 
 /** Conjugate gradients with room for their vectors. */
@@ -186,8 +179,12 @@ class ConjugateGradients {
 
  private:
   static double dot(const Numbers& a, const Numbers& b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+    std::array<double, 4> sums{};
+    std::size_t k = 0;
+    for (; k + 4 <= a.size(); k += 4)
+      for (std::size_t j = 0; j < 4; ++j) sums[j] += a[k + j] * b[k + j];
+    double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    for (; k < a.size(); ++k) sum += a[k] * b[k];
     return sum;
   }
 
