@@ -25,3 +25,11 @@ add_test(NAME mujoco_plugin
          COMMAND mujoco_step "${mujoco_model}" --plugin "$<TARGET_FILE:raycontact_flex_contact>" --seconds 2)
 # The upper block lies on the lower one.
 set_tests_properties(mujoco_plugin PROPERTIES PASS_REGULAR_EXPRESSION "flex 0 at .*0\\.14[0-9]*\nflex 1 at .*0\\.4[0-9]*\n")
+foreach(listing IN ITEMS cpp:step_model.cpp xml:two_blocks.xml)
+    string(REPLACE ":" ";" listing "${listing}")
+    list(GET listing 0 language)
+    list(GET listing 1 file)
+    add_test(NAME mujoco_listing_${language}
+             COMMAND "${CMAKE_COMMAND}" -D "PAGE=${PROJECT_SOURCE_DIR}/docs/mujoco.md" -D "LANGUAGE=${language}" -D
+                     "PROGRAM=${PROJECT_SOURCE_DIR}/demos/mujoco/${file}" -P "${CMAKE_CURRENT_SOURCE_DIR}/listing.cmake")
+endforeach()

@@ -138,6 +138,8 @@ double Judge::energy(const mjData* d) const {
   mj_mulM(m_, d, momenta.data(), d->qvel);
   double sum = 0;
   for (std::size_t k = 0; k < momenta.size(); ++k) sum += momenta[k] * d->qvel[k] / 2;
+  for (int body = 0; body < m_->nbody; ++body)
+    sum -= m_->body_mass[body] * mju_dot3(m_->opt.gravity, d->xipos + 3 * body);
   for (const Tetrahedron& t : tetrahedra_) {
     std::array<const double*, 4> x{};
     for (std::size_t k = 0; k < 4; ++k) x[k] = d->flexvert_xpos + 3 * t.corners[k];

@@ -23,7 +23,7 @@ class Judge {
   double depth(const mjData* d);
   /** How many tetrahedra have turned inside out. */
   int inverted(const mjData* d) const;
-  /** Kinetic energy and that of St. Venant and Kirchhoff's law in tetrahedra, J. */
+  /** Kinetic energy, that of gravity, and that of St. Venant and Kirchhoff's law in tetrahedra, J. */
   double energy(const mjData* d) const;
   /** Of all bodies: the centre of mass's velocity times the mass, kg m/s. */
   std::array<double, 3> momentum(const mjData* d) const;

@@ -154,7 +154,7 @@ std::string xml_of(const Model& model, Contact contact) {
            attribute("point", numbers(body.shape.points[0].data(), 3 * body.shape.points.size())) +
            attribute("element", elements) + ">\n<elasticity" + attribute("young", numbers(&body.young, 1)) +
            " poisson=\"0.3\" damping=\"0.005\"/>\n<contact selfcollide=\"none\"" +
-           attribute("friction", numbers(&body.friction, 1)) +
+           (body.friction > 0 ? attribute("friction", numbers(&body.friction, 1)) : " friction=\"0\" condim=\"1\"") +
            (contact == Contact::raycontact ? " contype=\"0\""
             : contact == Contact::passive  ? " passive=\"true\""
                                            : "") +

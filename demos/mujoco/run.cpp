@@ -42,6 +42,7 @@ Scene scene_named(const std::string& name, const std::vector<std::string>& files
   if (name == "impact") {
     Scene scene{"impact", "a tetrahedral torus meets another at 2 m/s", {}};
     scene.model.bodies = {tetrahedra(0, 0, 0), tetrahedra(0.1, 0.05, 0.82)};
+    for (Body& body : scene.model.bodies) body.friction = 1;
     scene.closing_speed = 2;
     return scene;
   }
@@ -89,7 +90,7 @@ Run::Run(const Scene& scene, Contact contact, double timestep) : bodies_(scene.m
   last_step_ = static_cast<int>(std::lround(scene.seconds / timestep));
   figures_.start_depth = judge_->depth(d_.get());
   figures_.start_energy = judge_->energy(d_.get());
-  figures_.most_energy = figures_.start_energy;
+  figures_.most_energy = least_energy_ = figures_.start_energy;
   start_momentum_ = judge_->momentum(d_.get());
   figures_.apart = figures_.start_depth > 0 ? -1 : 0;
 }
@@ -123,6 +124,8 @@ void Run::look() {
   figures_.deepest = std::max(figures_.deepest, figures_.last_depth);
   figures_.last_energy = judge_->energy(d_.get());
   figures_.most_energy = std::max(figures_.most_energy, figures_.last_energy);
+  least_energy_ = std::min(least_energy_, figures_.last_energy);
+  figures_.largest_rise = std::max(figures_.largest_rise, figures_.last_energy - least_energy_);
   if (figures_.last_depth > 0) {
     figures_.apart = -1;
   } else if (figures_.apart < 0) {

@@ -31,6 +31,7 @@ struct Figures {
   double start_energy = 0;                              // J
   double most_energy = 0;                               // J, at any step
   double energy_gain = 0;   // the largest rise over what it was when bodies came apart, as a part
+  double largest_rise = 0;  // J, over the least energy so far: what contacts give back, at best
   double last_energy = 0;   // J
   double drift = 0;         // kg m/s, the largest change of momentum; without gravity
   double lowest = 0;        // m: of all vertices at the end
@@ -66,7 +67,7 @@ class Run {
   std::unique_ptr<Contacts> contacts_;
   std::size_t bodies_ = 0;
   int steps_ = 0, last_step_ = 0;
-  double energy_apart_ = 0;
+  double energy_apart_ = 0, least_energy_ = 0;
   std::array<double, 3> start_momentum_{};
   Figures figures_;
 };
