@@ -39,7 +39,7 @@ struct ContactLaw {
  * One step of an implicit solver: addSurface() for models that are new; begin(), then addForce() with the velocities that the
  * host starts from, addDForce() for each iteration or blocks() for a matrix; finish() with the velocities it ended with. The
  * forces are those at the end of the step, so they depend on velocities alone and all of their derivative is a damping matrix.
- * One step of an explicit solver: explicitStep().
+ * Where bodies have solvers of their own: addSeparateForce() in place of begin() and addForce().
  *
  * Arrays have one entry for each number that the stage has given out, NULL for a model that was removed. A v of NULL is a model
  * at rest, an f of NULL one whose forces nobody wants.
@@ -65,7 +65,7 @@ class ContactResponse {
    * Makes the next of the stage's models known; a step under way ends as if it had not begun.
    * @param stage the stage that has the model
    * @param vertex_mass what each vertex weighs, in kg: > 0, infinity for a model that the solver does not move. It decides how
-   * escapes share their push among the vertices, and what explicitStep() calls stable
+   * escapes share their push among the vertices, and what addSeparateForce() expects of them
    * @param law what contacts are made of
    */
   void addSurface(CollisionStage<DataTypes>& stage, double vertex_mass, const ContactLaw& law) {
@@ -79,7 +79,6 @@ class ContactResponse {
     if (count > 0)
       system_.add_deformable(stage.scene(), model, firsts_.back(), static_cast<uint32_t>(count), material(law));
     masses_.swap(masses);
-    damping_time_ = std::max(damping_time_, law.damping_time);
     firsts_.push_back(static_cast<uint32_t>(masses_.size()));
   }
 
@@ -143,7 +142,7 @@ class ContactResponse {
   /** The potential of the contacts, in J, at the velocities of the last addForce(): it grows with the depth at the step's end. */
   double getPotentialEnergy() const { return energy_; }
 
-  /** The force on a vertex, in N, at the last addForce() or explicitStep(). */
+  /** The force on a vertex, in N, at the last addForce() or addSeparateForce(). */
   std::array<double, 3> lastForce(ModelId model, std::size_t vertex) const {
     const std::size_t at = 3 * (firsts_[model] + vertex);
     if (at + 3 > forces_.size()) return {0, 0, 0};
@@ -164,27 +163,25 @@ class ContactResponse {
   }
 
   /**
-   * A whole step of an explicit solver: adds the forces, in N, at these positions and velocities. Where the step is longer than
-   * these forces are stable for, stiffness and damping are made smaller by one factor so that it is not.
-   * @return the longest step, in s, for which the forces at full size would be stable
+   * A step of a host whose solvers do not ask for the derivative, or ask body by body: begin(), then adds the forces, in N, that
+   * there would be at the step's end if each vertex were a free point of its mass. Where those masses, carried over to what
+   * the vertices are mapped from, are no larger than what the solvers move, these forces never push a body back faster than
+   * it came, however long the step. finish() as for begin().
+   * @return iterations of conjugate gradients; as many as most_iterations where they did not come to their end
    */
-  double explicitStep(CollisionStage<DataTypes>& stage, double dt, const std::vector<VecDeriv*>& f,
-                      const std::vector<const VecCoord*>& x, const std::vector<const VecDeriv*>& v) {
-    require_one_for_each_model(stage.modelCount(), x.size(), v.size());
+  int addSeparateForce(CollisionStage<DataTypes>& stage, double dt, const std::vector<VecDeriv*>& f,
+                       const std::vector<const VecCoord*>& x, const std::vector<const VecDeriv*>& v, const double* gravity) {
     require_one_for_each_model(stage.modelCount(), f.size(), v.size());
-    system_.cancel();
-    is_under_way_ = false;
-    gather(positions_, x, "position");
-    gather(velocities_, v, "velocity");
+    begin(stage, dt, x, v, gravity);
+    const int iterations = find_end(dt, gravity);
     forces_.assign(velocities_.size(), 0);
-    const double longest = system_.explicit_step(stage.scene(), dt, positions_, velocities_, forces_);
-    // A mode of stiffness k per mass, damped by k times the damping time, is stable up to dt² + 2 dt damping time = 4 / k.
-    const auto bound = [this](double step) { return step * (step + 2 * damping_time_); };
-    if (longest < dt)
-      for (double& number : forces_) number *= bound(longest) / bound(dt);
+    system_.add_forces(velocities_, forces_);
+    energy_ = system_.energy(velocities_);
     scatter(forces_, f);
-    return longest;
+    return iterations;
   }
+
+  static constexpr int most_iterations = 500;  ///< Of addSeparateForce().
 
  private:
   static rayc_contact_system_options options(uint32_t precision) {
@@ -201,6 +198,42 @@ class ContactResponse {
     material.friction = law.friction;
     material.depth_cap = law.depth_cap;
     return material;
+  }
+
+  /** Moves velocities_ on to where free points of these masses would have them: (M + dt A) d = dt (f + M g). */
+  int find_end(double dt, const double* gravity) {
+    const std::size_t count = velocities_.size();
+    forces_.assign(count, 0);
+    system_.add_forces(velocities_, forces_);
+    const auto is_free = [this](std::size_t k) { return std::isfinite(masses_[k / 3]); };
+    // The mass is the preconditioner: residuals are kept over their mass.
+    double all = 0, left = 0;
+    residuals_.assign(count, 0);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!is_free(k)) continue;
+      residuals_[k] = dt * (forces_[k] / masses_[k / 3] + gravity[k % 3]);
+      left += masses_[k / 3] * residuals_[k] * residuals_[k];
+    }
+    all = left;
+    changes_ = residuals_;
+    int iteration = 0;
+    for (; iteration < most_iterations && left > 1e-12 * all; ++iteration) {
+      products_.assign(count, 0);
+      system_.add_product(dt, changes_, products_);
+      double curvature = 0;
+      for (std::size_t k = 0; k < count; ++k)
+        if (is_free(k)) curvature += changes_[k] * (products_[k] += masses_[k / 3] * changes_[k]);
+      const double step = left / curvature, before = left;
+      left = 0;
+      for (std::size_t k = 0; k < count; ++k) {
+        if (!is_free(k)) continue;
+        velocities_[k] += step * changes_[k];
+        residuals_[k] -= step * products_[k] / masses_[k / 3];
+        left += masses_[k / 3] * residuals_[k] * residuals_[k];
+      }
+      for (std::size_t k = 0; k < count; ++k) changes_[k] = residuals_[k] + left / before * changes_[k];
+    }
+    return iteration;
   }
 
   void require_one_for_each_model(std::size_t models, std::size_t a, std::size_t b) const {
@@ -247,11 +280,9 @@ class ContactResponse {
   uint32_t precision_;
   /** The first vertex of each model, and the number of all. */
   std::vector<uint32_t> firsts_;
-  std::vector<double> masses_, positions_, velocities_, free_, changes_, forces_, products_;
+  std::vector<double> masses_, positions_, velocities_, free_, changes_, forces_, products_, residuals_;
   Blocks blocks_;
   double energy_ = 0;
-  /** The largest. */
-  double damping_time_ = 0;
   bool is_under_way_ = false;
 };
 

@@ -64,21 +64,19 @@ class Log : public sofa::helper::logging::MessageHandler {
 Log the_log;
 
 /** A scene without gravity, unless it is said, of cubes in cages under one solver. */
-std::string scene_of(const std::string& folder, const std::string& bodies, const std::string& contact,
-                     const std::string& gravity = "0 0 0") {
+std::string scene_of(const std::string& bodies, const std::string& contact, const std::string& gravity = "0 0 0") {
   return "<Node name='root' dt='0.01' gravity='" + gravity + "'><DefaultAnimationLoop/><CollisionPipeline/><BruteForceBroadPhase/>"
          "<RaycontactNarrowPhase name='narrowPhase'/><NewProximityIntersection alarmDistance='0.02' contactDistance='0'/>"
          "<CollisionResponse response='PenalityContactForceField'/><Node name='Bodies'><EulerImplicitSolver "
          "rayleighStiffness='0' rayleighMass='0'/><CGLinearSolver iterations='500' tolerance='1e-14' threshold='1e-14'/>"
          "<RaycontactForceField name='contact' " + contact + "/>" + bodies + "</Node></Node>";
-  (void)folder;
 }
 
 std::string cube(const std::string& folder, const std::string& name, const std::string& place) {
   return "<Node name='" + name + "'><MechanicalObject name='nodes' translation='" + place + "'/><UniformMass totalMass='10'/>"
          "<RegularGridTopology nx='4' ny='4' nz='4' min='-0.2 -0.2 -0.2' max='0.2 0.2 0.2'/><RegularGridSpringForceField "
          "stiffness='20000' damping='20'/><Node name='Surface'><MeshOBJLoader name='file' filename='" + folder +
-         "/meshes/box.obj'/><MeshTopology src='@file'/><MechanicalObject src='@file' translation='" + place + "'/>"
+         "/meshes/box.obj'/><MeshTopology src='@file'/><MechanicalObject src='@file'/>"
          "<TriangleCollisionModel/><BarycentricMapping/></Node></Node>";
 }
 
@@ -197,7 +195,7 @@ class Dense : public sofa::core::behavior::DampingMatrixAccumulator {
 };
 
 void derivatives(const std::string& folder) {
-  Scene scene(scene_of(folder, two_cubes(folder), "stiffness='1e5' friction='0.4'"));
+  Scene scene(scene_of(two_cubes(folder), "stiffness='1e5' friction='0.4'"));
   scene.run(2);
   const Field v = read(scene, vec_id::read_access::velocity);
   const Field d = filled(v, [](int k) { return 0.01 * std::sin(1.0 + 7.0 * k); });
@@ -239,7 +237,7 @@ void derivatives(const std::string& folder) {
 }
 
 void momentum_and_energy(const std::string& folder) {
-  Scene scene(scene_of(folder, cube(folder, "A", "0 0 0") + cube(folder, "B", "0.41 0.13 0.07"),
+  Scene scene(scene_of(cube(folder, "A", "0 0 0") + cube(folder, "B", "0.41 0.13 0.07"),
                        "stiffness='1e5' friction='0.3'"));
   auto* first = scene.bodies()[0];
   auto* v = first->write(vec_id::write_access::velocity)->beginEdit();
@@ -265,13 +263,11 @@ void momentum_and_energy(const std::string& folder) {
 }
 
 void friction(const std::string& folder, const char* coefficient, bool holds) {
-  Scene scene(folder.empty() ? "" : [&] {
-    std::string floor = "</Node><Node name='Floor'><MeshOBJLoader name='file' filename='" + folder +
-                        "/meshes/floor.obj'/><MeshTopology src='@file'/><MechanicalObject src='@file'/>"
-                        "<TriangleCollisionModel simulated='0' moving='0'/>";
-    return scene_of(folder, cube(folder, "Box", "0 0.199 0") + floor,
-                    std::string("stiffness='1e5' friction='") + coefficient + "'", "1.94895 -9.61445 0");
-  }());
+  const std::string floor = "<Node name='Floor'><MeshOBJLoader name='file' filename='" + folder +
+                            "/meshes/floor.obj'/><MeshTopology src='@file'/><MechanicalObject src='@file'/>"
+                            "<TriangleCollisionModel simulated='0' moving='0'/></Node>";
+  Scene scene(scene_of(cube(folder, "Box", "0 0.199 0") + floor,
+                       std::string("stiffness='1e5' friction='") + coefficient + "'", "1.94895 -9.61445 0"));
   const auto place = [&] {
     double mean = 0;
     const auto& x = scene.bodies()[0]->read(vec_id::read_access::position)->getValue();
@@ -308,7 +304,7 @@ void ten_tori(const std::string& folder) {
 }
 
 void the_same_bits(const std::string& folder) {
-  const std::string text = scene_of(folder, two_cubes(folder), "stiffness='1e5' friction='0.4'");
+  const std::string text = scene_of(two_cubes(folder), "stiffness='1e5' friction='0.4'");
   Scene scene(text), other(text);
   scene.run(30);
   other.run(30);
@@ -329,7 +325,7 @@ void bad_scenes(const std::string& folder) {
     scene.run(2);
   };
   const auto nothing = [](Scene&) {};
-  std::string text = scene_of(folder, two_cubes(folder), "");
+  std::string text = scene_of(two_cubes(folder), "");
   const auto replaced = [](std::string all, const std::string& part, const std::string& by) {
     return all.replace(all.find(part), part.size(), by);
   };

@@ -61,9 +61,6 @@ RaycontactForceField::RaycontactForceField()
       d_depthCap(initData(&d_depthCap, SReal(0), "depthCap",
                           "The depth beyond which one step asks for no more force than there. 0: none.")),
       d_forceScale(initData(&d_forceScale, SReal(0.01), "forceScale", "Length drawn for a force of 1.")),
-      d_longestStep(initData(&d_longestStep, SReal(0), "longestStep",
-                             "Where the response is explicit, the longest step for which it is stable at full size.",
-                             true, true)),
       d_wrongPart(initData(&d_wrongPart, SReal(0), "wrongPart",
                            "The part of all force, 0 to 1, that the last step's solve took wrongly for pushing.", true,
                            true)),
@@ -94,7 +91,7 @@ void RaycontactForceField::init() {
 void RaycontactForceField::reset() {
   response_.clear();
   generation_ = 0;
-  is_step_new_ = is_ill_ = has_warned_of_solvers_ = has_warned_of_scale_ = false;
+  is_step_new_ = is_ill_ = has_warned_of_solvers_ = false;
 }
 
 void RaycontactForceField::handleEvent(sofa::core::objectmodel::Event* event) {
@@ -134,7 +131,7 @@ void RaycontactForceField::read(sofa::core::ConstMultiVecDerivId id) {
   }
 }
 
-/** What a vertex of the surface bears of its body's mass. */
+/** What a vertex of the surface bears of its body's mass: an even share. */
 double RaycontactForceField::vertexMass(const Surface& surface) const {
   if (!moves(surface)) return std::numeric_limits<double>::infinity();
   double sum = 0;
@@ -146,7 +143,7 @@ double RaycontactForceField::vertexMass(const Surface& surface) const {
 }
 
 /**
- * The heaviest model's weight over its smallest shadow, borne ten times over at a tenth of the smallest extent of any model
+ * The heaviest model's weight over its smallest shadow, borne three times over at a tenth of the smallest extent of any model
  * that moves.
  */
 double RaycontactForceField::automaticStiffness() const {
@@ -162,10 +159,10 @@ double RaycontactForceField::automaticStiffness() const {
     pressure = std::max(pressure, vertexMass(surface) * double(surface.state->getSize()) * gravity / shadow);
     depth = std::min(depth, least / 10);
   }
-  return pressure > 0 && depth > 0 ? 10 * pressure / depth : 1;
+  return pressure > 0 && depth > 0 ? 3 * pressure / depth : 1;
 }
 
-void RaycontactForceField::takeNewSurfaces() {
+void RaycontactForceField::takeNewSurfaces(bool is_implicit) {
   const auto& surfaces = l_narrowPhase->surfaces();
   if (generation_ != l_narrowPhase->generation()) {
     response_ = raycontact::ContactResponse<DataTypes>(l_narrowPhase->precision());
@@ -183,7 +180,8 @@ void RaycontactForceField::takeNewSurfaces() {
   if (d_depthCap.getValue() > 0) law.depth_cap = d_depthCap.getValue();
   while (response_.surfaceCount() < surfaces.size()) {
     const Surface& surface = surfaces[response_.surfaceCount()];
-    response_.addSurface(l_narrowPhase->stage(), vertexMass(surface), law);
+    // Some nodes of a cage carry more of the surface than their share, so half of it is safe where nothing tells.
+    response_.addSurface(l_narrowPhase->stage(), vertexMass(surface) * (is_implicit ? 1 : 1.0), law);
   }
 }
 
@@ -192,8 +190,8 @@ void RaycontactForceField::warnOfSolvers(bool is_implicit) {
   has_warned_of_solvers_ = true;
   const auto* own = above<OdeSolver>(getContext());
   if (own == nullptr) {
-    msg_warning() << "No solver at this force field's node or above it: the response is explicit, and softer where the "
-                  << "step is too long for it. Put the bodies and this force field under one solver.";
+    msg_warning() << "No solver at this force field's node or above it: the response is explicit, as if vertices were loose "
+                  << "points. Put the bodies and this force field under one solver for a better one.";
     return;
   }
   if (!is_implicit) msg_warning() << own->getPathName() << " is explicit, and so is the response.";
@@ -202,6 +200,8 @@ void RaycontactForceField::warnOfSolvers(bool is_implicit) {
       msg_warning() << surface.model->getPathName() << " is not under " << own->getPathName()
                     << ", the solver of this force field: it is pushed a step late or not at all.";
 }
+
+double RaycontactForceField::step() const { return dt_ > 0 ? dt_ : double(getContext()->getDt()); }
 
 /** The positions and velocities of a new step; false where there is nothing to do. */
 bool RaycontactForceField::begin(const MechanicalParams* params, bool is_implicit) {
@@ -214,11 +214,10 @@ bool RaycontactForceField::begin(const MechanicalParams* params, bool is_implici
     is_step_new_ = false;
     if (generation_ == l_narrowPhase->generation() && v_.size() == response_.surfaceCount())
       d_wrongPart.setValue(response_.finish(v_));
-    takeNewSurfaces();
+    takeNewSurfaces(is_implicit);
     if (!x_.empty()) warnOfSolvers(is_implicit);
     if (is_implicit && !x_.empty())
-      response_.begin(l_narrowPhase->stage(), dt_ > 0 ? dt_ : double(getContext()->getDt()), x_, v_,
-                      getContext()->getGravity().data());
+      response_.begin(l_narrowPhase->stage(), step(), x_, v_, getContext()->getGravity().data());
   }
   return !x_.empty();
 }
@@ -232,14 +231,11 @@ void RaycontactForceField::addForce(const MechanicalParams* params, sofa::core::
       if (response_.isUnderWay()) response_.addForce(f_, v_);
       return;
     }
-    const double dt = dt_ > 0 ? dt_ : double(getContext()->getDt());
-    const double longest = response_.explicitStep(l_narrowPhase->stage(), dt, f_, x_, v_);
-    d_longestStep.setValue(longest);
-    if (longest < dt && !has_warned_of_scale_) {
-      has_warned_of_scale_ = true;
-      msg_warning() << "The step of " << dt << " s is too long for explicit contact forces of this stiffness, which are "
-                    << "stable up to " << longest << " s (longestStep): they are made smaller wherever that is so.";
-    }
+    const int iterations = response_.addSeparateForce(l_narrowPhase->stage(), step(), f_, x_, v_,
+                                                      getContext()->getGravity().data());
+    if (iterations == response_.most_iterations)
+      msg_warning() << "The explicit response did not come to its end in " << iterations << " iterations: stiffness "
+                    << stiffness_ << " is too much for steps of " << step() << " s.";
   });
 }
 

@@ -22,7 +22,6 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
   sofa::Data<SReal> d_friction;
   sofa::Data<SReal> d_depthCap;
   sofa::Data<SReal> d_forceScale;
-  sofa::Data<SReal> d_longestStep;
   sofa::Data<SReal> d_wrongPart;
   sofa::SingleLink<RaycontactForceField, RaycontactNarrowPhase,
                    sofa::core::objectmodel::BaseLink::FLAG_STOREPATH | sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
@@ -48,11 +47,11 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
   class Writing;
 
   bool begin(const MechanicalParams* params, bool is_implicit);
-  void takeNewSurfaces();
+  void takeNewSurfaces(bool is_implicit);
   void warnOfSolvers(bool is_implicit);
   bool moves(const Surface& surface) const;
   double vertexMass(const Surface& surface) const;
-  raycontact::ContactLaw law(double vertex_mass_sum) const;
+  double step() const;
   double automaticStiffness() const;
   void read(sofa::core::ConstMultiVecDerivId v);
   template <class Call>
@@ -69,7 +68,6 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
   bool is_step_new_ = false;
   bool is_ill_ = false;
   bool has_warned_of_solvers_ = false;
-  bool has_warned_of_scale_ = false;
 };
 
 }  // namespace sofaraycontact
