@@ -93,9 +93,13 @@ bool read(int count, char** arguments, Options& options) {
       options.resets = true;
     else if (argument[0] != '-' && options.scene.empty())
       options.scene = argument;
-    else
+    else {
+      std::fprintf(stderr, "run_scene: unknown option or second scene '%s'\n", argument.c_str());
       return false;
+    }
   }
+  if (options.scene.empty()) std::fputs("run_scene: no scene\n", stderr);
+  if (options.steps <= 0) std::fputs("run_scene: --steps takes a number above 0\n", stderr);
   return !options.scene.empty() && options.steps > 0;
 }
 

@@ -81,6 +81,9 @@ void RaycontactForceField::init() {
   else if (l_narrowPhase->d_publishContacts.getValue())
     msg_warning() << l_narrowPhase->getPathName() << " publishes its contacts, so SOFA's own response pushes too: set "
                   << "publishContacts to 0, or take this force field out.";
+  // Rays from vertices at edges are oblique, and hold on where they should slide.
+  if (d_friction.getValue() > 0 && !l_narrowPhase->d_sampleSpacing.isSet())
+    l_narrowPhase->d_sampleSpacing.setValue(RAYC_SPACING_AUTOMATIC);
   // Matrix-based linear systems ask at the start which states a force field couples.
   for (Triangles* model : getContext()->getRootContext()->getObjects<Triangles>(BaseContext::SearchDown))
     if (model->isSimulated() && model->getMechanicalState() != nullptr)
@@ -162,7 +165,7 @@ double RaycontactForceField::automaticStiffness() const {
   return pressure > 0 && depth > 0 ? 3 * pressure / depth : 1;
 }
 
-void RaycontactForceField::takeNewSurfaces(bool is_implicit) {
+void RaycontactForceField::takeNewSurfaces() {
   const auto& surfaces = l_narrowPhase->surfaces();
   if (generation_ != l_narrowPhase->generation()) {
     response_ = raycontact::ContactResponse<DataTypes>(l_narrowPhase->precision());
@@ -180,8 +183,7 @@ void RaycontactForceField::takeNewSurfaces(bool is_implicit) {
   if (d_depthCap.getValue() > 0) law.depth_cap = d_depthCap.getValue();
   while (response_.surfaceCount() < surfaces.size()) {
     const Surface& surface = surfaces[response_.surfaceCount()];
-    // Some nodes of a cage carry more of the surface than their share, so half of it is safe where nothing tells.
-    response_.addSurface(l_narrowPhase->stage(), vertexMass(surface) * (is_implicit ? 1 : 1.0), law);
+    response_.addSurface(l_narrowPhase->stage(), vertexMass(surface), law);
   }
 }
 
@@ -214,7 +216,7 @@ bool RaycontactForceField::begin(const MechanicalParams* params, bool is_implici
     is_step_new_ = false;
     if (generation_ == l_narrowPhase->generation() && v_.size() == response_.surfaceCount())
       d_wrongPart.setValue(response_.finish(v_));
-    takeNewSurfaces(is_implicit);
+    takeNewSurfaces();
     if (!x_.empty()) warnOfSolvers(is_implicit);
     if (is_implicit && !x_.empty())
       response_.begin(l_narrowPhase->stage(), step(), x_, v_, getContext()->getGravity().data());

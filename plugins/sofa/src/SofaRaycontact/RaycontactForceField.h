@@ -47,7 +47,7 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
   class Writing;
 
   bool begin(const MechanicalParams* params, bool is_implicit);
-  void takeNewSurfaces(bool is_implicit);
+  void takeNewSurfaces();
   void warnOfSolvers(bool is_implicit);
   bool moves(const Surface& surface) const;
   double vertexMass(const Surface& surface) const;

@@ -11,6 +11,7 @@
 namespace sofaraycontact {
 
 using sofa::core::collision::DetectionOutput;
+using sofa::core::objectmodel::BaseContext;
 using Outputs = sofa::core::collision::TDetectionOutputVector<Triangles, Triangles>;
 
 void SchedulerThreads::operator()(std::size_t count, const std::function<void(std::size_t)>& task) const {
@@ -27,7 +28,8 @@ RaycontactNarrowPhase::RaycontactNarrowPhase()
                                  "RaycontactForceField with this narrow phase switches it off unless it is set.")),
       d_sampleSpacing(initData(&d_sampleSpacing, SReal(0), "sampleSpacing",
                                "Where rays start. 0: at the vertices. A length: about so far apart, in the middles of "
-                               "faces. -1: in the middle of each triangle, larger ones being cut.")),
+                               "faces. -1: in the middle of each triangle, larger ones being cut; a RaycontactForceField "
+                               "with friction takes that unless this is set.")),
       d_law(initData(&d_law, std::string("automatic"), "law",
                      "What forces grow with. rayLength: the way to where the ray leaves the other body. pressure: the "
                      "distance to the other body's surface. automatic: rayLength where contacts are published.")),
@@ -46,13 +48,18 @@ RaycontactNarrowPhase::RaycontactNarrowPhase()
                           "bit by bit. Read when the models are first seen.")),
       d_contactCount(initData(&d_contactCount, 0u, "contactCount", "Contacts published in the last step.", true, true)),
       d_pairCount(initData(&d_pairCount, 0u, "pairCount", "Pairs of models that the broad phase let through.", true,
-                           true)) {
-  d_law.setRequired(false);
-}
+                           true)) {}
 
 void RaycontactNarrowPhase::init() {
   NarrowPhaseDetection::init();
   start();
+}
+
+/** The broad phase leaves empty models out without a word. */
+void RaycontactNarrowPhase::bwdInit() {
+  for (Triangles* model : getContext()->getRootContext()->getObjects<Triangles>(BaseContext::SearchDown))
+    if (model->getCollisionTopology() == nullptr || model->getSize() == 0)
+      msg_error() << model->getPathName() << " has no triangles and does not collide: give its node a topology that has.";
 }
 
 void RaycontactNarrowPhase::reset() {
@@ -140,8 +147,6 @@ raycontact::ModelId RaycontactNarrowPhase::add(Triangles* model) {
     return number;
   };
   try {
-    if (model->getCollisionTopology() == nullptr || model->getTriangles().empty())
-      throw raycontact::Error(RAYC_STATUS_MESH_EMPTY, "the model has no triangles; give its node a topology that has.");
     try {
       return add();
     } catch (const raycontact::Error& error) {
@@ -171,16 +176,13 @@ void RaycontactNarrowPhase::refuse(Triangles* model, const std::string& why) {
   msg_error() << model->getPathName() << " does not collide: " << why;
 }
 
-/** False where the positions are none. */
-bool RaycontactNarrowPhase::place(raycontact::ModelId number) {
+void RaycontactNarrowPhase::place(raycontact::ModelId number) {
   try {
     stage_->setPositions(number, surfaces_[number].model->getX());
     ill_.erase(number);
-    return true;
   } catch (const raycontact::Error& error) {
     if (ill_.insert(number).second)
       msg_error() << surfaces_[number].model->getPathName() << " stays where it was: " << error.what();
-    return false;
   }
 }
 
@@ -189,10 +191,7 @@ void RaycontactNarrowPhase::endNarrowPhase() {
   d_pairCount.setValue(static_cast<unsigned>(pairs_.size()));
   if (d_publishContacts.getValue()) {
     for (raycontact::ModelId number = 0; number < surfaces_.size(); ++number)
-      if (!surfaces_[number].model->isMoving() && !surfaces_[number].model->isSimulated())
-        continue;  // where it was
-      else
-        place(number);
+      if (surfaces_[number].model->isMoving() || surfaces_[number].model->isSimulated()) place(number);
     try {
       stage_->endNarrowPhase();
       publish();

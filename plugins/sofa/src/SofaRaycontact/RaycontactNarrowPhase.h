@@ -55,6 +55,7 @@ class SOFARAYCONTACT_API RaycontactNarrowPhase : public sofa::core::collision::N
   sofa::Data<unsigned> d_pairCount;
 
   void init() override;
+  void bwdInit() override;
   void reset() override;
 
   /** Boxes of whole models are all that rays need. */
@@ -85,7 +86,7 @@ class SOFARAYCONTACT_API RaycontactNarrowPhase : public sofa::core::collision::N
   raycontact::ModelId number(Triangles* model);
   bool isRefused(Triangles* model) const;
   void refuse(Triangles* model, const std::string& why);
-  bool place(raycontact::ModelId number);
+  void place(raycontact::ModelId number);
   void publish();
 
   SchedulerThreads threads_;
