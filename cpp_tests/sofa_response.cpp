@@ -1,6 +1,8 @@
 // The response in SOFA's words: its forces are the negative gradient of its energy, its products and blocks their
-// derivative; implicit Euler over it keeps momentum and gains no energy, bodies come apart, friction holds a box on a slope and
-// lets it slide as the textbook says, and forces for bodies with solvers of their own do not explode.
+// derivative; implicit Euler over it keeps momentum and gains no energy, bodies come apart, friction holds a box on a
+// slope and lets it slide as the textbook says, and forces for bodies with solvers of their own do not explode.
+#include "raycontact/sofa_response.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +10,6 @@
 #include <vector>
 
 #include "check.h"
-#include "raycontact/sofa_response.hpp"
 #include "sofa_types.hpp"
 
 namespace {
@@ -21,7 +22,8 @@ using raycontact::ModelId;
 const double infinity = std::numeric_limits<double>::infinity();
 const double weightless[3] = {0, 0, 0};
 
-/** Bodies of loose points on a common solver: backward Euler by conjugate gradients, on what a host asks of the response. */
+/** Bodies of loose points on a common solver: backward Euler by conjugate gradients, on what a host asks of the
+ * response. */
 struct World {
   std::vector<Surface<double>> surfaces;
   std::vector<double> masses;  // of a vertex
@@ -283,7 +285,8 @@ void friction_holds_and_lets_slide() {
   CHECK_NEAR(way_down_a_slope(0.1, 0.2, 1), expected, 0.05 * expected);
 }
 
-/** Bodies with solvers of their own, stiffer than an explicit step bears: apart, with their momentum, never too fast. */
+/** Bodies with solvers of their own, stiffer than an explicit step bears: apart, with their momentum, never too fast.
+ */
 void separate_forces_do_not_explode() {
   for (const double stiffness : {10.0, 1000.0}) {
     World world;
@@ -297,8 +300,8 @@ void separate_forces_do_not_explode() {
     const auto step = [&] {
       world.choose_pairs();
       std::vector<Vectors> f = world.zeros();
-      const int iterations = world.response.addSeparateForce(world.stage, dt, World::views<Vectors>(f), world.positions(),
-                                                             world.velocities(), weightless);
+      const int iterations = world.response.addSeparateForce(world.stage, dt, World::views<Vectors>(f),
+                                                             world.positions(), world.velocities(), weightless);
       CHECK(iterations < Response::most_iterations);
       world.project(f);
       world.for_each([&](std::size_t body, std::size_t i, int axis) {

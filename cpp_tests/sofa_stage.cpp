@@ -1,5 +1,5 @@
-// The stage in SOFA's words, on vector types that offer what SOFA's do: what it hands over is what the library found, seen
-// from the pair's first model.
+// The stage in SOFA's words, on vector types that offer what SOFA's do: what it hands over is what the library found,
+// seen from the pair's first model.
 #include <array>
 #include <cstdlib>
 #include <new>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 /**
  * @file
- * A narrow phase in the words of SOFA, templated on the host's vector types: a plugin hands its calls through. It includes
- * nothing of SOFA. The plugin is plugins/sofa, its manual docs/sofa.md.
+ * A narrow phase in the words of SOFA, templated on the host's vector types: a plugin hands its calls through. It
+ * includes nothing of SOFA. The plugin is plugins/sofa, its manual docs/sofa.md.
  */
 #ifndef RAYCONTACT_SOFA_HPP
 #define RAYCONTACT_SOFA_HPP
@@ -51,9 +51,9 @@ struct DetectionOutput {
  * The stage of a collision pipeline that finds contacts.
  *
  * One step: setPositions() for each model that moved; beginNarrowPhase(), addCollisionPair() for each pair that the
- * broad phase lets through, endNarrowPhase(); getDetectionOutputs(). A pair that is not added has no contacts, whether its
- * boxes overlap or not. Where a ContactResponse (raycontact/sofa_response.hpp) looks for contacts itself, chooseCollisionPairs()
- * takes the place of endNarrowPhase().
+ * broad phase lets through, endNarrowPhase(); getDetectionOutputs(). A pair that is not added has no contacts, whether
+ * its boxes overlap or not. Where a ContactResponse (raycontact/sofa_response.hpp) looks for contacts itself,
+ * chooseCollisionPairs() takes the place of endNarrowPhase().
  *
  * Threads: one call at a time. Errors are exceptions of type raycontact::Error.
  *

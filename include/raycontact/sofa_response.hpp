@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 /**
  * @file
- * The contact system (raycontact/contact_system.hpp) as a force field on the models of a CollisionStage. It includes nothing
- * of SOFA. The plugin is plugins/sofa, its manual docs/sofa.md.
+ * The contact system (raycontact/contact_system.hpp) as a force field on the models of a CollisionStage. It includes
+ * nothing of SOFA. The plugin is plugins/sofa, its manual docs/sofa.md.
  */
 #ifndef RAYCONTACT_SOFA_RESPONSE_HPP
 #define RAYCONTACT_SOFA_RESPONSE_HPP
@@ -36,13 +36,14 @@ struct ContactLaw {
  * Contact forces between the collision models of a stage, for a host that asks for forces and for products with their
  * derivative, as SOFA's solvers do.
  *
- * One step of an implicit solver: addSurface() for models that are new; begin(), then addForce() with the velocities that the
- * host starts from, addDForce() for each iteration or blocks() for a matrix; finish() with the velocities it ended with. The
- * forces are those at the end of the step, so they depend on velocities alone and all of their derivative is a damping matrix.
- * Where bodies have solvers of their own: addSeparateForce() in place of begin() and addForce().
+ * One step of an implicit solver: addSurface() for models that are new; begin(), then addForce() with the velocities
+ * that the host starts from, addDForce() for each iteration or blocks() for a matrix; finish() with the velocities it
+ * ended with. The forces are those at the end of the step, so they depend on velocities alone and all of their
+ * derivative is a damping matrix. Where bodies have solvers of their own: addSeparateForce() in place of begin() and
+ * addForce().
  *
- * Arrays have one entry for each number that the stage has given out, NULL for a model that was removed. A v of NULL is a model
- * at rest, an f of NULL one whose forces nobody wants.
+ * Arrays have one entry for each number that the stage has given out, NULL for a model that was removed. A v of NULL is
+ * a model at rest, an f of NULL one whose forces nobody wants.
  *
  * Threads: one call at a time, for the stage too. Errors are exceptions of type raycontact::Error.
  */
@@ -64,8 +65,8 @@ class ContactResponse {
   /**
    * Makes the next of the stage's models known; a step under way ends as if it had not begun.
    * @param stage the stage that has the model
-   * @param vertex_mass what each vertex weighs, in kg: > 0, infinity for a model that the solver does not move. It decides how
-   * escapes share their push among the vertices, and what addSeparateForce() expects of them
+   * @param vertex_mass what each vertex weighs, in kg: > 0, infinity for a model that the solver does not move. It
+   * decides how escapes share their push among the vertices, and what addSeparateForce() expects of them
    * @param law what contacts are made of
    */
   void addSurface(CollisionStage<DataTypes>& stage, double vertex_mass, const ContactLaw& law) {
@@ -83,8 +84,8 @@ class ContactResponse {
   }
 
   /**
-   * Begins a step of dt seconds: moves all models to where they would be at its end, looks for contacts among the pairs that
-   * the stage lets collide, and holds them for the solver. A step under way ends as if it had not begun.
+   * Begins a step of dt seconds: moves all models to where they would be at its end, looks for contacts among the pairs
+   * that the stage lets collide, and holds them for the solver. A step under way ends as if it had not begun.
    * @param stage the stage that has the models
    * @param dt in s
    * @param x positions at the start, one for each model
@@ -139,7 +140,8 @@ class ContactResponse {
     return {static_cast<ModelId>(next - firsts_.begin() - 1), vertex - *(next - 1)};
   }
 
-  /** The potential of the contacts, in J, at the velocities of the last addForce(): it grows with the depth at the step's end. */
+  /** The potential of the contacts, in J, at the velocities of the last addForce(): it grows with the depth at the
+   * step's end. */
   double getPotentialEnergy() const { return energy_; }
 
   /** The force on a vertex, in N, at the last addForce() or addSeparateForce(). */
@@ -163,14 +165,15 @@ class ContactResponse {
   }
 
   /**
-   * A step of a host whose solvers do not ask for the derivative, or ask body by body: begin(), then adds the forces, in N, that
-   * there would be at the step's end if each vertex were a free point of its mass. Where those masses, carried over to what
-   * the vertices are mapped from, are no larger than what the solvers move, these forces never push a body back faster than
-   * it came, however long the step. finish() as for begin().
+   * A step of a host whose solvers do not ask for the derivative, or ask body by body: begin(), then adds the forces,
+   * in N, that there would be at the step's end if each vertex were a free point of its mass. Where those masses,
+   * carried over to what the vertices are mapped from, are no larger than what the solvers move, these forces never
+   * push a body back faster than it came, however long the step. finish() as for begin().
    * @return iterations of conjugate gradients; as many as most_iterations where they did not come to their end
    */
   int addSeparateForce(CollisionStage<DataTypes>& stage, double dt, const std::vector<VecDeriv*>& f,
-                       const std::vector<const VecCoord*>& x, const std::vector<const VecDeriv*>& v, const double* gravity) {
+                       const std::vector<const VecCoord*>& x, const std::vector<const VecDeriv*>& v,
+                       const double* gravity) {
     require_one_for_each_model(stage.modelCount(), f.size(), v.size());
     begin(stage, dt, x, v, gravity);
     const int iterations = find_end(dt, gravity);

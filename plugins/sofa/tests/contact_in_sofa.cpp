@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// The plugin in SOFA itself: forces against finite differences, the matrix against the product, energy, momentum, friction, ten
-// tori in a bowl, the same bits after a reset, and what bad scenes are told.
+// The plugin in SOFA itself: forces against finite differences, the matrix against the product, energy, momentum,
+// friction, ten tori in a bowl, the same bits after a reset, and what bad scenes are told.
 #include <SofaRaycontact/RaycontactForceField.h>
 #include <sofa/core/MechanicalParams.h>
 #include <sofa/core/ObjectFactory.h>
@@ -65,17 +65,24 @@ Log the_log;
 
 /** A scene without gravity, unless it is said, of cubes in cages under one solver. */
 std::string scene_of(const std::string& bodies, const std::string& contact, const std::string& gravity = "0 0 0") {
-  return "<Node name='root' dt='0.01' gravity='" + gravity + "'><DefaultAnimationLoop/><CollisionPipeline/><BruteForceBroadPhase/>"
-         "<RaycontactNarrowPhase name='narrowPhase'/><NewProximityIntersection alarmDistance='0.02' contactDistance='0'/>"
+  return "<Node name='root' dt='0.01' gravity='" + gravity +
+         "'><DefaultAnimationLoop/><CollisionPipeline/><BruteForceBroadPhase/>"
+         "<RaycontactNarrowPhase name='narrowPhase'/><NewProximityIntersection alarmDistance='0.02' "
+         "contactDistance='0'/>"
          "<CollisionResponse response='PenalityContactForceField'/><Node name='Bodies'><EulerImplicitSolver "
-         "rayleighStiffness='0' rayleighMass='0'/><CGLinearSolver iterations='500' tolerance='1e-14' threshold='1e-14'/>"
-         "<RaycontactForceField name='contact' " + contact + "/>" + bodies + "</Node></Node>";
+         "rayleighStiffness='0' rayleighMass='0'/><CGLinearSolver iterations='500' tolerance='1e-14' "
+         "threshold='1e-14'/>"
+         "<RaycontactForceField name='contact' " +
+         contact + "/>" + bodies + "</Node></Node>";
 }
 
 std::string cube(const std::string& folder, const std::string& name, const std::string& place) {
-  return "<Node name='" + name + "'><MechanicalObject name='nodes' translation='" + place + "'/><UniformMass totalMass='10'/>"
-         "<RegularGridTopology nx='4' ny='4' nz='4' min='-0.2 -0.2 -0.2' max='0.2 0.2 0.2'/><RegularGridSpringForceField "
-         "stiffness='20000' damping='20'/><Node name='Surface'><MeshOBJLoader name='file' filename='" + folder +
+  return "<Node name='" + name + "'><MechanicalObject name='nodes' translation='" + place +
+         "'/><UniformMass totalMass='10'/>"
+         "<RegularGridTopology nx='4' ny='4' nz='4' min='-0.2 -0.2 -0.2' max='0.2 0.2 "
+         "0.2'/><RegularGridSpringForceField "
+         "stiffness='20000' damping='20'/><Node name='Surface'><MeshOBJLoader name='file' filename='" +
+         folder +
          "/meshes/box.obj'/><MeshTopology src='@file'/><MechanicalObject src='@file'/>"
          "<TriangleCollisionModel/><BarycentricMapping/></Node></Node>";
 }
@@ -237,8 +244,8 @@ void derivatives(const std::string& folder) {
 }
 
 void momentum_and_energy(const std::string& folder) {
-  Scene scene(scene_of(cube(folder, "A", "0 0 0") + cube(folder, "B", "0.41 0.13 0.07"),
-                       "stiffness='1e5' friction='0.3'"));
+  Scene scene(
+      scene_of(cube(folder, "A", "0 0 0") + cube(folder, "B", "0.41 0.13 0.07"), "stiffness='1e5' friction='0.3'"));
   auto* first = scene.bodies()[0];
   auto* v = first->write(vec_id::write_access::velocity)->beginEdit();
   for (auto& velocity : *v) velocity = sofa::type::Vec3(1, 0, 0);
@@ -280,8 +287,8 @@ void friction(const std::string& folder, const char* coefficient, bool holds) {
   const double way = place() - at_one;
   // From 1 s to 2 s: g (sin - mu cos) (2² - 1²) / 2.
   const double expected = holds ? 0 : (1.94895 - 0.1 * 9.61445) * 1.5;
-  check(std::abs(way - expected) < (holds ? 0.002 : 0.1 * expected), holds ? "friction holds" : "it slides as it should", way,
-        expected);
+  check(std::abs(way - expected) < (holds ? 0.002 : 0.1 * expected),
+        holds ? "friction holds" : "it slides as it should", way, expected);
 }
 
 void ten_tori(const std::string& folder) {
@@ -292,7 +299,8 @@ void ten_tori(const std::string& folder) {
   double fastest = 0, lowest = 1e9, furthest = 0;
   for (auto* mass : root->getTreeObjects<sofa::core::behavior::BaseMass>()) {
     auto* state = dynamic_cast<State*>(mass->getContext()->getMechanicalState());
-    for (const auto& v : state->read(vec_id::read_access::velocity)->getValue()) fastest = std::max(fastest, double(v.norm()));
+    for (const auto& v : state->read(vec_id::read_access::velocity)->getValue())
+      fastest = std::max(fastest, double(v.norm()));
     for (const auto& x : state->read(vec_id::read_access::position)->getValue()) {
       lowest = std::min(lowest, double(x[1]));
       furthest = std::max({furthest, std::abs(double(x[0])), std::abs(double(x[2]))});
@@ -344,7 +352,8 @@ void bad_scenes(const std::string& folder) {
   });
   check(Log::has(the_log.errors, "is not finite"), "NaN is told");
   std::string explicit_text = replaced(text, "<RaycontactForceField name='contact' />", "");
-  explicit_text = replaced(explicit_text, "<Node name='Bodies'>", "<RaycontactForceField name='contact'/><Node name='Bodies'>");
+  explicit_text =
+      replaced(explicit_text, "<Node name='Bodies'>", "<RaycontactForceField name='contact'/><Node name='Bodies'>");
   log_of(explicit_text, nothing);
   check(Log::has(the_log.warnings, "the response is explicit"), "an explicit response is told");
 }

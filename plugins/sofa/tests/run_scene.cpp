@@ -32,8 +32,10 @@ using sofa::simulation::Node;
 
 const char* const usage =
     "Usage: run_scene [options] scene.scn\n"
-    "Runs a scene of SOFA without a window. Prints one line: steps per second of processor time, milliseconds of a step and\n"
-    "of the collision pipeline in it, the inverted hexahedra and tetrahedra of all steps, the box of the moving bodies'\n"
+    "Runs a scene of SOFA without a window. Prints one line: steps per second of processor time, milliseconds of a "
+    "step and\n"
+    "of the collision pipeline in it, the inverted hexahedra and tetrahedra of all steps, the box of the moving "
+    "bodies'\n"
     "centres and the fastest node at the end, and a hash of all positions.\n"
     "  --steps N       how many (default 400)\n"
     "  --dt S          in place of the scene's own step\n"
@@ -201,10 +203,11 @@ bool run(Node* root, Stopwatch& stopwatch, const Options& options) {
     if (!is_last && (options.every == 0 || step % options.every != 0)) continue;
     const Summary summary = summary_of(root);
     const auto low = summary.centres.minBBox(), high = summary.centres.maxBBox();
-    std::printf("%d steps, %.1f/s, %.2f ms, collision %.2f ms, inverted %ld, centres %.3g..%.3g %.3g..%.3g %.3g..%.3g, "
-                "fastest %.3g, hash %016llx\n",
-                step, step / seconds, 1e3 * seconds / step, 1e3 * stopwatch.seconds / step, inverted, low[0], high[0],
-                low[1], high[1], low[2], high[2], summary.fastest, static_cast<unsigned long long>(summary.hash));
+    std::printf(
+        "%d steps, %.1f/s, %.2f ms, collision %.2f ms, inverted %ld, centres %.3g..%.3g %.3g..%.3g %.3g..%.3g, "
+        "fastest %.3g, hash %016llx\n",
+        step, step / seconds, 1e3 * seconds / step, 1e3 * stopwatch.seconds / step, inverted, low[0], high[0], low[1],
+        high[1], low[2], high[2], summary.fastest, static_cast<unsigned long long>(summary.hash));
     std::fflush(stdout);
     if (!summary.is_finite) {
       std::fprintf(stderr, "run_scene: a position is not finite after %d steps\n", step);

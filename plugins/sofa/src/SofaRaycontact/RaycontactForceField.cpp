@@ -53,9 +53,10 @@ class RaycontactForceField::Writing {
 };
 
 RaycontactForceField::RaycontactForceField()
-    : d_stiffness(initData(&d_stiffness, SReal(0), "stiffness",
-                           "Pressure per depth, in N/m3 where lengths are metres and masses kg. 0: from the weights and "
-                           "sizes of the models; the log says how much.")),
+    : d_stiffness(
+          initData(&d_stiffness, SReal(0), "stiffness",
+                   "Pressure per depth, in N/m3 where lengths are metres and masses kg. 0: from the weights and "
+                   "sizes of the models; the log says how much.")),
       d_dampingTime(initData(&d_dampingTime, SReal(0.05), "dampingTime", "Damping over stiffness, in s.")),
       d_friction(initData(&d_friction, SReal(0), "friction", "Coulomb's coefficient.")),
       d_depthCap(initData(&d_depthCap, SReal(0), "depthCap",
@@ -64,7 +65,8 @@ RaycontactForceField::RaycontactForceField()
       d_wrongPart(initData(&d_wrongPart, SReal(0), "wrongPart",
                            "The part of all force, 0 to 1, that the last step's solve took wrongly for pushing.", true,
                            true)),
-      l_narrowPhase(initLink("narrowPhase", "The RaycontactNarrowPhase whose models touch. Found by itself if there is one.")) {
+      l_narrowPhase(
+          initLink("narrowPhase", "The RaycontactNarrowPhase whose models touch. Found by itself if there is one.")) {
   f_listening.setValue(true);
 }
 
@@ -139,15 +141,16 @@ double RaycontactForceField::vertexMass(const Surface& surface) const {
   if (!moves(surface)) return std::numeric_limits<double>::infinity();
   double sum = 0;
   if (const auto* mass = above<sofa::core::behavior::BaseMass>(surface.state->getContext()))
-    for (sofa::Index k = 0; k < mass->getContext()->getMechanicalState()->getSize(); ++k) sum += mass->getElementMass(k);
+    for (sofa::Index k = 0; k < mass->getContext()->getMechanicalState()->getSize(); ++k)
+      sum += mass->getElementMass(k);
   if (sum > 0) return sum / double(surface.state->getSize());
   msg_warning() << surface.model->getPathName() << " has no mass above it; each of its vertices is taken for 1 kg.";
   return 1;
 }
 
 /**
- * The heaviest model's weight over its smallest shadow, borne three times over at a tenth of the smallest extent of any model
- * that moves.
+ * The heaviest model's weight over its smallest shadow, borne three times over at a tenth of the smallest extent of any
+ * model that moves.
  */
 double RaycontactForceField::automaticStiffness() const {
   double pressure = 0, depth = std::numeric_limits<double>::infinity();
@@ -192,8 +195,9 @@ void RaycontactForceField::warnOfSolvers(bool is_implicit) {
   has_warned_of_solvers_ = true;
   const auto* own = above<OdeSolver>(getContext());
   if (own == nullptr) {
-    msg_warning() << "No solver at this force field's node or above it: the response is explicit, as if vertices were loose "
-                  << "points. Put the bodies and this force field under one solver for a better one.";
+    msg_warning()
+        << "No solver at this force field's node or above it: the response is explicit, as if vertices were loose "
+        << "points. Put the bodies and this force field under one solver for a better one.";
     return;
   }
   if (!is_implicit) msg_warning() << own->getPathName() << " is explicit, and so is the response.";
@@ -233,8 +237,8 @@ void RaycontactForceField::addForce(const MechanicalParams* params, sofa::core::
       if (response_.isUnderWay()) response_.addForce(f_, v_);
       return;
     }
-    const int iterations = response_.addSeparateForce(l_narrowPhase->stage(), step(), f_, x_, v_,
-                                                      getContext()->getGravity().data());
+    const int iterations =
+        response_.addSeparateForce(l_narrowPhase->stage(), step(), f_, x_, v_, getContext()->getGravity().data());
     if (iterations == response_.most_iterations)
       msg_warning() << "The explicit response did not come to its end in " << iterations << " iterations: stiffness "
                     << stiffness_ << " is too much for steps of " << step() << " s.";

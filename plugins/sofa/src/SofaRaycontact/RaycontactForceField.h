@@ -24,7 +24,8 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
   sofa::Data<SReal> d_forceScale;
   sofa::Data<SReal> d_wrongPart;
   sofa::SingleLink<RaycontactForceField, RaycontactNarrowPhase,
-                   sofa::core::objectmodel::BaseLink::FLAG_STOREPATH | sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
+                   sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
+                       sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
       l_narrowPhase;
 
   void init() override;

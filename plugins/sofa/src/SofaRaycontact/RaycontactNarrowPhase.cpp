@@ -26,10 +26,11 @@ RaycontactNarrowPhase::RaycontactNarrowPhase()
     : d_publishContacts(initData(&d_publishContacts, true, "publishContacts",
                                  "Give the contacts to SOFA's own contact manager, which makes the response. A "
                                  "RaycontactForceField with this narrow phase switches it off unless it is set.")),
-      d_sampleSpacing(initData(&d_sampleSpacing, SReal(0), "sampleSpacing",
-                               "Where rays start. 0: at the vertices. A length: about so far apart, in the middles of "
-                               "faces. -1: in the middle of each triangle, larger ones being cut; a RaycontactForceField "
-                               "with friction takes that unless this is set.")),
+      d_sampleSpacing(
+          initData(&d_sampleSpacing, SReal(0), "sampleSpacing",
+                   "Where rays start. 0: at the vertices. A length: about so far apart, in the middles of "
+                   "faces. -1: in the middle of each triangle, larger ones being cut; a RaycontactForceField "
+                   "with friction takes that unless this is set.")),
       d_law(initData(&d_law, std::string("automatic"), "law",
                      "What forces grow with. rayLength: the way to where the ray leaves the other body. pressure: the "
                      "distance to the other body's surface. automatic: rayLength where contacts are published.")),
@@ -38,17 +39,18 @@ RaycontactNarrowPhase::RaycontactNarrowPhase()
                         "Lead bodies apart along one direction where their contacts cannot part them.")),
       d_pastFolds(initData(&d_pastFolds, false, "pastFolds",
                            "Rays go past other folds of either body. On by itself for models with selfCollision.")),
-      d_forceTolerance(initData(&d_forceTolerance, SReal(0), "forceTolerance",
-                                "How far the net force of a pair may be from that of all rays, 0 to 1: fewer rays where "
-                                "that leaves room. With sampleSpacing -1 alone.")),
+      d_forceTolerance(
+          initData(&d_forceTolerance, SReal(0), "forceTolerance",
+                   "How far the net force of a pair may be from that of all rays, 0 to 1: fewer rays where "
+                   "that leaves room. With sampleSpacing -1 alone.")),
       d_singlePrecision(initData(&d_singlePrecision, false, "singlePrecision",
                                  "Look for contacts in single precision. Read when the models are first seen.")),
       d_parallel(initData(&d_parallel, false, "parallel",
                           "Share out the detection on the threads of SOFA's task scheduler. The results are the same, "
                           "bit by bit. Read when the models are first seen.")),
       d_contactCount(initData(&d_contactCount, 0u, "contactCount", "Contacts published in the last step.", true, true)),
-      d_pairCount(initData(&d_pairCount, 0u, "pairCount", "Pairs of models that the broad phase let through.", true,
-                           true)) {}
+      d_pairCount(
+          initData(&d_pairCount, 0u, "pairCount", "Pairs of models that the broad phase let through.", true, true)) {}
 
 void RaycontactNarrowPhase::init() {
   NarrowPhaseDetection::init();
@@ -59,7 +61,8 @@ void RaycontactNarrowPhase::init() {
 void RaycontactNarrowPhase::bwdInit() {
   for (Triangles* model : getContext()->getRootContext()->getObjects<Triangles>(BaseContext::SearchDown))
     if (model->getCollisionTopology() == nullptr || model->getSize() == 0)
-      msg_error() << model->getPathName() << " has no triangles and does not collide: give its node a topology that has.";
+      msg_error() << model->getPathName()
+                  << " has no triangles and does not collide: give its node a topology that has.";
 }
 
 void RaycontactNarrowPhase::reset() {
@@ -142,8 +145,8 @@ raycontact::ModelId RaycontactNarrowPhase::add(Triangles* model) {
   options.precision = precision();
   const auto add = [&] {
     const raycontact::ModelId number = stage_->addCollisionModel(model->getX(), model->getTriangles(), options);
-    surfaces_.push_back({model, model->getMechanicalState(), model->getCollisionTopology()->getRevision(),
-                         options.open != 0});
+    surfaces_.push_back(
+        {model, model->getMechanicalState(), model->getCollisionTopology()->getRevision(), options.open != 0});
     return number;
   };
   try {
@@ -153,10 +156,12 @@ raycontact::ModelId RaycontactNarrowPhase::add(Triangles* model) {
       if (error.status() != RAYC_STATUS_MESH_OPEN) throw;
       options.open = 1;
       const raycontact::ModelId number = add();
-      msg_info() << model->getPathName() << " is an open surface, taken for an obstacle that is solid behind its triangles.";
+      msg_info() << model->getPathName()
+                 << " is an open surface, taken for an obstacle that is solid behind its triangles.";
       if (model->isSimulated() && model->isMoving())
-        msg_warning() << model->getPathName() << " is an open surface that moves. Two open surfaces do not collide, and "
-                      << "what is more than half behind one is not pushed out. Close it, or set simulated and moving to 0.";
+        msg_warning()
+            << model->getPathName() << " is an open surface that moves. Two open surfaces do not collide, and "
+            << "what is more than half behind one is not pushed out. Close it, or set simulated and moving to 0.";
       return number;
     }
   } catch (const raycontact::Error& error) {

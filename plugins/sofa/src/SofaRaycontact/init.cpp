@@ -28,13 +28,15 @@ const char* getModuleVersion() { return MODULE_VERSION; }
 
 const char* getModuleLicense() { return "MIT OR Apache-2.0"; }
 
-const char* getModuleDescription() { return "Ray-traced contact between deformable bodies, however deep they overlap."; }
+const char* getModuleDescription() {
+  return "Ray-traced contact between deformable bodies, however deep they overlap.";
+}
 
 void registerObjects(sofa::core::ObjectFactory* factory) {
-  factory->registerObjects(
-      sofa::core::ObjectRegistrationData("Narrow phase that finds contacts between closed triangle surfaces, however deep "
-                                         "they overlap, by rays along their inward normals.")
-          .add<RaycontactNarrowPhase>());
+  factory->registerObjects(sofa::core::ObjectRegistrationData(
+                               "Narrow phase that finds contacts between closed triangle surfaces, however deep "
+                               "they overlap, by rays along their inward normals.")
+                               .add<RaycontactNarrowPhase>());
   factory->registerObjects(
       sofa::core::ObjectRegistrationData("Contact forces and friction between the triangle models of a "
                                          "RaycontactNarrowPhase, at the end of each step.")
