@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 /**
  * @file
- * A narrow phase and a penalty response in the words of SOFA, templated on the host's vector types: a plugin hands its
- * calls through. It includes nothing of SOFA. docs/sofa.md shows the plugin's remaining lines.
+ * A narrow phase in the words of SOFA, templated on the host's vector types: a plugin hands its calls through. It
+ * includes nothing of SOFA. The plugin is plugins/sofa, its manual docs/sofa.md.
  */
 #ifndef RAYCONTACT_SOFA_HPP
 #define RAYCONTACT_SOFA_HPP
@@ -23,8 +23,7 @@
 #error "raycontact/sofa.hpp reports errors as exceptions, as SOFA does"
 #endif
 
-/** raycontact in the words of SOFA. */
-namespace raycontact::sofa {
+namespace raycontact {
 
 /** A collision model's number, as CollisionStage::addCollisionModel gave it. */
 using ModelId = uint32_t;
@@ -49,11 +48,12 @@ struct DetectionOutput {
 };
 
 /**
- * The stage of a collision pipeline that finds contacts, and the force field made from them.
+ * The stage of a collision pipeline that finds contacts.
  *
  * One step: setPositions() for each model that moved; beginNarrowPhase(), addCollisionPair() for each pair that the
- * broad phase lets through, endNarrowPhase(); getDetectionOutputs(); then addForce() once and addDForce() once for each
- * iteration of the implicit solver. A pair that is not added has no contacts, whether its boxes overlap or not.
+ * broad phase lets through, endNarrowPhase(); getDetectionOutputs(). A pair that is not added has no contacts, whether
+ * its boxes overlap or not. Where a ContactResponse (raycontact/sofa_response.hpp) looks for contacts itself,
+ * chooseCollisionPairs() takes the place of endNarrowPhase().
  *
  * Threads: one call at a time. Errors are exceptions of type raycontact::Error.
  *
@@ -65,16 +65,12 @@ class CollisionStage {
  public:
   using Coord = typename DataTypes::Coord;        ///< A position.
   using VecCoord = typename DataTypes::VecCoord;  ///< Positions of a model.
-  using VecDeriv = typename DataTypes::VecDeriv;  ///< Velocities, displacements or forces of a model.
   using Output = DetectionOutput<Coord>;          ///< One contact.
   using Outputs = std::vector<Output>;            ///< The contacts of a pair of models.
   using Pair = std::pair<ModelId, ModelId>;       ///< Two models, in the caller's order, or one twice: with itself.
 
   /** @param options how the scene works, threads above all */
   explicit CollisionStage(const rayc_scene_options& options = default_scene_options()) : scene_(options) {}
-
-  /** Stiffness and damping of the response; see rayc_response_options. */
-  rayc_response_options response = default_response_options();
 
   /** How contacts are found from the next endNarrowPhase() on. */
   void setDetectionOptions(const rayc_detection_options& options) { scene_.set_detection_options(options); }
@@ -135,10 +131,27 @@ class CollisionStage {
 
   /** Finds the contacts of all pairs that were added. */
   void endNarrowPhase() {
-    switch_pairs();
+    chooseCollisionPairs();
     scene_.query(found_);
     found_.copy_to(contacts_);
     fill_outputs();
+  }
+
+  /** Lets the pairs collide that were added, in any later query of the scene, and no others. */
+  void chooseCollisionPairs() {
+    // Only what differs from the last step is switched.
+    wanted_.clear();
+    for (const Pair& pair : asked_) wanted_.push_back(ordered(pair));
+    std::sort(wanted_.begin(), wanted_.end());
+    wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
+    const auto contains = [](const std::vector<Pair>& pairs, const Pair& pair) {
+      return std::binary_search(pairs.begin(), pairs.end(), pair);
+    };
+    for (const Pair& pair : active_)
+      if (!contains(wanted_, pair)) switch_pair(pair, false);
+    for (const Pair& pair : wanted_)
+      if (!contains(active_, pair)) switch_pair(pair, true);
+    active_.swap(wanted_);
   }
 
   /** The contacts of a pair that was added, in that order of its models. Valid until beginNarrowPhase(). */
@@ -157,84 +170,25 @@ class CollisionStage {
   /** What the last detection did. */
   rayc_statistics statistics() const { return found_.statistics(); }
 
-  /**
-   * Adds the contact forces: one entry for each model, in the order of their numbers. An f of NULL is a model that
-   * cannot move, a v of NULL one at rest; x must be given for every model. Contacts are held as they were found.
-   */
-  void addForce(const std::vector<VecDeriv*>& f, const std::vector<const VecCoord*>& x,
-                const std::vector<const VecDeriv*>& v) {
-    require_one_for_each_model(f.size(), x.size(), v.size());
-    show_positions(x);
-    forces_.clear(), velocities_.clear();
-    for (std::size_t model = 0; model < models_.size(); ++model) {
-      forces_.push_back(force_of(model, f[model]));
-      velocities_.push_back(rest_or(model, v[model]));
-    }
-    found_.add_forces(response, positions_, velocities_, forces_);
-  }
+  /** How many numbers have been given to models; some may have been removed. */
+  std::size_t modelCount() const { return models_.size(); }
 
-  /** Adds kFactor * (df/dx) dx + bFactor * (df/dv) dx: the product an implicit solver asks for. NULL as in addForce().
-   */
-  void addDForce(const std::vector<VecDeriv*>& df, const std::vector<const VecDeriv*>& dx, double kFactor,
-                 double bFactor = 0) {
-    require_one_for_each_model(df.size(), dx.size(), dx.size());
-    forces_.clear(), velocities_.clear();
-    for (std::size_t model = 0; model < models_.size(); ++model) {
-      forces_.push_back(force_of(model, df[model]));
-      velocities_.push_back(rest_or(model, dx[model]));
-    }
-    found_.add_differential(response, kFactor, bFactor, velocities_, forces_);
-  }
+  /** How many vertices a model has; 0 where it has been removed. */
+  std::size_t vertexCount(ModelId model) const { return models_[model].vertex_count; }
 
-  /** The energy stored in the contacts, in J; x as in addForce(). */
-  double getPotentialEnergy(const std::vector<const VecCoord*>& x) {
-    require_one_for_each_model(x.size(), x.size(), x.size());
-    show_positions(x);
-    return found_.energy(response, models_.size(), positions_);
-  }
+  /** The bodies, by the models' numbers. */
+  Scene& scene() { return scene_; }
 
  private:
   struct Model {
     bool is_there = false;
     std::size_t vertex_count = 0;
-    VecDeriv at_rest{}, ignored{};  // for models that cannot move; empty otherwise
   };
 
   void require(ModelId model) const {
     if (model >= models_.size() || !models_[model].is_there)
       throw Error(RAYC_STATUS_UNKNOWN_BODY,
                   "collision model " + std::to_string(model) + ": it was never added, or was removed");
-  }
-
-  void require_one_for_each_model(std::size_t f, std::size_t x, std::size_t v) const {
-    for (const std::size_t count : {f, x, v})
-      if (count != models_.size())
-        throw Error(RAYC_STATUS_WRONG_COUNT, std::to_string(count) + " arrays for the numbers of " +
-                                                 std::to_string(models_.size()) + " models; give one for each");
-  }
-
-  void show_positions(const std::vector<const VecCoord*>& x) {
-    positions_.clear();
-    for (const VecCoord* model : x)
-      positions_.push_back(model != nullptr ? vectors(*model) : vectors(static_cast<const double*>(nullptr), 0));
-  }
-
-  rayc_vectors_mut force_of(std::size_t model, VecDeriv* f) {
-    Model& own = models_[model];
-    if (f != nullptr) return vectors_mut(*f);
-    own.ignored.resize(own.vertex_count);
-    return vectors_mut(own.ignored);
-  }
-
-  rayc_vectors rest_or(std::size_t model, const VecDeriv* v) {
-    Model& own = models_[model];
-    if (v != nullptr) return vectors(*v);
-    if (own.at_rest.size() != own.vertex_count) {
-      own.at_rest.resize(own.vertex_count);
-      for (std::size_t vertex = 0; vertex < own.vertex_count; ++vertex)
-        for (int axis = 0; axis < 3; ++axis) own.at_rest.data()[vertex][axis] = 0;
-    }
-    return vectors(own.at_rest);
   }
 
   static Pair ordered(const Pair& pair) {
@@ -246,22 +200,6 @@ class CollisionStage {
       scene_.set_self_collision(pair.first, is_on);
     else
       scene_.set_pair_collision(pair.first, pair.second, is_on);
-  }
-
-  /** Only what differs from the last step. */
-  void switch_pairs() {
-    wanted_.clear();
-    for (const Pair& pair : asked_) wanted_.push_back(ordered(pair));
-    std::sort(wanted_.begin(), wanted_.end());
-    wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
-    const auto contains = [](const std::vector<Pair>& pairs, const Pair& pair) {
-      return std::binary_search(pairs.begin(), pairs.end(), pair);
-    };
-    for (const Pair& pair : active_)
-      if (!contains(wanted_, pair)) switch_pair(pair, false);
-    for (const Pair& pair : wanted_)
-      if (!contains(active_, pair)) switch_pair(pair, true);
-    active_.swap(wanted_);
   }
 
   /** Contacts are in ascending order of their pairs. */
@@ -305,10 +243,8 @@ class CollisionStage {
   /** The pairs of this step as they were added; and in ascending order those switched on, and those wanted. */
   std::vector<Pair> asked_, active_, wanted_;
   std::map<Pair, Outputs> outputs_;
-  std::vector<rayc_vectors> positions_, velocities_;
-  std::vector<rayc_vectors_mut> forces_;
 };
 
-}  // namespace raycontact::sofa
+}  // namespace raycontact
 
 #endif  // RAYCONTACT_SOFA_HPP

@@ -79,14 +79,14 @@ fn inside_part<T: Scalar>(
             Cut::Nothing => return None,
         }
     }
+    let is_cut = part.count != whole.count || part.weights != whole.weights;
     let area = piece.sample.area * (part.doubled_area() / whole.doubled_area());
-    if part.count == whole.count && part.weights == whole.weights || !(area > T::zero()) {
-        return None;
-    }
-    let (position, weights) = part.middle(&corners);
-    let mut sample = Sample { area, ..piece.sample };
-    (sample.point.position, sample.point.weights) = (position, weights.into());
-    Some(sample)
+    (is_cut && area > T::zero()).then(|| {
+        let (position, weights) = part.middle(&corners);
+        let mut sample = Sample { area, ..piece.sample };
+        (sample.point.position, sample.point.weights) = (position, weights.into());
+        sample
+    })
 }
 
 /// The direction in which the depth below the surface grows at the point, given on which side of it that is if it is known;
