@@ -65,7 +65,8 @@ def forces(rows):
 
 
 def order(rows, column):
-    """The slope of the error over the edge length, both as logarithms, by least squares."""
+    """The slope of the error over the edge length, both as logarithms, by least squares, without what is exact."""
+    rows = [line for line in rows if float(line[column]) > 0]
     points = [(-0.5 * math.log(float(line["triangles"])), math.log(float(line[column]))) for line in rows]
     x, y = (sum(values) / len(points) for values in zip(*points))
     return sum((a - x) * (b - y) for a, b in points) / sum((a - x) ** 2 for a, _ in points)

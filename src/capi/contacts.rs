@@ -3,10 +3,11 @@ use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
-use super::options::{Growing, rayc_detection_options, read_options, write_known};
+use super::options::{rayc_detection_options, read_options, write_known};
 use super::pair_forces::AnyForcesByPair;
 use super::pointers::Output;
-use crate::contact::{Contact, ContactKind, ContactList, Statistics, SurfacePoint, query_pair, query_self};
+use super::statistics::rayc_statistics;
+use crate::contact::{Contact, ContactKind, ContactList, SurfacePoint, query_pair, query_self};
 use crate::math::Scalar;
 use crate::memory::text;
 
@@ -125,73 +126,6 @@ pub struct rayc_contact {
     /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
     /// the rays of this direction carry; the two directions' shares sum to 1.
     pub area: f64,
-}
-
-/// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
-/// reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced + border_pieces.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct rayc_statistics {
-    /// Pairs of meshes whose boxes overlap.
-    pub pairs: u64,
-    /// Of these, pairs with an open mesh: no edges are traced for them and they do not escape; two open meshes do not even
-    /// cast rays.
-    pub open_pairs: u64,
-    /// Rays traced, from the surface points inside an overlap box.
-    pub rays: u64,
-    /// Rays that left the overlap box without meeting the other mesh, or along an escape its box; for a body with itself,
-    /// rays from points that lie inside no other part of it.
-    pub misses: u64,
-    /// Rays whose first hit enters the other mesh: they start outside it.
-    pub entry_hits: u64,
-    /// Rays that leave their own mesh before the other; for a body with itself, rays that leave through the far side of
-    /// their own fold.
-    pub own_surface_hits: u64,
-    /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
-    pub without_normal: u64,
-    /// Pieces of triangles left larger than the spacing asks, because their surface had been cut as often as it may.
-    pub uncut_pieces: u64,
-    /// Contacts found.
-    pub contacts: u64,
-    /// Of these, contacts of edges, where no ray from a surface point found any.
-    pub edge_contacts: u64,
-    /// Of these, contacts of bodies with themselves.
-    pub self_contacts: u64,
-    /// Bodies whose contacts with themselves were asked for, but that are open and have none.
-    pub open_bodies: u64,
-    /// How often a ray went past another fold of its own body or of the other: past_folds in rayc_detection_options.
-    pub past_folds: u64,
-    /// Pairs that began to escape in this query.
-    pub escapes_started: u64,
-    /// Pairs that are escaping, those included.
-    pub escaping_pairs: u64,
-    /// Contacts of escaping pairs.
-    pub escape_contacts: u64,
-    /// Pairs whose escape was held fast by others and has turned to the line of centres, from the next query on.
-    pub escapes_turned: u64,
-    /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
-    pub escapes_forbidden: u64,
-    /// Of the rays, those that stand for a patch of several triangles.
-    pub patches: u64,
-    /// Rays beside those, traced only to find out how fine the sampling has to be (force_tolerance in
-    /// rayc_detection_options), or whether and which way a pair is to escape.
-    pub estimate_rays: u64,
-    /// Contacts found and replaced by those of an escape that began in the same query.
-    pub replaced: u64,
-    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 512 triangles or more,
-    /// which touch about 24 others or more each on average, or about 6 among 96 or more whose boxes overlap theirs, so that no
-    /// inside is left to tell; or with more than 64 pairs of near parts, of up to 16 triangles, for each triangle.
-    pub tangled_bodies: u64,
-    /// Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
-    pub crowded_pairs: u64,
-    /// Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead, from its
-    /// own middle. Only under RAYC_LAW_PRESSURE between closed bodies.
-    pub border_pieces: u64,
-}
-
-impl Growing for rayc_statistics {
-    const NAME: &'static str = "rayc_statistics";
-    const SMALLEST: usize = std::mem::offset_of!(Self, escapes_forbidden) + size_of::<u64>();
 }
 
 impl<T: Scalar> From<&SurfacePoint<T>> for rayc_surface_point {
@@ -372,39 +306,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
             AnyContacts::F32(list) => list.statistics,
             AnyContacts::F64(list) => list.statistics,
         };
-        let contacts = list.len() as u64;
-        let Statistics { pairs, open_pairs, rays, misses, entry_hits, own_surface_hits, .. } = found;
-        let Statistics { without_normal, uncut_pieces, .. } = found;
-        let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
-        let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
-        let Statistics { escapes_turned, escapes_forbidden, patches, estimate_rays, replaced, .. } = found;
-        let Statistics { tangled_bodies, crowded_pairs, border_pieces, .. } = found;
-        let known = rayc_statistics {
-            pairs,
-            open_pairs,
-            rays,
-            misses,
-            entry_hits,
-            own_surface_hits,
-            without_normal,
-            uncut_pieces,
-            contacts,
-            edge_contacts,
-            self_contacts,
-            open_bodies,
-            past_folds,
-            escapes_started,
-            escaping_pairs,
-            escape_contacts,
-            escapes_turned,
-            escapes_forbidden,
-            patches,
-            estimate_rays,
-            replaced,
-            tangled_bodies,
-            crowded_pairs,
-            border_pieces,
-        };
+        let known = rayc_statistics::of(found, list.len());
         write_known(struct_size, statistics, "statistics", known)
     })
 }

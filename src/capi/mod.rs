@@ -26,6 +26,7 @@ mod pointers;
 mod response;
 mod scene;
 mod sharing;
+mod statistics;
 mod vectors;
 mod version;
 
@@ -52,5 +53,6 @@ pub use pair_memory::*;
 pub use response::*;
 pub use scene::*;
 pub use sharing::*;
+pub use statistics::*;
 pub use vectors::{rayc_scalar, rayc_vectors, rayc_vectors_mut};
 pub use version::*;
