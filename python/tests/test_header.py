@@ -18,6 +18,18 @@ LEFT_OUT = {
     "rayc_abi_version": "the library is in the same wheel",
     "rayc_octree_trace_ray": "rayc_octree_trace_rays takes one too",
     "rayc_status_name": "Status has the names",
+    # What raycontact/mpi.hpp is made of: scenes spread over ranks.
+    "rayc_contacts_copy_pair_forces": "forces that go to other ranks",
+    "rayc_contacts_sum_pair_forces": "forces that go to other ranks",
+    "rayc_finds_pair": "which rank finds a pair",
+    "rayc_mesh_pack": "meshes that go to other ranks",
+    "rayc_mesh_packed_length": "meshes that go to other ranks",
+    "rayc_mesh_unpack": "meshes that come from other ranks",
+    "rayc_scene_add_mesh_with_key": "the same order on all ranks",
+    "rayc_scene_body_state": "what a body cost, to divide bodies by",
+    "rayc_scene_find_self_contacts": "what ghosts are told",
+    "rayc_scene_set_pair_memory": "what moves with a body to another rank",
+    "rayc_scene_share_body": "ghosts",
 }
 
 
