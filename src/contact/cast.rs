@@ -34,6 +34,8 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(mut self) {
         let pair = self.direction.pair;
+        // Where memory ended on the way, some are left.
+        self.pieces.clear();
         // Small functions that fill packets, and one loop that traces them: what is inlined here is large.
         let cutter = pair.cutter();
         let cutter = match pair.patch_area {

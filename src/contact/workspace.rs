@@ -111,13 +111,20 @@ impl<T: Scalar> Workspace<T> {
     }
 }
 
-/// Parts of triangles that have yet to cast; none are left when a direction or chunk is done.
+/// Parts of triangles that have yet to cast.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pieces<T: Scalar> {
     /// Of one triangle, the last first.
     pub(super) cut: Vec<CutPiece<T>>,
     /// The parts inside the other body of pieces that its surface crosses.
     pub(super) inside: Vec<Sample<T>>,
+}
+
+impl<T: Scalar> Pieces<T> {
+    pub(super) fn clear(&mut self) {
+        self.cut.clear();
+        self.inside.clear();
+    }
 }
 
 /// What the rays of some groups found, where chunks are cast side by side.
