@@ -10,6 +10,46 @@ pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
 }
 
+/// Why bytes were refused, whatever they were to hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BytesError {
+    /// They do not start with the mark, or are not as long as they say.
+    Foreign,
+    /// They have the form with this number.
+    OtherVersion(u32),
+    /// They have numbers of so many bytes.
+    OtherPrecision(u32),
+    /// Their checksum does not fit.
+    Damaged,
+}
+
+/// The size of a number, which follows the mark and the form's number, and all that comes after it.
+pub(crate) fn opened(bytes: &[u8], mark: [u8; 8], version: u32) -> Result<(u32, Reader<'_>), BytesError> {
+    let mut head = Reader { rest: bytes };
+    let is_marked = head.take::<8>() == Some(mark);
+    let found = head.whole().filter(|_| is_marked).ok_or(BytesError::Foreign)?;
+    if found != version {
+        return Err(BytesError::OtherVersion(found));
+    }
+    let number_size = head.whole().ok_or(BytesError::Foreign)?;
+    Ok((number_size, head))
+}
+
+/// Whether the bytes are as long as they say, as they were written, and with numbers of this type.
+pub(crate) fn check<T: Scalar>(bytes: &[u8], length: Option<usize>, number_size: u32) -> Result<(), BytesError> {
+    if length != Some(bytes.len()) || bytes.len() < CHECKSUM {
+        return Err(BytesError::Foreign);
+    }
+    let (body, end) = bytes.split_at(bytes.len() - CHECKSUM);
+    if checksum(body).to_le_bytes() != *end {
+        return Err(BytesError::Damaged);
+    }
+    if number_size as usize != size_of::<T>() {
+        return Err(BytesError::OtherPrecision(number_size));
+    }
+    Ok(())
+}
+
 /// Takes one number after the other; `None` behind the last.
 pub(crate) struct Reader<'a> {
     pub(crate) rest: &'a [u8],

@@ -45,7 +45,9 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
         for lane in lanes(rays.cut & !L::load(&reaches).is_at_most(L::load(&rays.distances.distances))) {
             let piece = rays.piece(lane, own);
             let is_inside = self.exits >> lane & 1 == 1;
-            if let Some(sample) = inside_part(&piece, own, other, is_inside) {
+            let nearest = other.closest_of_packet(&piece.sample.point.position, reaches[lane], lane, &rays.distances);
+            let part = nearest.and_then(|nearest| inside_part(&piece, own, other, &nearest, is_inside));
+            if let Some(sample) = part {
                 self.inside.room_for(1).push(sample);
                 crossed |= Mask::from(is_inside) << lane;
             }
@@ -54,23 +56,26 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
     }
 }
 
-/// The part of a piece that lies inside the other body, given on which side of its surface the middle is; `None` where the
-/// surface does not cross the piece.
+/// The part of a piece that lies inside the other body, given the point of its surface nearest to the middle, and on which
+/// side of it that is; `None` where the surface does not cross the piece.
 fn inside_part<T: Scalar>(
     piece: &CutPiece<T>,
     own: &Mesh<T>,
     other: &Tracer<'_, T>,
+    first: &ClosestPoint<T>,
     is_inside: bool,
 ) -> Option<Sample<T>> {
     let whole = Part::whole(&piece.corner_weights);
     let corners = own.corners(piece.sample.point.triangle);
-    let mut part = whole;
+    let (mut part, mut middle, mut nearest, mut known) = (whole, piece.sample.point.position, *first, Some(is_inside));
     for round in 0..MOST_PLANES {
-        let (middle, _) = part.middle(&corners);
-        let Some(nearest) = other.closest_point(&middle, part.reach(&corners, &middle)) else { break };
-        let known = (round == 0).then_some(is_inside);
-        if known.is_none() && nearest.weights.iter().any(|&weight| weight <= T::zero()) {
-            break;
+        if round > 0 {
+            // Beyond the first plane it is not known on which side the middle is: only within a face a triangle tells.
+            (middle, known) = (part.middle(&corners).0, None);
+            let found = other.closest_point(&middle, part.reach(&corners, &middle));
+            let within_face = |point: &ClosestPoint<T>| point.weights.iter().all(|&weight| weight > T::zero());
+            let Some(found) = found.filter(within_face) else { break };
+            nearest = found;
         }
         let Some(inward) = inward(other.mesh(), &middle, &nearest, known) else { break };
         match part.beyond(&corners, &nearest.position, &inward) {

@@ -1,7 +1,7 @@
 //! A mesh as it was created, as bytes: what another process needs to make the same mesh.
 
 use super::{Mesh, MeshError};
-use crate::bytes::{CHECKSUM, Reader, checksum};
+use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
 use crate::math::Scalar;
 use crate::memory::{self, Room};
 use std::fmt;
@@ -59,17 +59,16 @@ const TRIANGLE: usize = 3 * 4;
 
 /// Bytes of one number of a packed mesh, by which its precision is known; and what follows.
 pub(crate) fn packed_number_size(bytes: &[u8]) -> Result<(u32, Reader<'_>), PackedMeshError> {
-    let mut head = Reader { rest: bytes };
-    let not_packed = || PackedMeshError::NotPacked { length: bytes.len() };
-    if head.take::<8>() != Some(MARK) {
-        return Err(not_packed());
+    bytes::opened(bytes, MARK, VERSION).map_err(|error| refused(error, bytes))
+}
+
+fn refused(error: BytesError, bytes: &[u8]) -> PackedMeshError {
+    match error {
+        BytesError::Foreign => PackedMeshError::NotPacked { length: bytes.len() },
+        BytesError::OtherVersion(version) => PackedMeshError::OtherVersion { version },
+        BytesError::OtherPrecision(bytes) => PackedMeshError::OtherPrecision { bytes },
+        BytesError::Damaged => PackedMeshError::Damaged,
     }
-    let version = head.whole().ok_or_else(not_packed)?;
-    if version != VERSION {
-        return Err(PackedMeshError::OtherVersion { version });
-    }
-    let number_size = head.whole().ok_or_else(not_packed)?;
-    Ok((number_size, head))
 }
 
 impl<T: Scalar> Mesh<T> {
@@ -108,24 +107,14 @@ impl<T: Scalar> Mesh<T> {
     /// [`PackedMeshError`].
     pub fn unpack(bytes: &[u8]) -> Result<Self, PackedMeshError> {
         let (number_size, mut head) = packed_number_size(bytes)?;
-        let not_packed = || PackedMeshError::NotPacked { length: bytes.len() };
         let (open, vertices, triangles) = (head.whole(), head.long(), head.long());
-        let length = || {
+        let counted = || {
             let [vertices, triangles] = [usize::try_from(vertices?).ok()?, usize::try_from(triangles?).ok()?];
             let numbers = vertices.checked_mul(VERTEX)?.checked_add(triangles.checked_mul(TRIANGLE)?)?;
             Some((numbers.checked_add(HEAD + CHECKSUM)?, vertices, triangles))
         };
-        let (length, vertices, triangles) = length().ok_or_else(not_packed)?;
-        if length != bytes.len() {
-            return Err(not_packed());
-        }
-        let (body, end) = bytes.split_at(length - CHECKSUM);
-        if checksum(body).to_le_bytes() != *end {
-            return Err(PackedMeshError::Damaged);
-        }
-        if number_size as usize != size_of::<T>() {
-            return Err(PackedMeshError::OtherPrecision { bytes: number_size });
-        }
+        let (length, vertices, triangles) = counted().ok_or_else(|| refused(BytesError::Foreign, bytes))?;
+        bytes::check::<T>(bytes, Some(length), number_size).map_err(|error| refused(error, bytes))?;
         let mut vector = || Some([head.number()?, head.number()?, head.number()?]);
         let positions = memory::tried((0..vertices).map(|_| vector().ok_or(PackedMeshError::Damaged)))?;
         let mut corners = || Some([head.whole()?, head.whole()?, head.whole()?]);

@@ -106,12 +106,14 @@ impl<T: Scalar> Tracer<'_, T> {
 #[derive(Clone, Debug)]
 pub(crate) struct PointDistances<T: Scalar> {
     packet: PointPacket<T>,
+    /// Whether the points were asked about together.
+    are_of_packet: bool,
     pub(crate) distances: [T; LANE_COUNT],
 }
 
 impl<T: Scalar> PointDistances<T> {
     pub(crate) fn new() -> Self {
-        Self { packet: PointPacket::empty(), distances: [T::zero(); LANE_COUNT] }
+        Self { packet: PointPacket::empty(), are_of_packet: false, distances: [T::zero(); LANE_COUNT] }
     }
 }
 
@@ -125,8 +127,9 @@ impl<T: Scalar> Tracer<'_, T> {
         bounds: &[T; LANE_COUNT],
         room: &mut PointDistances<T>,
     ) {
-        let PointDistances { packet, distances } = room;
+        let PointDistances { packet, are_of_packet, distances } = room;
         *distances = *bounds;
+        *are_of_packet = false;
         if asked == 0 {
             return;
         }
@@ -139,6 +142,7 @@ impl<T: Scalar> Tracer<'_, T> {
             let squares = L::load(&packet.square);
             let roots = squares.sqrt().mul(L::splat(scale.factors[1]));
             L::select(found, roots.smaller(L::load(bounds)), L::load(bounds)).store(distances);
+            *are_of_packet = true;
             return;
         }
         for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
@@ -147,6 +151,24 @@ impl<T: Scalar> Tracer<'_, T> {
                 distances[lane] = nearest.distance;
             }
         }
+    }
+
+    /// [`closest_point`](Self::closest_point) of one of the points that [`distances_of_packet`](Self::distances_of_packet) was
+    /// last asked about with this room, given its bound there.
+    pub(crate) fn closest_of_packet(
+        &self,
+        point: &Vector3<T>,
+        bound: T,
+        lane: usize,
+        room: &PointDistances<T>,
+    ) -> Option<ClosestPoint<T>> {
+        if !room.are_of_packet {
+            return self.closest_point(point, bound);
+        }
+        let packet = &room.packet;
+        let triangle = (packet.found >> lane & 1 == 1).then_some(packet.triangle[lane]);
+        let nearest = Nearest { square: packet.square[lane], triangle };
+        self.resolved(&packet.query(lane), &nearest, bound)
     }
 }
 

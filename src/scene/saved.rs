@@ -2,7 +2,7 @@
 
 use super::SceneError;
 use super::pairs::{History, Remembered};
-use crate::bytes::{CHECKSUM, Reader, checksum};
+use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
 use crate::contact::{PairMemory, Record};
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
@@ -98,31 +98,21 @@ pub(super) fn save<T: Scalar>(history: &History<T>, stamp: u64, bytes: &mut Vec<
 
 /// The history that was saved. `stamp` is the newest of the bodies' positions, which are those that were saved with it.
 pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>, SceneError> {
-    let mut head = Reader { rest: bytes };
     let not_saved = SavedStateError::NotSavedState { length: bytes.len() };
-    if head.take::<8>() != Some(MARK) {
-        return Err(not_saved.into());
-    }
-    let (version, number_size) = (head.whole().ok_or(not_saved)?, head.whole().ok_or(not_saved)?);
-    if version != VERSION {
-        return Err(SavedStateError::OtherVersion { version }.into());
-    }
+    let refused = |error| match error {
+        BytesError::Foreign => not_saved,
+        BytesError::OtherVersion(version) => SavedStateError::OtherVersion { version },
+        BytesError::OtherPrecision(bytes) => SavedStateError::OtherPrecision { bytes },
+        BytesError::Damaged => SavedStateError::Damaged,
+    };
+    let (number_size, mut head) = bytes::opened(bytes, MARK, VERSION).map_err(refused)?;
     let flags = head.whole().ok_or(not_saved)?;
-    let passed = head.take().map(f64::from_le_bytes).ok_or(not_saved)?;
-    let mut count = || head.take().map(u64::from_le_bytes).ok_or(not_saved);
+    let passed = head.number().ok_or(not_saved)?;
+    let mut count = || head.long().ok_or(not_saved);
     let counts = [count()?, count()?];
     let entries = counts[0].checked_add(counts[1]).and_then(|count| usize::try_from(count).ok());
     let length = entries.and_then(|count| count.checked_mul(ENTRY)?.checked_add(HEAD + CHECKSUM));
-    if length != Some(bytes.len()) {
-        return Err(not_saved.into());
-    }
-    let (body, end) = bytes.split_at(bytes.len() - CHECKSUM);
-    if checksum(body).to_le_bytes() != *end {
-        return Err(SavedStateError::Damaged.into());
-    }
-    if number_size as usize != size_of::<T>() {
-        return Err(SavedStateError::OtherPrecision { bytes: number_size }.into());
-    }
+    bytes::check::<T>(bytes, length, number_size).map_err(refused)?;
     let [before, after] = [memories(&mut head, counts[0])?, memories(&mut head, counts[1])?];
     let is_set = |flag| flags & flag != 0;
     let (is_queried, is_hosts) = (is_set(IS_QUERIED), is_set(IS_HOSTS));
