@@ -1,6 +1,7 @@
 use super::failure::{Failure, mesh_status, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
+use super::host_positions::set_positions;
 use super::options::{flag, rayc_mesh_options, read_options};
 use super::pointers::{Output, reference, slice};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
@@ -65,8 +66,7 @@ fn read_all<T: Scalar>(vectors: &Strided) -> Vec<[T; 3]> {
 }
 
 pub(super) fn renew_positions<T: Scalar>(mesh: &mut Mesh<T>, positions: &Strided) -> Result<(), Failure> {
-    let renewed = mesh.set_positions_with(positions.count(), |vertex| positions.read(vertex));
-    Ok(renewed.map_err(|error| before_conversion::<T>(error, positions))?)
+    Ok(set_positions(mesh, positions).map_err(|error| before_conversion::<T>(error, positions))?)
 }
 
 /// What was not finite may have been so before it was made a float.

@@ -15,6 +15,7 @@ mod faults;
 mod given;
 mod guard;
 mod handles;
+mod host_positions;
 mod host_threads;
 mod mesh;
 mod octree;

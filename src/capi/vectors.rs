@@ -149,10 +149,29 @@ impl Strided {
         self.count
     }
 
+    pub(super) fn scalar(&self) -> rayc_scalar {
+        self.scalar
+    }
+
+    pub(super) fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// Whether no bytes lie between the vectors.
+    pub(super) fn is_packed(&self) -> bool {
+        self.stride == packed(self.scalar)
+    }
+
+    /// Where so many vectors begin.
+    #[inline]
+    pub(super) fn places(&self, first: usize, count: usize) -> *const u8 {
+        let last = first + count;
+        assert!(first < last && last <= self.count, "vectors {first} to {last} of {}", self.count);
+        self.data.wrapping_add(first * self.stride)
+    }
+
     fn place(&self, index: usize) -> *mut u8 {
-        assert!(index < self.count, "vector {index} of {}", self.count);
-        // SAFETY: the caller's array reaches at least to the start of its last vector.
-        unsafe { self.data.add(index * self.stride) }
+        self.places(index, 1).cast_mut()
     }
 
     pub(super) fn read<T: Scalar>(&self, index: usize) -> Vector3<T> {

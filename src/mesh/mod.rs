@@ -24,11 +24,12 @@ pub use packed::PackedMeshError;
 pub(crate) use packed::packed_number_size;
 pub(crate) use patches::Patches;
 pub(crate) use standing::Standing;
-use survey::Survey;
+pub(crate) use survey::PositionSource;
+use survey::{Numbered, Survey};
 use topology::RING_LENGTH;
 pub use topology::{Border, Edge, Topology};
 
-use crate::math::{Aabb, Scalar, Vector3, dispatch};
+use crate::math::{Aabb, LANE_COUNT, Scalar, Vector3, dispatch};
 use crate::memory;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -136,42 +137,40 @@ impl<T: Scalar> Mesh<T> {
         self.place(positions, true)
     }
 
-    fn place(&mut self, positions: &[[T; 3]], is_renewal: bool) -> Result<(), MeshError> {
-        let count = positions.len();
-        if count != self.positions.len() {
-            return Err(MeshError::WrongCount { given: count, expected: self.positions.len() });
-        }
-        let (are_finite, aabb) = dispatch::<T, _>(Survey { positions });
-        if !are_finite {
-            let vertex = positions.iter().position(|position| !position.iter().all(|x| x.is_finite()));
-            return Err(MeshError::NotFinite { vertex: vertex.unwrap_or_default(), is_renewal });
-        }
-        for (place, &position) in self.positions.iter_mut().zip(positions) {
-            *place = position.into();
-        }
-        // Other vertices must not widen the surface's box.
-        let is_whole = self.topology.surface_vertices().len() == count;
-        self.aabb = if is_whole { aabb } else { self.surface_box() };
-        self.renew_stamp();
-        Ok(())
-    }
-
     /// [`set_positions`](Self::set_positions) from any layout: `position` is asked twice for each of `count` vertices.
     pub fn set_positions_with(
         &mut self,
         count: usize,
         position: impl Fn(usize) -> Vector3<T>,
     ) -> Result<(), MeshError> {
+        self.place(&Numbered { count, position }, true)
+    }
+
+    /// [`set_positions`](Self::set_positions) from wherever they lie.
+    pub(crate) fn set_positions_from(&mut self, positions: &impl PositionSource<T>) -> Result<(), MeshError> {
+        self.place(positions, true)
+    }
+
+    fn place<P: PositionSource<T> + ?Sized>(&mut self, positions: &P, is_renewal: bool) -> Result<(), MeshError> {
+        let count = positions.count();
         if count != self.positions.len() {
             return Err(MeshError::WrongCount { given: count, expected: self.positions.len() });
         }
-        if let Some(vertex) = (0..count).find(|&v| !position(v).iter().all(|x| x.is_finite())) {
-            return Err(MeshError::NotFinite { vertex, is_renewal: true });
+        let (are_finite, aabb) = dispatch::<T, _>(Survey { positions });
+        if !are_finite {
+            let vertex = (0..count).find(|&vertex| !positions.position(vertex).iter().all(|x| x.is_finite()));
+            return Err(MeshError::NotFinite { vertex: vertex.unwrap_or_default(), is_renewal });
         }
-        for (vertex, place) in self.positions.iter_mut().enumerate() {
-            *place = position(vertex);
+        let (blocks, rest) = self.positions.as_chunks_mut::<LANE_COUNT>();
+        for (number, block) in blocks.iter_mut().enumerate() {
+            *block = positions.block(number * LANE_COUNT).map(Vector3::from);
         }
-        self.aabb = self.surface_box();
+        for (place, vertex) in rest.iter_mut().zip(count - count % LANE_COUNT..) {
+            *place = positions.position(vertex).into();
+        }
+        // Other vertices must not widen the surface's box.
+        let is_whole = self.topology.surface_vertices().len() == count;
+        self.aabb = if is_whole { aabb } else { self.surface_box() };
         self.renew_stamp();
         Ok(())
     }

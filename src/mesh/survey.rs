@@ -1,25 +1,79 @@
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3};
 
-/// Whether all positions are finite, and the box around them.
-pub(super) struct Survey<'a, T> {
-    pub(super) positions: &'a [[T; 3]],
+/// The positions of a mesh's vertices, wherever and however they lie.
+pub(crate) trait PositionSource<T: Scalar> {
+    fn count(&self) -> usize;
+
+    fn position(&self, vertex: usize) -> [T; 3];
+
+    /// Of sixteen vertices in a row.
+    fn block(&self, first: usize) -> [[T; 3]; LANE_COUNT];
 }
 
-impl<T: Scalar> Kernel<T> for Survey<'_, T> {
+impl<T: Scalar> PositionSource<T> for [[T; 3]] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline]
+    fn position(&self, vertex: usize) -> [T; 3] {
+        self[vertex]
+    }
+
+    #[inline]
+    fn block(&self, first: usize) -> [[T; 3]; LANE_COUNT] {
+        *self[first..].first_chunk().expect("sixteen vertices")
+    }
+}
+
+/// Positions that a function gives by number.
+pub(super) struct Numbered<F> {
+    pub(super) count: usize,
+    pub(super) position: F,
+}
+
+impl<T: Scalar, F: Fn(usize) -> Vector3<T>> PositionSource<T> for Numbered<F> {
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    #[inline]
+    fn position(&self, vertex: usize) -> [T; 3] {
+        (self.position)(vertex).into()
+    }
+
+    #[inline]
+    fn block(&self, first: usize) -> [[T; 3]; LANE_COUNT] {
+        std::array::from_fn(|i| self.position(first + i))
+    }
+}
+
+/// Whether all positions are finite, and the box around them.
+pub(super) struct Survey<'a, P: ?Sized> {
+    pub(super) positions: &'a P,
+}
+
+impl<T: Scalar, P: PositionSource<T> + ?Sized> Kernel<T> for Survey<'_, P> {
     type Output = (bool, Aabb<T>);
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) -> (bool, Aabb<T>) {
-        let (blocks, rest) = self.positions.as_chunks::<LANE_COUNT>();
+        let count = self.positions.count();
+        let in_blocks = count - count % LANE_COUNT;
         let mut aabb = Aabb::empty();
-        let mut are_finite = rest.iter().flatten().all(|x| x.is_finite());
-        rest.iter().for_each(|&position| aabb.include(&position.into()));
+        let mut are_finite = true;
+        for vertex in in_blocks..count {
+            let position = self.positions.position(vertex);
+            are_finite &= position.iter().all(|x| x.is_finite());
+            aabb.include(&position.into());
+        }
         // Sixteen positions fill three times sixteen lanes; the first lane holds an x, the next a y, and so on.
         let (endless, largest) = (L::splat(T::INFINITY), L::splat(T::LARGEST));
         let mut smallest = [endless, endless, endless];
         let mut greatest = [endless.negate(), endless.negate(), endless.negate()];
         let mut finite = Mask::MAX;
-        for block in blocks {
+        for first in (0..in_blocks).step_by(LANE_COUNT) {
+            let block = self.positions.block(first);
             let (lanes, _) = block.as_flattened().as_chunks::<LANE_COUNT>();
             for part in 0..3 {
                 let values = L::load(&lanes[part]);
