@@ -12,7 +12,19 @@
  * it needs and keeps no pointer to them. A call with a const handle only reads it and may run beside others that do.
  *
  * One step of a simulation: rayc_scene_set_positions() for each body that moved, rayc_scene_query(),
- * rayc_contacts_add_forces().
+ * rayc_contacts_add_forces(), rayc_scene_advance().
+ *
+ * Types stand before functions. The functions come in this order; most hosts need the first five groups alone:
+ *
+ * - version, statuses, messages and defaults of options: rayc_version() to rayc_default_scene_options()
+ * - meshes: rayc_mesh_…
+ * - the scene, in which bodies meet: rayc_scene_create() to rayc_scene_query()
+ * - contacts and their statistics; one pair, or one body with itself, without a scene: rayc_contacts_…, rayc_query_…
+ * - forces, products and energy of contacts: rayc_contacts_add_forces() to rayc_contacts_energy()
+ * - the contact system, with friction, rigid bodies and cages: rayc_contact_system_…
+ * - pairs that escape, and what the scene remembers of pairs: rayc_contacts_…escape_push…, rayc_scene_…escape, …memor…
+ * - bodies shared by several processes: rayc_scene_share_body() to rayc_mesh_unpack()
+ * - a search tree of one's own: rays, nearest points, winding numbers: rayc_octree_…
  */
 
 #ifndef RAYCONTACT_H
@@ -58,14 +70,14 @@
 #define RAYC_SPACING_AUTOMATIC -1.0
 
 /**
- * The triangle number of a ray that meets nothing.
- */
-#define RAYC_NO_TRIANGLE UINT32_MAX
-
-/**
  * For rayc_scene_share_body(): a body has as many neighbours as are in the scene.
  */
 #define RAYC_NEIGHBOURS_COUNTED UINT32_MAX
+
+/**
+ * The triangle number of a ray that meets nothing.
+ */
+#define RAYC_NO_TRIANGLE UINT32_MAX
 
 /**
  * How a call ended. The numbers never change; new ones may be added.
@@ -589,46 +601,6 @@ typedef struct rayc_vectors_mut {
 } rayc_vectors_mut;
 
 /**
- * A half line, cut at t_max.
- */
-typedef struct rayc_ray {
-  /**
-   * Where it starts (t = 0); finite.
-   */
-  double origin[3];
-  /**
-   * Where it goes; finite and not zero, need not be of unit length. t counts multiples of it.
-   */
-  double direction[3];
-  /**
-   * Hits beyond this t do not count. ≥ 0; may be infinite.
-   */
-  double t_max;
-} rayc_ray;
-
-/**
- * Where a ray first meets a mesh.
- */
-typedef struct rayc_hit {
-  /**
-   * The triangle, or RAYC_NO_TRIANGLE for a miss; the other fields are then zero. At equal t, the smallest number.
-   */
-  uint32_t triangle;
-  /**
-   * 1 where the ray leaves the body (ray · normal > 0), 0 where it enters.
-   */
-  uint32_t is_exit;
-  /**
-   * The point is origin + t · direction.
-   */
-  double t;
-  /**
-   * Barycentric weights of the point at the triangle's three corners.
-   */
-  double weights[3];
-} rayc_hit;
-
-/**
  * A point on a mesh's surface: the weighted sum of a triangle's vertices, with which it moves.
  */
 typedef struct rayc_surface_point {
@@ -811,6 +783,72 @@ typedef struct rayc_statistics {
 } rayc_statistics;
 
 /**
+ * How a contact system works. Fill with rayc_default_contact_system_options(), then change what you need.
+ */
+typedef struct rayc_contact_system_options {
+  /**
+   * sizeof(rayc_contact_system_options).
+   */
+  size_t struct_size;
+  /**
+   * That of the scene, a rayc_scalar. Default RAYC_SCALAR_F64.
+   */
+  uint32_t precision;
+  /**
+   * 1: the velocities of rigid bodies are unknowns of the host, behind those of its nodes. 0: the host solves for its nodes
+   * alone, and rigid bodies give way exactly as if they were solved for; rayc_contact_system_rigid_velocity() has the
+   * result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
+   */
+  uint32_t keeps_rigid_unknowns;
+} rayc_contact_system_options;
+
+/**
+ * How a body's surface bears load, damps and rubs. rayc_bearing_material() suggests values. Later versions may tell more,
+ * at the end.
+ */
+typedef struct rayc_material {
+  /**
+   * Pressure per depth, in N/m³; finite and ≥ 0.
+   */
+  double stiffness;
+  /**
+   * Damping over stiffness, in s; finite and ≥ 0.
+   */
+  double damping_time;
+  /**
+   * Coulomb's coefficient, static and kinetic; finite and ≥ 0.
+   */
+  double friction;
+  /**
+   * The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
+   * bodies close within the step is met in full.
+   */
+  double depth_cap;
+} rayc_material;
+
+/**
+ * Where a rigid body, or one moved by the host, is and how it moves.
+ */
+typedef struct rayc_motion {
+  /**
+   * The centre of mass, in m.
+   */
+  double position[3];
+  /**
+   * The rows of the rotation matrix from the body's own coordinates to the world's.
+   */
+  double rotation[3][3];
+  /**
+   * At the start of the step: linear velocity in m/s, then angular in rad/s, in the world's coordinates.
+   */
+  double velocity[6];
+  /**
+   * What the velocity would be at the end of the step without contact; of a body moved by the host, what moves it.
+   */
+  double free_velocity[6];
+} rayc_motion;
+
+/**
  * How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
  * whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
  * the first by a part of depth · direction, and the second against it. Later versions may tell more, at the end.
@@ -901,98 +939,32 @@ typedef struct rayc_pair_memory {
 } rayc_pair_memory;
 
 /**
- * How a contact system works. Fill with rayc_default_contact_system_options(), then change what you need.
+ * What a scene knows of a body's present state; later versions may tell more, at the end.
  */
-typedef struct rayc_contact_system_options {
+typedef struct rayc_body_state {
   /**
-   * sizeof(rayc_contact_system_options).
+   * The smallest corner of the box around the body's surface.
    */
-  size_t struct_size;
+  double lower[3];
   /**
-   * That of the scene, a rayc_scalar. Default RAYC_SCALAR_F64.
+   * The largest.
    */
-  uint32_t precision;
+  double upper[3];
   /**
-   * 1: the velocities of rigid bodies are unknowns of the host, behind those of its nodes. 0: the host solves for its nodes
-   * alone, and rigid bodies give way exactly as if they were solved for; rayc_contact_system_rigid_velocity() has the
-   * result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
+   * How many rays as long as the newest query took for the body, 0 before the first: those of its contacts with itself,
+   * half of those of its pairs, and all of those with ghosts. Fifty triangles that are read count as a ray.
    */
-  uint32_t keeps_rigid_unknowns;
-} rayc_contact_system_options;
-
-/**
- * How a body's surface bears load, damps and rubs. rayc_bearing_material() suggests values. Later versions may tell more,
- * at the end.
- */
-typedef struct rayc_material {
+  double cost;
   /**
-   * Pressure per depth, in N/m³; finite and ≥ 0.
+   * 1: the body may overlap itself, as the newest query or rayc_scene_find_self_contacts() found; 0: it does not, or
+   * its self-collision is off.
    */
-  double stiffness;
+  uint32_t overlaps_itself;
   /**
-   * Damping over stiffness, in s; finite and ≥ 0.
+   * Always 0.
    */
-  double damping_time;
-  /**
-   * Coulomb's coefficient, static and kinetic; finite and ≥ 0.
-   */
-  double friction;
-  /**
-   * The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
-   * bodies close within the step is met in full.
-   */
-  double depth_cap;
-} rayc_material;
-
-/**
- * Where a rigid body, or one moved by the host, is and how it moves.
- */
-typedef struct rayc_motion {
-  /**
-   * The centre of mass, in m.
-   */
-  double position[3];
-  /**
-   * The rows of the rotation matrix from the body's own coordinates to the world's.
-   */
-  double rotation[3][3];
-  /**
-   * At the start of the step: linear velocity in m/s, then angular in rad/s, in the world's coordinates.
-   */
-  double velocity[6];
-  /**
-   * What the velocity would be at the end of the step without contact; of a body moved by the host, what moves it.
-   */
-  double free_velocity[6];
-} rayc_motion;
-
-/**
- * The point of a surface that is nearest to a given one.
- */
-typedef struct rayc_closest_point {
-  /**
-   * The triangle it lies on, or RAYC_NO_TRIANGLE where none is within the bound; the other fields are then zero. Of
-   * several as near, the one with the smallest number.
-   */
-  uint32_t triangle;
-  /**
-   * 1 where there is one, 0 where there is none.
-   */
-  uint32_t is_found;
-  /**
-   * How far it is from the given point; ≥ 0.
-   */
-  double distance;
-  /**
-   * Barycentric weights at the triangle's three corners: none is negative, and those of corners that are not on the
-   * point's edge or vertex are exactly zero.
-   */
-  double weights[3];
-  /**
-   * Where it is: the weighted sum of the corners.
-   */
-  double position[3];
-} rayc_closest_point;
+  uint32_t reserved;
+} rayc_body_state;
 
 /**
  * The forces of one pair of bodies, or of a body with itself: where they lie among those of all pairs.
@@ -1039,32 +1011,72 @@ typedef struct rayc_vertex_force {
 } rayc_vertex_force;
 
 /**
- * What a scene knows of a body's present state; later versions may tell more, at the end.
+ * A half line, cut at t_max.
  */
-typedef struct rayc_body_state {
+typedef struct rayc_ray {
   /**
-   * The smallest corner of the box around the body's surface.
+   * Where it starts (t = 0); finite.
    */
-  double lower[3];
+  double origin[3];
   /**
-   * The largest.
+   * Where it goes; finite and not zero, need not be of unit length. t counts multiples of it.
    */
-  double upper[3];
+  double direction[3];
   /**
-   * How many rays as long as the newest query took for the body, 0 before the first: those of its contacts with itself,
-   * half of those of its pairs, and all of those with ghosts. Fifty triangles that are read count as a ray.
+   * Hits beyond this t do not count. ≥ 0; may be infinite.
    */
-  double cost;
+  double t_max;
+} rayc_ray;
+
+/**
+ * Where a ray first meets a mesh.
+ */
+typedef struct rayc_hit {
   /**
-   * 1: the body may overlap itself, as the newest query or rayc_scene_find_self_contacts() found; 0: it does not, or
-   * its self-collision is off.
+   * The triangle, or RAYC_NO_TRIANGLE for a miss; the other fields are then zero. At equal t, the smallest number.
    */
-  uint32_t overlaps_itself;
+  uint32_t triangle;
   /**
-   * Always 0.
+   * 1 where the ray leaves the body (ray · normal > 0), 0 where it enters.
    */
-  uint32_t reserved;
-} rayc_body_state;
+  uint32_t is_exit;
+  /**
+   * The point is origin + t · direction.
+   */
+  double t;
+  /**
+   * Barycentric weights of the point at the triangle's three corners.
+   */
+  double weights[3];
+} rayc_hit;
+
+/**
+ * The point of a surface that is nearest to a given one.
+ */
+typedef struct rayc_closest_point {
+  /**
+   * The triangle it lies on, or RAYC_NO_TRIANGLE where none is within the bound; the other fields are then zero. Of
+   * several as near, the one with the smallest number.
+   */
+  uint32_t triangle;
+  /**
+   * 1 where there is one, 0 where there is none.
+   */
+  uint32_t is_found;
+  /**
+   * How far it is from the given point; ≥ 0.
+   */
+  double distance;
+  /**
+   * Barycentric weights at the triangle's three corners: none is negative, and those of corners that are not on the
+   * point's edge or vertex are exactly zero.
+   */
+  double weights[3];
+  /**
+   * Where it is: the weighted sum of the corners.
+   */
+  double position[3];
+} rayc_closest_point;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1186,48 +1198,116 @@ enum rayc_status rayc_mesh_copy_positions(const struct rayc_mesh *mesh, const st
 enum rayc_status rayc_mesh_copy_triangles(const struct rayc_mesh *mesh, size_t index_count, uint32_t *triangles);
 
 /**
- * Builds the octree of `mesh` for its present positions. *octree: the new handle.
+ * Makes an empty scene. options: NULL for the defaults. *scene: the new handle.
  *
- * Errors: RAYC_STATUS_OUT_OF_MEMORY.
+ * Errors: RAYC_STATUS_THREADS_NOT_STARTED, RAYC_STATUS_INVALID_OPTION for too many threads, or for
+ * threads beside a parallel_for.
  */
-enum rayc_status rayc_octree_create(const struct rayc_mesh *mesh, struct rayc_octree **octree);
+enum rayc_status rayc_scene_create(const struct rayc_scene_options *options, struct rayc_scene **scene);
 
 /**
- * Frees an octree; NULL does nothing.
+ * Frees a scene and ends its threads, which have ended when it returns; NULL does nothing.
  */
-enum rayc_status rayc_octree_destroy(struct rayc_octree *octree);
+enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
 
 /**
- * Builds the octree anew for its mesh's present positions; its memory is reused.
+ * Adds a copy of `mesh` with its present positions. *body: its number.
  *
- * Errors: RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH.
+ * Without removals the n-th body has the number n − 1. The number of a removed body rests: it is given again after more
+ * than 65536 numbers are without a body, the one that has been so for longest first, and until then
+ * RAYC_STATUS_UNKNOWN_BODY tells whoever still uses it. So arrays by number need never be longer than the most bodies that
+ * were in the scene at once, and 65536 more. Numbers follow from the order of additions and removals alone.
+ *
+ * Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
  */
-enum rayc_status rayc_octree_update(struct rayc_octree *octree, const struct rayc_mesh *mesh);
+enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene,
+                                     const struct rayc_mesh *mesh,
+                                     uint32_t *body);
 
 /**
- * Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
- * Benthin, Wald 2013): a ray through a shared edge or vertex hits. So that many threads may trace rays one by one
- * without waiting for each other, they are not counted: a call that changes the octree or the mesh meanwhile does not
- * say RAYC_STATUS_BUSY, and must not be made.
+ * The same with a key of the host's. Pairs, contacts and sums come in the order of the bodies' keys, and of equal ones by
+ * number; the first body of a pair is the first in this order. A body added without one has its number for a key. So
+ * scenes whose bodies have the same keys find the same contacts in the same order, whatever the numbers, which depend on
+ * who was there before.
  *
- * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
- * RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.
+ * Errors: RAYC_STATUS_KEY_TAKEN, and those of rayc_scene_add_mesh().
  */
-enum rayc_status rayc_octree_trace_ray(const struct rayc_octree *octree,
-                                       const struct rayc_mesh *mesh,
-                                       const struct rayc_ray *ray,
-                                       struct rayc_hit *hit);
+enum rayc_status rayc_scene_add_mesh_with_key(struct rayc_scene *scene,
+                                              const struct rayc_mesh *mesh,
+                                              uint64_t key,
+                                              uint32_t *body);
 
 /**
- * Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray().
+ * Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
  *
- * Errors: as there; the message names the ray, and no hit is written.
+ * Errors: RAYC_STATUS_UNKNOWN_BODY.
  */
-enum rayc_status rayc_octree_trace_rays(const struct rayc_octree *octree,
-                                        const struct rayc_mesh *mesh,
-                                        const struct rayc_ray *rays,
-                                        size_t count,
-                                        struct rayc_hit *hits);
+enum rayc_status rayc_scene_remove_body(struct rayc_scene *scene, uint32_t body);
+
+/**
+ * Renews the positions of a body's vertices.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE; the
+ * positions are then as before.
+ */
+enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
+                                          uint32_t body,
+                                          const struct rayc_vectors *positions);
+
+/**
+ * Sets how contacts are found from the next query on. options: NULL for the defaults.
+ *
+ * Errors: RAYC_STATUS_INVALID_OPTION.
+ */
+enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
+                                                  const struct rayc_detection_options *options);
+
+/**
+ * Switches contacts of a body with itself on (is_on = 1) or off (0) from the next query on; off for a new body. What they
+ * are says rayc_query_self(). Where they are on, contacts with other bodies are also found past the body's own folds, as
+ * with past_folds in rayc_detection_options.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
+ */
+enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene,
+                                               uint32_t body,
+                                               uint32_t is_on);
+
+/**
+ * Switches contacts between two bodies off (is_on = 0) or on again (1) from the next query on: collision groups, parts of
+ * one machine. On for new bodies. While it is off, the pair costs nothing, is not counted, and forgets what it remembered.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or is_on is neither 0 nor 1.
+ */
+enum rayc_status rayc_scene_set_pair_collision(struct rayc_scene *scene,
+                                               uint32_t a,
+                                               uint32_t b,
+                                               uint32_t is_on);
+
+/**
+ * Ends a step of `seconds` seconds, ≥ 0: what the step's last query found goes into what pairs remember, by which they
+ * escape where contacts cannot part them. Call it once a step, after the last rayc_scene_query() of it; a host that queries
+ * several times a step, to look ahead or to detect anew, thus escapes no sooner.
+ *
+ * The rules count steps; those shorter than 1/60 s count as the part of it that they are. From the first call on, this
+ * alone ends a step: a host that queries several times in its first step calls it before, with 0. A scene for which it is
+ * never called ends a step, of 1/60 s or more, at each query before which any body was given positions since the last.
+ *
+ * Errors: RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite.
+ */
+enum rayc_status rayc_scene_advance(struct rayc_scene *scene,
+                                    double seconds);
+
+/**
+ * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
+ * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
+ * need to be. Replaces what `contacts` held; the order is by pair (the body that comes first by key, and so by number where none has a key, then
+ * the other; a body with itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+ *
+ * With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
+ */
+enum rayc_status rayc_scene_query(struct rayc_scene *scene,
+                                  struct rayc_contacts *contacts);
 
 /**
  * Makes an empty list. *contacts: the new handle.
@@ -1359,191 +1439,30 @@ enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
                                       double *joules);
 
 /**
- * How many pairs are escaping.
- */
-enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *contacts, size_t *count);
-
-/**
- * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
- * `count`. They stand in the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes
- * no more of each than the caller knows.
+ * Fills `options` with the defaults. struct_size: sizeof(rayc_contact_system_options).
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
-enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
-                                                  size_t first,
-                                                  size_t count,
-                                                  size_t struct_size,
-                                                  struct rayc_escape_push *out);
+enum rayc_status rayc_default_contact_system_options(size_t struct_size, struct rayc_contact_system_options *options);
 
 /**
- * Makes an empty scene. options: NULL for the defaults. *scene: the new handle.
+ * Fills `material` with one that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: the stiffness is
+ * pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5. struct_size: sizeof(rayc_material).
  *
- * Errors: RAYC_STATUS_THREADS_NOT_STARTED, RAYC_STATUS_INVALID_OPTION for too many threads, or for
- * threads beside a parallel_for.
- */
-enum rayc_status rayc_scene_create(const struct rayc_scene_options *options, struct rayc_scene **scene);
-
-/**
- * Frees a scene and ends its threads, which have ended when it returns; NULL does nothing.
- */
-enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
-
-/**
- * Adds a copy of `mesh` with its present positions. *body: its number.
+ * For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
+ * elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
+ * carries it), and ten times the depth to which bodies may sink in.
  *
- * Without removals the n-th body has the number n − 1. The number of a removed body rests: it is given again after more
- * than 65536 numbers are without a body, the one that has been so for longest first, and until then
- * RAYC_STATUS_UNKNOWN_BODY tells whoever still uses it. So arrays by number need never be longer than the most bodies that
- * were in the scene at once, and 65536 more. Numbers follow from the order of additions and removals alone.
+ * Two bodies' materials combine so: the surfaces are springs in series, so the softer decides; damping times are weighted
+ * by how much of the depth each surface takes; friction is the geometric mean; the smaller cap holds.
+ * rayc_contact_system_set_pair_material() overrides it.
  *
- * Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
+ * Errors: RAYC_STATUS_INVALID_MATERIAL where a number is not finite and > 0, RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
-enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene,
-                                     const struct rayc_mesh *mesh,
-                                     uint32_t *body);
-
-/**
- * The same with a key of the host's. Pairs, contacts and sums come in the order of the bodies' keys, and of equal ones by
- * number; the first body of a pair is the first in this order. A body added without one has its number for a key. So
- * scenes whose bodies have the same keys find the same contacts in the same order, whatever the numbers, which depend on
- * who was there before.
- *
- * Errors: RAYC_STATUS_KEY_TAKEN, and those of rayc_scene_add_mesh().
- */
-enum rayc_status rayc_scene_add_mesh_with_key(struct rayc_scene *scene,
-                                              const struct rayc_mesh *mesh,
-                                              uint64_t key,
-                                              uint32_t *body);
-
-/**
- * Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY.
- */
-enum rayc_status rayc_scene_remove_body(struct rayc_scene *scene, uint32_t body);
-
-/**
- * Renews the positions of a body's vertices.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE; the
- * positions are then as before.
- */
-enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
-                                          uint32_t body,
-                                          const struct rayc_vectors *positions);
-
-/**
- * Sets how contacts are found from the next query on. options: NULL for the defaults.
- *
- * Errors: RAYC_STATUS_INVALID_OPTION.
- */
-enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
-                                                  const struct rayc_detection_options *options);
-
-/**
- * Switches contacts of a body with itself on (is_on = 1) or off (0) from the next query on; off for a new body. What they
- * are says rayc_query_self(). Where they are on, contacts with other bodies are also found past the body's own folds, as
- * with past_folds in rayc_detection_options.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
- */
-enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene,
-                                               uint32_t body,
-                                               uint32_t is_on);
-
-/**
- * Switches contacts between two bodies off (is_on = 0) or on again (1) from the next query on: collision groups, parts of
- * one machine. On for new bodies. While it is off, the pair costs nothing, is not counted, and forgets what it remembered.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or is_on is neither 0 nor 1.
- */
-enum rayc_status rayc_scene_set_pair_collision(struct rayc_scene *scene,
-                                               uint32_t a,
-                                               uint32_t b,
-                                               uint32_t is_on);
-
-/**
- * Ends a step of `seconds` seconds, ≥ 0: what the step's last query found goes into what pairs remember, by which they
- * escape where contacts cannot part them. Call it once a step, after the last rayc_scene_query() of it; a host that queries
- * several times a step, to look ahead or to detect anew, thus escapes no sooner.
- *
- * The rules count steps; those shorter than 1/60 s count as the part of it that they are. From the first call on, this
- * alone ends a step: a host that queries several times in its first step calls it before, with 0. A scene for which it is
- * never called ends a step, of 1/60 s or more, at each query before which any body was given positions since the last.
- *
- * Errors: RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite.
- */
-enum rayc_status rayc_scene_advance(struct rayc_scene *scene,
-                                    double seconds);
-
-/**
- * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
- * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
- * need to be. Replaces what `contacts` held; the order is by pair (the body that comes first by key, and so by number where none has a key, then
- * the other; a body with itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
- *
- * With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
- */
-enum rayc_status rayc_scene_query(struct rayc_scene *scene,
-                                  struct rayc_contacts *contacts);
-
-/**
- * Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body
- * meant to stay inside another. An escape that is under way ends. It holds until it is set otherwise or one of the
- * bodies is removed; rayc_statistics counts in escapes_forbidden where the pair would have begun to escape.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
- */
-enum rayc_status rayc_scene_allow_escape(struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t allowed);
-
-/**
- * Whether two bodies may escape from one another: *allowed is 1 or 0.
- *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same.
- */
-enum rayc_status rayc_scene_may_escape(const struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t *allowed);
-
-/**
- * How many pairs remember something: those whose boxes overlapped in the last query.
- */
-enum rayc_status rayc_scene_pair_memory_count(const struct rayc_scene *scene, size_t *count);
-
-/**
- * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in the
- * order of their first, then their second body. struct_size: sizeof(rayc_pair_memory), so that a later library writes
- * no more of each than the caller knows.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
- */
-enum rayc_status rayc_scene_copy_pair_memories(const struct rayc_scene *scene,
-                                               size_t first,
-                                               size_t count,
-                                               size_t struct_size,
-                                               struct rayc_pair_memory *out);
-
-/**
- * How many bytes rayc_scene_save_pair_memories() writes now.
- */
-enum rayc_status rayc_scene_saved_length(const struct rayc_scene *scene, size_t *length);
-
-/**
- * Writes what all pairs remember to `bytes`; length must be that of rayc_scene_saved_length(). A scene with the same
- * bodies, positions, options and forbidden escapes that restores it goes on as this one does, to the bit. The bytes
- * carry their version and a checksum, and are the same on every machine.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT.
- */
-enum rayc_status rayc_scene_save_pair_memories(const struct rayc_scene *scene, size_t length, uint8_t *bytes);
-
-/**
- * Replaces what the pairs remember by the `length` bytes that were saved.
- *
- * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was saved,
- * RAYC_STATUS_SAVED_STATE_OTHER_VERSION, RAYC_STATUS_PRECISION_MISMATCH, and RAYC_STATUS_UNKNOWN_BODY where a body of a
- * saved pair is not in the scene; the memories are then as before.
- */
-enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size_t length, const uint8_t *bytes);
+enum rayc_status rayc_bearing_material(double pressure,
+                                       double depth,
+                                       size_t struct_size,
+                                       struct rayc_material *material);
 
 /**
  * Makes a system without bodies. options: NULL for the defaults. *system: the new handle.
@@ -1666,71 +1585,6 @@ enum rayc_status rayc_contact_system_set_motion(struct rayc_contact_system *syst
  * How many numbers a vector of unknowns has.
  */
 enum rayc_status rayc_contact_system_unknown_count(const struct rayc_contact_system *system, size_t *count);
-
-/**
- * Finds the points of the surface, open or closed, that are nearest to some points: `closest[i]` for point i.
- *
- * points: finite, anywhere, in the mesh's unit of length; fastest where each 16 that follow one another are neighbours.
- * bounds: NULL, or for each point how far away the surface may be to count, ≥ 0 or infinite: a tight one saves time.
- * closest: room for points->count structs.
- *
- * Distances are right to within 64 rounding units (2⁻²⁴ of float, 2⁻⁵³ of double meshes) of the largest coordinate difference
- * between the point and the mesh's box, however thin the triangles. With rayc_octree_winding_numbers() they make signed
- * distances: negative where that number is not zero.
- *
- * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
- * RAYC_STATUS_NOT_FINITE and, for a bound, RAYC_STATUS_INVALID_OPTION, with a message that names the point, and those of the
- * array: RAYC_STATUS_INVALID_STRIDE, RAYC_STATUS_UNKNOWN_ENUM.
- */
-enum rayc_status rayc_octree_closest_points(const struct rayc_octree *octree,
-                                            const struct rayc_mesh *mesh,
-                                            const struct rayc_vectors *points,
-                                            const double *bounds,
-                                            struct rayc_closest_point *closest);
-
-/**
- * Counts how often a closed surface winds around some points: `numbers[i]` for point i; 0 outside, 1 inside, more where the
- * surface folds over itself, negative where it is inside out.
- *
- * points: finite, anywhere. numbers: room for points->count numbers. The count is exact, through edges and vertices too. A
- * point on the surface, or so near that rounding decides, has the number of one of its sides. Where coordinates differ by
- * more than 10¹⁹ (float meshes) or 10¹⁵⁴ (double), crossings are lost.
- *
- * Errors: RAYC_STATUS_MESH_OPEN, since an open surface has no inside; and those of rayc_octree_closest_points().
- */
-enum rayc_status rayc_octree_winding_numbers(const struct rayc_octree *octree,
-                                             const struct rayc_mesh *mesh,
-                                             const struct rayc_vectors *points,
-                                             int32_t *numbers);
-
-/**
- * How many bytes rayc_mesh_pack() writes.
- */
-enum rayc_status rayc_mesh_packed_length(const struct rayc_mesh *mesh, size_t *length);
-
-/**
- * Writes the mesh as it was created to `bytes`: its triangles and the positions of then, not the present ones; length must
- * be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
- *
- * Patches, tiles and the order of contacts are settled by the positions at creation. So what rayc_mesh_unpack() makes
- * of the bytes in another process, given the same positions, has the same contacts in the same order, to the bit; a mesh
- * created anew from the present positions has not.
- *
- * Errors: RAYC_STATUS_WRONG_COUNT.
- */
-enum rayc_status rayc_mesh_pack(const struct rayc_mesh *mesh,
-                                size_t length,
-                                uint8_t *bytes);
-
-/**
- * Makes the mesh that was packed, of the same precision, at the positions of its creation. *mesh: the new handle.
- *
- * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
- * and those of rayc_mesh_create() where bytes fit their checksum and are no mesh all the same.
- */
-enum rayc_status rayc_mesh_unpack(size_t length,
-                                  const uint8_t *bytes,
-                                  struct rayc_mesh **mesh);
 
 /**
  * Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in m;
@@ -1881,58 +1735,79 @@ enum rayc_status rayc_contact_system_explicit_step(struct rayc_contact_system *s
                                                    double *longest_step);
 
 /**
- * Sums the contact forces pair by pair, for rayc_contacts_copy_pair_forces(): first the contacts of each pair, in their
- * order, at each vertex that they act on. Added in the order of the pairs they are the forces of rayc_contacts_add_forces()
- * but for the order of summation. As a pair's sum does not depend on other pairs, it may be found in another process.
- *
- * options, body_count, positions, velocities: as in rayc_contacts_add_forces(), and so are the errors. *pair_count: how
- * many pairs have contacts, bodies with themselves among them; *force_count: how many forces there are.
+ * How many pairs are escaping.
  */
-enum rayc_status rayc_contacts_sum_pair_forces(struct rayc_contacts *contacts,
-                                               const struct rayc_response_options *options,
-                                               size_t body_count,
-                                               const struct rayc_vectors *positions,
-                                               const struct rayc_vectors *velocities,
-                                               size_t *pair_count,
-                                               size_t *force_count);
+enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *contacts, size_t *count);
 
 /**
- * Copies what the last rayc_contacts_sum_pair_forces() of these contacts has summed; both counts must be those it gave.
- * The pairs come in their order; the forces of each pair are its first body's, then its second's.
+ * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
+ * `count`. They stand in the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes
+ * no more of each than the caller knows.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *contacts,
+                                                  size_t first,
+                                                  size_t count,
+                                                  size_t struct_size,
+                                                  struct rayc_escape_push *out);
+
+/**
+ * Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body
+ * meant to stay inside another. An escape that is under way ends. It holds until it is set otherwise or one of the
+ * bodies is removed; rayc_statistics counts in escapes_forbidden where the pair would have begun to escape.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
+ */
+enum rayc_status rayc_scene_allow_escape(struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t allowed);
+
+/**
+ * Whether two bodies may escape from one another: *allowed is 1 or 0.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same.
+ */
+enum rayc_status rayc_scene_may_escape(const struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t *allowed);
+
+/**
+ * How many pairs remember something: those whose boxes overlapped in the last query.
+ */
+enum rayc_status rayc_scene_pair_memory_count(const struct rayc_scene *scene, size_t *count);
+
+/**
+ * Copies the memories of pairs first … first + count − 1 to `out`, which has room for `count`. They stand in the
+ * order of their first, then their second body. struct_size: sizeof(rayc_pair_memory), so that a later library writes
+ * no more of each than the caller knows.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_scene_copy_pair_memories(const struct rayc_scene *scene,
+                                               size_t first,
+                                               size_t count,
+                                               size_t struct_size,
+                                               struct rayc_pair_memory *out);
+
+/**
+ * How many bytes rayc_scene_save_pair_memories() writes now.
+ */
+enum rayc_status rayc_scene_saved_length(const struct rayc_scene *scene, size_t *length);
+
+/**
+ * Writes what all pairs remember to `bytes`; length must be that of rayc_scene_saved_length(). A scene with the same
+ * bodies, positions, options and forbidden escapes that restores it goes on as this one does, to the bit. The bytes
+ * carry their version and a checksum, and are the same on every machine.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT.
  */
-enum rayc_status rayc_contacts_copy_pair_forces(const struct rayc_contacts *contacts,
-                                                size_t pair_count,
-                                                struct rayc_pair_forces *pairs,
-                                                size_t force_count,
-                                                struct rayc_vertex_force *forces);
+enum rayc_status rayc_scene_save_pair_memories(const struct rayc_scene *scene, size_t length, uint8_t *bytes);
 
 /**
- * Fills `options` with the defaults. struct_size: sizeof(rayc_contact_system_options).
+ * Replaces what the pairs remember by the `length` bytes that were saved.
  *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
+ * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was saved,
+ * RAYC_STATUS_SAVED_STATE_OTHER_VERSION, RAYC_STATUS_PRECISION_MISMATCH, and RAYC_STATUS_UNKNOWN_BODY where a body of a
+ * saved pair is not in the scene; the memories are then as before.
  */
-enum rayc_status rayc_default_contact_system_options(size_t struct_size, struct rayc_contact_system_options *options);
-
-/**
- * Fills `material` with one that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: the stiffness is
- * pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5. struct_size: sizeof(rayc_material).
- *
- * For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
- * elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
- * carries it), and ten times the depth to which bodies may sink in.
- *
- * Two bodies' materials combine so: the surfaces are springs in series, so the softer decides; damping times are weighted
- * by how much of the depth each surface takes; friction is the geometric mean; the smaller cap holds.
- * rayc_contact_system_set_pair_material() overrides it.
- *
- * Errors: RAYC_STATUS_INVALID_MATERIAL where a number is not finite and > 0, RAYC_STATUS_INVALID_STRUCT_SIZE.
- */
-enum rayc_status rayc_bearing_material(double pressure,
-                                       double depth,
-                                       size_t struct_size,
-                                       struct rayc_material *material);
+enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size_t length, const uint8_t *bytes);
 
 /**
  * Says how a body is shared between scenes of several processes, each of which has some bodies of its own and ghosts of
@@ -1991,6 +1866,143 @@ enum rayc_status rayc_scene_body_state(const struct rayc_scene *scene,
 enum rayc_status rayc_scene_set_pair_memory(struct rayc_scene *scene,
                                             size_t struct_size,
                                             const struct rayc_pair_memory *memory);
+
+/**
+ * Sums the contact forces pair by pair, for rayc_contacts_copy_pair_forces(): first the contacts of each pair, in their
+ * order, at each vertex that they act on. Added in the order of the pairs they are the forces of rayc_contacts_add_forces()
+ * but for the order of summation. As a pair's sum does not depend on other pairs, it may be found in another process.
+ *
+ * options, body_count, positions, velocities: as in rayc_contacts_add_forces(), and so are the errors. *pair_count: how
+ * many pairs have contacts, bodies with themselves among them; *force_count: how many forces there are.
+ */
+enum rayc_status rayc_contacts_sum_pair_forces(struct rayc_contacts *contacts,
+                                               const struct rayc_response_options *options,
+                                               size_t body_count,
+                                               const struct rayc_vectors *positions,
+                                               const struct rayc_vectors *velocities,
+                                               size_t *pair_count,
+                                               size_t *force_count);
+
+/**
+ * Copies what the last rayc_contacts_sum_pair_forces() of these contacts has summed; both counts must be those it gave.
+ * The pairs come in their order; the forces of each pair are its first body's, then its second's.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_contacts_copy_pair_forces(const struct rayc_contacts *contacts,
+                                                size_t pair_count,
+                                                struct rayc_pair_forces *pairs,
+                                                size_t force_count,
+                                                struct rayc_vertex_force *forces);
+
+/**
+ * How many bytes rayc_mesh_pack() writes.
+ */
+enum rayc_status rayc_mesh_packed_length(const struct rayc_mesh *mesh, size_t *length);
+
+/**
+ * Writes the mesh as it was created to `bytes`: its triangles and the positions of then, not the present ones; length must
+ * be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
+ *
+ * Patches, tiles and the order of contacts are settled by the positions at creation. So what rayc_mesh_unpack() makes
+ * of the bytes in another process, given the same positions, has the same contacts in the same order, to the bit; a mesh
+ * created anew from the present positions has not.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_mesh_pack(const struct rayc_mesh *mesh,
+                                size_t length,
+                                uint8_t *bytes);
+
+/**
+ * Makes the mesh that was packed, of the same precision, at the positions of its creation. *mesh: the new handle.
+ *
+ * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
+ * and those of rayc_mesh_create() where bytes fit their checksum and are no mesh all the same.
+ */
+enum rayc_status rayc_mesh_unpack(size_t length,
+                                  const uint8_t *bytes,
+                                  struct rayc_mesh **mesh);
+
+/**
+ * Builds the octree of `mesh` for its present positions. *octree: the new handle.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_MEMORY.
+ */
+enum rayc_status rayc_octree_create(const struct rayc_mesh *mesh, struct rayc_octree **octree);
+
+/**
+ * Frees an octree; NULL does nothing.
+ */
+enum rayc_status rayc_octree_destroy(struct rayc_octree *octree);
+
+/**
+ * Builds the octree anew for its mesh's present positions; its memory is reused.
+ *
+ * Errors: RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_octree_update(struct rayc_octree *octree, const struct rayc_mesh *mesh);
+
+/**
+ * Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
+ * Benthin, Wald 2013): a ray through a shared edge or vertex hits. So that many threads may trace rays one by one
+ * without waiting for each other, they are not counted: a call that changes the octree or the mesh meanwhile does not
+ * say RAYC_STATUS_BUSY, and must not be made.
+ *
+ * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+ * RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.
+ */
+enum rayc_status rayc_octree_trace_ray(const struct rayc_octree *octree,
+                                       const struct rayc_mesh *mesh,
+                                       const struct rayc_ray *ray,
+                                       struct rayc_hit *hit);
+
+/**
+ * Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray().
+ *
+ * Errors: as there; the message names the ray, and no hit is written.
+ */
+enum rayc_status rayc_octree_trace_rays(const struct rayc_octree *octree,
+                                        const struct rayc_mesh *mesh,
+                                        const struct rayc_ray *rays,
+                                        size_t count,
+                                        struct rayc_hit *hits);
+
+/**
+ * Finds the points of the surface, open or closed, that are nearest to some points: `closest[i]` for point i.
+ *
+ * points: finite, anywhere, in the mesh's unit of length; fastest where each 16 that follow one another are neighbours.
+ * bounds: NULL, or for each point how far away the surface may be to count, ≥ 0 or infinite: a tight one saves time.
+ * closest: room for points->count structs.
+ *
+ * Distances are right to within 64 rounding units (2⁻²⁴ of float, 2⁻⁵³ of double meshes) of the largest coordinate difference
+ * between the point and the mesh's box, however thin the triangles. With rayc_octree_winding_numbers() they make signed
+ * distances: negative where that number is not zero.
+ *
+ * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
+ * RAYC_STATUS_NOT_FINITE and, for a bound, RAYC_STATUS_INVALID_OPTION, with a message that names the point, and those of the
+ * array: RAYC_STATUS_INVALID_STRIDE, RAYC_STATUS_UNKNOWN_ENUM.
+ */
+enum rayc_status rayc_octree_closest_points(const struct rayc_octree *octree,
+                                            const struct rayc_mesh *mesh,
+                                            const struct rayc_vectors *points,
+                                            const double *bounds,
+                                            struct rayc_closest_point *closest);
+
+/**
+ * Counts how often a closed surface winds around some points: `numbers[i]` for point i; 0 outside, 1 inside, more where the
+ * surface folds over itself, negative where it is inside out.
+ *
+ * points: finite, anywhere. numbers: room for points->count numbers. The count is exact, through edges and vertices too. A
+ * point on the surface, or so near that rounding decides, has the number of one of its sides. Where coordinates differ by
+ * more than 10¹⁹ (float meshes) or 10¹⁵⁴ (double), crossings are lost.
+ *
+ * Errors: RAYC_STATUS_MESH_OPEN, since an open surface has no inside; and those of rayc_octree_closest_points().
+ */
+enum rayc_status rayc_octree_winding_numbers(const struct rayc_octree *octree,
+                                             const struct rayc_mesh *mesh,
+                                             const struct rayc_vectors *points,
+                                             int32_t *numbers);
 
 #ifdef __cplusplus
 }  // extern "C"

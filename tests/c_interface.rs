@@ -40,9 +40,12 @@ fn exports() -> Vec<String> {
 #[test]
 fn header_is_what_cbindgen_generates() {
     let config = cbindgen::Config::from_file(root().join("cbindgen.toml")).expect("cbindgen.toml is valid");
-    // Not mod.rs: through it every source would be read once more.
-    let mut paths: Vec<PathBuf> =
-        sources().into_iter().map(|(path, _)| path).filter(|path| !path.ends_with("mod.rs")).collect();
+    // Not mod.rs: through it every source would be read once more. Nor the test of faults, which exports nothing.
+    let mut paths: Vec<PathBuf> = sources()
+        .into_iter()
+        .map(|(path, _)| path)
+        .filter(|path| !["mod.rs", "faults.rs"].iter().any(|name| path.ends_with(name)))
+        .collect();
     paths.sort_by_key(|path| position_in_header(path));
     // Its own sources only: the rest of the crate stays out of the header.
     let builder = cbindgen::Builder::new().with_config(config);
@@ -57,25 +60,40 @@ fn header_is_what_cbindgen_generates() {
     }
 }
 
-/// The header reads from the general to the particular.
+/// What a host needs first comes first: what all calls share, meshes, the scene and its contacts, the forces they give, the
+/// contact system; then what few hosts need: pairs' memories, bodies of several processes, a tree of one's own.
+const HEADER_ORDER: [&str; 25] = [
+    "version",
+    "failure",
+    "guard",
+    "handles",
+    "pointers",
+    "given",
+    "host_threads",
+    "vectors",
+    "host_positions",
+    "options",
+    "mesh",
+    "scene",
+    "contacts",
+    "statistics",
+    "response",
+    "contact_system_options",
+    "contact_system",
+    "contact_system_step",
+    "escape_push",
+    "pair_memory",
+    "sharing",
+    "pair_forces",
+    "packed_mesh",
+    "octree",
+    "closest",
+];
+
 fn position_in_header(path: &Path) -> usize {
-    let order = [
-        "version",
-        "failure",
-        "guard",
-        "host_threads",
-        "vectors",
-        "options",
-        "mesh",
-        "octree",
-        "contacts",
-        "response",
-        "escape_push",
-        "scene",
-        "pair_memory",
-    ];
     let name = path.file_stem().and_then(|stem| stem.to_str()).expect("sources have names");
-    order.iter().position(|known| *known == name).unwrap_or(order.len())
+    let place = HEADER_ORDER.iter().position(|known| *known == name);
+    place.unwrap_or_else(|| panic!("say in HEADER_ORDER where {} belongs in the header", path.display()))
 }
 
 #[test]
