@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::query_point::{MeshScale, QueryPoint, margin_per_half_reach};
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, margins};
 
 /// Up to sixteen points side by side, seen in one scale, and for each the nearest triangle so far.
 #[derive(Clone, Debug)]
@@ -114,7 +114,7 @@ impl<T: Scalar> PointPacket<T> {
         half_reach.mul(L::splat(margin_per_half_reach(factor))).store(&mut self.margin);
         // As `QueryPoint::square_of_bound`.
         let bound = bound.mul(L::splat(factor));
-        let slack = L::splat(T::one() + T::ROUNDING_UNIT * T::of(8.0));
+        let slack = L::splat(T::one() + margins::margin(margins::SQUARE_OF_BOUND));
         bound.mul(bound).mul(slack).store(&mut self.square);
         let middle = (position.smallest_lanes() + position.greatest_lanes()) * T::of(0.5);
         self.centre = QueryPoint { position: middle, factor, inverse, margin: T::zero() };
@@ -128,7 +128,7 @@ impl<T: Scalar> PointPacket<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn renew_limits<L: Lanes<T>>(&mut self) {
         // As `QueryPoint::square_of_boxes`.
-        let slack = T::one() + T::ROUNDING_UNIT * T::of(16.0);
+        let slack = T::one() + margins::margin(margins::SQUARE_OF_LIMIT);
         let margin = L::load(&self.margin);
         let distance = L::load(&self.square).sqrt().add(margin);
         distance.mul(distance).mul(L::splat(slack)).store(&mut self.limit);

@@ -1,15 +1,7 @@
-use crate::math::{Aabb, Scalar, Vector3, normalising_factor};
+use crate::math::{Aabb, Scalar, Vector3, margins, normalising_factor};
 
 /// Up to so many times the mesh's size away, all points are seen in one scale, so that they can be asked about together.
 const FAR: f64 = 65536.0;
-
-/// By how much a distance to a triangle may have been rounded down, in rounding units of the reach r.
-///
-/// A distance is that of a point of the triangle, plus what was rounded on the way. All vectors on that way are at most
-/// 2 √3 r long, so that makes √3 r · (1 for the corner's difference, 3 for the part along the first edge, 1 for their sum, 8
-/// for what the second edge is across the first, 2 for the part along that, 1 for the sum, 6 for the weights), 38 r in all;
-/// squares and their sums, those of distances to boxes too, take another 12 r.
-const MARGIN: f64 = 64.0;
 
 /// How points are seen from a mesh: in a scale, a power of two, in which no square overflows, and none underflows that
 /// matters. So scaling mesh and point by a power of two scales every distance exactly.
@@ -42,7 +34,7 @@ impl<T: Scalar> MeshScale<T> {
 /// The margin of distances for a point with this reach, both scaled.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn margin_per_half_reach<T: Scalar>(factor: T) -> T {
-    factor * T::ROUNDING_UNIT * T::of(2.0 * MARGIN)
+    factor * margins::margin(2.0 * margins::DISTANCE)
 }
 
 /// A point made ready to be held against the triangles of one mesh.
@@ -76,21 +68,21 @@ impl<T: Scalar> QueryPoint<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn square_of_bound(&self, bound: T) -> T {
         let bound = bound * self.factor;
-        bound * bound * (T::one() + T::ROUNDING_UNIT * T::of(8.0))
+        bound * bound * (T::one() + margins::margin(margins::SQUARE_OF_BOUND))
     }
 
     /// The largest squared distance to a box that may hold a triangle with this squared distance or a smaller one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn square_of_boxes(&self, square: T) -> T {
         let distance = square.sqrt() + self.margin;
-        distance * distance * (T::one() + T::ROUNDING_UNIT * T::of(16.0))
+        distance * distance * (T::one() + margins::margin(margins::SQUARE_OF_LIMIT))
     }
 
     /// The same for slabs, whose distances are rounded a little more: by no more than another margin.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn square_of_slabs(&self, square: T) -> T {
         let distance = square.sqrt() + self.margin + self.margin;
-        distance * distance * (T::one() + T::ROUNDING_UNIT * T::of(16.0))
+        distance * distance * (T::one() + margins::margin(margins::SQUARE_OF_LIMIT))
     }
 
     /// The squared distance to a box.

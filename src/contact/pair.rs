@@ -5,7 +5,7 @@ use super::distance::ContactLaw;
 use super::load::fixed_shares;
 use super::options::DetectionOptions;
 use super::samples::Sampling;
-use crate::math::{Aabb, Scalar, Vector3, direction};
+use crate::math::{Aabb, Scalar, Vector3, direction, margins};
 use crate::mesh::Mesh;
 use crate::octree::Tracer;
 use crate::ray::Ray;
@@ -15,7 +15,7 @@ use crate::ray::Ray;
 pub(crate) fn overlap_region<T: Scalar>(a: &Aabb<T>, b: &Aabb<T>) -> (Aabb<T>, Aabb<T>) {
     let overlap = a.intersection(b);
     let largest = overlap.lower.amax().max(overlap.upper.amax());
-    (overlap, overlap.grown(largest * T::ROUNDING_UNIT * T::of(8.0)))
+    (overlap, overlap.grown(largest * margins::margin(margins::SAMPLE_IN_BOX)))
 }
 
 /// How far beyond an overlap box the nearest points of the surface mostly lie, as a part of the box's shortest side.
@@ -132,7 +132,7 @@ impl<T: Scalar> Pair<'_, T> {
         let other = self.tracers[1 - side].mesh().aabb();
         let largest = other.lower.amax().max(other.upper.amax());
         let ray = Ray::new(origin, if side == 0 { *away } else { -away });
-        ray.until(ray.exit_from(&other.grown(largest * T::ROUNDING_UNIT * T::of(8.0))))
+        ray.until(ray.exit_from(&other.grown(largest * margins::margin(margins::SAMPLE_IN_BOX))))
     }
 }
 

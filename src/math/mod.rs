@@ -2,6 +2,7 @@
 
 mod aabb;
 mod lanes;
+pub(crate) mod margins;
 mod scalar;
 
 pub use aabb::Aabb;

@@ -1,5 +1,5 @@
 use super::{Mesh, RING_LENGTH, VertexNormal};
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length};
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length, margins};
 
 /// Sixteen points with their normals, coordinate by coordinate.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +88,8 @@ impl<T: Scalar> Mesh<T> {
         found.found = ((1u32 << count) - 1) as Mask;
         // A triangle that faces the other way adds its |n| to Σ|n| and nothing to |Σ n|. Less than the smallest leaves room for
         // roundings.
-        let missing = doubled_area.sub(along).add(doubled_area.mul(L::splat(T::ROUNDING_UNIT * T::of(64.0))));
+        let missing =
+            doubled_area.sub(along).add(doubled_area.mul(L::splat(margins::margin(margins::SUM_AROUND_VERTEX))));
         found.outward = missing.is_less(smallest.mul(L::splat(T::of(0.9375)))) & !unsafe_squares;
         let mut left = unsafe_squares & found.found;
         while left != 0 {

@@ -1,4 +1,4 @@
-use crate::math::{Aabb, Scalar, Vector3};
+use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::ray::Ray;
 
 /// A ray as the faces of boxes see it: where it crosses the plane x = a, t = (a − origin) · inverse.
@@ -18,7 +18,7 @@ impl<T: Scalar> Slabs<T> {
     pub(super) fn new(ray: &Ray<T>, mesh_box: &Aabb<T>) -> Self {
         // A finite stand-in for 1/0 keeps 0 · ∞ out of the planes.
         let inverse = ray.direction.map(|d| (T::one() / d).clamp(-T::LARGEST, T::LARGEST));
-        let margin = mesh_box.reach_from(&ray.origin) * T::ROUNDING_UNIT * T::of(16.0);
+        let margin = mesh_box.reach_from(&ray.origin) * margins::margin(margins::BOX_FACE);
         Self { origin: ray.origin, inverse, margin }
     }
 

@@ -11,7 +11,7 @@ pub(crate) use packet::RayPacket;
 pub use watertight::ShearedRay;
 pub(crate) use watertight_lanes::{HitLanes, TriangleLanes};
 
-use crate::math::{Aabb, Scalar, Vector3};
+use crate::math::{Aabb, Scalar, Vector3, margins};
 
 /// A half line, cut at `t_max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl<T: Scalar> Ray<T> {
     /// A `t` up to which the ray has met everything it meets inside the box, for an origin inside: where it leaves, and
     /// a little more, so that a hit on the box's very face is not lost to the rounding of either distance.
     pub fn exit_from(&self, aabb: &Aabb<T>) -> T {
-        let margin = aabb.reach_from(&self.origin) * T::ROUNDING_UNIT * T::of(64.0);
+        let margin = aabb.reach_from(&self.origin) * margins::margin(margins::RAY_END);
         let mut exit = T::INFINITY;
         for axis in 0..3 {
             let (origin, direction) = (self.origin[axis], self.direction[axis]);

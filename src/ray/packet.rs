@@ -3,7 +3,7 @@
 
 use super::main_axis::MainAxes;
 use super::{Ray, ShearedRay};
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, margins};
 
 /// Up to sixteen rays side by side, each made ready for boxes and for the watertight triangle test.
 #[derive(Clone, Debug)]
@@ -79,7 +79,7 @@ impl<T: Scalar> RayPacket<T> {
         let below = Vectors::splat(&region.lower).sub(origin);
         let above = Vectors::splat(&region.upper).sub(origin);
         let margin =
-            below.magnitude().larger(above.magnitude()).largest().mul(L::splat(T::ROUNDING_UNIT * T::of(64.0)));
+            below.magnitude().larger(above.magnitude()).largest().mul(L::splat(margins::margin(margins::RAY_END)));
         let (one, largest) = (L::splat(T::one()), L::splat(T::LARGEST));
         let smallest = largest.negate();
         let inverse = Vectors::new(

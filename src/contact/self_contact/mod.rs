@@ -22,7 +22,7 @@ use super::found::cos_alpha;
 use super::sampler::for_each_sample;
 use super::samples::{Sample, Sampling};
 use super::{Contact, ContactKind, ContactList, DetectionOptions, SurfacePoint};
-use crate::math::{Aabb, Scalar};
+use crate::math::{Aabb, Scalar, margins};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
@@ -155,7 +155,7 @@ impl<T: Scalar> Body<'_, T> {
             _ => *region,
         };
         let largest = region.lower.amax().max(region.upper.amax());
-        let region = region.grown(largest * T::ROUNDING_UNIT * T::of(8.0));
+        let region = region.grown(largest * margins::margin(margins::SAMPLE_IN_BOX));
         for_each_sample(mesh, &region, Cutter::new(self.options.sampling, &overlap, &region), |sample| {
             if !is_wanted(&sample) {
                 return;

@@ -1,13 +1,13 @@
 //! How near two triangles of one body are.
 
-use crate::math::{Aabb, Scalar, Vector3, length};
+use crate::math::{Aabb, Scalar, Vector3, length, margins};
 use crate::mesh::Mesh;
 use crate::octree::is_merged;
 
 /// By how much positions may be off in what rays see of them: projections, hits and the rays' origins are each rounded
 /// to a few units of the largest coordinate.
 pub(super) fn rounding<T: Scalar>(mesh: &Mesh<T>) -> T {
-    mesh.aabb().lower.amax().max(mesh.aabb().upper.amax()) * T::ROUNDING_UNIT * T::of(64.0)
+    mesh.aabb().lower.amax().max(mesh.aabb().upper.amax()) * margins::margin(margins::SEEN_POSITION)
 }
 
 /// What is nearer touches.

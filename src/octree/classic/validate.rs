@@ -1,5 +1,5 @@
 use super::Classic;
-use crate::math::{Aabb, Scalar, Vector3};
+use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::mesh::Mesh;
 
 impl<T: Scalar> Classic<T> {
@@ -65,7 +65,7 @@ impl<T: Scalar> Classic<T> {
             return Err(format!("triangle {triangle} is in {} cells or at several levels", cells.len()));
         }
         // Planes are rounded once per level on the way down.
-        let margin = self.side * T::ROUNDING_UNIT * T::of(64.0);
+        let margin = self.side * margins::margin(margins::CELL_PLANE);
         let side = first.longest_side();
         if side + margin < aabb.longest_side() {
             return Err(format!("triangle {triangle} is larger than its cells at level {level}"));

@@ -1,5 +1,5 @@
 use super::Wide;
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, margins};
 use crate::mesh::Mesh;
 use crate::ray::RayPacket;
 
@@ -54,7 +54,7 @@ impl<T: Scalar, L: Lanes<T>> Directions<T, L> {
         let greatest = normal.times(self.lower).larger(normal.times(self.upper));
         let along = greatest.x.add(greatest.y).add(greatest.z);
         let size = aabb.longest_side();
-        let rounding = T::ROUNDING_UNIT * T::of(256.0) * (size + self.reach);
+        let rounding = margins::margin::<T>(margins::LEAVING) * (size + self.reach);
         let margin = self.largest * (rounding * (size + rounding) + T::SAFE_SQUARES.0);
         !along.is_less(L::splat(-margin)) & tile.present != 0
     }

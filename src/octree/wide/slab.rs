@@ -3,7 +3,7 @@
 
 use super::tile::{TILE_SIZE, Tile};
 use crate::closest::{PointPacket, QueryPoint};
-use crate::math::{Lanes, Mask, Scalar, Vector3, Vectors, direction};
+use crate::math::{Lanes, Mask, Scalar, Vector3, Vectors, direction, margins};
 
 /// A round slab around a tile, across its mean normal: a better bound for distances than the box of a tilted tile.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ impl<T: Scalar> Slab<T> {
         let along = seen.dot(Vectors::splat(&normal));
         let across = seen.sub(Vectors::splat(&normal).scaled(along));
         // More than all is rounded here.
-        let slack = (upper - lower).max() * T::ROUNDING_UNIT * T::of(32.0);
+        let slack = (upper - lower).max() * margins::margin(margins::SLAB);
         let radius = across.dot(across).greatest().sqrt() + slack;
         Self { normal, centre, below: along.smallest() - slack, above: along.greatest() + slack, radius }
     }

@@ -1,4 +1,4 @@
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, margins};
 use crate::ray::RayPacket;
 
 /// The planes of boxes as sixteen rays meet them: a face at `x` is met at t = x · inverse + offset.
@@ -20,7 +20,7 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         let below = Vectors::splat(&mesh_box.lower).sub(origin).magnitude();
         let above = Vectors::splat(&mesh_box.upper).sub(origin).magnitude();
         let reach = below.larger(above).largest();
-        let rounding = L::splat(T::ROUNDING_UNIT * T::of(16.0));
+        let rounding = L::splat(margins::margin(margins::BOX_FACE));
         // Products with a coordinate are rounded as coarsely as it is far from zero.
         let coordinates = reach.add(origin.magnitude().largest());
         let moved = coordinates.mul(rounding);
@@ -80,7 +80,7 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         }
         // The end is rounded as coarsely as its coordinates are.
         let largest = self.origin.magnitude().largest().larger(end.magnitude().largest());
-        let grown = self.margin.add(largest.mul(L::splat(T::ROUNDING_UNIT * T::of(4.0))));
+        let grown = self.margin.add(largest.mul(L::splat(margins::margin(margins::END_POINT))));
         let grown = Vectors::new(grown, grown, grown);
         let (lower, upper) = (self.origin.smaller(end).sub(grown), self.origin.larger(end).add(grown));
         let endless = Vectors::splat(&Vector3::repeat(T::INFINITY));
