@@ -28,12 +28,12 @@ COLOURS = (
 
 
 def frames(pvd):
-    """The paths of the first and the last frame, with their times."""
+    """The paths of all frames, with their times."""
     entries = ElementTree.parse(pvd).getroot().findall("./Collection/DataSet")
     if not entries:
         raise ValueError(f"{pvd} lists no frames: run two_bodies again")
     folder = os.path.dirname(os.path.abspath(pvd))
-    return [(os.path.join(folder, e.get("file")), float(e.get("timestep"))) for e in (entries[0], entries[-1])]
+    return [(os.path.join(folder, e.get("file")), float(e.get("timestep"))) for e in entries]
 
 
 def read(path):
@@ -69,11 +69,11 @@ def split(frame, body):
 CAPTION_HEIGHT = 0.1  # of the picture
 
 
-def add_view(window, frame, left, right):
+def add_view(window, frame, viewport):
     from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer
 
     renderer = vtkRenderer()
-    renderer.SetViewport(left, CAPTION_HEIGHT, right, 1)
+    renderer.SetViewport(*viewport)
     renderer.SetBackground(1, 1, 1)
     for body in range(1 + int(frame.GetPointData().GetArray("body").GetRange()[1])):
         mapper = vtkPolyDataMapper()
@@ -90,18 +90,18 @@ def add_view(window, frame, left, right):
     return renderer
 
 
-def add_caption(window, caption, left, right):
+def add_caption(window, caption, viewport, font_size):
     from vtkmodules.vtkRenderingCore import vtkRenderer, vtkTextActor
 
     text = vtkTextActor()
     text.SetInput(caption)
-    text.GetTextProperty().SetFontSize(max(12, window.GetSize()[1] // 26))
+    text.GetTextProperty().SetFontSize(font_size)
     text.GetTextProperty().SetColor(0.1, 0.1, 0.1)
     text.GetTextProperty().SetJustificationToCentered()
     text.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
     text.GetPositionCoordinate().SetValue(0.5, 0.3)
     renderer = vtkRenderer()
-    renderer.SetViewport(left, 0, right, CAPTION_HEIGHT)
+    renderer.SetViewport(*viewport)
     renderer.SetBackground(1, 1, 1)
     renderer.AddActor2D(text)
     window.AddRenderer(renderer)
@@ -175,12 +175,14 @@ def draw(pvd, png, width):
     window.SetMultiSamples(8)
     window.SetSize(width, width * 9 // 20)
     renderers, surfaces = [], []
-    for side, (name, (path, time)) in enumerate(zip(("start", "end"), frames(pvd))):
+    listed = frames(pvd)
+    for side, (name, (path, time)) in enumerate((("start", listed[0]), ("end", listed[-1]))):
         frame = read(path)
         surfaces.append(frame)
         caption = f"{name}: {percent_inside(frame):.1f} % of the vertices inside (t = {time:.2f} s)"
-        renderers.append(add_view(window, frame, side / 2, (side + 1) / 2))
-        add_caption(window, caption, side / 2, (side + 1) / 2)
+        left, right = side / 2, (side + 1) / 2
+        renderers.append(add_view(window, frame, (left, CAPTION_HEIGHT, right, 1)))
+        add_caption(window, caption, (left, 0, right, CAPTION_HEIGHT), max(12, window.GetSize()[1] // 26))
     aim(renderers, surfaces, (width / 2) / (window.GetSize()[1] * (1 - CAPTION_HEIGHT)))
     window.Render()
     image = vtkWindowToImageFilter()

@@ -25,11 +25,11 @@ for file in "$@"; do
     files+=("$path")
 done
 
-scripts/setup.sh
-say 'Building (release)'
-cmake --workflow --preset release >&2 || fail 'the build failed, see above'
+scripts/setup.sh demo
+say 'Building the library and the demo (release)'
+{ cmake --preset demos && cmake --build --preset demos --target two_bodies; } >&2 || fail 'the build failed, see above'
 
-demo=build/release/demos/two_bodies
+demo=build/demos/demos/two_bodies
 [[ -x "$demo" ]] || fail "the build made no $demo: see its messages above"
 
 # Kept back until the picture is drawn, so that the demo's last line is the last line.

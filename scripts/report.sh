@@ -33,8 +33,8 @@ if [[ $records == true ]]; then
     scripts/setup.sh
     source scripts/peers.sh
     bench="$(build_bench)"
-    cmake --workflow --preset release >&2 || fail 'the build failed, see above'
-    node report/record.mjs build/release/demos/scenes "$bench"
+    cmake --workflow --preset demos >&2 || fail 'the build failed, see above'
+    node report/record.mjs build/demos/demos/scenes "$bench"
 fi
 if [[ ! -d report/node_modules || report/package-lock.json -nt report/node_modules ]]; then
     say 'Installing the npm packages'

@@ -20,9 +20,9 @@ esac
 
 scripts/setup.sh
 say 'Building (release)'
-cmake --workflow --preset release >&2 || fail 'the build failed, see above'
+cmake --workflow --preset demos >&2 || fail 'the build failed, see above'
 
-programs=build/release/demos/scenes
+programs=build/demos/demos/scenes
 names=("$@")
 if ((${#names[@]} == 0)); then
     for file in demos/scenes/*.cpp; do names+=("$(basename "$file" .cpp)"); done

@@ -51,8 +51,8 @@ fi
 
 scripts/setup.sh
 say 'Building (release)'
-cmake --workflow --preset release >&2 || fail 'the build failed, see above'
-programs="$root/build/release/demos/scenes"
+cmake --workflow --preset demos >&2 || fail 'the build failed, see above'
+programs="$root/build/demos/demos/scenes"
 
 # one_run <scene> <method> <dt> <stiffness>: its line of the map. A crash or a run that takes too long is a verdict too.
 one_run() {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -34,7 +35,7 @@ void print_usage(FILE* out) {
       "  --dt SECONDS      time step (0.005)\n"
       "  --only SCENE      of the table, that scene alone\n"
       "  --obj FILE        a closed surface in place of a skin; to be given twice\n"
-      "  --out FOLDER      write surfaces at start and end for ParaView\n"
+      "  --out FOLDER      write ParaView files there, about 60 frames\n"
       "  --xml FILE        write the model\n"
       "  --help            this text\n\n"
       "Prints lines of figures. Exit status: 0 where bodies came apart in time, or lie in a pile, no element turned "
@@ -103,9 +104,13 @@ int run_one(const Options& options) {
   flexes::Run run(scene, contact, dt);
   if (!options.out.empty()) {
     demo::PvdSeries series(options.out, std::string("mujoco_") + scene.name);
+    // About 60 frames, the first and the last step among them.
+    const auto steps = static_cast<int>(std::lround(scene.seconds / dt)), between = std::max(1, steps / 60);
     write_frame(series, run, 0);
-    while (!run.is_done()) run.step();
-    write_frame(series, run, scene.seconds);
+    for (int step = 1; !run.is_done(); ++step) {
+      run.step();
+      if (step % between == 0 || run.is_done()) write_frame(series, run, step * dt);
+    }
   } else {
     while (!run.is_done()) run.step();
   }
