@@ -931,11 +931,15 @@ typedef struct rayc_pair_memory {
    */
   double halved;
   /**
-   * The net push on the first body as a part of the sum of all pushes, averaged over about eight steps: of length 1
-   * where all have pushed one way, near 0 where they push against each other or to and fro. While the pair escapes it
-   * rests.
+   * The net push on the first body as a part of the sum of all pushes, averaged over about eight steps, each with its
+   * overlap as its weight: of length 1 where all have pushed one way, near 0 where they push against each other or to
+   * and fro. While the pair escapes it rests.
    */
   double net_push[3];
+  /**
+   * The overlap averaged over the same steps, in m³; while the pair escapes it rests.
+   */
+  double mean_overlap;
 } rayc_pair_memory;
 
 /**

@@ -117,7 +117,7 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_contact_system_options, keeps_rigid_unknowns) == sizeof(rayc_contact_system_options));
   CHECK(END_OF(rayc_material, depth_cap) == sizeof(rayc_material));
   CHECK(END_OF(rayc_statistics, border_pieces) == sizeof(rayc_statistics));
-  CHECK(END_OF(rayc_pair_memory, net_push) == sizeof(rayc_pair_memory));
+  CHECK(END_OF(rayc_pair_memory, mean_overlap) == sizeof(rayc_pair_memory));
   CHECK(END_OF(rayc_escape_push, centres) == sizeof(rayc_escape_push));
   CHECK(END_OF(rayc_body_state, reserved) == sizeof(rayc_body_state));
 }
@@ -147,7 +147,7 @@ int main(void) {
   CHECK_STATUS(rayc_contacts_statistics(contacts, sizeof(rayc_statistics), NULL), RAYC_STATUS_NULL_POINTER,
                "statistics");
   make_escapes();
-  CHECK_SIZES(rayc_pair_memory, END_OF(rayc_pair_memory, net_push), pair_memory_of_scene);
+  CHECK_SIZES(rayc_pair_memory, END_OF(rayc_pair_memory, mean_overlap), pair_memory_of_scene);
   CHECK_SIZES(rayc_body_state, END_OF(rayc_body_state, reserved), state_of_body);
   CHECK_SIZES(rayc_escape_push, END_OF(rayc_escape_push, centres), push_of_contacts);
   arrays_are_written_in_steps_of_the_callers_size();

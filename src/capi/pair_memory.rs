@@ -32,15 +32,17 @@ pub struct rayc_pair_memory {
     pub lowest: f64,
     /// The same, renewed where one is smaller by half; while the pair escapes it rests.
     pub halved: f64,
-    /// The net push on the first body as a part of the sum of all pushes, averaged over about eight steps: of length 1
-    /// where all have pushed one way, near 0 where they push against each other or to and fro. While the pair escapes it
-    /// rests.
+    /// The net push on the first body as a part of the sum of all pushes, averaged over about eight steps, each with its
+    /// overlap as its weight: of length 1 where all have pushed one way, near 0 where they push against each other or to
+    /// and fro. While the pair escapes it rests.
     pub net_push: [f64; 3],
+    /// The overlap averaged over the same steps, in m³; while the pair escapes it rests.
+    pub mean_overlap: f64,
 }
 
 impl Growing for rayc_pair_memory {
     const NAME: &'static str = "rayc_pair_memory";
-    const SMALLEST: usize = std::mem::offset_of!(Self, net_push) + size_of::<[f64; 3]>();
+    const SMALLEST: usize = std::mem::offset_of!(Self, mean_overlap) + size_of::<f64>();
 }
 
 impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
@@ -56,6 +58,7 @@ impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
             lowest: memory.lowest.value.to_f64(),
             halved: memory.halved.value.to_f64(),
             net_push: memory.net_push.map(T::to_f64).into(),
+            mean_overlap: memory.mean_overlap.to_f64(),
         }
     }
 }

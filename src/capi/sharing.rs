@@ -151,6 +151,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_memory(
             lowest: Record { value: T::of(memory.lowest), steps: memory.lowest_steps },
             halved: Record { value: T::of(memory.halved), steps: memory.halved_steps },
             net_push: vector(memory.net_push),
+            mean_overlap: T::of(memory.mean_overlap),
         };
         scene.set_pair_memory([memory.first, memory.second], remembered)
     }

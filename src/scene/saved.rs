@@ -51,15 +51,15 @@ impl fmt::Display for SavedStateError {
 impl std::error::Error for SavedStateError {}
 
 const MARK: [u8; 8] = *b"raycpair";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEAD: usize = 44;
 /// What is said of the history by one bit each.
 const IS_QUERIED: u32 = 1;
 const IS_HOSTS: u32 = 2;
 /// No position has changed since the newest query.
 const IS_AT_QUERY: u32 = 4;
-/// Five whole numbers and eight others, these always in double precision, which holds both.
-const ENTRY: usize = 5 * 4 + 8 * 8;
+/// Five whole numbers and nine others, these always in double precision, which holds both.
+const ENTRY: usize = 5 * 4 + 9 * 8;
 
 /// How many bytes the history takes.
 pub(super) fn saved_length<T: Scalar>(history: &History<T>) -> usize {
@@ -83,12 +83,13 @@ pub(super) fn save<T: Scalar>(history: &History<T>, stamp: u64, bytes: &mut Vec<
     bytes.extend((before.len() as u64).to_le_bytes());
     bytes.extend((after.len() as u64).to_le_bytes());
     for ([first, second], memory) in before.iter().chain(after) {
-        let PairMemory { escape, lowest, halved, net_push } = memory;
+        let PairMemory { escape, lowest, halved, net_push: push, mean_overlap } = memory;
         for number in [*first, *second, u32::from(escape.is_some()), lowest.steps, halved.steps] {
             bytes.extend(number.to_le_bytes());
         }
         let away = escape.unwrap_or_default();
-        for number in [away.x, away.y, away.z, lowest.value, halved.value, net_push.x, net_push.y, net_push.z] {
+        let overlaps = [lowest.value, halved.value];
+        for number in away.iter().chain(&overlaps).chain(push.iter()).chain([mean_overlap]) {
             bytes.extend(number.to_f64().to_le_bytes());
         }
     }
@@ -142,7 +143,9 @@ fn entry<T: Scalar>(bytes: &mut Reader) -> Option<Remembered<T>> {
     let lowest = Record { value: bytes.number()?, steps: steps[0] };
     let halved = Record { value: bytes.number()?, steps: steps[1] };
     let net_push = Vector3::new(bytes.number()?, bytes.number()?, bytes.number()?);
-    (escaping <= 1).then_some((pair, PairMemory { escape: (escaping == 1).then_some(away), lowest, halved, net_push }))
+    let mean_overlap = bytes.number()?;
+    let escape = (escaping == 1).then_some(away);
+    (escaping <= 1).then_some((pair, PairMemory { escape, lowest, halved, net_push, mean_overlap }))
 }
 
 /// Whether a pair can come to remember this.
@@ -153,4 +156,6 @@ pub(super) fn is_possible<T: Scalar>(memory: &PairMemory<T>) -> bool {
         && memory.lowest.value >= T::zero()
         && memory.halved.value >= T::zero()
         && memory.net_push.norm_squared() < T::of(1.001)
+        && memory.mean_overlap >= T::zero()
+        && memory.mean_overlap.is_finite()
 }
