@@ -39,6 +39,7 @@ class Material(NamedTuple):
         return cls(found.stiffness, found.damping_time, found.friction, found.depth_cap)
 
     def given(self) -> Any:
+        """The C struct."""
         return ffi.new("rayc_material *", (ffi.sizeof("rayc_material"), *self))
 
 
