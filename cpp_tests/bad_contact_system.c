@@ -7,7 +7,7 @@
 
 static const double no_shift[3] = {0, 0, 0};
 static const double inertia[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-static const rayc_material fine = {1e4, 0.01, 0.3, 0.05};
+static const rayc_material fine = {sizeof fine, 1e4, 0.01, 0.3, 0.05};
 
 static rayc_scene* scene = NULL;
 static rayc_contact_system* contacts = NULL;
@@ -46,7 +46,7 @@ static void options_are_refused(void) {
   CHECK(other == NULL);
   CHECK_OK(rayc_contact_system_destroy(NULL));
 
-  rayc_material material = {42, 42, 42, 42};
+  rayc_material material = {42, 42, 42, 42, 42};
   CHECK_STATUS(rayc_bearing_material(0, 1, sizeof material, &material), RAYC_STATUS_INVALID_MATERIAL, "pressure is 0");
   CHECK_STATUS(rayc_bearing_material(1, -1, sizeof material, &material), RAYC_STATUS_INVALID_MATERIAL, "depth is -1");
   CHECK_STATUS(rayc_bearing_material(1, 1, 8, &material), RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_material");
@@ -67,6 +67,9 @@ static void bodies_are_refused(void) {
   rayc_material wrong = fine;
   wrong.stiffness = -1;
   CHECK_STATUS(add(0, &wrong), RAYC_STATUS_INVALID_MATERIAL, "stiffness is -1");
+  wrong = fine;
+  wrong.struct_size += sizeof(double);
+  CHECK_STATUS(add(0, &wrong), RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_material");
   wrong = fine;
   wrong.friction = NAN;
   CHECK_STATUS(add(0, &wrong), RAYC_STATUS_INVALID_MATERIAL, "friction is NaN");

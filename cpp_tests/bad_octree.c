@@ -58,6 +58,22 @@ int main(void) {
   CHECK_STATUS(rayc_query_pair(&detection, a, octree_a, single, octree_single, contacts), RAYC_STATUS_PRECISION_MISMATCH,
                "precision");
 
+  /* Rays of doubles that are no floats: their numbers end beyond all floats, or their directions at zero. */
+  const rayc_ray wide[] = {{{-2, 0.1, 0.1}, {1, 0, 0}, 1e300}, {{-2, 0.1, -1e39}, {1, 0, 0}, 10}, {{-2, 0, 0}, {1e39, 0, 0}, 10},
+                           {{-2, 0, 0}, {1e-60, 0, 1e-80}, 10}};
+  const uint32_t refused[] = {RAYC_STATUS_OK, RAYC_STATUS_MESH_BEYOND_RANGE, RAYC_STATUS_MESH_BEYOND_RANGE,
+                              RAYC_STATUS_INVALID_OPTION};
+  const char* const parts[] = {NULL, "ray 1: its origin has -1e39, beyond 3.4", "ray 1: its direction has 1e39, beyond 3.4",
+                               "ray 1: its direction is zero"};
+  for (int i = 0; i < 4; ++i) {
+    const rayc_ray both[] = {ray, wide[i]};
+    rayc_hit hits[2] = {hit, hit};
+    CHECK_STATUS(rayc_octree_trace_rays(octree_single, single, both, 2, hits), refused[i], parts[i]);
+    CHECK(i == 0 || (hits[0].t == 42 && hits[1].t == 42));
+    CHECK_OK(rayc_octree_trace_rays(octree_a, a, both, 2, hits));
+    CHECK(hits[0].t != 42 && hits[1].t != 42);
+  }
+
   CHECK_OK(rayc_octree_destroy(octree_single));
   CHECK_OK(rayc_mesh_destroy(single));
   CHECK_OK(rayc_contacts_destroy(contacts));

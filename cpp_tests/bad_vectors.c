@@ -91,22 +91,42 @@ static void contacts_say_what_they_cannot_use(void) {
   CHECK_OK(rayc_mesh_destroy(b));
 }
 
+/* 1e39 is a number, but no float. */
+static void check_beyond_float(void) {
+  const double before = values[1][4];
+  values[1][4] = 1e39;
+  for (given what = POSITIONS; what <= POSITIONS_OF_ENERGY; ++what) {
+    char part[64];
+    snprintf(part, sizeof part, "%s[1]: vertex 1 has 1e39, beyond 3.4", names[what]);
+    memset(forces, 0, sizeof forces);
+    CHECK_STATUS(call(what), RAYC_STATUS_MESH_BEYOND_RANGE, part);
+    for (int i = 0; i < 2 * NUMBERS; ++i) CHECK(forces[i / NUMBERS][i % NUMBERS] == 0);
+  }
+  values[1][4] = before;
+}
+
 /* A push as a whole reads the middles of both bodies: a small octahedron inside a large one escapes. */
-static void pushes_say_what_they_cannot_use(void) {
+static void pushes_say_what_they_cannot_use(uint32_t precision) {
   rayc_scene* scene = NULL;
-  CHECK_OK(rayc_scene_create(NULL, &scene));
+  rayc_scene_options scene_options;
+  rayc_mesh_options mesh_options;
+  CHECK_OK(rayc_default_scene_options(sizeof scene_options, &scene_options));
+  CHECK_OK(rayc_default_mesh_options(sizeof mesh_options, &mesh_options));
+  scene_options.precision = mesh_options.precision = precision;
+  CHECK_OK(rayc_scene_create(&scene_options, &scene));
   for (int k = 0; k < 2; ++k) {
     for (int i = 0; i < NUMBERS; ++i) values[k][i] = octahedron_positions[i] * (k == 0 ? 1 : 0.125);
     const rayc_vectors positions = packed(values[k], OCTAHEDRON_VERTICES);
     rayc_mesh* mesh = NULL;
     uint32_t body = 0;
-    CHECK_OK(rayc_mesh_create(NULL, &positions, octahedron_triangles, OCTAHEDRON_TRIANGLES, &mesh));
+    CHECK_OK(rayc_mesh_create(&mesh_options, &positions, octahedron_triangles, OCTAHEDRON_TRIANGLES, &mesh));
     CHECK_OK(rayc_scene_add_mesh(scene, mesh, &body));
     CHECK_OK(rayc_mesh_destroy(mesh));
   }
   CHECK_OK(rayc_scene_query(scene, contacts));
   options.whole_body_escape = 1;
   check_all(1);
+  if (precision == RAYC_SCALAR_F32) check_beyond_float();
   CHECK_OK(rayc_scene_destroy(scene));
 }
 
@@ -114,7 +134,8 @@ int main(void) {
   CHECK_OK(rayc_contacts_create(&contacts));
   CHECK_OK(rayc_default_response_options(sizeof options, &options));
   contacts_say_what_they_cannot_use();
-  pushes_say_what_they_cannot_use();
+  pushes_say_what_they_cannot_use(RAYC_SCALAR_F64);
+  pushes_say_what_they_cannot_use(RAYC_SCALAR_F32);
   CHECK_OK(rayc_contacts_destroy(contacts));
   return check_result();
 }

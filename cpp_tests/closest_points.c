@@ -117,7 +117,7 @@ static void bad_input_is_refused_and_nothing_written(void) {
     CHECK_STATUS(rayc_octree_winding_numbers(octree, mesh, &asked, numbers), RAYC_STATUS_NOT_FINITE, "point 1");
   }
   at[4] = 1e300; /* no float */
-  CHECK_STATUS(rayc_octree_closest_points(octree_single, single, &asked, NULL, closest), RAYC_STATUS_NOT_FINITE,
+  CHECK_STATUS(rayc_octree_closest_points(octree_single, single, &asked, NULL, closest), RAYC_STATUS_MESH_BEYOND_RANGE,
                "point 1");
   at[4] = 0;
   const double bad_bounds[2][2] = {{1, NAN}, {1, -0.5}};

@@ -766,9 +766,11 @@ typedef struct rayc_statistics {
    */
   uint64_t replaced;
   /**
-   * Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 512 triangles or more,
-   * which touch about 24 others or more each on average, or about 6 among 96 or more whose boxes overlap theirs, so that no
-   * inside is left to tell; or with more than 64 pairs of near parts, of up to 16 triangles, for each triangle.
+   * Bodies whose contacts with themselves were asked for, but that are tangled and have none, since no inside is left to
+   * tell: of 512 triangles or more, where the surface folds over around more than a quarter of the vertices; where
+   * triangles touch more than 6 others each on average, or about 6 among 96 or more whose boxes overlap theirs; where it
+   * folds over around one vertex in 64 and the boxes of triangles overlap those of more than 16 others each; or with more
+   * than 64 pairs of near parts, of up to 16 triangles, for each triangle.
    */
   uint64_t tangled_bodies;
   /**
@@ -803,10 +805,14 @@ typedef struct rayc_contact_system_options {
 } rayc_contact_system_options;
 
 /**
- * How a body's surface bears load, damps and rubs. rayc_bearing_material() suggests values. Later versions may tell more,
- * at the end.
+ * How a body's surface bears load, damps and rubs. Fill with rayc_bearing_material(), which suggests values, then change
+ * what you need.
  */
 typedef struct rayc_material {
+  /**
+   * sizeof(rayc_material).
+   */
+  size_t struct_size;
   /**
    * Pressure per depth, in N/m³; finite and ≥ 0.
    */
@@ -1019,11 +1025,12 @@ typedef struct rayc_vertex_force {
  */
 typedef struct rayc_ray {
   /**
-   * Where it starts (t = 0); finite.
+   * Where it starts (t = 0); finite, also as a float where the mesh is one of floats.
    */
   double origin[3];
   /**
-   * Where it goes; finite and not zero, need not be of unit length. t counts multiples of it.
+   * Where it goes; finite and not zero, also as floats where the mesh is one of floats; need not be of unit length. t
+   * counts multiples of it.
    */
   double direction[3];
   /**
@@ -1402,7 +1409,8 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
  * positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
- * what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
+ * what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
+ * precision; what no contact needs is not looked at.
  */
 enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
                                           const struct rayc_response_options *options,
@@ -1434,7 +1442,8 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
  * elastic force is its negative gradient.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
- * what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
+ * what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
+ * precision; what no contact needs is not looked at.
  */
 enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
                                       const struct rayc_response_options *options,
@@ -1954,7 +1963,7 @@ enum rayc_status rayc_octree_update(struct rayc_octree *octree, const struct ray
  * say RAYC_STATUS_BUSY, and must not be made.
  *
  * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
- * RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.
+ * RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE and RAYC_STATUS_INVALID_OPTION for the ray.
  */
 enum rayc_status rayc_octree_trace_ray(const struct rayc_octree *octree,
                                        const struct rayc_mesh *mesh,
@@ -1984,8 +1993,8 @@ enum rayc_status rayc_octree_trace_rays(const struct rayc_octree *octree,
  * distances: negative where that number is not zero.
  *
  * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
- * RAYC_STATUS_NOT_FINITE and, for a bound, RAYC_STATUS_INVALID_OPTION, with a message that names the point, and those of the
- * array: RAYC_STATUS_INVALID_STRIDE, RAYC_STATUS_UNKNOWN_ENUM.
+ * RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE and, for a bound, RAYC_STATUS_INVALID_OPTION, with a message that
+ * names the point, and those of the array: RAYC_STATUS_INVALID_STRIDE, RAYC_STATUS_UNKNOWN_ENUM.
  */
 enum rayc_status rayc_octree_closest_points(const struct rayc_octree *octree,
                                             const struct rayc_mesh *mesh,

@@ -62,13 +62,14 @@ fn header_is_what_cbindgen_generates() {
 
 /// What a host needs first comes first: what all calls share, meshes, the scene and its contacts, the forces they give, the
 /// contact system; then what few hosts need: pairs' memories, bodies of several processes, a tree of one's own.
-const HEADER_ORDER: [&str; 25] = [
+const HEADER_ORDER: [&str; 26] = [
     "version",
     "failure",
     "guard",
     "handles",
     "pointers",
     "given",
+    "numbers",
     "host_threads",
     "vectors",
     "host_positions",
@@ -96,10 +97,10 @@ fn position_in_header(path: &Path) -> usize {
     place.unwrap_or_else(|| panic!("say in HEADER_ORDER where {} belongs in the header", path.display()))
 }
 
-#[test]
-fn header_compiles_alone_as_c99_and_cpp17() {
+/// Compiles a program of the header alone, from this folder, as C99 and as C++17.
+fn check_compiles(name: &str, include: &Path, warnings: &[&str]) {
     for (standard, extension) in [("c99", "c"), ("c++17", "cpp")] {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(extension);
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).join(extension);
         fs::create_dir_all(&folder).expect("the test's folder can be made");
         let source = folder.join(format!("alone.{extension}"));
         let text =
@@ -108,17 +109,72 @@ fn header_compiles_alone_as_c99_and_cpp17() {
         cc::Build::new()
             .cpp(extension == "cpp")
             .std(standard)
-            .include(root().join("include"))
+            .include(include)
             .file(&source)
-            .flags(["-Wall", "-Wextra", "-Wpedantic", "-Werror"])
+            .flags(warnings)
+            .flag("-Werror")
             .target(env!("RAYCONTACT_TARGET"))
             .host(env!("RAYCONTACT_TARGET"))
             .opt_level(0)
             .cargo_metadata(false)
             .out_dir(&folder)
             .try_compile("alone")
-            .unwrap_or_else(|error| panic!("the header does not compile as {standard}: {error}"));
+            .unwrap_or_else(|error| panic!("{name}: the header does not compile as {standard}: {error}"));
     }
+}
+
+#[test]
+fn header_compiles_alone_as_c99_and_cpp17() {
+    check_compiles("as it is", &root().join("include"), &["-Wall", "-Wextra", "-Wpedantic"]);
+}
+
+/// A hole's bytes would be whatever they were, or be read as a later version's field: the compiler finds none. Those that
+/// say where vectors lie end in four bytes that nobody looks at; they are named here.
+#[test]
+fn structs_have_no_holes() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("holes");
+    fs::create_dir_all(&folder).expect("the test's folder can be made");
+    let [text, end] = [header(), "  uint32_t scalar;\n} rayc_vectors".to_owned()];
+    assert_eq!(text.matches(&end).count(), 2);
+    let whole = text.replace(&end, &end.replace("scalar", "scalar, end"));
+    fs::write(folder.join("raycontact.h"), whole).expect("the header can be written");
+    check_compiles("holes", &folder, &["-Wpadded"]);
+}
+
+/// Structs that stay as they are, since arrays of them lie packed in the caller's memory, or since nothing is missing.
+const FIXED: [&str; 10] = [
+    "rayc_closest_point",
+    "rayc_contact",
+    "rayc_hit",
+    "rayc_motion",
+    "rayc_pair_forces",
+    "rayc_ray",
+    "rayc_surface_point",
+    "rayc_vectors",
+    "rayc_vectors_mut",
+    "rayc_vertex_force",
+];
+
+/// All others start with their size, or every call that takes one is told it.
+#[test]
+fn structs_that_may_grow_carry_their_size() {
+    let text = header();
+    let (mut fixed, mut growing) = (Vec::new(), Vec::new());
+    for definition in text.split("\ntypedef struct ").skip(1) {
+        // Handles have no fields.
+        let Some((name, fields)) = definition.split_once(" {\n").filter(|(name, _)| !name.contains(';')) else {
+            continue;
+        };
+        let first = fields.lines().find(|line| line.ends_with(';')).expect("it has fields");
+        let takes_one = |call: &&str| call.contains("rayc_status rayc_") && call.contains(&format!("struct {name} *"));
+        let calls: Vec<&str> = text.split("\n\n").filter(takes_one).collect();
+        let is_told = !calls.is_empty() && calls.iter().all(|call| call.contains("size_t struct_size,"));
+        let grows = first.trim() == "size_t struct_size;" || is_told;
+        if grows { growing.push(name) } else { fixed.push(name) }
+    }
+    fixed.sort();
+    assert_eq!(fixed, FIXED, "give a new struct its size, or say here that it stays as it is");
+    assert!(growing.len() >= 10, "{growing:?}");
 }
 
 #[test]

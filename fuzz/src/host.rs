@@ -15,6 +15,8 @@ struct Host {
     octrees: Vec<*mut rayc_octree>,
     contacts: Vec<*mut rayc_contacts>,
     scenes: Vec<*mut rayc_scene>,
+    /// The numbers that scenes gave to bodies, in that order, and whether the body is still there.
+    bodies: Vec<(*mut rayc_scene, u32, bool)>,
     /// The largest coordinate so far: spacings much below it are honoured, but take their time.
     largest: f64,
 }
@@ -98,10 +100,37 @@ impl Host {
                 0 => rayc_mesh_destroy(taken(&mut self.meshes, bytes)),
                 1 => rayc_octree_destroy(taken(&mut self.octrees, bytes)),
                 2 => rayc_contacts_destroy(taken(&mut self.contacts, bytes)),
-                _ => rayc_scene_destroy(taken(&mut self.scenes, bytes)),
+                _ => {
+                    let scene = taken(&mut self.scenes, bytes);
+                    self.bodies.retain(|of| of.0 != scene);
+                    rayc_scene_destroy(scene)
+                }
             }
         };
         assert!(self.note(status));
+    }
+
+    /// One of the numbers that the scene gave, of a removed body too, or the one after them.
+    fn body(&self, scene: *mut rayc_scene, bytes: &mut Bytes) -> u32 {
+        let numbers: Vec<u32> = self.bodies.iter().filter(|of| of.0 == scene).map(|of| of.1).collect();
+        let next = numbers.iter().max().map_or(0, |last| last + 1);
+        numbers.get(bytes.below(numbers.len() + 1)).copied().unwrap_or(next)
+    }
+
+    /// A number is given once: so few bodies are removed in one run that none comes back.
+    fn note_added(&mut self, scene: *mut rayc_scene, body: u32) {
+        assert!(!self.bodies.iter().any(|of| (of.0, of.1) == (scene, body)), "{body} is another body's");
+        self.bodies.push((scene, body, true));
+    }
+
+    /// What is said of a body is that it is there, or that it is not, as it is.
+    fn note_of_body(&mut self, status: rayc_status, scene: *mut rayc_scene, body: u32, is_removed: bool) {
+        let found = self.bodies.iter_mut().find(|of| (of.0, of.1, of.2) == (scene, body, true));
+        assert!(found.is_some() || status != OK, "there is no body {body}");
+        assert!(found.is_none() || status != rayc_status::RAYC_STATUS_UNKNOWN_BODY, "there is a body {body}");
+        if let Some((.., is_there)) = found {
+            *is_there = status != OK || !is_removed;
+        }
     }
 
     fn step(&mut self, bytes: &mut Bytes) {
@@ -111,21 +140,26 @@ impl Host {
         self.reach(&points);
         let positions = vectors(&points, bytes);
         let (scene, mesh, octree) = (any(&self.scenes, bytes), any(&self.meshes, bytes), any(&self.octrees, bytes));
-        let (a, b) = (bytes.below(4) as u32, bytes.below(4) as u32);
-        let mut body = 0;
+        let (a, b) = (self.body(scene, bytes), self.body(scene, bytes));
+        let (call, mut body) = (bytes.below(8), 0);
         // SAFETY: handles are valid or NULL, arrays are as they say.
         let status = unsafe {
-            match bytes.below(8) {
+            match call {
                 0 => rayc_mesh_set_positions(mesh, &positions),
                 1 => rayc_octree_update(octree, mesh),
                 2 => rayc_scene_set_positions(scene, a, &positions),
                 3 | 4 => rayc_scene_add_mesh(scene, mesh, &mut body),
                 5 => rayc_scene_remove_body(scene, a),
-                6 => rayc_scene_set_self_collision(scene, a, b),
+                6 => rayc_scene_set_self_collision(scene, a, bytes.below(3) as u32),
                 _ => rayc_scene_set_pair_collision(scene, a, b, bytes.below(3) as u32),
             }
         };
-        self.note(status);
+        if self.note(status) && (call == 3 || call == 4) {
+            self.note_added(scene, body);
+        }
+        if matches!(call, 2 | 5 | 6) {
+            self.note_of_body(status, scene, a, call == 5);
+        }
     }
 
     fn ask(&self, bytes: &mut Bytes) {

@@ -196,6 +196,7 @@ class ContactResponse {
   /** Two of it in series are the law. */
   static rayc_material material(const ContactLaw& law) {
     rayc_material material{};
+    material.struct_size = sizeof material;
     material.stiffness = 2 * law.stiffness;
     material.damping_time = law.damping_time;
     material.friction = law.friction;

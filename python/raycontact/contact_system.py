@@ -38,6 +38,10 @@ class Material(NamedTuple):
         check(library.rayc_bearing_material(pressure, depth, ffi.sizeof("rayc_material"), found))
         return cls(found.stiffness, found.damping_time, found.friction, found.depth_cap)
 
+    def given(self) -> Any:
+        """The C struct."""
+        return ffi.new("rayc_material *", (ffi.sizeof("rayc_material"), *self))
+
 
 def numbers(given: ArrayLike, name: str, count: Optional[int] = None) -> NDArray[np.float64]:
     """Packed doubles in any shape; used where they lie if they are so already."""
@@ -84,22 +88,22 @@ class ContactSystem:
             table, entries = [pointer(array) for array in arrays], arrays[1].size
             if arrays[2].size != entries:
                 raise ValueError(f"{entries} nodes have {arrays[2].size} weights; give one for each")
-        given = table[0], entries, table[1], table[2], ffi.new("rayc_material *", material)
+        given = table[0], entries, table[1], table[2], material.given()
         check(library.rayc_contact_system_add_deformable(self._handle, scene._handle, body, first, count, *given))
 
     def add_rigid(self, scene: Scene, body: int, mass: float, inertia: ArrayLike, material: Material) -> None:
         """Adds a rigid body: mass in kg, inertia in kg m², (3, 3), about the origin of the mesh, its centre of mass."""
-        tensor, given = numbers(inertia, "inertia", 9), ffi.new("rayc_material *", material)
+        tensor, given = numbers(inertia, "inertia", 9), material.given()
         check(library.rayc_contact_system_add_rigid(self._handle, scene._handle, body, mass, pointer(tensor), given))
 
     def add_moved(self, scene: Scene, body: int, material: Material) -> None:
         """Adds a body that stands still or that the host moves."""
-        given = ffi.new("rayc_material *", material)
+        given = material.given()
         check(library.rayc_contact_system_add_moved(self._handle, scene._handle, body, given))
 
     def add_half_space(self, normal: ArrayLike, offset: float, material: Material) -> None:
         """Adds a floor, solid where normal · x < offset."""
-        n, given = numbers(normal, "normal", 3), ffi.new("rayc_material *", material)
+        n, given = numbers(normal, "normal", 3), material.given()
         check(library.rayc_contact_system_add_half_space(self._handle, pointer(n), offset, given))
 
     def remove_body(self, body: int) -> None:
@@ -108,7 +112,7 @@ class ContactSystem:
 
     def set_pair_material(self, a: int, b: int, material: Optional[Material]) -> None:
         """Gives two bodies a material of their own in place of the combined one; None takes it back."""
-        given = NULL if material is None else ffi.new("rayc_material *", material)
+        given = NULL if material is None else material.given()
         check(library.rayc_contact_system_set_pair_material(self._handle, a, b, given))
 
     def set_motion(

@@ -2,6 +2,7 @@ use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::guard;
 use super::handles::reading;
 use super::mesh::{AnyMesh, rayc_mesh};
+use super::numbers::check_numbers;
 use super::octree::{AnyOctree, RAYC_NO_TRIANGLE, rayc_octree};
 use super::pointers::{Output, reference, slice};
 use super::vectors::{Strided, rayc_vectors};
@@ -40,8 +41,8 @@ pub struct rayc_closest_point {
 /// distances: negative where that number is not zero.
 ///
 /// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
-/// RAYC_STATUS_NOT_FINITE and, for a bound, RAYC_STATUS_INVALID_OPTION, with a message that names the point, and those of the
-/// array: RAYC_STATUS_INVALID_STRIDE, RAYC_STATUS_UNKNOWN_ENUM.
+/// RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE and, for a bound, RAYC_STATUS_INVALID_OPTION, with a message that
+/// names the point, and those of the array: RAYC_STATUS_INVALID_STRIDE, RAYC_STATUS_UNKNOWN_ENUM.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_closest_points(
     octree: *const rayc_octree,
@@ -134,13 +135,9 @@ pub unsafe extern "C" fn rayc_octree_winding_numbers(
 /// All points, as the mesh's numbers.
 fn read_points<T: Scalar>(points: &Strided) -> Result<Vec<Vector3<T>>, Failure> {
     memory::tried((0..points.count()).map(|index| {
-        let point = points.read::<T>(index);
-        if point.iter().all(|x| x.is_finite()) {
-            return Ok(point);
-        }
-        let message =
-            text!("point {index} has a number that is NaN or infinite in the mesh's precision; give finite ones");
-        Err(Failure::new(rayc_status::RAYC_STATUS_NOT_FINITE, message))
+        let point = points.read::<f64>(index);
+        check_numbers::<T>(point.as_slice(), format_args!("point {index}"))?;
+        Ok(point.map(T::of))
     }))
 }
 

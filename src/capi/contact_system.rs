@@ -165,7 +165,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_deformable(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let scene = reading(scene, "scene")?;
-        let material = reference(material, "material")?.read();
+        let material = rayc_material::read(material)?;
         let own = first_node..first_node.saturating_add(node_count);
         let table = (offsets, entry_count, nodes, weights);
         with_scene!(&mut system.system, &scene.scene, |system, scene| add(system, scene, body, own, table, material))
@@ -194,7 +194,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_rigid(
         let scene = reading(scene, "scene")?;
         let given = slice(inertia, 9, "inertia")?;
         let inertia = std::array::from_fn(|row| std::array::from_fn(|column| given[3 * row + column]));
-        let material = reference(material, "material")?.read();
+        let material = rayc_material::read(material)?;
         with_scene!(&mut system.system, &scene.scene, |system, scene| {
             system.add_rigid(scene, body, mass, inertia, material)?
         });
@@ -218,7 +218,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_moved(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let scene = reading(scene, "scene")?;
-        let material = reference(material, "material")?.read();
+        let material = rayc_material::read(material)?;
         with_scene!(&mut system.system, &scene.scene, |system, scene| system.add_moved(scene, body, material)?);
         Ok(())
     })
@@ -240,7 +240,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let given = slice(normal, 3, "normal")?;
-        let material = reference(material, "material")?.read();
+        let material = rayc_material::read(material)?;
         let normal = std::array::from_fn(|axis| given[axis]);
         with_system!(&mut system.system, |system| system.add_half_space(normal, offset, material)?);
         Ok(())
@@ -274,7 +274,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_pair_material(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
-        let material = material.as_ref().map(rayc_material::read);
+        let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
         with_system!(&mut system.system, |system| system.set_pair_material(a, b, material)?);
         Ok(())
     })

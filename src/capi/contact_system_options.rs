@@ -1,6 +1,7 @@
-use super::failure::rayc_status;
+use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::options::{Growing, Options, write_defaults, write_known};
+use super::options::{Growing, Options, read_options, write_defaults, write_options};
+use super::pointers::reference;
 use super::vectors::rayc_scalar;
 use crate::system::Material;
 
@@ -42,11 +43,13 @@ pub unsafe extern "C" fn rayc_default_contact_system_options(
     guard(|| unsafe { write_defaults(struct_size, options) })
 }
 
-/// How a body's surface bears load, damps and rubs. rayc_bearing_material() suggests values. Later versions may tell more,
-/// at the end.
+/// How a body's surface bears load, damps and rubs. Fill with rayc_bearing_material(), which suggests values, then change
+/// what you need.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_material {
+    /// sizeof(rayc_material).
+    pub struct_size: usize,
     /// Pressure per depth, in N/m³; finite and ≥ 0.
     pub stiffness: f64,
     /// Damping over stiffness, in s; finite and ≥ 0.
@@ -63,10 +66,24 @@ impl Growing for rayc_material {
     const SMALLEST: usize = std::mem::offset_of!(Self, depth_cap) + size_of::<f64>();
 }
 
+impl Options for rayc_material {
+    /// Of what a caller's header does not have yet; all that there is now is in the first.
+    fn defaults() -> Self {
+        let (damping_time, friction, depth_cap) = (0.05, 0.5, f64::INFINITY);
+        Self { struct_size: size_of::<Self>(), stiffness: 0.0, damping_time, friction, depth_cap }
+    }
+}
+
 impl rayc_material {
-    pub(super) fn read(&self) -> Material {
-        let Self { stiffness, damping_time, friction, depth_cap } = *self;
-        Material { stiffness, damping_time, friction, depth_cap }
+    /// # Safety
+    /// `material` is NULL or points to as many readable bytes as it says.
+    pub(super) unsafe fn read(material: *const Self) -> Result<Material, Failure> {
+        // SAFETY: the first field is the size; the rest by this function's contract.
+        let Self { stiffness, damping_time, friction, depth_cap, .. } = unsafe {
+            reference(material.cast::<usize>(), "material")?;
+            read_options(material)?
+        };
+        Ok(Material { stiffness, damping_time, friction, depth_cap })
     }
 }
 
@@ -106,7 +123,7 @@ pub unsafe extern "C" fn rayc_bearing_material(
     // SAFETY: the caller's struct has the size it says.
     guard(|| unsafe {
         let Material { stiffness, damping_time, friction, depth_cap } = Material::bearing(pressure, depth)?;
-        let bearing = rayc_material { stiffness, damping_time, friction, depth_cap };
-        write_known(struct_size, material, "material", bearing)
+        let bearing = rayc_material { struct_size, stiffness, damping_time, friction, depth_cap };
+        write_options(struct_size, material, "material", bearing)
     })
 }

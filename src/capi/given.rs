@@ -1,6 +1,7 @@
 //! The arrays of all bodies that a call is given, read and written where they lie.
 
 use super::failure::{Failure, rayc_status};
+use super::numbers::check_numbers;
 use super::pointers::slice;
 use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
 use crate::contact::ContactList;
@@ -107,8 +108,9 @@ impl<const N: usize> Arrays<'_, N> {
             let zero = vertices.iter().fold(Vector3::zeros(), |sum, &vertex| sum + get(vertex) * T::zero());
             if zero != Vector3::zeros() {
                 let is_finite = |vertex: &u32| get(*vertex).iter().all(|x: &T| x.is_finite());
-                let vertex = vertices.into_iter().find(|vertex| !is_finite(vertex));
-                return Err(not_finite(name, body, vertex.unwrap_or(vertices[0])));
+                let vertex = vertices.into_iter().find(|vertex| !is_finite(vertex)).unwrap_or(vertices[0]);
+                let given: Vector3<f64> = array.map_or_else(Vector3::zeros, |array| array.get(vertex));
+                check_numbers::<T>(given.as_slice(), format_args!("{name}[{body}]: vertex {vertex}"))?;
             }
         }
         let Some(GivenMut(arrays)) = self.written else { return Ok(()) };
@@ -132,11 +134,4 @@ fn out_of_reach(body: u32, vertex: u32, count: Option<usize>) -> Failure {
         "a contact needs vertex {vertex} of body {body}, which has {reach}; give one vector for each vertex of each body"
     );
     Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message)
-}
-
-#[cold]
-fn not_finite(name: &str, body: u32, vertex: u32) -> Failure {
-    let message =
-        text!("{name}[{body}]: vertex {vertex} has a number that is NaN or infinite; check the simulation's last step");
-    Failure::new(rayc_status::RAYC_STATUS_NOT_FINITE, message)
 }

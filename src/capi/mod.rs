@@ -18,6 +18,7 @@ mod handles;
 mod host_positions;
 mod host_threads;
 mod mesh;
+mod numbers;
 mod octree;
 mod options;
 mod packed_mesh;

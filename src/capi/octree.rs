@@ -2,6 +2,7 @@ use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
+use super::numbers::check_numbers;
 use super::pointers::{Output, slice};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
@@ -35,9 +36,10 @@ pub(super) enum AnyOctree {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_ray {
-    /// Where it starts (t = 0); finite.
+    /// Where it starts (t = 0); finite, also as a float where the mesh is one of floats.
     pub origin: [f64; 3],
-    /// Where it goes; finite and not zero, need not be of unit length. t counts multiples of it.
+    /// Where it goes; finite and not zero, also as floats where the mesh is one of floats; need not be of unit length. t
+    /// counts multiples of it.
     pub direction: [f64; 3],
     /// Hits beyond this t do not count. ≥ 0; may be infinite.
     pub t_max: f64,
@@ -106,7 +108,7 @@ pub unsafe extern "C" fn rayc_octree_update(octree: *mut rayc_octree, mesh: *con
 /// say RAYC_STATUS_BUSY, and must not be made.
 ///
 /// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
-/// RAYC_STATUS_NOT_FINITE and RAYC_STATUS_INVALID_OPTION for the ray.
+/// RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE and RAYC_STATUS_INVALID_OPTION for the ray.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_trace_ray(
     octree: *const rayc_octree,
@@ -148,7 +150,6 @@ unsafe fn trace_all(
     rays: &[rayc_ray],
     hits: Output<rayc_hit>,
 ) -> Result<(), Failure> {
-    rays.iter().enumerate().try_for_each(|(index, ray)| check_ray(index, ray))?;
     // SAFETY: by this function's contract.
     unsafe {
         match (octree, mesh) {
@@ -167,6 +168,7 @@ unsafe fn trace_into<T: Scalar>(
     rays: &[rayc_ray],
     hits: Output<rayc_hit>,
 ) -> Result<(), Failure> {
+    rays.iter().enumerate().try_for_each(|(index, ray)| check_ray::<T>(index, ray))?;
     let tracer = octree.tracer(mesh)?;
     let trace = |ray: &rayc_ray| {
         let vector = |v: [f64; 3]| Vector3::from(v.map(T::of));
@@ -184,19 +186,15 @@ unsafe fn trace_into<T: Scalar>(
     Ok(())
 }
 
-fn check_ray(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
-    let failure = |status, what: &str| Err(Failure::new(status, text!("ray {index}: {what}")));
-    if !ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite()) {
-        return failure(
-            rayc_status::RAYC_STATUS_NOT_FINITE,
-            "origin or direction has a number that is NaN or infinite; give finite ones",
-        );
-    }
-    if ray.direction == [0.0; 3] {
-        return failure(rayc_status::RAYC_STATUS_INVALID_OPTION, "direction is zero; give it a length");
+fn check_ray<T: Scalar>(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
+    check_numbers::<T>(&ray.origin, format_args!("ray {index}: its origin"))?;
+    check_numbers::<T>(&ray.direction, format_args!("ray {index}: its direction"))?;
+    let failure = |what: &str| Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, text!("ray {index}: {what}")));
+    if ray.direction.iter().all(|&x| T::of(x) == T::zero()) {
+        return failure("its direction is zero in the mesh's precision; give it a length");
     }
     if ray.t_max.is_nan() || ray.t_max < 0.0 {
-        return failure(rayc_status::RAYC_STATUS_INVALID_OPTION, "t_max is negative or NaN; give it ≥ 0, or infinity");
+        return failure("t_max is negative or NaN; give it ≥ 0, or infinity");
     }
     Ok(())
 }

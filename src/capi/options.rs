@@ -336,10 +336,22 @@ impl<V: Growing> Known<V> {
 /// # Safety
 /// `place` is writable for `struct_size` bytes.
 pub(super) unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Result<(), Failure> {
+    // SAFETY: by this function's contract.
+    unsafe { write_options(struct_size, place, "options", O::defaults()) }
+}
+
+/// # Safety
+/// `place` is writable for `struct_size` bytes.
+pub(super) unsafe fn write_options<O: Options>(
+    struct_size: usize,
+    place: *mut O,
+    name: &str,
+    options: O,
+) -> Result<(), Failure> {
     // SAFETY: by this function's contract. The first field is the size, which tells later calls how much of the struct
     // the caller knows.
     unsafe {
-        write_known(struct_size, place, "options", O::defaults())?;
+        write_known(struct_size, place, name, options)?;
         place.cast::<usize>().write(struct_size);
     }
     Ok(())

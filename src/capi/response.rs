@@ -53,7 +53,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 /// positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
-/// what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
+/// what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
+/// precision; what no contact needs is not looked at.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_add_forces(
     contacts: *const rayc_contacts,
@@ -121,7 +122,8 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
 /// elastic force is its negative gradient.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
-/// what a contact needs of them is NaN or infinite in the list's precision; what no contact needs is not looked at.
+/// what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
+/// precision; what no contact needs is not looked at.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_energy(
     contacts: *const rayc_contacts,

@@ -52,9 +52,11 @@ pub struct rayc_statistics {
     pub estimate_rays: u64,
     /// Contacts found and replaced by those of an escape that began in the same query.
     pub replaced: u64,
-    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: of 512 triangles or more,
-    /// which touch about 24 others or more each on average, or about 6 among 96 or more whose boxes overlap theirs, so that no
-    /// inside is left to tell; or with more than 64 pairs of near parts, of up to 16 triangles, for each triangle.
+    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none, since no inside is left to
+    /// tell: of 512 triangles or more, where the surface folds over around more than a quarter of the vertices; where
+    /// triangles touch more than 6 others each on average, or about 6 among 96 or more whose boxes overlap theirs; where it
+    /// folds over around one vertex in 64 and the boxes of triangles overlap those of more than 16 others each; or with more
+    /// than 64 pairs of near parts, of up to 16 triangles, for each triangle.
     pub tangled_bodies: u64,
     /// Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
     pub crowded_pairs: u64,

@@ -27,24 +27,21 @@ pub(crate) struct Reach<T: Scalar> {
 
 impl<T: Scalar> Octree<T> {
     /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others; `offer` gives
-    /// how much nearer they may come. Triangles of which two corners are one point are left out: no ray meets them. Gives
-    /// false where it gave up, since there are too many pairs.
+    /// how much nearer they may come, or `None` to end the search. Triangles of which two corners are one point are left
+    /// out: no ray meets them. Gives false where it was ended, or gave up since there are too many pairs.
     pub(crate) fn search_near(
         &self,
         mesh: &Mesh<T>,
         reach: &Reach<T>,
         near: &mut NearParts<T>,
-        mut offer: impl FnMut(u32, u32) -> T,
+        mut offer: impl FnMut(u32, u32) -> Option<T>,
     ) -> bool {
         match &self.cells {
             Cells::Wide(cells) => {
                 let distances = [reach.touch + reach.part_margin, reach.touch + reach.margin, reach.margin];
                 cells.search_near(mesh, distances, reach.most_pairs, &mut near.tiles, &mut offer)
             }
-            Cells::Classic(_) => {
-                sweep(mesh, reach.touch, &mut near.sorted, |a, b| _ = offer(a, b));
-                true
-            }
+            Cells::Classic(_) => sweep(mesh, reach.touch, &mut near.sorted, |a, b| offer(a, b).is_some()),
         }
     }
 
@@ -78,8 +75,13 @@ pub(crate) fn is_merged<T: Scalar>([a, b, c]: &[Vector3<T>; 3]) -> bool {
 }
 
 /// Offers each two triangles that have no vertex in common and whose boxes are at most `distance` apart along every axis:
-/// the boxes are sorted along the mesh's longest axis.
-fn sweep<T: Scalar>(mesh: &Mesh<T>, distance: T, sorted: &mut Vec<(Aabb<T>, u32)>, mut offer: impl FnMut(u32, u32)) {
+/// the boxes are sorted along the mesh's longest axis. Ends with false where `offer` does not want to go on.
+fn sweep<T: Scalar>(
+    mesh: &Mesh<T>,
+    distance: T,
+    sorted: &mut Vec<(Aabb<T>, u32)>,
+    mut offer: impl FnMut(u32, u32) -> bool,
+) -> bool {
     let axis = (mesh.aabb().upper - mesh.aabb().lower).imax();
     let triangles = mesh.topology().triangles();
     sorted.clear();
@@ -98,11 +100,12 @@ fn sweep<T: Scalar>(mesh: &Mesh<T>, distance: T, sorted: &mut Vec<(Aabb<T>, u32)
                 let [a, b] = [a, b].map(|&triangle| triangles[triangle as usize]);
                 a.iter().any(|vertex| b.contains(vertex))
             };
-            if around.overlaps(other) && !shares_a_vertex() {
-                offer(*a, *b);
+            if around.overlaps(other) && !shares_a_vertex() && !offer(*a, *b) {
+                return false;
             }
         }
     }
+    true
 }
 
 #[cfg(test)]
@@ -161,7 +164,7 @@ mod tests {
             let offered = collect(|offer| {
                 octree.search_near(&mesh, &reach, &mut near, |a, b| {
                     offer(a, b);
-                    0.0
+                    Some(0.0)
                 });
             });
             assert!(offered.is_superset(&pairs_within(&mesh, touch + margin)), "{layout:?} {touch} {margin}");
@@ -185,7 +188,7 @@ mod tests {
             let (mut octree, mut near) = (Octree::new(&mesh), NearParts::default());
             let (then, boxes, known) = (mesh.positions().to_vec(), boxes(&mesh), pairs_within(&mesh, touch));
             let reach = Reach { touch, margin, part_margin, most_pairs: usize::MAX };
-            octree.search_near(&mesh, &reach, &mut near, |a, b| gap(&boxes, [a as usize, b as usize]) - touch);
+            octree.search_near(&mesh, &reach, &mut near, |a, b| Some(gap(&boxes, [a as usize, b as usize]) - touch));
             mesh.set_positions_with(rest.len(), |vertex| at(vertex, 5.0, 0.3 * left)).expect("finite");
             octree.update(&mesh).expect("its own");
             let part = octree.find_lapsed(&mut near, [&then, mesh.positions()]);

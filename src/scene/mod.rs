@@ -87,10 +87,10 @@ impl<T: Scalar> Scene<T> {
         self.bodies.iter_mut().filter_map(|body| body.own.as_mut()).for_each(|own| own.found_at = 0);
     }
 
-    /// Adds a body; gives its number: the smallest that no body had yet, or where more than 1024 numbers are without a body,
+    /// Adds a body; gives its number: the smallest that no body had yet, or where more than 65536 numbers are without a body,
     /// of these the one that has been so for longest. So the number of a removed body is refused
-    /// ([`SceneError::UnknownBody`]) until 1024 others have been removed after it, and numbers stay below those that were
-    /// in use at once and 1024 more.
+    /// ([`SceneError::UnknownBody`]) until 65536 others have been removed after it, and numbers stay below those that
+    /// were in use at once and 65536 more.
     ///
     /// The number is also the body's key, by which all that has an order goes: see
     /// [`add_with_key`](Self::add_with_key).

@@ -5,7 +5,9 @@ use crate::common::STRIDE;
 use crate::common::ends::{Offset, ends};
 use crate::common::random::Random;
 use crate::common::shapes::{self, Point, Shape};
-use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair, query_self, query_self_with_all_rays};
+use raycontact::contact::{
+    ContactList, DetectionOptions, Sampling, Statistics, query_pair, query_self, query_self_with_all_rays,
+};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
 use raycontact::octree::{Layout, Octree};
@@ -290,6 +292,55 @@ fn a_slow_approach_is_not_missed() {
         let [touching, _] = assert_nothing_lost(&at(0), (0..400).map(|step| at(step).positions));
         // From step 301 on, where they are 0.001 deep.
         assert!((90..110).contains(&touching), "{touching}");
+    }
+}
+
+/// A bar of that many sides, along x; each side is two slivers.
+fn bar(sides: u32) -> Shape {
+    let ring = |x: f64| {
+        (0..sides).map(move |k| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(sides)).sin_cos();
+            [x, cos, sin]
+        })
+    };
+    let positions: Vec<Point> = ring(-3.0).chain(ring(3.0)).chain([[-3.0, 0.0, 0.0], [3.0, 0.0, 0.0]]).collect();
+    let of_side = |k: u32| {
+        let (a, b) = (k, (k + 1) % sides);
+        [[a, b, a + sides], [b, b + sides, a + sides], [2 * sides, b, a], [2 * sides + 1, a + sides, b + sides]]
+    };
+    Shape { positions, triangles: (0..sides).flat_map(of_side).collect(), inside: Vec::new() }
+}
+
+/// Bars of long slivers, across each other: each sliver touches many, and its box overlaps most of the other bar's. They are
+/// not taken for garbage.
+#[test]
+fn slivers_that_cross_are_not_taken_for_a_tangle() {
+    for sides in [150, 300] {
+        let crossed = bar(sides).joined(&bar(sides).turned(1.3, 0.4).moved([0.1, 0.3, 0.2]));
+        let mesh = crossed.mesh::<f64>();
+        let (mut all, mut culled) = (ContactList::default(), ContactList::default());
+        let (octree, options) = (Octree::new(&mesh), DetectionOptions::default());
+        query_self(&mesh, &octree, &options, &mut culled).expect("the octree is new");
+        query_self_with_all_rays(&mesh, &octree, &options, &mut all).expect("the octree is new");
+        assert_eq!(culled.contacts, all.contacts, "{sides}");
+        assert!(!all.is_empty() && culled.statistics.tangled_bodies == 0, "{sides}");
+    }
+}
+
+/// A fine body that changes its size fast, so that soon any of its parts might be near any other: what a scene remembers is
+/// no reason to take it for a tangled one.
+#[test]
+fn fast_growth_is_not_taken_for_a_tangle() {
+    let rest = shapes::torus(200, 100, 0.4);
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let body = scene.add(rest.mesh::<f64>());
+    scene.set_self_collision(body, true).expect("it was added");
+    let mut contacts = ContactList::default();
+    for (step, size) in [1.0, 1.5, 2.25, 3.4, 5.0, 5.1].into_iter().enumerate() {
+        scene.mesh_mut(body).expect("it was added").set_positions(&rest.scaled(size).positions).expect("finite");
+        scene.query(&mut contacts);
+        let Statistics { tangled_bodies, self_contacts, .. } = contacts.statistics;
+        assert_eq!([tangled_bodies, self_contacts], [0, 0], "step {step}");
     }
 }
 

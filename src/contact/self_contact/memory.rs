@@ -77,15 +77,24 @@ impl<T: Scalar> SelfMemory<T> {
         if touching.is_tangled {
             return;
         }
-        let part_margin = self.part_margin(mesh);
+        let mut part_margin = self.part_margin(mesh);
         let margin = part_margin.min(self.fineness * T::of(0.25));
         if !self.fans_hold {
             let found = touching.search_fans(mesh);
             self.fineness = found.fineness;
             self.fans.set(mesh, found.strain, !touching.any);
         }
+        if touching.is_tangled {
+            self.pairs.is_valid = false;
+            return;
+        }
         let reach = Reach { margin, part_margin, ..Touching::reach(mesh) };
         touching.search_pairs(octree, mesh, &reach, &mut self.near);
+        if touching.is_tangled && part_margin > T::zero() {
+            // More parts may soon be near each other than are listed; those that are near now decide.
+            (part_margin, self.pause) = (T::zero(), PAUSE);
+            touching.search_pairs(octree, mesh, &Touching::reach(mesh), &mut self.near);
+        }
         if touching.is_tangled {
             self.pairs.is_valid = false;
             return;

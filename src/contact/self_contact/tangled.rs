@@ -8,7 +8,7 @@ use crate::octree::is_merged;
 
 /// Fewer triangles are looked at pair by pair, whatever they do: of so few a tenth may touch in a body that is only crumpled.
 const FEWEST_TRIANGLES: usize = 512;
-/// A body is tangled where its triangles touch so many others each, on average. A torus flattened to a plane has 13.
+/// A body is tangled where its triangles touch so many others each, on average, by a few pairs.
 const TOUCHING: usize = 24;
 /// Or so many where they are close, in boxes that overlap, to as many as this: the long triangles of garbage. Long
 /// triangles in order are close to as many, but do not touch.
@@ -19,6 +19,53 @@ const PAIRS_TRIED: usize = 2;
 const FIRST_PART: usize = 4;
 /// A body whose triangles are each close to fewer is in order.
 const FEWEST_CLOSE: usize = 12;
+
+/// Fewer folds than one in so many vertices are those of a body that is only crumpled here and there.
+const VERTICES_OF_A_FOLD: usize = 64;
+/// Beside more folds than that, this many pairs of triangles are close to each other, for each triangle: spikes and rags.
+const CLOSE_BESIDE_FOLDS: usize = 8;
+/// By all pairs, so many touch for each triangle, two triangles to a pair: a large part of the surface lies on the rest.
+/// Flattened to a plane, a torus has seven; slivers that cross have two.
+const MOST_TOUCHING: usize = 3;
+
+/// What a body has at most that is not tangled; where there is more, the search for it can end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Vertices around which the surface folds over: where it does around more than every fourth, it has no side.
+    pub(super) folds: usize,
+    /// Pairs of triangles that touch.
+    pub(super) touching: usize,
+    /// Pairs of triangles whose boxes overlap, beside many folds.
+    close: usize,
+    /// So many folds are few.
+    few_folds: usize,
+}
+
+impl Limits {
+    pub(super) const NONE: Self =
+        Self { folds: usize::MAX, touching: usize::MAX, close: usize::MAX, few_folds: usize::MAX };
+
+    pub(super) fn of<T: Scalar>(mesh: &Mesh<T>) -> Self {
+        let topology = mesh.topology();
+        let (triangles, vertices) = (topology.triangles().len(), topology.surface_vertices().len());
+        if triangles < FEWEST_TRIANGLES {
+            return Self::NONE;
+        }
+        let (touching, close) = (triangles * MOST_TOUCHING, triangles * CLOSE_BESIDE_FOLDS);
+        Self { folds: vertices / 4, touching, close, few_folds: vertices / VERTICES_OF_A_FOLD }
+    }
+
+    /// How many pairs may be close in a body with so many folds.
+    pub(super) fn close(&self, folds: usize) -> usize {
+        if folds > self.few_folds { self.close } else { usize::MAX }
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
 
 /// Whether a body is tangled, by pairs of its triangles thrown together; it depends on nothing but the mesh and its numbering. A body in
 /// order takes a pair for every two triangles, one that is all tangled few pairs in all.
@@ -55,68 +102,4 @@ pub(super) fn is_collapsed<T: Scalar>(mesh: &Mesh<T>) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use crate::contact::{ContactList, DetectionOptions, detect_self, query_self_with_all_rays};
-    use crate::octree::test_mesh::{torus, torus_positions};
-    use crate::octree::{Layout, Octree};
-
-    const SIDES: [u32; 2] = [64, 24];
-
-    /// A torus whose vertices are moved; gives its contacts with itself, and how many pairs of triangles were held against
-    /// each other, for each triangle.
-    fn found(layout: Layout, place: &dyn Fn(usize, [f64; 3]) -> [f64; 3]) -> (ContactList<f64>, f64) {
-        let mut mesh = torus(SIDES);
-        let positions: Vec<_> = torus_positions(SIDES, 0).into_iter().enumerate().map(|(i, p)| place(i, p)).collect();
-        mesh.set_positions(&positions).expect("finite");
-        let (octree, mut contacts) = (Octree::with_layout(&mesh, layout), ContactList::default());
-        detect_self(0, &mesh, &octree, &DetectionOptions::default(), None, &mut contacts).expect("it is new");
-        let tried = contacts.workspace.own.touching.tried as f64 / mesh.topology().triangles().len() as f64;
-        (contacts, tried)
-    }
-
-    /// Anywhere in a box, by Knuth's linear congruential generator.
-    fn anywhere(vertex: usize) -> [f64; 3] {
-        let mut state = vertex as u64 + 1;
-        [(); 3].map(|()| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 * (-53f64).exp2()
-        })
-    }
-
-    #[test]
-    fn garbage_takes_no_more_pairs_than_so_many_for_each_triangle() {
-        for layout in [Layout::Classic, Layout::Wide] {
-            let (point, collapsed) = found(layout, &|_, _| [1.0, 2.0, 3.0]);
-            let (near, nearly) = found(layout, &|_, p| p.map(|x| 1.0 + 1e-15 * x));
-            let (box_, thrown) = found(layout, &|vertex, _| anywhere(vertex));
-            let (partly, tenth) = found(layout, &|vertex, p| if vertex % 10 == 0 { anywhere(vertex) } else { p });
-            let tried = [collapsed, nearly, thrown, tenth];
-            assert_eq!(tried, [0.0; 4], "{layout:?}: pairs for each triangle");
-            let tangled = [&point, &near, &box_, &partly].map(|list| list.statistics.tangled_bodies);
-            assert_eq!(tangled, [0, 1, 1, 1], "what has collapsed has no contacts");
-            assert!([&point, &near, &box_, &partly].iter().all(|list| list.is_empty() && list.statistics.rays == 0));
-        }
-    }
-
-    /// Flat, folded or with a ring of its vertices in one point, a body is not tangled: it has the contacts of every ray.
-    #[test]
-    fn what_is_not_tangled_has_the_contacts_of_every_ray() {
-        let flat = |_: usize, [x, y, _]: [f64; 3]| [x, y, 0.25];
-        let pinched = |vertex: usize, p: [f64; 3]| if vertex / 24 == 8 { [0.4, 0.1, 0.0] } else { p };
-        // Pushed together in the middle, until the inner sides pass through each other.
-        let folded = |_: usize, [x, y, z]: [f64; 3]| [x, y * (1.0 - 0.87 * (-4.0 * x * x).exp() / y.hypot(0.3)), z];
-        let places: [&dyn Fn(usize, [f64; 3]) -> [f64; 3]; 3] = [&flat, &pinched, &folded];
-        for (number, place) in places.into_iter().enumerate() {
-            let mut mesh = torus(SIDES);
-            let positions = torus_positions(SIDES, 0).into_iter().enumerate();
-            let positions: Vec<_> = positions.map(|(i, p)| place(i, p)).collect();
-            mesh.set_positions(&positions).expect("finite");
-            let mut all = ContactList::default();
-            query_self_with_all_rays(&mesh, &Octree::new(&mesh), &DetectionOptions::default(), &mut all).expect("new");
-            let (culled, tried) = found(Layout::Wide, place);
-            assert_eq!(culled.contacts, all.contacts, "{number}");
-            assert!(culled.statistics.tangled_bodies == 0 && tried < 200.0, "{number}: {tried}");
-            assert!(number != 2 || !all.is_empty());
-        }
-    }
-}
+mod tests;

@@ -2,8 +2,8 @@
 //! over, and no ray need be traced to know it.
 
 use super::nearness::{projected_gap, rounding, separation, touch_distance};
-use super::tangled::is_tangled;
-use crate::math::{Scalar, Vector3, direction, length};
+use super::tangled::{Limits, is_tangled};
+use crate::math::{Aabb, Scalar, Vector3, direction, length};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::octree::{NearParts, Octree, Reach};
@@ -18,6 +18,9 @@ pub(super) struct Touching<T: Scalar> {
     pub(super) pairs: Vec<[u32; 2]>,
     /// The body is tangled, and nothing else is told.
     pub(super) is_tangled: bool,
+    limits: Limits,
+    /// Vertices around which the surface folds over.
+    folds: usize,
     facets: Vec<Facet<T>>,
     near: NearParts<T>,
     /// Pairs of triangles held against each other.
@@ -51,12 +54,13 @@ impl<T: Scalar> Touching<T> {
     pub(super) fn reset(&mut self, mesh: &Mesh<T>) {
         let rounding = rounding(mesh);
         self.pairs.clear();
-        self.is_tangled = false;
+        (self.is_tangled, self.folds) = (false, 0);
         self.touched.clear();
         let square = rounding * rounding;
         self.any = !(T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1);
         let count = mesh.topology().triangles().len();
         self.touched.room_for(count).resize(count, self.any);
+        self.limits = if self.any { Limits::NONE } else { Limits::of(mesh) };
     }
 
     /// Looks at the whole surface, but for a tangled one.
@@ -65,6 +69,8 @@ impl<T: Scalar> Touching<T> {
         self.is_tangled = is_tangled(mesh);
         if !self.is_tangled {
             self.search_fans(mesh);
+        }
+        if !self.is_tangled {
             let mut near = std::mem::take(&mut self.near);
             self.search_pairs(octree, mesh, &Self::reach(mesh), &mut near);
             self.near = near;
@@ -74,6 +80,7 @@ impl<T: Scalar> Touching<T> {
     /// Looks at the whole surface, however long it takes.
     pub(super) fn search_all(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
         self.reset(mesh);
+        self.limits = Limits::NONE;
         self.search_fans(mesh);
         let reach = Reach { most_pairs: usize::MAX, ..Self::reach(mesh) };
         let mut near = std::mem::take(&mut self.near);
@@ -92,7 +99,8 @@ impl<T: Scalar> Touching<T> {
         self.any = true;
     }
 
-    /// Looks at the triangles around each vertex: those with a common vertex.
+    /// Looks at the triangles around each vertex: those with a common vertex. Where nothing but folds is found, the body is
+    /// tangled.
     pub(super) fn search_fans(&mut self, mesh: &Mesh<T>) -> Fans<T> {
         let count = mesh.topology().triangles().len();
         self.facets.clear();
@@ -104,12 +112,14 @@ impl<T: Scalar> Touching<T> {
         let mut least = T::INFINITY;
         for &vertex in mesh.topology().surface_vertices() {
             let altitude = self.altitude_of_fan(mesh, vertex);
+            self.folds += usize::from(altitude == T::zero());
             if altitude < least_allowed {
                 mesh.topology().triangles_around(vertex).iter().for_each(|&triangle| self.touch(triangle));
             } else {
                 least = least.min(altitude);
             }
         }
+        self.is_tangled |= self.folds > self.limits.folds;
         // With edges up to L strained by ε, twice the area of a triangle changes by at most 2 ε L + ε².
         Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
     }
@@ -142,8 +152,9 @@ impl<T: Scalar> Touching<T> {
         if turns == 1 && least > T::zero() { least } else { T::zero() }
     }
 
-    /// Looks at the triangles without a common vertex; a margin of 0 is quickest. Where parts are near each other beyond
-    /// all bounds, the body is tangled.
+    /// Looks at the triangles without a common vertex; a margin of 0 is quickest. Where more touch, or are close beside
+    /// many folds, than a body has that is not tangled, or parts are near each other beyond all bounds, it is. The first two
+    /// do not depend on the order in which pairs are looked at, nor on the margins.
     pub(super) fn search_pairs(
         &mut self,
         octree: &Octree<T>,
@@ -152,21 +163,30 @@ impl<T: Scalar> Touching<T> {
         near: &mut NearParts<T>,
     ) {
         let Reach { touch, margin, .. } = *reach;
+        let (most_touching, most_close) = (self.limits.touching, self.limits.close(self.folds));
+        let mut close = 0;
         let is_done = octree.search_near(mesh, reach, near, |a, b| {
             #[cfg(test)]
             (self.tried += 1);
             // The smaller number first, so that the layout does not matter to the last bit.
             let pair = [a.min(b), a.max(b)];
             let corners = [mesh.corners(pair[0]), mesh.corners(pair[1])];
+            if most_close != usize::MAX {
+                let [a, b] = corners.each_ref().map(Aabb::of_triangle);
+                close += usize::from(a.grown(touch).overlaps(&b));
+                if close > most_close {
+                    return None;
+                }
+            }
             if margin == T::zero() && are_apart(&corners, touch) {
-                return T::zero();
+                return Some(T::zero());
             }
             let distance = separation(&corners, touch);
             if distance < touch {
                 pair.into_iter().for_each(|triangle| self.touch(triangle));
                 self.pairs.room_for(1).push(pair);
             }
-            distance - touch
+            (self.pairs.len() <= most_touching).then_some(distance - touch)
         });
         self.is_tangled = !is_done;
     }

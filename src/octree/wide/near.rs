@@ -1,12 +1,14 @@
 // Lanes side by side read best as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
 
+mod descent;
+
 use super::Wide;
-use super::node::{CHILD_COUNT, Node};
 use super::tile::{Outline, TILE_SIZE};
 use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
+use descent::Descent;
 
 /// The tiles that are near each other, and what the search for them needs; kept by the caller, so that a steady step
 /// allocates nothing.
@@ -71,21 +73,21 @@ impl<T: Scalar> Narrow<T> {
 impl<T: Scalar> Wide<T> {
     /// Lists the pairs of tiles whose boxes are at most `tile_distance` apart along every axis; of these, offers each two
     /// triangles that have no vertex in common and are at most `distance` apart along every axis. `offer` gives how much
-    /// nearer they may come; two that are not offered may by `margin`. Gives up, and false, where more pairs of tiles
-    /// than `most_pairs` are near.
+    /// nearer they may come; two that are not offered may by `margin`. Gives up, and false, where it gives `None` and where
+    /// more pairs of tiles than `most_pairs` are near.
     pub(in crate::octree) fn search_near(
         &self,
         mesh: &Mesh<T>,
         [tile_distance, distance, margin]: [T; 3],
         most_pairs: usize,
         near: &mut NearTiles<T>,
-        offer: &mut impl FnMut(u32, u32) -> T,
+        offer: &mut impl FnMut(u32, u32) -> Option<T>,
     ) -> bool {
         let NearTiles { blocks, tile_pairs, clearances, .. } = near;
         let narrow = Narrow::new(mesh.aabb());
         dispatch::<T, _>(MakeBlocks { cells: self, tiles: 0..self.tile_count(), mesh, narrow, blocks });
         tile_pairs.clear();
-        Descent { cells: self, distance: tile_distance, tile_pairs, most_pairs }.within(Child::Node(0));
+        Descent { cells: self, distance: tile_distance, tile_pairs, most_pairs }.within_all();
         clearances.clear();
         if tile_pairs.len() > most_pairs {
             tile_pairs.clear();
@@ -94,9 +96,12 @@ impl<T: Scalar> Wide<T> {
         clearances.room_for(tile_pairs.len()).resize(tile_pairs.len(), margin);
         let distance = narrow.distance(distance);
         let block_of = |_: usize, tile: u32| tile as usize;
-        let offer = |place: usize, a: u32, b: u32| clearances[place] = clearances[place].min(offer(a, b));
-        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, distance, offer });
-        true
+        let offer = |place: usize, a: u32, b: u32| {
+            let clearance = offer(a, b);
+            clearances[place] = clearance.map_or(clearances[place], |clearance| clearances[place].min(clearance));
+            clearance.is_some()
+        };
+        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, distance, offer })
     }
 
     /// Looks for the listed pairs of tiles that have come nearer by more than they may, from `then` to `now`; gives which
@@ -141,7 +146,10 @@ impl<T: Scalar> Wide<T> {
         // Each pair has its own two blocks.
         let block_of = |place: usize, tile: u32| 2 * place + usize::from(lapsed[place][0] != tile);
         let distance = narrow.distance(distance);
-        let offer = |_: usize, a: u32, b: u32| offer(a, b);
+        let offer = |_: usize, a: u32, b: u32| {
+            offer(a, b);
+            true
+        };
         dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs: lapsed, distance, offer });
     }
 }
@@ -172,88 +180,6 @@ impl<T: Scalar, I: Iterator<Item = u32>> Kernel<T> for MakeBlocks<'_, T, I> {
     }
 }
 
-/// The descent into all pairs of boxes that are near each other.
-struct Descent<'a, T: Scalar> {
-    cells: &'a Wide<T>,
-    distance: T,
-    tile_pairs: &'a mut Vec<[u32; 2]>,
-    /// With one more the descent ends.
-    most_pairs: usize,
-}
-
-/// What lies under a box.
-#[derive(Clone, Copy)]
-enum Child {
-    Node(u32),
-    Tile(u32),
-}
-
-/// A box of the octree and what lies under it.
-#[derive(Clone, Copy)]
-struct Boxed<T: Scalar> {
-    aabb: Aabb<T>,
-    child: Child,
-}
-
-impl<T: Scalar> Descent<'_, T> {
-    fn within(&mut self, child: Child) {
-        let node = match child {
-            Child::Node(node) => &self.cells.nodes[node as usize],
-            Child::Tile(tile) => return self.tile_pairs.room_for(1).push([tile; 2]),
-        };
-        for place in 0..node.count as usize {
-            let boxed = Boxed::of(node, place);
-            self.within(boxed.child);
-            let mut near = self.near(node, &boxed.aabb) & (!0 << (place + 1));
-            while near != 0 {
-                self.between(boxed, Boxed::of(node, near.trailing_zeros() as usize));
-                near &= near - 1;
-            }
-        }
-    }
-
-    fn between(&mut self, first: Boxed<T>, second: Boxed<T>) {
-        if self.tile_pairs.len() > self.most_pairs {
-            return;
-        }
-        match (first.child, second.child) {
-            (Child::Tile(first), Child::Tile(second)) => self.tile_pairs.room_for(1).push([first, second]),
-            (Child::Node(node), _) => self.descend(node, second),
-            (_, Child::Node(node)) => self.descend(node, first),
-        }
-    }
-
-    fn descend(&mut self, node: u32, other: Boxed<T>) {
-        let node = &self.cells.nodes[node as usize];
-        let mut near = self.near(node, &other.aabb);
-        while near != 0 {
-            // The other may be a node too, and is then descended into next.
-            self.between(other, Boxed::of(node, near.trailing_zeros() as usize));
-            near &= near - 1;
-        }
-    }
-
-    /// Bit i: child i's box is near `other`.
-    fn near(&self, node: &Node<T>, other: &Aabb<T>) -> u32 {
-        let mut near = [true; CHILD_COUNT];
-        for axis in 0..3 {
-            let (lower, upper) = (&node.lower[axis], &node.upper[axis]);
-            let (to, from) = (other.upper[axis] + self.distance, other.lower[axis] - self.distance);
-            for child in 0..CHILD_COUNT {
-                near[child] &= (lower[child] <= to) & (upper[child] >= from);
-            }
-        }
-        (0..CHILD_COUNT).fold(0, |mask, child| mask | u32::from(near[child]) << child)
-    }
-}
-
-impl<T: Scalar> Boxed<T> {
-    fn of(node: &Node<T>, place: usize) -> Self {
-        let child = node.first + place as u32;
-        Self { aabb: node.child_box(place), child: if node.is_leaf { Child::Tile(child) } else { Child::Node(child) } }
-    }
-}
-
 /// Pairs of tiles, triangle by triangle.
 struct TilePairs<'a, T: Scalar, B, O> {
     cells: &'a Wide<T>,
@@ -262,15 +188,16 @@ struct TilePairs<'a, T: Scalar, B, O> {
     block_of: B,
     tile_pairs: &'a [[u32; 2]],
     distance: f32,
-    /// Is told the place of the pair, and two triangles.
+    /// Is told the place of the pair, and two triangles; gives whether to go on.
     offer: O,
 }
 
-impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32)> Kernel<f32> for TilePairs<'_, T, B, O> {
-    type Output = ();
+impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32) -> bool> Kernel<f32> for TilePairs<'_, T, B, O> {
+    /// Whether it came to the end.
+    type Output = bool;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<L: Lanes<f32>>(mut self) {
+    fn run<L: Lanes<f32>>(mut self) -> bool {
         for (pair, &[first, second]) in self.tile_pairs.iter().enumerate() {
             let mut a = &self.blocks[(self.block_of)(pair, first)];
             let mut b = &self.blocks[(self.block_of)(pair, second)];
@@ -297,10 +224,13 @@ impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32)> Kernel<f3
                 while others != 0 {
                     let other = others.trailing_zeros() as usize;
                     others &= others - 1;
-                    (self.offer)(pair, a_tile.triangles[place], b_tile.triangles[other]);
+                    if !(self.offer)(pair, a_tile.triangles[place], b_tile.triangles[other]) {
+                        return false;
+                    }
                 }
             }
         }
+        true
     }
 }
 

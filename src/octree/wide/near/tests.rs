@@ -10,7 +10,7 @@ fn search(
     let (mesh, mut near) = (torus([48, 12]), NearTiles::default());
     let cells = Wide::new(&mesh);
     assert!(cells.nodes.len() > 2 && !cells.nodes[0].is_leaf);
-    cells.search_near(&mesh, [tile_distance, distance, margin], usize::MAX, &mut near, &mut offer);
+    cells.search_near(&mesh, [tile_distance, distance, margin], usize::MAX, &mut near, &mut |a, b| Some(offer(a, b)));
     (mesh, cells, near)
 }
 

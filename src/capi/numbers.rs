@@ -1,0 +1,28 @@
+//! Numbers of double precision that a call takes to a mesh of either.
+
+use super::failure::{Failure, rayc_status};
+use crate::math::Scalar;
+use crate::memory::text;
+use std::fmt;
+
+/// Refuses numbers that the precision does not hold.
+pub(super) fn check_numbers<T: Scalar>(numbers: &[f64], what: fmt::Arguments) -> Result<(), Failure> {
+    match numbers.iter().find(|&&x| !T::of(x).is_finite()) {
+        None => Ok(()),
+        Some(&value) => Err(refused::<T>(numbers, value, what)),
+    }
+}
+
+#[cold]
+fn refused<T: Scalar>(numbers: &[f64], value: f64, what: fmt::Arguments) -> Failure {
+    if !numbers.iter().all(|x| x.is_finite()) {
+        let message = text!("{what} has a number that is NaN or infinite; give finite ones");
+        return Failure::new(rayc_status::RAYC_STATUS_NOT_FINITE, message);
+    }
+    let largest = T::LARGEST.to_f64();
+    let message = text!(
+        "{what} has {value:e}, beyond {largest:e}, the largest number of the mesh's precision; give smaller ones, or \
+         make the mesh of doubles"
+    );
+    Failure::new(rayc_status::RAYC_STATUS_MESH_BEYOND_RANGE, message)
+}
