@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
+#include "../../demos/distributed/number_bits.hpp"
 #include "raycontact.hpp"
 #include "torus.hpp"
 
@@ -86,18 +86,13 @@ inline void move(Body& body, const double* forces, std::size_t count) {
   ++body.steps;
 }
 
-/** FNV-1a over the bits of a body's forces and its state: sums of these do not depend on the order of bodies. */
+/** The bits of a body's forces and its state; sums over bodies do not depend on their order. */
 inline uint64_t digest(const Body& body, const double* forces, std::size_t count) {
-  uint64_t hash = 0xcbf29ce484222325ull ^ key_of(body.number);
-  const auto add = [&hash](double number) {
-    uint64_t bits;
-    std::memcpy(&bits, &number, sizeof bits);
-    hash = (hash ^ bits) * 0x100000001b3ull;
-    hash ^= hash >> 29;
-  };
-  for (std::size_t i = 0; i < count; ++i) add(forces[i]);
-  for (std::size_t axis = 0; axis < 3; ++axis) add(body.offset[axis]), add(body.velocity[axis]);
-  return hash;
+  demo::NumberBits bits(key_of(body.number));
+  bits.add(forces, count);
+  bits.add(body.offset.data(), body.offset.size());
+  bits.add(body.velocity.data(), body.velocity.size());
+  return bits.hash();
 }
 
 struct Outcome {
