@@ -16,6 +16,8 @@
 
 namespace raycontact {
 
+class DistributedContactSystem;
+
 /** What all ranks of a distributed scene must agree on; only the scene's threads may differ. */
 struct DistributedOptions {
   rayc_scene_options scene = default_scene_options();              ///< precision and threads
@@ -97,13 +99,16 @@ class DistributedScene {
    * Collective: finds all contacts at the present positions, sums their forces, and ends a step of so many seconds, as
    * rayc_scene_query() and rayc_scene_advance() do.
    *
-   * Errors: what any rank has noted; RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite,
+   * Errors: what any rank has noted; RAYC_STATUS_OUT_OF_ORDER where a DistributedContactSystem steps the scene;
+   * RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite,
    * RAYC_STATUS_RANKS_DISAGREE where ranks give different ones;
    * RAYC_STATUS_BODY_ON_TWO_RANKS, RAYC_STATUS_OTHER_MESH, RAYC_STATUS_MPI_FAILED, RAYC_STATUS_OUT_OF_MEMORY. Forces
    * and what pairs remember are then as before.
    */
   Outcome<void> step(double seconds) {
     mpi_detail::Fault& noted = state_->bodies.fault;
+    if (state_->bodies.attachment != nullptr)
+      noted.note(RAYC_STATUS_OUT_OF_ORDER, "the scene has a contact system; call that one's begin and finish");
     if (!(std::isfinite(seconds) && seconds >= 0))
       noted.note(RAYC_STATUS_INVALID_OPTION,
                  "the step is " + std::to_string(seconds) + " seconds long; give a finite number >= 0");
@@ -184,6 +189,8 @@ class DistributedScene {
   const Traffic& traffic() const { return state_->traffic; }
 
  private:
+  friend class DistributedContactSystem;
+
   struct State {
     State(MPI_Comm host, const DistributedOptions& given)
         : comm(host), options(given), step(comm, bodies, options.response, traffic) {}

@@ -13,13 +13,14 @@
 #include <vector>
 
 #include "raycontact/mpi/bodies.hpp"
+#include "raycontact/mpi/keys.hpp"
 #include "raycontact/mpi/traffic.hpp"
 
 namespace raycontact {
 
 namespace mpi_detail {
 
-enum Tag { TAG_HEADERS = 1, TAG_GHOSTS, TAG_FORCES, TAG_OWNERS, TAG_MIGRATION, TAG_KEYS };
+enum Tag { TAG_HEADERS = 1, TAG_GHOSTS, TAG_FORCES, TAG_OWNERS, TAG_MIGRATION, TAG_KEYS, TAG_PARTS };
 
 /** A body as its neighbours first hear of it. */
 struct Header {
@@ -48,16 +49,8 @@ class Step {
   /** Gives the fault on which all ranks agree, if there is one; then no contacts have been looked for. */
   Fault run(double seconds, std::vector<KeyedMemory>& waiting) {
     const double start = MPI_Wtime();
-    if (Fault fault = find_neighbours(seconds)) return fault;
-    if (any_new_)
-      if (Fault fault = check_keys()) return fault;
-    find_pairs(swap_headers());
+    if (Fault fault = meet(seconds, waiting)) return fault;
     Fault fault;
-    fault.check(rayc_scene_find_self_contacts(bodies_.scene.get()), "contacts of bodies with themselves");
-    swap_bodies(fault);
-    for (const KeyedMemory& keyed : waiting) put_back(keyed, fault);
-    if (Fault agreed = comm_.agree(fault)) return agreed;
-    waiting.clear();
     const double before = MPI_Wtime();
     fault.check(rayc_scene_query(bodies_.scene.get(), bodies_.contacts.get()), "query");
     const double after = MPI_Wtime();
@@ -71,17 +64,41 @@ class Step {
     return fault;
   }
 
+  /** All of a step before its query: this rank then has the ghosts whose contacts it is to find. */
+  Fault meet(double seconds, std::vector<KeyedMemory>& waiting) {
+    if (Fault fault = find_neighbours(seconds)) return fault;
+    if (any_new_)
+      if (Fault fault = check_keys(comm_, bodies_, TAG_KEYS)) return fault;
+    find_pairs(swap_headers());
+    Fault fault;
+    fault.check(rayc_scene_find_self_contacts(bodies_.scene.get()), "contacts of bodies with themselves");
+    swap_bodies(fault);
+    for (const KeyedMemory& keyed : waiting) put_back(keyed, fault);
+    if (Fault agreed = comm_.agree(fault)) return agreed;
+    waiting.clear();
+    return fault;
+  }
+
+  static std::vector<int> ranks(const Keys& keys) {
+    std::vector<int> ranks;
+    for (const auto& [rank, of_rank] : keys) ranks.push_back(rank);
+    return ranks;
+  }
+
  private:
-  /** What each rank tells all others: its fault, whether it has new bodies, the step, and the box around its bodies. */
+  /** What each rank tells all others: its fault, whether it has new bodies, the step, what the attachment must have in
+   * common, and the box around its bodies. */
   struct Greeting {
     int32_t status, has_new;
     double seconds;
+    uint64_t attachment;
     Box box;
   };
 
   Fault find_neighbours(double seconds) {
     Greeting own{};
     own.seconds = seconds;
+    own.attachment = bodies_.attachment != nullptr ? bodies_.attachment->checksum() : 0;
     Fault fault = std::exchange(bodies_.fault, Fault());
     for (auto& [key, body] : bodies_.own) {
       rayc_body_state state{};
@@ -104,41 +121,14 @@ class Step {
     }
     // All ranks see the same numbers here, and need not agree.
     for (const Greeting& greeting : greetings_)
+      if (greeting.attachment != greetings_[0].attachment)
+        fault.note(RAYC_STATUS_RANKS_DISAGREE,
+                   "half-spaces of the contact system differ from rank to rank; add the same on all, in one order");
+    for (const Greeting& greeting : greetings_)
       if (greeting.seconds != greetings_[0].seconds)
         fault.note(RAYC_STATUS_RANKS_DISAGREE, "the step is " + std::to_string(greetings_[0].seconds) +
                                                    " s long on rank 0 and " + std::to_string(greeting.seconds) +
                                                    " s on another; give all ranks the same");
-    return fault;
-  }
-
-  /** Each key is looked at by one rank, which sees whether two others have it. New bodies that do are taken back. */
-  Fault check_keys() {
-    const auto size = static_cast<uint64_t>(comm_.size());
-    Fault fault;
-    std::vector<Bytes> keys(size);
-    for (const auto& [key, body] : bodies_.own) write(keys[key % size], key);
-    const std::vector<Bytes> received = comm_.swap_all(keys, TAG_KEYS, fault);
-    std::map<uint64_t, std::vector<std::size_t>> owners;
-    for (std::size_t rank = 0; rank < received.size(); ++rank)
-      for (Reader reader(received[rank]); !reader.is_at_end();) owners[reader.read<uint64_t>()].push_back(rank);
-    std::vector<Bytes> twice(size);
-    for (const auto& [key, ranks] : owners) {
-      if (ranks.size() == 1) continue;
-      fault.note(RAYC_STATUS_BODY_ON_TWO_RANKS, "body of key " + std::to_string(key) + " is on the ranks " +
-                                                    std::to_string(ranks[0]) + " and " + std::to_string(ranks[1]) +
-                                                    "; add it on one of them only");
-      for (std::size_t rank : ranks) write(twice[rank], key);
-    }
-    for (const Bytes& message : comm_.swap_all(twice, TAG_KEYS, fault))
-      for (Reader reader(message); !reader.is_at_end();) {
-        const auto key = reader.read<uint64_t>();
-        if (bodies_.own.at(key).is_new) bodies_.remove(key);
-      }
-    fault = comm_.agree(fault);
-    if (!fault) {
-      for (auto& [key, body] : bodies_.own) body.is_new = false;
-      bodies_.has_new = false;
-    }
     return fault;
   }
 
@@ -173,6 +163,7 @@ class Step {
         boxes.push_back(header.box);
         others.emplace_back(header.key, neighbours_[i]);
       }
+    lent_before_ = std::move(lent_);
     forget();
     for_each_overlap(boxes, [&](std::size_t i, std::size_t j) {
       if (i > j) std::swap(i, j);
@@ -194,12 +185,6 @@ class Step {
       bodies_.fault.check(rayc_scene_share_body(bodies_.scene.get(), body.number, 0, body.neighbours, 0), "own body");
   }
 
-  static std::vector<int> ranks(const Keys& keys) {
-    std::vector<int> ranks;
-    for (const auto& [rank, of_rank] : keys) ranks.push_back(rank);
-    return ranks;
-  }
-
   void swap_bodies(Fault& fault) {
     const bool has_damping = response_.damping_time > 0;
     std::vector<Bytes> messages;
@@ -217,6 +202,12 @@ class Step {
         write(message, state.overlaps_itself);
         write(message, uint64_t{body.vertex_count});
         const std::size_t head = message.size();
+        if (bodies_.attachment != nullptr) {
+          const auto known = lent_before_.find(rank);
+          bodies_.attachment->write_ghost(message, key, known != lent_before_.end() && known->second.count(key) != 0);
+          traffic_.position_bytes += message.size() - head;
+          continue;
+        }
         write(message, body.positions.data(), body.positions.size());
         if (has_damping) write(message, body.velocities.data(), body.velocities.size());
         traffic_.position_bytes += message.size() - head;
@@ -243,8 +234,9 @@ class Step {
     const auto neighbours = reader.read<uint32_t>();
     const auto overlaps_itself = reader.read<uint32_t>();
     const auto count = reader.read<uint64_t>();
-    const std::vector<double> positions = reader.read_all<double>(3 * count);
-    std::vector<double> velocities = reader.read_all<double>(has_damping ? 3 * count : 0);
+    const bool has_positions = bodies_.attachment == nullptr;
+    const std::vector<double> positions = reader.read_all<double>(has_positions ? 3 * count : 0);
+    std::vector<double> velocities = reader.read_all<double>(has_positions && has_damping ? 3 * count : 0);
     const std::string what = "ghost of key " + std::to_string(key);
     auto found = bodies_.ghosts.find(key);
     if (found == bodies_.ghosts.end()) {
@@ -269,7 +261,10 @@ class Step {
     ghost.velocities = std::move(velocities);
     const rayc_vectors view = vectors(positions);
     fault.check(rayc_scene_share_body(bodies_.scene.get(), ghost.number, 1, neighbours, overlaps_itself), what);
-    fault.check(rayc_scene_set_positions(bodies_.scene.get(), ghost.number, &view), what);
+    if (!has_positions)
+      bodies_.attachment->read_ghost(reader, key, ghost.number, fault);
+    else
+      fault.check(rayc_scene_set_positions(bodies_.scene.get(), ghost.number, &view), what);
   }
 
   /** A pair whose bodies do not meet any more has forgotten. */
@@ -376,7 +371,7 @@ class Step {
   std::vector<Greeting> greetings_;
   std::vector<int> neighbours_;
   bool any_new_ = false;
-  Keys lent_, borrowed_;
+  Keys lent_, borrowed_, lent_before_;
   std::vector<rayc_pair_forces> pairs_;
   std::vector<rayc_vertex_force> forces_;
 };

@@ -13,6 +13,8 @@ struct Traffic {
   uint64_t position_bytes = 0;  ///< sent, of positions, and of velocities where there is damping
   uint64_t shape_bytes = 0;     ///< sent, of meshes: each once to a rank
   uint64_t force_bytes = 0;     ///< sent back to the owners of ghosts
+  uint64_t part_bytes = 0;      ///< of a contact system: sent once a step, which unknowns of ghosts rows act on
+  uint64_t product_bytes = 0;   ///< of a contact system: unknowns of ghosts there, and what acts on them back
   uint64_t ghosts = 0;          ///< ghosts, summed over all steps
   uint64_t new_ghosts = 0;      ///< of these, those that were not there in the step before
   double query_seconds = 0;     ///< in the library's query
