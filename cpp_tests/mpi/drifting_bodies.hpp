@@ -50,6 +50,18 @@ inline Torus rest_shape(const Body& body) {
   return shape;
 }
 
+inline raycontact::Mesh mesh_of(const Torus& shape, rayc_scalar precision) {
+  rayc_mesh_options options = raycontact::default_mesh_options();
+  options.precision = precision;
+  return {raycontact::vectors(shape.positions), shape.triangles, options};
+}
+
+inline rayc_scene_options scene_options(rayc_scalar precision) {
+  rayc_scene_options options = raycontact::default_scene_options();
+  options.precision = precision;
+  return options;
+}
+
 inline Body first_state(uint32_t number) {
   Body body;
   body.number = number;
@@ -108,8 +120,8 @@ struct Outcome {
 };
 
 /** The judge: one scene of one process, its forces summed pair by pair. */
-inline Outcome run_plain(uint32_t count, int steps) {
-  raycontact::Scene scene;
+inline Outcome run_plain(uint32_t count, int steps, rayc_scalar precision) {
+  raycontact::Scene scene(scene_options(precision));
   raycontact::Contacts contacts;
   std::vector<Body> bodies;
   std::vector<Torus> rests;
@@ -119,7 +131,7 @@ inline Outcome run_plain(uint32_t count, int steps) {
     bodies.push_back(first_state(number));
     rests.push_back(rest_shape(bodies.back()));
     const Torus& rest = rests.back();
-    scene.add({raycontact::vectors(rest.positions), rest.triangles}, key_of(number));
+    scene.add(mesh_of(rest, precision), key_of(number));
     scene.set_self_collision(number, is_folded(bodies.back()));
     forces[number].resize(rest.positions.size());
   }

@@ -1,6 +1,6 @@
-// The contact system over several ranks: friction, cages, rigid and moved bodies, a floor, escapes and an implicit step's
-// products have the bits of one process, while bodies change ranks every five steps. With --drop-memory they change
-// ranks without what their pairs remember, and the bits must be others.
+// The contact system over several ranks: friction, cages, rigid and moved bodies, a floor, escapes and an implicit
+// step's products have the bits of one process, while bodies change ranks every five steps. With --drop-memory they
+// change ranks without what their pairs remember, and the bits must be others.
 #include "rubbing_bodies.hpp"
 
 #include <cstdio>

@@ -83,7 +83,8 @@ inline Table table_of(uint32_t number) {
   Table table;
   const Torus shape = shape_of(number);
   for (std::size_t i = 0; i < shape.positions.size(); i += 3) {
-    const double part[] = {shape.positions[i] / 3 + 0.5, shape.positions[i + 1] / 3 + 0.5, shape.positions[i + 2] + 0.5};
+    const double part[] = {shape.positions[i] / 3 + 0.5, shape.positions[i + 1] / 3 + 0.5,
+                           shape.positions[i + 2] + 0.5};
     for (uint32_t corner = 0; corner < 8; ++corner) {
       double weight = 1;
       for (uint32_t axis = 0; axis < 3; ++axis) weight *= (corner >> axis & 1) != 0 ? part[axis] : 1 - part[axis];

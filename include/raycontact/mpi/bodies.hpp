@@ -60,6 +60,17 @@ struct Ghost {
   std::vector<double> velocities;
 };
 
+enum Tag { TAG_HEADERS = 1, TAG_GHOSTS, TAG_FORCES, TAG_OWNERS, TAG_MIGRATION, TAG_KEYS, TAG_PARTS };
+
+/** Keys of own bodies that other ranks have as ghosts, by rank; or of ghosts, by the ranks that they are had from. */
+using Keys = std::map<int, std::set<uint64_t>>;
+
+inline std::vector<int> ranks(const Keys& keys) {
+  std::vector<int> ranks;
+  for (const auto& [rank, of_rank] : keys) ranks.push_back(rank);
+  return ranks;
+}
+
 /** A body by its number in the rank's scene. */
 struct Named {
   uint64_t key = 0;

@@ -28,15 +28,15 @@ struct Carried {
 
   Kind kind = MOVED;
   rayc_material material{};
-  std::vector<double> masses;                 // of its nodes
-  std::vector<uint32_t> offsets, entries;     // a table of weights; empty where each vertex is a node
-  std::vector<double> weights;                //
-  double mass = 0;                            // of a rigid body
-  std::array<double, 9> inertia{};            //
+  std::vector<double> masses;              // of its nodes
+  std::vector<uint32_t> offsets, entries;  // a table of weights; empty where each vertex is a node
+  std::vector<double> weights;             //
+  double mass = 0;                         // of a rigid body
+  std::array<double, 9> inertia{};         //
   rayc_motion motion{{0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0}, {0}};
-  uint32_t number = 0;                        // in the rank's scene
-  std::size_t first_node = 0;                 // in the rank's system
-  bool is_own = true, is_new = true;          // new: ranks that know the body do not know this of it
+  uint32_t number = 0;                // in the rank's scene
+  std::size_t first_node = 0;         // in the rank's system
+  bool is_own = true, is_new = true;  // new: ranks that know the body do not know this of it
 
   std::size_t unknown_count() const { return kind == DEFORMABLE ? 3 * masses.size() : kind == RIGID ? 6 : 0; }
 
@@ -132,9 +132,9 @@ class CarriedBodies final : public Attachment {
           what);
       if (!is_added) free_nodes_[body.masses.size()].push_back(body.first_node);
     } else if (body.kind == Carried::RIGID) {
-      is_added = fault.check(rayc_contact_system_add_rigid(system(), scene, body.number, body.mass, body.inertia.data(),
-                                                           &body.material),
-                             what);
+      is_added = fault.check(
+          rayc_contact_system_add_rigid(system(), scene, body.number, body.mass, body.inertia.data(), &body.material),
+          what);
       if (is_added) rigid_.push_back(key);
     } else {
       is_added = fault.check(rayc_contact_system_add_moved(system(), scene, body.number, &body.material), what);

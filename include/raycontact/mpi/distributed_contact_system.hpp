@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <limits>
 #include <map>
 #include <memory>
@@ -149,11 +150,13 @@ class DistributedContactSystem {
     if (fault) return detail::failure<void>(error(fault));
     state.bodies.settle(fault);
     state.bodies.put_memories(fault);
+    const std::clock_t processor = std::clock();
     if (!fault)
       fault.check(rayc_contact_system_begin(state.bodies.system(), scene.scene.get(), dt, 3 * state.bodies.node_count(),
                                             state.bodies.nodes[0].data(), state.bodies.nodes[1].data(),
                                             state.bodies.nodes[2].data()),
                   "begin");
+    state.scene.step.count_query(std::clock() - processor);
     state.parts.find(fault);
     fault = state.comm().agree(fault);
     state.bodies.is_busy = true;
@@ -192,9 +195,9 @@ class DistributedContactSystem {
     double wrong = 0;
     mpi_detail::Fault fault = state.spread(velocities, "velocities");
     if (!fault)
-      fault.check(rayc_contact_system_linearise(state.bodies.system(), state.unknowns.size(), state.unknowns.data(),
-                                                &wrong),
-                  "linearise");
+      fault.check(
+          rayc_contact_system_linearise(state.bodies.system(), state.unknowns.size(), state.unknowns.data(), &wrong),
+          "linearise");
     fault = state.comm().agree(fault);
     if (fault) return detail::failure<double>(error(fault));
     MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPI_DOUBLE, MPI_MAX, state.comm().get());
@@ -208,8 +211,8 @@ class DistributedContactSystem {
     if (state.bodies.is_busy) state.spread_all(fault);
     fault = state.comm().agree(fault);
     if (!fault) {
-      fault.check(
-          rayc_contact_system_finish(state.bodies.system(), state.unknowns.size(), state.unknowns.data()), "finish");
+      fault.check(rayc_contact_system_finish(state.bodies.system(), state.unknowns.size(), state.unknowns.data()),
+                  "finish");
       fault = state.comm().agree(fault);
     }
     if (fault) return detail::failure<void>(error(fault));
@@ -330,9 +333,9 @@ class DistributedContactSystem {
         scene.traffic.product_bytes += message.size();
         messages.push_back(std::move(message));
       }
-      const std::vector<int> from = mpi_detail::Step::ranks(step.borrowed());
+      const std::vector<int> from = mpi_detail::ranks(step.borrowed());
       const std::vector<mpi_detail::Bytes> received =
-          comm().swap(mpi_detail::Step::ranks(step.lent()), messages, from, mpi_detail::TAG_PARTS, fault);
+          comm().swap(mpi_detail::ranks(step.lent()), messages, from, mpi_detail::TAG_PARTS, fault);
       for (std::size_t i = 0; i < from.size(); ++i) {
         mpi_detail::Reader reader(received[i]);
         for (uint64_t key : step.borrowed().at(from[i]))
@@ -343,7 +346,7 @@ class DistributedContactSystem {
     DistributedScene::State& scene;
     mpi_detail::CarriedBodies bodies;
     mpi_detail::PartSums parts;
-    std::vector<double> unknowns;              // of own bodies and ghosts, as the rank's system has them
+    std::vector<double> unknowns;               // of own bodies and ghosts, as the rank's system has them
     std::map<uint64_t, std::ptrdiff_t> starts;  // from there to the host's vectors
   };
 

@@ -81,8 +81,7 @@ class Migration {
     const auto first = new_owners_.find(first_key), second = new_owners_.find(second_key);
     if (first == new_owners_.end() || second == new_owners_.end()) return -1;
     uint32_t first_finds = 1;
-    if (first_key != second_key)
-      fault.check(rayc_finds_pair(first_key, second_key, &first_finds), "keys of a pair");
+    if (first_key != second_key) fault.check(rayc_finds_pair(first_key, second_key, &first_finds), "keys of a pair");
     return first_finds != 0 ? first->second : second->second;
   }
 
@@ -169,8 +168,7 @@ class Migration {
           rayc_scene_set_self_collision(bodies_.scene.get(), body.number, body.collides_with_itself ? 1 : 0), what);
       Own& added = bodies_.own[key] = std::move(body);
       bodies_.named[added.number] = Named{key, &added, nullptr};
-      if (bodies_.attachment != nullptr)
-        bodies_.attachment->read_body(of_attachment, key, added.number, bodies_.fault);
+      if (bodies_.attachment != nullptr) bodies_.attachment->read_body(of_attachment, key, added.number, bodies_.fault);
       unpack(uint64_t{key}, of_host);
     }
   }

@@ -59,8 +59,8 @@ class PartSums {
       traffic_.part_bytes += message.size();
       sent.push_back(std::move(message));
     }
-    const std::vector<int> from = Step::ranks(step_.lent());
-    const std::vector<Bytes> received = comm_.swap(Step::ranks(step_.borrowed()), sent, from, TAG_PARTS, fault);
+    const std::vector<int> from = ranks(step_.lent());
+    const std::vector<Bytes> received = comm_.swap(ranks(step_.borrowed()), sent, from, TAG_PARTS, fault);
     for (std::size_t i = 0; i < from.size(); ++i)
       for (Reader reader(received[i]); !reader.is_at_end();) {
         const auto key = reader.read<uint64_t>(), other = reader.read<uint64_t>();
