@@ -58,19 +58,15 @@ class PlainSystem {
       fields[k].resize(3 * node_count_);
     }
     system_.begin(scene_, seconds, fields[0], fields[1], fields[2]);
-    std::size_t part_count = 0, block_count = 0;
-    check(rayc_contact_system_part_count(system_.get(), &part_count, &block_count));
-    parts_.resize(part_count);
-    blocks_.resize(block_count);
-    check(rayc_contact_system_copy_parts(system_.get(), part_count, parts_.data(), block_count, blocks_.data()));
-    std::sort(parts_.begin(), parts_.end(), [this](const rayc_contact_part& a, const rayc_contact_part& b) {
+    system_.copy_parts_to(all_);
+    std::sort(all_.parts.begin(), all_.parts.end(), [this](const rayc_contact_part& a, const rayc_contact_part& b) {
       const auto order = [this](const rayc_contact_part& part) {
         return std::make_tuple(keys_[part.body], part.is_half_space,
                                part.is_half_space != 0 ? part.other : keys_[part.other]);
       };
       return order(a) < order(b);
     });
-    for (const rayc_contact_part& part : parts_) {
+    for (const rayc_contact_part& part : all_.parts) {
       pushes += part.count == 98 ? 1 : 0;  // all nodes of a large body
       on_floor += part.is_half_space;
       between_bodies += part.is_half_space != 0 ? 0 : 1;
@@ -79,16 +75,15 @@ class PlainSystem {
 
   void add_forces(const Numbers& v, Numbers& forces) {
     const Numbers own = spread(v);
-    Numbers values(3 * blocks_.size());
-    check(rayc_contact_system_part_forces(system_.get(), own.size(), own.data(), blocks_.size(), values.data()));
+    Numbers values(3 * all_.blocks.size());
+    system_.part_forces(own, values);
     add(values, forces);
   }
 
   void add_product(double factor, const Numbers& change, Numbers& result) {
     const Numbers own = spread(change);
-    Numbers values(3 * blocks_.size());
-    check(rayc_contact_system_part_products(system_.get(), factor, own.size(), own.data(), blocks_.size(),
-                                            values.data()));
+    Numbers values(3 * all_.blocks.size());
+    system_.part_products(factor, own, values);
     add(values, result);
   }
 
@@ -113,10 +108,6 @@ class PlainSystem {
   uint64_t pushes = 0, on_floor = 0, between_bodies = 0;
 
  private:
-  static void check(rayc_status status) {
-    if (status != RAYC_STATUS_OK) throw raycontact::Error(status, rayc_last_error_message());
-  }
-
   /** From the host's order to the system's, and back. */
   Numbers spread(const Numbers& numbers) const {
     Numbers own(3 * node_count_ + 6 * rigid_count_);
@@ -128,9 +119,10 @@ class PlainSystem {
 
   void add(const Numbers& values, Numbers& sums) const {
     Numbers own = spread(sums);
-    for (const rayc_contact_part& part : parts_)
+    for (const rayc_contact_part& part : all_.parts)
       for (std::size_t i = part.start; i < part.start + part.count; ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis) own[3 * std::size_t{blocks_[i]} + axis] += values[3 * i + axis];
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          own[3 * std::size_t{all_.blocks[i]} + axis] += values[3 * i + axis];
     std::size_t at = 0;
     for (const auto& [key, size] : sizes_)
       for (std::size_t k = 0; k < size; ++k) sums[at++] = own[starts_.at(key) + k];
@@ -148,8 +140,7 @@ class PlainSystem {
   std::map<uint64_t, uint32_t> numbers_;
   std::map<uint64_t, std::size_t> starts_, sizes_;
   std::size_t node_count_ = 0, rigid_count_ = 0;
-  std::vector<rayc_contact_part> parts_;
-  std::vector<uint32_t> blocks_;
+  raycontact::Parts all_;
 };
 
 }  // namespace rubbing

@@ -51,6 +51,12 @@ struct Blocks {
   std::vector<double> numbers;    ///< nine for each block, by rows
 };
 
+/** What each pair's rows do to each of its bodies: which unknowns, in blocks of three. */
+struct Parts {
+  std::vector<rayc_contact_part> parts;
+  std::vector<uint32_t> blocks;  ///< of all parts, one after the other
+};
+
 /** Owns an rayc_contact_system, whose text says what it does and what a step is. Moves, does not copy. */
 class ContactSystem {
  public:
@@ -180,6 +186,29 @@ class ContactSystem {
     return detail::outcome(status, is_more != 0);
   }
 
+  /** What the rows act on, pair by pair; replaces what `parts` held: rayc_contact_system_copy_parts(). */
+  Outcome<void> copy_parts_to(Parts& parts) {
+    std::size_t part_count = 0, block_count = 0;
+    rayc_status status = rayc_contact_system_part_count(get(), &part_count, &block_count);
+    parts.parts.resize(part_count);
+    parts.blocks.resize(block_count);
+    if (status == RAYC_STATUS_OK)
+      status = rayc_contact_system_copy_parts(get(), part_count, parts.parts.data(), block_count, parts.blocks.data());
+    return check(status);
+  }
+
+  /** The forces on these blocks, three numbers each: rayc_contact_system_part_forces(). */
+  Outcome<void> part_forces(Span<const double> velocities, Span<double> forces) {
+    return check(
+        rayc_contact_system_part_forces(get(), velocities.size(), velocities.data(), forces.size() / 3, forces.data()));
+  }
+
+  /** The same with products: rayc_contact_system_part_products(). */
+  Outcome<void> part_products(double factor, Span<const double> change, Span<double> result) {
+    return check(rayc_contact_system_part_products(get(), factor, change.size(), change.data(), result.size() / 3,
+                                                   result.data()));
+  }
+
   /** Ends a step whose velocities at the end are these. */
   Outcome<void> finish(Span<const double> velocities) {
     return check(rayc_contact_system_finish(get(), velocities.size(), velocities.data()));
@@ -202,8 +231,8 @@ class ContactSystem {
       return detail::failure<double>(Error(RAYC_STATUS_WRONG_COUNT, "positions and velocities are not equally many"));
     double longest = 0;
     const rayc_status status =
-        rayc_contact_system_explicit_step(get(), scene.get(), dt, positions.size(), positions.data(),
-                                          velocities.data(), forces.size(), forces.data(), &longest);
+        rayc_contact_system_explicit_step(get(), scene.get(), dt, positions.size(), positions.data(), velocities.data(),
+                                          forces.size(), forces.data(), &longest);
     return detail::outcome(status, longest);
   }
 
