@@ -19,7 +19,7 @@ namespace rubbing {
 
 constexpr double dt = 1.0 / 60.0;
 constexpr uint32_t body_count = 18;
-constexpr int iterations = 12, solves = 2;
+constexpr int iterations = 6, solves = 2;
 enum Kind { SOFT, CAGED, RIGID, MOVED };
 
 inline uint64_t key_of(uint32_t number) { return (number * 7919u % 65536u) * 0x100000001ull + 5; }

@@ -231,8 +231,8 @@ class ContactSystem {
       return detail::failure<double>(Error(RAYC_STATUS_WRONG_COUNT, "positions and velocities are not equally many"));
     double longest = 0;
     const rayc_status status =
-        rayc_contact_system_explicit_step(get(), scene.get(), dt, positions.size(), positions.data(), velocities.data(),
-                                          forces.size(), forces.data(), &longest);
+        rayc_contact_system_explicit_step(get(), scene.get(), dt, positions.size(), positions.data(),
+                                          velocities.data(), forces.size(), forces.data(), &longest);
     return detail::outcome(status, longest);
   }
 

@@ -6,6 +6,7 @@ use super::twist::V3;
 use super::{ContactSystem, SystemError};
 use crate::bytes::{CHECKSUM, Reader, checksum};
 use crate::math::Scalar;
+use crate::memory::Room;
 
 const MARK: [u8; 8] = *b"raycgrip";
 const VERSION: u32 = 1;
@@ -25,11 +26,11 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// How many bytes [`pack_pair_memory`](Self::pack_pair_memory) appends; none where nothing is remembered.
     pub fn packed_memory_length(&self, pair: (u32, Surface)) -> usize {
-        let anchors = || keys(pair).into_iter().flat_map(|key| self.anchors.of(key));
         let in_space = |anchor: &Anchor| matches!(anchor.hold, Hold::Space(_));
         let length = |anchor: &Anchor| ANCHOR + if in_space(anchor) { NUMBERS } else { CORNERS };
-        let rest = HEAD + 1 + CHECKSUM;
-        self.loads.remembered(pair).map_or(0, |_| rest + anchors().map(length).sum::<usize>())
+        let of_key = |key: Key| self.anchors.of(key).iter().map(length).sum::<usize>();
+        let of_anchors = || keys(pair).into_iter().flatten().map(of_key).sum::<usize>();
+        self.loads.remembered(pair).map_or(0, |_| HEAD + of_anchors() + 1 + CHECKSUM)
     }
 
     /// Appends what a pair remembers: its load, and what its friction springs hold on to. The bytes carry their version and
@@ -40,12 +41,13 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn pack_pair_memory(&self, pair: (u32, Surface), bytes: &mut Vec<u8>) -> Result<(), SystemError> {
         let load = self.loads.remembered(pair).ok_or(SystemError::NotRemembered { body: pair.0 })?;
         let start = bytes.len();
+        bytes.room_for(self.packed_memory_length(pair));
         bytes.extend(MARK);
         bytes.extend(VERSION.to_le_bytes());
         let put = |bytes: &mut Vec<u8>, numbers: &[f64]| numbers.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
         put(bytes, &load);
         for (is_turned, key) in keys(pair).into_iter().enumerate() {
-            for anchor in self.anchors.of(key) {
+            for anchor in key.map_or(&[][..], |key| self.anchors.of(key)) {
                 bytes.extend([1, is_turned as u8, u8::from(matches!(anchor.hold, Hold::Space(_)))]);
                 bytes.extend(anchor.triangle.to_le_bytes());
                 let put_corners = |bytes: &mut Vec<u8>, corners: &Corners| {
@@ -81,9 +83,7 @@ impl<T: Scalar> ContactSystem<T> {
         let counts = [vertices(Surface::Body(pair.0))?, vertices(pair.1)?];
         let broken = SystemError::Memory { length: bytes.len() };
         let Some((load, anchors)) = read(bytes, pair, counts) else { return Err(broken) };
-        let [turned, straight] = [1, 0].map(|k| keys(pair).get(k).copied());
-        let is_it = |key: &Key| Some(*key) == turned || Some(*key) == straight;
-        self.anchors.forget(is_it);
+        self.anchors.forget(|key| keys(pair).contains(&Some(*key)));
         self.anchors.put(&anchors);
         self.loads.put(pair, load);
         Ok(())
@@ -91,13 +91,12 @@ impl<T: Scalar> ContactSystem<T> {
 }
 
 /// Those by which a pair's contacts are known: the one body's, and the other's.
-fn keys((first, second): (u32, Surface)) -> Vec<Key> {
-    match second {
-        Surface::Body(second) if second != first => {
-            vec![(first, Surface::Body(second)), (second, Surface::Body(first))]
-        }
-        _ => vec![(first, second)],
-    }
+fn keys((first, second): (u32, Surface)) -> [Option<Key>; 2] {
+    let turned = match second {
+        Surface::Body(second) if second != first => Some((second, Surface::Body(first))),
+        _ => None,
+    };
+    [Some((first, second)), turned]
 }
 
 fn read(bytes: &[u8], pair: (u32, Surface), counts: [usize; 2]) -> Option<([f64; 6], Vec<Anchor>)> {
@@ -114,18 +113,16 @@ fn read(bytes: &[u8], pair: (u32, Surface), counts: [usize; 2]) -> Option<([f64;
     let mut anchors = Vec::new();
     while reader.take()? == [1] {
         let [is_turned, is_in_space] = reader.take()?;
-        let key = *keys.get(is_turned as usize)?;
+        let key = (*keys.get(is_turned as usize)?)?;
         let counts = if is_turned == 0 { counts } else { [counts[1], counts[0]] };
         let triangle = reader.whole()?;
         let from = corners(&mut reader, counts[0])?;
         let hold = match (is_in_space, key.1) {
-            (0, Surface::Body(_)) => {
-                Hold::Material(corners(&mut reader, if keys.len() == 1 { counts[0] } else { counts[1] })?)
-            }
+            (0, Surface::Body(_)) => Hold::Material(corners(&mut reader, counts[1])?),
             (1, Surface::HalfSpace(_)) => Hold::Space(V3::from(numbers(&mut reader)?)),
             _ => return None,
         };
-        anchors.push(Anchor::kept(key, triangle, from, hold));
+        anchors.room_for(1).push(Anchor::kept(key, triangle, from, hold));
     }
     reader.rest.is_empty().then_some((load, anchors))
 }
