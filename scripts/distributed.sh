@@ -47,14 +47,16 @@ for run in 1 2 3; do
         mpirun -n 1 "$programs/distributed" --bodies $bodies --steps 6 --csv out/distributed/measured.csv >/dev/null
     done
     for ranks in 2 3 4; do
-        mpirun --oversubscribe -n $ranks "$programs/distributed" --steps 6 --rebalance 2 \
-            --csv out/distributed/measured.csv >/dev/null
+        for rebalance in 2 4; do
+            mpirun --oversubscribe -n $ranks "$programs/distributed" --steps 6 --rebalance $rebalance \
+                --csv out/distributed/measured.csv >/dev/null
+        done
     done
 done
 
 say 'Dividing'
 rm -f out/distributed/parts.csv
-for division in 1000000/10 1000000/100 1000000/1000 10000/10 100000/100 1000/10 10000/100 100000/1000; do
+for division in 60/1 120/1 220/1 330/1 1000000/10 1000000/100 1000000/1000 10000/10 100000/100 1000/10 10000/100 100000/1000; do
     "$programs/distributed_parts" "${division%/*}" "${division#*/}" >>out/distributed/parts.csv
 done
 /usr/bin/python3 scripts/draw_distributed.py out/distributed || fail 'the chart could not be drawn, see above'

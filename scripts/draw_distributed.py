@@ -31,6 +31,7 @@ LATENCY = 1.5e-6  # s, of a message
 LINK = 100e9 / 8  # bytes/s
 RANKS_PER_LINK = 32
 GREETING = 72  # bytes that each rank tells all others
+NEW = 0.1  # of the ghosts of a step, where bodies are divided every ten steps
 
 
 def read(path):
@@ -51,24 +52,34 @@ def medians(rows):
 
 
 class Model:
-    """What a pair and a body take, from runs on one rank; what goes with a ghost, from runs on several."""
+    """What a ray and a body take, from runs on one rank; what goes with a ghost, from runs on several."""
 
-    def __init__(self, rows):
+    def __init__(self, rows, parts):
         alone = [row for row in rows if row["ranks"] == 1]
-        sizes = numpy.array([[row["pairs"], row["bodies"]] for row in alone])
+        several = [row for row in rows if row["ranks"] > 1]
+        if not alone or not several:
+            raise ValueError("measured.csv has no runs on one rank or none on several: run scripts/distributed.sh")
+        sizes = numpy.array([[row["rays"], row["bodies"]] for row in alone])
         times = numpy.array([row["processor_ms"] for row in alone]) * 1e-3
         # Relative errors count.
         found = numpy.linalg.lstsq(sizes / times[:, None], numpy.ones(len(times)), rcond=None)[0]
-        self.pair, self.body = found if found[1] > 0 else (float(numpy.mean(times / sizes[:, 0])), 0.0)
-        several = [row for row in rows if row["ranks"] > 1]
+        self.ray, self.body = found if min(found) > 0 else (1 / float(numpy.mean(sizes[:, 0] / times)), 0.0)
+        # Divisions know boxes, not rays.
+        overlaps = {part["total_bodies"]: part["overlap"] for part in parts if part["parts"] == 1}
+        known = [row for row in alone if row["total_bodies"] in overlaps]
+        self.density = sum(row["rays"] for row in known) / sum(overlaps[row["total_bodies"]] for row in known)
         total = {name: sum(row[name] for row in several) for name in several[0]}
-        self.ghost = total["ghost_ms"] * 1e-3 / total["ghosts"]
-        self.position_bytes = (total["position_bytes"] + total["mesh_bytes"]) / total["ghosts"]
+        ghosts = numpy.array([[row["ghosts"] - row["new_ghosts"], row["new_ghosts"]] for row in several])
+        times = numpy.array([row["ghost_ms"] for row in several]) * 1e-3
+        self.old_ghost, self.new_ghost = numpy.maximum(numpy.linalg.lstsq(ghosts, times, rcond=None)[0], 0)
+        self.ghost = (1 - NEW) * self.old_ghost + NEW * self.new_ghost
+        self.position_bytes = total["position_bytes"] / total["ghosts"]
         self.force_bytes = total["force_bytes"] / total["ghost_pairs"]
         self.header_bytes = 56
 
     def compute(self, row):
-        return self.pair * row["pairs"] + self.body * row["bodies"]
+        rays = row["rays"] if "rays" in row else self.density * row["overlap"]
+        return self.ray * rays + self.body * row["bodies"]
 
     def step(self, part, parts):
         """The seconds of one rank, all others being ready when it is."""
@@ -117,9 +128,11 @@ def work_out(model, rows):
     return lines
 
 
-def compare(model, rows):
-    """Measured against modelled computing: by ranks, the sum over ranks and the rank that is furthest off."""
+def compare(model, rows, parts):
+    """Measured against modelled computing: by ranks, the sum over ranks and the rank that is furthest off; on one rank also
+    by boxes alone."""
     lines = []
+    by_boxes = {part["total_bodies"]: 1e3 * model.compute(part) for part in parts if part["parts"] == 1}
     for key in dict.fromkeys((row["total_bodies"], row["ranks"]) for row in rows):
         of_key = [row for row in rows if (row["total_bodies"], row["ranks"]) == key]
         measured = [row["processor_ms"] for row in of_key]
@@ -127,25 +140,26 @@ def compare(model, rows):
         furthest = max(modelled[k] / measured[k] - 1 for k in range(len(measured))), min(
             modelled[k] / measured[k] - 1 for k in range(len(measured))
         )
-        lines.append((int(key[0]), int(key[1]), sum(measured), sum(modelled), max(furthest, key=abs)))
+        lines.append((int(key[0]), int(key[1]), sum(measured), sum(modelled), max(furthest, key=abs), by_boxes.get(key[0])))
     return lines
 
 
 def tables(model, compared, worked):
     lines = [
-        "| bodies, ranks | measured, ms of processor time, all ranks | modelled | off by | the rank furthest off |",
-        "| --- | ---: | ---: | ---: | ---: |",
+        "| bodies, ranks | measured, ms of processor time, all ranks | by rays | off by | the rank furthest off | by boxes alone |",
+        "| --- | ---: | ---: | ---: | ---: | ---: |",
     ]
-    for bodies, ranks, measured, modelled, furthest in compared:
+    for bodies, ranks, measured, modelled, furthest, by_boxes in compared:
         kind = "fitted" if ranks == 1 else "predicted"
         lines.append(
             f"| {bodies}, {ranks} | {measured:.0f} | {modelled:.0f}, {kind} | {100 * (modelled / measured - 1):+.1f} % | "
-            f"{100 * furthest:+.1f} % |"
+            f"{100 * furthest:+.1f} % | {100 * (by_boxes / measured - 1):+.1f} % |"
         )
     lines += [
         "",
-        f"A pair takes {1e6 * model.pair:.0f} µs, a body {1e6 * model.body:.0f} µs, a ghost {1e6 * model.ghost:.0f} µs and "
-        f"{model.position_bytes:.0f} bytes, a pair with a ghost {model.force_bytes:.0f} bytes back.",
+        f"A ray takes {1e6 * model.ray:.2f} µs, a body {1e6 * model.body:.0f} µs, a ghost {1e6 * model.old_ghost:.0f} µs where it "
+        f"is known and {1e6 * model.new_ghost:.0f} µs where it is new; a ghost is {model.position_bytes:.0f} bytes, a pair with a "
+        f"ghost {model.force_bytes:.0f} bytes back.",
         "",
         "| bodies | ranks | pairs between ranks | ghosts | sent, MB | computing, ms: mean, largest rank "
         "| longest step, ms: all, exchange | efficiency |",
@@ -216,9 +230,10 @@ def main():
         sys.exit("draw_distributed: install matplotlib and numpy: apt-get install python3-matplotlib python3-numpy")
     try:
         measured = medians(read(os.path.join(arguments.folder, "measured.csv")))
-        model = Model(measured)
-        worked = work_out(model, read(os.path.join(arguments.folder, "parts.csv")))
-        compared = compare(model, measured)
+        parts = read(os.path.join(arguments.folder, "parts.csv"))
+        model = Model(measured, parts)
+        worked = work_out(model, [part for part in parts if part["parts"] > 1])
+        compared = compare(model, measured, parts)
         with open(os.path.join(arguments.folder, "model.csv"), "w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, list(worked[0]), lineterminator="\n")
             writer.writeheader()

@@ -100,7 +100,9 @@ class Run {
       MPI_Allreduce(MPI_IN_PLACE, &hash, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
       hash_ = (hash_ ^ hash) * 0x100000001b3ull;
       const rayc_statistics statistics = scene_.statistics();
-      own_pairs_ += scene_.own_statistics().pairs;
+      const rayc_statistics own = scene_.own_statistics();
+      own_pairs_ += own.pairs;
+      own_rays_ += own.rays;
       own_bodies_ += bodies_.size();
       contacts_ += statistics.contacts;
       pairs_ += statistics.pairs;
@@ -153,10 +155,10 @@ class Run {
   void append_rows() const {
     const raycontact::Traffic& own = scene_.traffic();
     const double steps = static_cast<double>(options_.steps);
-    const double numbers[] = {double(own_bodies_),         double(own_pairs_),      double(own.ghost_pairs),
-                              double(own.ghosts),          double(own.new_ghosts),  double(own.header_bytes),
-                              double(own.position_bytes),  double(own.shape_bytes), double(own.force_bytes),
-                              1e3 * own.processor_seconds, 1e3 * own.ghost_seconds};
+    const double numbers[] = {double(own_bodies_),      double(own_pairs_),          double(own_rays_),
+                              double(own.ghost_pairs),  double(own.ghosts),          double(own.new_ghosts),
+                              double(own.header_bytes), double(own.position_bytes),  double(own.shape_bytes),
+                              double(own.force_bytes),  1e3 * own.processor_seconds, 1e3 * own.ghost_seconds};
     for (int rank = 0; rank < size_; ++rank) {
       MPI_Barrier(MPI_COMM_WORLD);
       if (rank != rank_) continue;
@@ -165,7 +167,7 @@ class Run {
       std::fseek(file, 0, SEEK_END);
       if (std::ftell(file) == 0)
         std::fputs(
-            "total_bodies,ranks,rank,bodies,pairs,ghost_pairs,ghosts,new_ghosts,header_bytes,position_bytes,"
+            "total_bodies,ranks,rank,bodies,pairs,rays,ghost_pairs,ghosts,new_ghosts,header_bytes,position_bytes,"
             "mesh_bytes,force_bytes,processor_ms,ghost_ms\n",
             file);
       std::fprintf(file, "%ld,%d,%d", options_.bodies, size_, rank_);
@@ -226,7 +228,7 @@ class Run {
   std::map<uint64_t, demo::Drifter> bodies_;
   std::vector<double> positions_;
   std::unique_ptr<demo::RankedFrames> frames_;
-  uint64_t hash_ = 0, contacts_ = 0, pairs_ = 0, escapes_ = 0, own_pairs_ = 0, own_bodies_ = 0;
+  uint64_t hash_ = 0, contacts_ = 0, pairs_ = 0, escapes_ = 0, own_pairs_ = 0, own_rays_ = 0, own_bodies_ = 0;
 };
 
 }  // namespace

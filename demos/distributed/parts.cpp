@@ -27,7 +27,8 @@ const char* const usage =
     "\n"
     "Divides the bodies of the demo distributed, as many as are wanted, into parts as ranks would, by Zoltan's "
     "recursive\n"
-    "coordinate bisection weighted by pairs, and counts for each part what its rank would find, lend and send. Prints "
+    "coordinate bisection weighted by how much their boxes share, and counts for each part what its rank would find, "
+    "lend and send. Prints "
     "a\n"
     "row for each part, as comma-separated values. No contact is looked for: only boxes are.\n"
     "\n"
@@ -39,14 +40,14 @@ const char* const usage =
 
 using raycontact::mpi_detail::Box;
 
-/** A tenth of the bodies are small ones inside others; all have drifted for ten steps as if they met nobody. */
+/** A tenth of the bodies are small ones inside others; all have drifted for some steps as if they met nobody. */
 std::vector<Box> boxes_of(uint64_t count) {
   std::vector<Box> boxes(count);
   for (uint64_t key = 0; key < count; ++key) {
     const demo::Drifter body = demo::drifter(key, count);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double reach = (axis == 1 ? 0.4 : 1.4) * (demo::is_small(key) ? 0.12 : 1);
-      const double middle = body.place[axis] + 10 * demo::drift_step * body.velocity[axis];
+      const double middle = body.place[axis] + 3 * demo::drift_step * body.velocity[axis];
       boxes[key].lower[axis] = middle - reach;
       boxes[key].upper[axis] = middle + reach;
     }
@@ -85,6 +86,14 @@ Pairs pairs_of(const std::vector<Box>& boxes) {
         if (order[at] > i && boxes[i].overlaps(boxes[order[at]])) pairs.emplace_back(i, order[at]);
     }
   return pairs;
+}
+
+/** How much of space two bodies' boxes share: they cast about as many rays into one another. */
+double overlap(const Box& a, const Box& b) {
+  double volume = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    volume *= std::min(a.upper[axis], b.upper[axis]) - std::max(a.lower[axis], b.lower[axis]);
+  return volume;
 }
 
 struct Objects {
@@ -154,6 +163,7 @@ std::vector<int> divide(Objects& objects, int parts) {
 
 struct Part {
   uint64_t bodies = 0, pairs = 0, ghost_pairs = 0, given_pairs = 0, ghosts = 0, lent = 0, headers = 0;
+  double overlap = 0;
   Box box;
   std::set<int> neighbours;
 };
@@ -161,8 +171,10 @@ struct Part {
 void count(uint64_t body_count, int part_count) {
   const std::vector<Box> boxes = boxes_of(body_count);
   const Pairs pairs = pairs_of(boxes);
-  Objects objects{boxes, std::vector<float>(boxes.size(), 1.0f)};
-  for (const auto& [first, second] : pairs) ++objects.weights[first], ++objects.weights[second];
+  Objects objects{boxes, std::vector<float>(boxes.size(), 1e-3f)};
+  for (const auto& [first, second] : pairs)
+    for (uint32_t body : {first, second})
+      objects.weights[body] += static_cast<float>(overlap(boxes[first], boxes[second]));
   const std::vector<int> owners = divide(objects, part_count);
   std::vector<Part> parts(static_cast<std::size_t>(part_count));
   const auto part_of = [&](uint32_t body) -> Part& { return parts[static_cast<std::size_t>(owners[body])]; };
@@ -176,6 +188,7 @@ void count(uint64_t body_count, int part_count) {
     if (owners[first] != owners[second]) rayc_finds_pair(first, second, &first_finds);
     if (first_finds == 0) std::swap(first, second);
     ++part_of(first).pairs;
+    part_of(first).overlap += overlap(boxes[first], boxes[second]);
     if (owners[first] == owners[second]) continue;
     ++part_of(first).ghost_pairs;
     ++part_of(second).given_pairs;
@@ -196,14 +209,15 @@ void count(uint64_t body_count, int part_count) {
   for (uint32_t body = 0; body < boxes.size(); ++body)
     for (std::size_t other : near[static_cast<std::size_t>(owners[body])])
       part_of(body).headers += boxes[body].overlaps(parts[other].box) ? 1 : 0;
-  std::printf("total_bodies,parts,part,bodies,pairs,ghost_pairs,given_pairs,ghosts,lent,headers,near,neighbours\n");
+  std::printf(
+      "total_bodies,parts,part,bodies,pairs,ghost_pairs,given_pairs,ghosts,lent,headers,near,neighbours,overlap\n");
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Part& part = parts[i];
     std::printf("%llu,%d,%zu", static_cast<unsigned long long>(body_count), part_count, i);
     for (uint64_t number : {part.bodies, part.pairs, part.ghost_pairs, part.given_pairs, part.ghosts, part.lent,
                             part.headers, uint64_t{near[i].size()}, uint64_t{part.neighbours.size()}})
       std::printf(",%llu", static_cast<unsigned long long>(number));
-    std::printf("\n");
+    std::printf(",%.6g\n", part.overlap);
   }
 }
 

@@ -47,7 +47,11 @@ impl Parts {
             return;
         }
         let Self { parts, blocks, entries, rigid, places, .. } = self;
-        (parts.clear(), blocks.clear(), entries.clear(), rigid.clear(), places.clear());
+        parts.clear();
+        blocks.clear();
+        entries.clear();
+        rigid.clear();
+        places.clear();
         let of_entry = |row: usize, node: u32| {
             let pair = rows.rows[row].pair;
             (pair, side(loads.now[pair].key.0, node), node)
