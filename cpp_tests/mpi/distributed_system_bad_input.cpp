@@ -101,6 +101,21 @@ void check_solve(bool is_last) {
   row.begin();
 }
 
+/** A scene that has made steps of its own has ghosts that the system does not know. */
+void check_later_system() {
+  Row row;
+  row.begin();
+  raycontact::DistributedScene scene(MPI_COMM_WORLD);
+  scene.add(row.key, {raycontact::vectors(row.shape.positions), row.shape.triangles});
+  scene.step(0.01);
+  raycontact::DistributedContactSystem system(scene);
+  system.add_deformable(row.key, std::vector<double>(row.still.size() / 3, 0.1), material());
+  system.begin(0.01, row.shape.positions, row.still, row.still);
+  std::vector<double> forces(row.still.size());
+  system.add_forces(row.still, forces);
+  expect(system.dot(forces, forces) == row.forces(), "later", "the forces are the same");
+}
+
 void check_half_spaces(bool is_last) {
   Row row;
   row.system.add_half_space({0, 0, 1}, is_last ? 0.25 : 0.5, material());
@@ -123,6 +138,7 @@ int main(int argc, char** argv) {
   check_begin(is_last);
   check_solve(is_last);
   check_half_spaces(is_last);
+  check_later_system();
   MPI_Allreduce(MPI_IN_PLACE, &failures, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
   MPI_Finalize();
   return failures == 0 ? 0 : 1;

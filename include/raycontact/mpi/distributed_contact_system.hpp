@@ -55,8 +55,13 @@ class DistributedContactSystem {
     else
       fault.check(rayc_contact_system_create(&options, &system), "contact system");
     std::unique_ptr<State> state(new State(*scene.state_, mpi_detail::SystemOwner(system)));
+    // Ghosts of the scene's own steps are unknown to the system; their pairs remember all the same.
+    std::vector<mpi_detail::KeyedMemory> memories;
+    if (!fault) scene.state_->step.copy_memories(memories, fault);
     fault = scene.state_->comm.agree(fault);
     if (fault) return detail::failure<DistributedContactSystem>(error(fault));
+    scene.state_->step.drop_ghosts();
+    scene.state_->waiting.insert(scene.state_->waiting.end(), memories.begin(), memories.end());
     scene.state_->bodies.attachment = &state->bodies;
     return DistributedContactSystem(std::move(state));
   }

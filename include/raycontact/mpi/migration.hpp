@@ -44,8 +44,7 @@ class Migration {
     }
     for (std::size_t rank = 0; rank < messages.size(); ++rank) write_part(messages[rank], of_attachment[rank]);
     send_bodies(messages, pack);
-    while (!bodies_.ghosts.empty()) bodies_.remove_ghost(bodies_.ghosts.begin());
-    step_.forget();
+    step_.drop_ghosts();
     const std::vector<Bytes> received = comm_.swap_all(messages, TAG_MIGRATION, fault);
     for (std::size_t rank = 0; rank < received.size(); ++rank) receive(received[rank], static_cast<int>(rank), unpack);
     fault.take(bodies_.fault);
@@ -95,14 +94,8 @@ class Migration {
   }
 
   void send_memories(std::vector<Bytes>& messages, Fault& fault) {
-    std::size_t count = 0;
-    fault.check(rayc_scene_pair_memory_count(bodies_.scene.get(), &count), "memories of pairs");
-    std::vector<rayc_pair_memory> memories(count);
-    fault.check(rayc_scene_copy_pair_memories(bodies_.scene.get(), 0, count, sizeof(rayc_pair_memory), memories.data()),
-                "memories of pairs");
     std::vector<KeyedMemory> all = std::exchange(waiting_, {});
-    for (const rayc_pair_memory& memory : memories)
-      all.push_back(KeyedMemory{bodies_.named.at(memory.first).key, bodies_.named.at(memory.second).key, memory});
+    step_.copy_memories(all, fault);
     std::vector<Bytes> with_count(messages.size());
     std::vector<uint64_t> counts(messages.size());
     for (const KeyedMemory& keyed : all) {

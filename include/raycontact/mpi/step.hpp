@@ -43,6 +43,23 @@ class Step {
   const Keys& lent() const { return lent_; }
   const Keys& borrowed() const { return borrowed_; }
 
+  /** What all pairs of this rank remember, by keys; behind what `memories` holds. */
+  void copy_memories(std::vector<KeyedMemory>& memories, Fault& fault) const {
+    std::size_t count = 0;
+    fault.check(rayc_scene_pair_memory_count(bodies_.scene.get(), &count), "memories of pairs");
+    std::vector<rayc_pair_memory> copied(count);
+    fault.check(rayc_scene_copy_pair_memories(bodies_.scene.get(), 0, count, sizeof(rayc_pair_memory), copied.data()),
+                "memories of pairs");
+    for (const rayc_pair_memory& memory : copied)
+      memories.push_back(KeyedMemory{bodies_.named.at(memory.first).key, bodies_.named.at(memory.second).key, memory});
+  }
+
+  /** All ranks do: the next step makes them anew. */
+  void drop_ghosts() {
+    while (!bodies_.ghosts.empty()) bodies_.remove_ghost(bodies_.ghosts.begin());
+    forget();
+  }
+
   /** Forgets who has which ghosts. */
   void forget() {
     lent_.clear();
