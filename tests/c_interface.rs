@@ -82,6 +82,7 @@ const HEADER_ORDER: [&str; 26] = [
     "contact_system_options",
     "contact_system",
     "contact_system_step",
+    "contact_system_parts",
     "escape_push",
     "pair_memory",
     "sharing",
