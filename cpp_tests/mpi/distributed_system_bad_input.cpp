@@ -12,6 +12,7 @@ namespace {
 
 rayc_material material() {
   rayc_material material{};
+  material.struct_size = sizeof material;
   material.stiffness = 4000;
   material.damping_time = 0.01;
   material.friction = 0.5;

@@ -31,6 +31,7 @@ inline bool is_small(uint32_t number) { return number % 6 == 5; }
 
 inline rayc_material material(uint32_t number) {
   rayc_material material{};
+  material.struct_size = sizeof material;
   material.stiffness = 4000 + 500 * (number % 3);
   material.damping_time = 0.01;
   material.friction = 0.4 + 0.1 * (number % 4);
