@@ -1,4 +1,6 @@
 /* What a contact system is asked wrongly has its own status, and nothing changes; asked rightly it keeps momentum. */
+#include <stdlib.h>
+
 #include "check.h"
 #include "shapes.h"
 
@@ -196,6 +198,60 @@ static void a_step_keeps_momentum(void) {
   for (int k = 0; k < UNKNOWNS; ++k) CHECK_NEAR(forces[k], out[k], 1e-9 * size);
 }
 
+/* Forces part by part, and what pairs remember, between processes that share bodies. */
+static void parts_and_memories(void) {
+  size_t part_count = 42, block_count = 42, count = 42;
+  CHECK_STATUS(rayc_contact_system_part_count(contacts, &part_count, &block_count), RAYC_STATUS_OUT_OF_ORDER, "begin");
+  CHECK_STATUS(rayc_contact_system_part_forces(contacts, UNKNOWNS, v, 0, NULL), RAYC_STATUS_OUT_OF_ORDER, "begin");
+  CHECK_STATUS(rayc_contact_system_look_ahead(contacts, scene, 0, UNKNOWNS, x, v, v), RAYC_STATUS_INVALID_STEP,
+               "seconds");
+  CHECK_STATUS(rayc_contact_system_look_ahead(contacts, scene, 0.01, 3, x, v, v), RAYC_STATUS_WRONG_COUNT, "positions");
+  CHECK_OK(rayc_contact_system_look_ahead(contacts, scene, 0.01, UNKNOWNS, x, v, v));
+  CHECK_OK(rayc_contact_system_begin(contacts, scene, 0.01, UNKNOWNS, x, v, v));
+  CHECK_OK(rayc_contact_system_part_count(contacts, &part_count, &block_count));
+  CHECK(part_count == 2 && block_count > 2 && block_count <= 2 * NODES);
+
+  rayc_contact_part parts[2];
+  uint32_t blocks[2 * NODES];
+  double forces[UNKNOWNS] = {0}, of_parts[UNKNOWNS];
+  CHECK_STATUS(rayc_contact_system_copy_parts(contacts, 1, parts, block_count, blocks), RAYC_STATUS_WRONG_COUNT,
+               "1 parts");
+  CHECK_OK(rayc_contact_system_copy_parts(contacts, 2, parts, block_count, blocks));
+  CHECK(parts[0].body != parts[1].body && parts[0].other == parts[1].body && parts[0].is_half_space == 0);
+  CHECK_STATUS(rayc_contact_system_part_forces(contacts, UNKNOWNS, v, 1, of_parts), RAYC_STATUS_WRONG_COUNT, "forces");
+  CHECK_STATUS(rayc_contact_system_part_products(contacts, 1, UNKNOWNS, v, 1, of_parts), RAYC_STATUS_WRONG_COUNT,
+               "result");
+  CHECK_STATUS(rayc_contact_system_part_forces(contacts, UNKNOWNS, v, block_count, v), RAYC_STATUS_INVALID_OPTION,
+               "overlaps");
+  CHECK_OK(rayc_contact_system_add_forces(contacts, UNKNOWNS, v, forces));
+  CHECK_OK(rayc_contact_system_part_forces(contacts, UNKNOWNS, v, block_count, of_parts));
+  for (size_t i = 0; i < block_count; ++i)
+    for (size_t axis = 0; axis < 3; ++axis) forces[3 * blocks[i] + axis] -= of_parts[3 * i + axis];
+  for (int k = 0; k < UNKNOWNS; ++k) CHECK_NEAR(forces[k], 0, 1e-9 * (1 + fabs(out[k])));
+  CHECK_OK(rayc_contact_system_finish(contacts, UNKNOWNS, v));
+
+  CHECK_OK(rayc_contact_system_memory_count(contacts, &count));
+  CHECK(count == 1);
+  rayc_contact_memory memory;
+  CHECK_STATUS(rayc_contact_system_copy_memories(contacts, 2, &memory), RAYC_STATUS_WRONG_COUNT, "1 pairs");
+  CHECK_OK(rayc_contact_system_copy_memories(contacts, 1, &memory));
+  CHECK(memory.first == 0 && memory.second == 1 && memory.length > 0);
+  unsigned char* bytes = malloc(memory.length);
+  CHECK(bytes != NULL);
+  if (bytes == NULL) return;
+  CHECK_OK(rayc_contact_system_pack_memory(contacts, &memory, bytes));
+  CHECK_OK(rayc_contact_system_put_memory(contacts, &memory, bytes));
+  bytes[memory.length / 2] ^= 1;
+  CHECK_STATUS(rayc_contact_system_put_memory(contacts, &memory, bytes), RAYC_STATUS_SAVED_STATE_BROKEN, "bytes");
+  memory.length -= 1;
+  CHECK_STATUS(rayc_contact_system_pack_memory(contacts, &memory, bytes), RAYC_STATUS_WRONG_COUNT, "bytes");
+  memory.second = 7;
+  CHECK_STATUS(rayc_contact_system_put_memory(contacts, &memory, bytes), RAYC_STATUS_UNKNOWN_BODY, "7");
+  memory.is_half_space = 2;
+  CHECK_STATUS(rayc_contact_system_put_memory(contacts, &memory, bytes), RAYC_STATUS_INVALID_OPTION, "is_half_space");
+  free(bytes);
+}
+
 static void precisions_do_not_mix(void) {
   rayc_contact_system_options options;
   CHECK_OK(rayc_default_contact_system_options(sizeof options, &options));
@@ -220,6 +276,7 @@ int main(void) {
   CHECK(count == UNKNOWNS);
   calls_out_of_order_are_refused();
   a_step_keeps_momentum();
+  parts_and_memories();
   precisions_do_not_mix();
   CHECK_OK(rayc_contact_system_destroy(contacts));
   CHECK_OK(rayc_scene_destroy(scene));

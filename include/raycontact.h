@@ -855,6 +855,62 @@ typedef struct rayc_motion {
 } rayc_motion;
 
 /**
+ * What the rows of one pair do to one of its bodies: where its blocks lie among those of all parts.
+ */
+typedef struct rayc_contact_part {
+  /**
+   * The body that it acts on.
+   */
+  uint32_t body;
+  /**
+   * The body that it touches, itself too; the number of a half-space where is_half_space is 1.
+   */
+  uint32_t other;
+  /**
+   * 1 or 0.
+   */
+  uint32_t is_half_space;
+  /**
+   * Always 0.
+   */
+  uint32_t reserved;
+  /**
+   * The first of its blocks.
+   */
+  size_t start;
+  /**
+   * How many blocks it has.
+   */
+  size_t count;
+} rayc_contact_part;
+
+/**
+ * A pair whose friction remembers something from step to step, and how many bytes that takes.
+ */
+typedef struct rayc_contact_memory {
+  /**
+   * A body.
+   */
+  uint32_t first;
+  /**
+   * The other; the same for a body with itself; the number of a half-space where is_half_space is 1.
+   */
+  uint32_t second;
+  /**
+   * 1 or 0.
+   */
+  uint32_t is_half_space;
+  /**
+   * Always 0.
+   */
+  uint32_t reserved;
+  /**
+   * What rayc_contact_system_pack_memory() writes.
+   */
+  size_t length;
+} rayc_contact_memory;
+
+/**
  * How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
  * whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
  * the first by a part of depth · direction, and the second against it. Later versions may tell more, at the end.
@@ -1746,6 +1802,110 @@ enum rayc_status rayc_contact_system_explicit_step(struct rayc_contact_system *s
                                                    size_t unknown_count,
                                                    double *forces,
                                                    double *longest_step);
+
+/**
+ * Puts the scene's bodies, but ghosts, where rayc_contact_system_begin() with the same numbers would look for contacts, and
+ * does no more: by where bodies will be it is known of which others the scene needs ghosts. Those are then put there by
+ * rayc_contact_system_begin(), once the system knows them and their nodes.
+ *
+ * Errors: those of rayc_contact_system_begin().
+ */
+enum rayc_status rayc_contact_system_look_ahead(struct rayc_contact_system *system,
+                                                struct rayc_scene *scene,
+                                                double dt,
+                                                size_t count,
+                                                const double *positions,
+                                                const double *velocities,
+                                                const double *free_velocities);
+
+/**
+ * How many parts the rows of the step under way have, one for each pair and body of it that has unknowns, and how many
+ * blocks of three unknowns these act on together. They stay until the step ends or rayc_contact_system_detect_again() finds
+ * more.
+ *
+ * What a pair does to its bodies does not depend on other pairs. So it may be found in another process, and forces that are
+ * added part by part in one order have the same bits wherever the pairs were found: those of
+ * rayc_contact_system_add_forces() but for the order of summation.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept.
+ */
+enum rayc_status rayc_contact_system_part_count(struct rayc_contact_system *system,
+                                                size_t *part_count,
+                                                size_t *block_count);
+
+/**
+ * Copies the parts, and their blocks, numbered as rayc_contact_system_copy_blocks() does: the unknowns of block b are
+ * 3 b to 3 b + 2. Those of a part ascend; a rigid body has two, linear and angular. Both counts are those of
+ * rayc_contact_system_part_count().
+ *
+ * Errors: those, and RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_contact_system_copy_parts(struct rayc_contact_system *system,
+                                                size_t part_count,
+                                                struct rayc_contact_part *parts,
+                                                size_t block_count,
+                                                uint32_t *blocks);
+
+/**
+ * As rayc_contact_system_add_forces(), part by part: replaces `forces`, three numbers for each block of
+ * rayc_contact_system_copy_parts(), in that order. Of `velocities` only the unknowns of those blocks count.
+ *
+ * count: that of the unknowns; block_count: that of rayc_contact_system_part_count(). Errors: as for both.
+ */
+enum rayc_status rayc_contact_system_part_forces(struct rayc_contact_system *system,
+                                                 size_t count,
+                                                 const double *velocities,
+                                                 size_t block_count,
+                                                 double *forces);
+
+/**
+ * As rayc_contact_system_add_product(), part by part: replaces `result`, three numbers for each block of
+ * rayc_contact_system_copy_parts(), in that order. Of `change` only the unknowns of those blocks count.
+ *
+ * count: that of the unknowns; block_count: that of rayc_contact_system_part_count(). Errors: as for both.
+ */
+enum rayc_status rayc_contact_system_part_products(struct rayc_contact_system *system,
+                                                   double factor,
+                                                   size_t count,
+                                                   const double *change,
+                                                   size_t block_count,
+                                                   double *result);
+
+/**
+ * How many pairs remember something of the last finished step: what they bore, and what their friction holds on to.
+ */
+enum rayc_status rayc_contact_system_memory_count(const struct rayc_contact_system *system, size_t *count);
+
+/**
+ * Which pairs these are. count: that of rayc_contact_system_memory_count().
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_contact_system_copy_memories(const struct rayc_contact_system *system,
+                                                   size_t count,
+                                                   struct rayc_contact_memory *memories);
+
+/**
+ * Writes what a pair remembers: for another system that is to find its contacts from now on, in this process or another.
+ * pair: as rayc_contact_system_copy_memories() gave it, for whose length there is room. The bytes carry their version and
+ * a checksum, and are the same on every machine.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the pair remembers nothing, or not so much; RAYC_STATUS_UNKNOWN_ENUM.
+ */
+enum rayc_status rayc_contact_system_pack_memory(const struct rayc_contact_system *system,
+                                                 const struct rayc_contact_memory *pair,
+                                                 uint8_t *bytes);
+
+/**
+ * Takes over what a pair remembered elsewhere, in place of what it remembers here. pair: its length, and the numbers that
+ * its bodies have here, in the order that they had when they were packed.
+ *
+ * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, or not of these meshes,
+ * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_UNKNOWN_ENUM.
+ */
+enum rayc_status rayc_contact_system_put_memory(struct rayc_contact_system *system,
+                                                const struct rayc_contact_memory *pair,
+                                                const uint8_t *bytes);
 
 /**
  * How many pairs are escaping.

@@ -4,31 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "expect.hpp"
-#include "raycontact/mpi.hpp"
+#include "expect_fault.hpp"
 #include "torus.hpp"
 
 namespace {
-
-int rank_here = 0, rank_count = 1;
-
-/** The call throws this status on all ranks, with one message, which says `part`. */
-template <class Call>
-void expect_fault(Call call, rayc_status status, const char* test, const std::string& part) {
-  std::string message = "nothing";
-  int found = RAYC_STATUS_OK;
-  try {
-    call();
-  } catch (const raycontact::Error& error) {
-    found = error.status();
-    message = error.what();
-  }
-  expect(found == status, test, std::string("rank ") + std::to_string(rank_here) + " says " + message);
-  expect(message.find(part) != std::string::npos, test, "\"" + message + "\" does not say \"" + part + "\"");
-  int statuses[2] = {found, -found};
-  MPI_Allreduce(MPI_IN_PLACE, statuses, 2, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
-  expect(statuses[0] == -statuses[1], test, "all ranks say the same");
-}
 
 /** One torus on each rank, in a row, each of which overlaps its neighbours. */
 struct Row {
@@ -49,6 +28,18 @@ struct Row {
 
 const auto pack = [](uint64_t) { return std::vector<unsigned char>(); };
 const auto unpack = [](uint64_t, const std::vector<unsigned char>&) {};
+
+/** A ghost whose owner has removed the body is gone with the next step, and what it did too. */
+void check_removed_owner() {
+  Row row;
+  row.scene.step(0.01);
+  const uint64_t ghosts = row.scene.traffic().ghosts;
+  if (rank_here == 1) row.scene.remove(row.key);
+  row.scene.step(0.01);
+  // With the second of three, the others touch nobody.
+  expect(rank_count != 3 || row.largest_force() == 0, "owner gone", "no forces are left");
+  expect(rank_count != 3 || row.scene.traffic().ghosts == ghosts, "owner gone", "no ghosts are left");
+}
 
 void check_steps() {
   const char* test = "steps";
@@ -77,6 +68,7 @@ int main(int argc, char** argv) {
   MPI_Comm_size(MPI_COMM_WORLD, &rank_count);
   const bool is_first = rank_here == 0, is_last = rank_here == rank_count - 1;
   check_steps();
+  check_removed_owner();
   {
     Row row;
     if (is_first) row.scene.add(row.key, Row::mesh(row.shape));

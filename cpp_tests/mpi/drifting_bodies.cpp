@@ -1,6 +1,7 @@
 // Bodies that drift through one another over several ranks, and change ranks every five steps: every force of every
 // step has the bits of a plain scene's. With --drop-memory bodies change ranks without what their pairs remember, and
-// the bits must be others. With --kill one rank is killed, and the run must end.
+// the bits must be others. With --kill one rank is killed, and the run must end. With --single the scenes are of single
+// precision.
 #include "drifting_bodies.hpp"
 
 #include <csignal>
@@ -16,6 +17,7 @@ namespace {
 using Host = std::map<uint64_t, Body>;
 using Rests = std::map<uint64_t, Torus>;
 
+rayc_scalar precision = RAYC_SCALAR_F64;
 constexpr uint32_t body_count = 45;
 constexpr int step_count = 45, steps_between_migrations = 5;
 
@@ -26,7 +28,7 @@ std::vector<unsigned char> bytes_of(const Body& body) {
 }
 
 void add(raycontact::DistributedScene& scene, const Body& body, const Torus& rest) {
-  scene.add(key_of(body.number), {raycontact::vectors(rest.positions), rest.triangles}, is_folded(body));
+  scene.add(key_of(body.number), mesh_of(rest, precision), is_folded(body));
 }
 
 /** To other ranks as a host would do it that knows nothing of pairs. */
@@ -64,6 +66,7 @@ Outcome run_distributed(bool drops_memory, bool kills, uint64_t* moved) {
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   raycontact::DistributedOptions options;
   options.response = response();
+  options.scene = scene_options(precision);
   raycontact::DistributedScene scene(MPI_COMM_WORLD, options);
   Host host;
   Rests rests;
@@ -133,9 +136,10 @@ int main(int argc, char** argv) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   uint64_t moved = 0;
+  if (mode == "--single") precision = RAYC_SCALAR_F32;
   const Outcome found = run_distributed(mode == "--drop-memory", mode == "--kill", &moved);
   if (rank == 0) {
-    const Outcome expected = run_plain(body_count, step_count);
+    const Outcome expected = run_plain(body_count, step_count, precision);
     std::printf(
         "plain:   hash=%016llx, %llu contacts, %llu of escaping pairs' steps, %llu with themselves, %llu crowded\n",
         static_cast<unsigned long long>(expected.hash), static_cast<unsigned long long>(expected.contacts),

@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
+#include "../../demos/distributed/number_bits.hpp"
 #include "raycontact.hpp"
 #include "torus.hpp"
 
@@ -50,6 +50,18 @@ inline Torus rest_shape(const Body& body) {
   return shape;
 }
 
+inline raycontact::Mesh mesh_of(const Torus& shape, rayc_scalar precision) {
+  rayc_mesh_options options = raycontact::default_mesh_options();
+  options.precision = precision;
+  return {raycontact::vectors(shape.positions), shape.triangles, options};
+}
+
+inline rayc_scene_options scene_options(rayc_scalar precision) {
+  rayc_scene_options options = raycontact::default_scene_options();
+  options.precision = precision;
+  return options;
+}
+
 inline Body first_state(uint32_t number) {
   Body body;
   body.number = number;
@@ -86,18 +98,13 @@ inline void move(Body& body, const double* forces, std::size_t count) {
   ++body.steps;
 }
 
-/** FNV-1a over the bits of a body's forces and its state: sums of these do not depend on the order of bodies. */
+/** The bits of a body's forces and its state; sums over bodies do not depend on their order. */
 inline uint64_t digest(const Body& body, const double* forces, std::size_t count) {
-  uint64_t hash = 0xcbf29ce484222325ull ^ key_of(body.number);
-  const auto add = [&hash](double number) {
-    uint64_t bits;
-    std::memcpy(&bits, &number, sizeof bits);
-    hash = (hash ^ bits) * 0x100000001b3ull;
-    hash ^= hash >> 29;
-  };
-  for (std::size_t i = 0; i < count; ++i) add(forces[i]);
-  for (std::size_t axis = 0; axis < 3; ++axis) add(body.offset[axis]), add(body.velocity[axis]);
-  return hash;
+  demo::NumberBits bits(key_of(body.number));
+  bits.add(forces, count);
+  bits.add(body.offset.data(), body.offset.size());
+  bits.add(body.velocity.data(), body.velocity.size());
+  return bits.hash();
 }
 
 struct Outcome {
@@ -113,8 +120,8 @@ struct Outcome {
 };
 
 /** The judge: one scene of one process, its forces summed pair by pair. */
-inline Outcome run_plain(uint32_t count, int steps) {
-  raycontact::Scene scene;
+inline Outcome run_plain(uint32_t count, int steps, rayc_scalar precision) {
+  raycontact::Scene scene(scene_options(precision));
   raycontact::Contacts contacts;
   std::vector<Body> bodies;
   std::vector<Torus> rests;
@@ -124,7 +131,7 @@ inline Outcome run_plain(uint32_t count, int steps) {
     bodies.push_back(first_state(number));
     rests.push_back(rest_shape(bodies.back()));
     const Torus& rest = rests.back();
-    scene.add({raycontact::vectors(rest.positions), rest.triangles}, key_of(number));
+    scene.add(mesh_of(rest, precision), key_of(number));
     scene.set_self_collision(number, is_folded(bodies.back()));
     forces[number].resize(rest.positions.size());
   }

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include "../shapes.hpp"
+#include "number_bits.hpp"
 
 namespace demo {
 
@@ -48,16 +48,10 @@ inline void drift(Drifter& body, const double* forces, std::size_t count) {
 
 /** The bits of a body's forces and place; sums over bodies do not depend on their order. */
 inline uint64_t bits_of(const Drifter& body, const double* forces, std::size_t count) {
-  uint64_t hash = 0xcbf29ce484222325ull ^ body.key;
-  const auto add = [&hash](double number) {
-    uint64_t bits;
-    std::memcpy(&bits, &number, sizeof bits);
-    hash = (hash ^ bits) * 0x100000001b3ull;
-    hash ^= hash >> 29;
-  };
-  for (std::size_t i = 0; i < count; ++i) add(forces[i]);
-  for (double number : body.place) add(number);
-  return hash;
+  NumberBits bits(body.key);
+  bits.add(forces, count);
+  bits.add(body.place.data(), body.place.size());
+  return bits.hash();
 }
 
 }  // namespace demo

@@ -4,6 +4,7 @@
 #include <exception>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "../terminal.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 struct Options {
   long bodies = 220, steps = 60, around = 24, rebalance = 10, every = 4;
-  std::string out;
+  std::string out, csv;
 };
 
 const char* const usage =
@@ -31,6 +32,7 @@ const char* const usage =
     "  --rebalance N   steps between two divisions of the bodies among the ranks (10)\n"
     "  --out FOLDER    write distributed.pvd and its frames there, for ParaView\n"
     "  --every N       steps between two frames (4)\n"
+    "  --csv FILE      append a row for each rank: what it had, sent and took, means of a step\n"
     "  --help          this text\n"
     "\n"
     "Exit status: 0 done, 1 something failed, 2 wrong usage.\n";
@@ -47,11 +49,11 @@ int parse(int argc, char** argv, Options& options) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     const auto number = numbers.find(option);
-    if (option != "--out" && number == numbers.end())
+    if (option != "--out" && option != "--csv" && number == numbers.end())
       return std::fprintf(stderr, "distributed: unknown option %s\n\n%s", argv[i], usage), 2;
     if (++i == argc) return std::fprintf(stderr, "distributed: %s needs a value\n\n%s", option.c_str(), usage), 2;
-    if (option == "--out") {
-      options.out = argv[i];
+    if (option == "--out" || option == "--csv") {
+      (option == "--out" ? options.out : options.csv) = argv[i];
       continue;
     }
     char* end = nullptr;
@@ -98,6 +100,10 @@ class Run {
       MPI_Allreduce(MPI_IN_PLACE, &hash, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
       hash_ = (hash_ ^ hash) * 0x100000001b3ull;
       const rayc_statistics statistics = scene_.statistics();
+      const rayc_statistics own = scene_.own_statistics();
+      own_pairs_ += own.pairs;
+      own_rays_ += own.rays;
+      own_bodies_ += bodies_.size();
       contacts_ += statistics.contacts;
       pairs_ += statistics.pairs;
       escapes_ = statistics.escaping_pairs;
@@ -114,12 +120,17 @@ class Run {
     const raycontact::Traffic& own = scene_.traffic();
     uint64_t sums[] = {own.header_bytes, own.position_bytes, own.shape_bytes,
                        own.force_bytes,  own.ghosts,         own.new_ghosts};
-    double seconds[] = {own.query_seconds, own.sum_seconds, own.ghost_seconds,
-                        own.total_seconds - own.query_seconds - own.sum_seconds - own.ghost_seconds, own.total_seconds};
-    double all[5];
+    double seconds[] = {own.processor_seconds,
+                        own.query_seconds,
+                        own.sum_seconds,
+                        own.ghost_seconds,
+                        own.total_seconds - own.query_seconds - own.sum_seconds - own.ghost_seconds,
+                        own.total_seconds};
+    double all[6];
+    if (!options_.csv.empty()) append_rows();
     MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
-    MPI_Allreduce(seconds, all, 5, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-    MPI_Allreduce(MPI_IN_PLACE, seconds, 5, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    MPI_Allreduce(seconds, all, 6, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    MPI_Allreduce(MPI_IN_PLACE, seconds, 6, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
     if (rank_ != 0) return;
     const double steps = static_cast<double>(options_.steps);
     std::printf(
@@ -132,13 +143,40 @@ class Run {
     std::printf("  %-25s %10.1f, %.1f of them new\n\n", "ghosts", static_cast<double>(sums[4]) / steps,
                 static_cast<double>(sums[5]) / steps);
     std::printf("a step, in ms               %10s %12s\n", "mean rank", "longest rank");
-    const char* const parts[] = {"query", "sums of forces", "ghosts", "exchange and waiting", "all"};
-    for (int i = 0; i < 5; ++i)
+    const char* const parts[] = {"processor, query and sums", "query", "sums of forces", "ghosts",
+                                 "exchange and waiting",      "all"};
+    for (int i = 0; i < 6; ++i)
       std::printf("  %-25s %10.3f %12.3f\n", parts[i], 1e3 * all[i] / steps / size_, 1e3 * seconds[i] / steps);
     std::printf("\nhash=%016llx\n", static_cast<unsigned long long>(hash_));
   }
 
  private:
+  /** Rank by rank. */
+  void append_rows() const {
+    const raycontact::Traffic& own = scene_.traffic();
+    const double steps = static_cast<double>(options_.steps);
+    const double numbers[] = {double(own_bodies_),      double(own_pairs_),          double(own_rays_),
+                              double(own.ghost_pairs),  double(own.ghosts),          double(own.new_ghosts),
+                              double(own.header_bytes), double(own.position_bytes),  double(own.shape_bytes),
+                              double(own.force_bytes),  1e3 * own.processor_seconds, 1e3 * own.ghost_seconds};
+    for (int rank = 0; rank < size_; ++rank) {
+      MPI_Barrier(MPI_COMM_WORLD);
+      if (rank != rank_) continue;
+      std::FILE* file = std::fopen(options_.csv.c_str(), "a");
+      if (file == nullptr) throw std::runtime_error("cannot write to " + options_.csv);
+      std::fseek(file, 0, SEEK_END);
+      if (std::ftell(file) == 0)
+        std::fputs(
+            "total_bodies,ranks,rank,bodies,pairs,rays,ghost_pairs,ghosts,new_ghosts,header_bytes,position_bytes,"
+            "mesh_bytes,force_bytes,processor_ms,ghost_ms\n",
+            file);
+      std::fprintf(file, "%ld,%d,%d", options_.bodies, size_, rank_);
+      for (double number : numbers) std::fprintf(file, ",%.6g", number / steps);
+      std::fputc('\n', file);
+      std::fclose(file);
+    }
+  }
+
   static raycontact::DistributedOptions scene_options() {
     raycontact::DistributedOptions options;
     options.response.stiffness = 500;
@@ -190,7 +228,7 @@ class Run {
   std::map<uint64_t, demo::Drifter> bodies_;
   std::vector<double> positions_;
   std::unique_ptr<demo::RankedFrames> frames_;
-  uint64_t hash_ = 0, contacts_ = 0, pairs_ = 0, escapes_ = 0;
+  uint64_t hash_ = 0, contacts_ = 0, pairs_ = 0, escapes_ = 0, own_pairs_ = 0, own_rays_ = 0, own_bodies_ = 0;
 };
 
 }  // namespace

@@ -51,6 +51,12 @@ struct Blocks {
   std::vector<double> numbers;    ///< nine for each block, by rows
 };
 
+/** What each pair's rows do to each of its bodies: which unknowns, in blocks of three. */
+struct Parts {
+  std::vector<rayc_contact_part> parts;
+  std::vector<uint32_t> blocks;  ///< of all parts, one after the other
+};
+
 /** Owns an rayc_contact_system, whose text says what it does and what a step is. Moves, does not copy. */
 class ContactSystem {
  public:
@@ -178,6 +184,29 @@ class ContactSystem {
     const rayc_status status =
         rayc_contact_system_detect_again(get(), scene.get(), velocities.size(), velocities.data(), &is_more);
     return detail::outcome(status, is_more != 0);
+  }
+
+  /** What the rows act on, pair by pair; replaces what `parts` held: rayc_contact_system_copy_parts(). */
+  Outcome<void> copy_parts_to(Parts& parts) {
+    std::size_t part_count = 0, block_count = 0;
+    rayc_status status = rayc_contact_system_part_count(get(), &part_count, &block_count);
+    parts.parts.resize(part_count);
+    parts.blocks.resize(block_count);
+    if (status == RAYC_STATUS_OK)
+      status = rayc_contact_system_copy_parts(get(), part_count, parts.parts.data(), block_count, parts.blocks.data());
+    return check(status);
+  }
+
+  /** The forces on these blocks, three numbers each: rayc_contact_system_part_forces(). */
+  Outcome<void> part_forces(Span<const double> velocities, Span<double> forces) {
+    return check(
+        rayc_contact_system_part_forces(get(), velocities.size(), velocities.data(), forces.size() / 3, forces.data()));
+  }
+
+  /** The same with products: rayc_contact_system_part_products(). */
+  Outcome<void> part_products(double factor, Span<const double> change, Span<double> result) {
+    return check(rayc_contact_system_part_products(get(), factor, change.size(), change.data(), result.size() / 3,
+                                                   result.data()));
   }
 
   /** Ends a step whose velocities at the end are these. */

@@ -11,11 +11,14 @@
  *     scene.step(seconds);
  *     scene.forces(key);                                       // of this rank's bodies, in N
  *     scene.rebalance(pack, unpack);                           // now and then: bodies change ranks
+ *
+ * A raycontact::DistributedContactSystem over the scene adds friction, rigid bodies and implicit steps.
  */
 #ifndef RAYCONTACT_MPI_HPP
 #define RAYCONTACT_MPI_HPP
 
 #include "raycontact.hpp"
+#include "raycontact/mpi/distributed_contact_system.hpp"
 #include "raycontact/mpi/distributed_scene.hpp"
 
 #endif  // RAYCONTACT_MPI_HPP

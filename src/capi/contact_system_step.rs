@@ -52,7 +52,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
-        check_apart(velocities, forces, count)?;
+        check_apart(velocities, count, forces, count)?;
         let (velocities, forces) = (slice(velocities, count, "velocities")?, slice_mut(forces, count, "forces")?);
         with_system!(&mut system.system, |system| system.add_forces(velocities, forces)?);
         Ok(())
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_product(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
-        check_apart(change, result, count)?;
+        check_apart(change, count, result, count)?;
         let (change, result) = (slice(change, count, "change")?, slice_mut(result, count, "result")?);
         with_system!(&mut system.system, |system| system.add_product(factor, change, result)?);
         Ok(())
@@ -279,8 +279,8 @@ pub unsafe extern "C" fn rayc_contact_system_explicit_step(
     guard(|| unsafe {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let place = Output::new(longest_step, "longest_step")?;
-        check_apart(positions, forces, unknown_count)?;
-        check_apart(velocities, forces, unknown_count)?;
+        check_apart(positions, count, forces, unknown_count)?;
+        check_apart(velocities, count, forces, unknown_count)?;
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
         let forces = slice_mut(forces, unknown_count, "forces")?;
@@ -298,9 +298,10 @@ fn block_count(system: &AnySystem) -> Result<usize, Failure> {
 }
 
 /// Refuses to write to what is read.
-fn check_apart(read: *const f64, written: *mut f64, count: usize) -> Result<(), Failure> {
-    let (a, b, bytes) = (read.addr(), written.addr(), count.saturating_mul(size_of::<f64>()));
-    if a < b.saturating_add(bytes) && b < a.saturating_add(bytes) {
+pub(super) fn check_apart(read: *const f64, count: usize, written: *mut f64, length: usize) -> Result<(), Failure> {
+    let bytes = |count: usize| count.saturating_mul(size_of::<f64>());
+    let (a, b) = (read.addr(), written.addr());
+    if a < b.saturating_add(bytes(length)) && b < a.saturating_add(bytes(count)) {
         let message = text!("the array to be written overlaps one that is read; give arrays of their own");
         return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
     }

@@ -249,6 +249,8 @@ impl From<SystemError> for Failure {
                 RAYC_STATUS_INVALID_WEIGHTS
             }
             SystemError::NoStep | SystemError::StepUnderWay => RAYC_STATUS_OUT_OF_ORDER,
+            SystemError::NotRemembered { .. } => RAYC_STATUS_WRONG_COUNT,
+            SystemError::Memory { .. } => RAYC_STATUS_SAVED_STATE_BROKEN,
             SystemError::Eliminated => RAYC_STATUS_RIGID_ELIMINATED,
             SystemError::Mesh { source, .. } => mesh_status(source),
         };

@@ -98,6 +98,15 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contact_system_cancel(null_mut());
         rayc_contact_system_rigid_velocity(null(), 0, null_mut());
         rayc_contact_system_explicit_step(null_mut(), null_mut(), 0.0, 0, null(), null(), 0, null_mut(), null_mut());
+        rayc_contact_system_look_ahead(null_mut(), null_mut(), 0.0, 0, null(), null(), null());
+        rayc_contact_system_part_count(null_mut(), null_mut(), null_mut());
+        rayc_contact_system_copy_parts(null_mut(), 0, null_mut(), 0, null_mut());
+        rayc_contact_system_part_forces(null_mut(), 0, null(), 0, null_mut());
+        rayc_contact_system_part_products(null_mut(), 0.0, 0, null(), 0, null_mut());
+        rayc_contact_system_memory_count(null(), null_mut());
+        rayc_contact_system_copy_memories(null(), 0, null_mut());
+        rayc_contact_system_pack_memory(null(), null(), null_mut());
+        rayc_contact_system_put_memory(null_mut(), null(), null());
         rayc_mesh_create(null(), null(), null(), 0, null_mut());
         rayc_mesh_create_from_obj(null(), null(), null_mut());
         rayc_mesh_packed_length(null(), null_mut());

@@ -38,6 +38,11 @@ impl<T: Scalar> Scene<T> {
         Ok(())
     }
 
+    /// Whether a body is another scene's; never one that the scene does not have.
+    pub fn is_ghost(&self, body: u32) -> bool {
+        self.bodies.get(body).is_some_and(|body| body.sharing.is_ghost)
+    }
+
     /// Finds the contacts of bodies with themselves where they are asked for, as the next query at the same positions
     /// would, which does not do it again.
     pub fn find_self_contacts(&mut self) {

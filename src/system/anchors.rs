@@ -6,6 +6,7 @@ use super::twist::V3;
 use crate::math::Scalar;
 use crate::memory::Room;
 use nalgebra::Matrix3;
+use std::cmp::Ordering;
 
 /// A point of a triangle, or beside it in its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +36,12 @@ pub(super) struct Anchor {
     found: Option<usize>,
 }
 
+impl Anchor {
+    pub(super) fn kept(key: Key, triangle: u32, from: Corners, hold: Hold) -> Self {
+        Self { key, triangle, from, hold, found: None }
+    }
+}
+
 #[derive(Debug, Default)]
 pub(super) struct Anchors {
     /// Of the step before, by pair and triangle.
@@ -45,6 +52,19 @@ pub(super) struct Anchors {
 }
 
 impl Anchors {
+    /// Those kept of one direction of a pair.
+    pub(super) fn of(&self, key: Key) -> &[Anchor] {
+        let start = self.kept.partition_point(|anchor| anchor.key < key);
+        let count = self.kept[start..].partition_point(|anchor| anchor.key == key);
+        &self.kept[start..start + count]
+    }
+
+    /// Keeps these too.
+    pub(super) fn put(&mut self, anchors: &[Anchor]) {
+        self.kept.room_for(anchors.len()).extend_from_slice(anchors);
+        self.sort();
+    }
+
     pub(super) fn start_step(&mut self) {
         self.pending.clear();
     }
@@ -95,16 +115,26 @@ impl Anchors {
     pub(super) fn finish_step(&mut self) {
         std::mem::swap(&mut self.kept, &mut self.next);
         self.next.clear();
+        self.sort();
+    }
+
+    fn sort(&mut self) {
         let order = |anchor: &Anchor| (anchor.key, anchor.triangle);
-        // Of equal ones the order does not matter: the nearest is taken.
+        let held = |anchor: &Anchor| match anchor.hold {
+            Hold::Material(corners) => (corners.vertices, corners.weights),
+            Hold::Space(point) => ([0; 3], point.into()),
+        };
+        let compare = |a: &[f64; 3], b: &[f64; 3]| {
+            a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)))
+        };
+        // Of several as near as each other the first is taken, which must not depend on other pairs.
         self.kept.sort_unstable_by(|a, b| {
-            order(a).cmp(&order(b)).then_with(|| {
-                a.from
-                    .weights
-                    .iter()
-                    .zip(&b.from.weights)
-                    .fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b)))
-            })
+            let ((vertices, weights), (other_vertices, other_weights)) = (held(a), held(b));
+            order(a)
+                .cmp(&order(b))
+                .then_with(|| compare(&a.from.weights, &b.from.weights))
+                .then_with(|| vertices.cmp(&other_vertices))
+                .then_with(|| compare(&weights, &other_weights))
         });
     }
 }

@@ -97,6 +97,16 @@ pub enum SystemError {
     StepUnderWay,
     /// Rigid bodies are eliminated, and the matrix is then no sum of blocks.
     Eliminated,
+    /// No pair of this body and the other remembers anything.
+    NotRemembered {
+        /// The first body.
+        body: u32,
+    },
+    /// Bytes are not what a pair of these bodies remembered.
+    Memory {
+        /// How many there are.
+        length: usize,
+    },
     /// A mesh refused the positions that its body would have.
     Mesh {
         /// The body.
@@ -149,6 +159,12 @@ impl fmt::Display for SystemError {
             Self::Eliminated => f.write_str(
                 "rigid bodies are eliminated, so the matrix is no sum of blocks; make the system with their unknowns kept",
             ),
+            Self::NotRemembered { body } => {
+                write!(f, "body {body} remembers nothing of the other; ask for the pairs that do")
+            }
+            Self::Memory { length } => {
+                write!(f, "the {length} bytes are not what these bodies remembered; pass all that was packed, unchanged")
+            }
             Self::Mesh { body, source } => write!(f, "body {body}: {source}"),
         }
     }

@@ -16,7 +16,7 @@ pub(super) struct PairLoads {
 
 /// What a body rubs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Surface {
+pub enum Surface {
     /// The body of this number.
     Body(u32),
     /// The half-space of this number.
@@ -58,10 +58,7 @@ struct Springs {
 impl PairLoads {
     /// The place of a pair among those of this step, whichever of two bodies comes first; `new` where it is its first row.
     pub(super) fn place(&mut self, key: Key, new: impl FnOnce() -> (Material, f64)) -> usize {
-        let key = match key {
-            (first, Surface::Body(second)) => (first.min(second), Surface::Body(first.max(second))),
-            key => key,
-        };
+        let (key, _) = in_order(key);
         let is_it = |pair: &Pair| pair.key == key;
         // Rows of one pair come one after the other.
         if let Some(place) = self.now.last().filter(|pair| is_it(pair)).map(|_| self.now.len() - 1) {
@@ -73,20 +70,32 @@ impl PairLoads {
         let (material, inverse_mass) = new();
         let then = self.before.binary_search_by_key(&key, |pair| pair.key).ok();
         let before = then.map(|place| &self.before[place]);
-        self.now.room_for(1).push(Pair {
-            key,
-            material,
-            inverse_mass,
-            predicted: 0.0,
-            normal: 0.0,
-            solved: 0.0,
-            then: before.map(|pair| (pair.predicted, pair.solved)),
-            springs: Springs::default(),
-            springs_then: before.map(|pair| pair.springs).unwrap_or_default(),
-            found: 0.0,
-            new: 0.0,
-        });
+        self.now.room_for(1).push(Pair::new(key, material, inverse_mass, before));
         self.now.len() - 1
+    }
+
+    pub(super) fn before_keys(&self) -> impl ExactSizeIterator<Item = Key> + '_ {
+        self.before.iter().map(|pair| pair.key)
+    }
+
+    /// What the step before left of a pair: predicted, solved, and its springs together.
+    pub(super) fn remembered(&self, key: Key) -> Option<[f64; 6]> {
+        let place = self.before.binary_search_by_key(&key, |pair| pair.key).ok()?;
+        let Pair { predicted, solved, springs: Springs { coefficient, pull }, .. } = self.before[place];
+        Some([predicted, solved, coefficient, pull.x, pull.y, pull.z])
+    }
+
+    /// Replaces it; the two bodies in either order.
+    pub(super) fn put(&mut self, key: Key, [predicted, solved, coefficient, x, y, z]: [f64; 6]) {
+        let (key, turned) = in_order(key);
+        let pull = V3::new(x, y, z) * if turned { -1.0 } else { 1.0 };
+        let springs = Springs { coefficient, pull };
+        let material = Material { stiffness: 0.0, damping_time: 0.0, friction: 0.0, depth_cap: f64::INFINITY };
+        let pair = Pair { predicted, solved, springs, ..Pair::new(key, material, 0.0, None) };
+        match self.before.binary_search_by_key(&key, |pair| pair.key) {
+            Ok(place) => self.before[place] = pair,
+            Err(place) => self.before.room_for(1).insert(place, pair),
+        }
     }
 
     pub(super) fn start_step(&mut self) {
@@ -104,7 +113,31 @@ impl PairLoads {
     }
 }
 
+/// The smaller number first, and whether that turns the pair around.
+fn in_order(key: Key) -> (Key, bool) {
+    match key {
+        (first, Surface::Body(second)) if second < first => ((second, Surface::Body(first)), true),
+        key => (key, false),
+    }
+}
+
 impl Pair {
+    fn new(key: Key, material: Material, inverse_mass: f64, before: Option<&Self>) -> Self {
+        Self {
+            key,
+            material,
+            inverse_mass,
+            predicted: 0.0,
+            normal: 0.0,
+            solved: 0.0,
+            then: before.map(|pair| (pair.predicted, pair.solved)),
+            springs: Springs::default(),
+            springs_then: before.map(|pair| pair.springs).unwrap_or_default(),
+            found: 0.0,
+            new: 0.0,
+        }
+    }
+
     pub(super) fn add_predicted(&mut self, push: f64, normal: f64) {
         self.predicted += push;
         self.normal += normal;

@@ -18,11 +18,13 @@
 
 mod anchors;
 mod body;
+mod carried;
 mod error;
 mod explicit;
 mod fold;
 mod loads;
 mod material;
+mod parts;
 mod row;
 mod rows;
 mod solve;
@@ -31,7 +33,9 @@ mod twist;
 
 pub use body::{Carriers, Motion};
 pub use error::SystemError;
+pub use loads::Surface;
 pub use material::Material;
+pub use parts::Part;
 
 use crate::contact::ContactList;
 use crate::math::Scalar;
@@ -41,8 +45,9 @@ use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table, outermost};
 use fold::{HalfSpace, PairMaterials};
-use loads::{Key, PairLoads, Surface};
+use loads::{Key, PairLoads};
 use nalgebra::Matrix3;
+use parts::Parts;
 use rows::Rows;
 use std::ops::Range;
 use twist::V3;
@@ -76,6 +81,7 @@ pub struct ContactSystem<T: Scalar> {
     rows: Rows,
     anchors: Anchors,
     loads: PairLoads,
+    parts: Parts,
     step: Option<step::Step>,
     buffers: step::Buffers,
 }
@@ -96,6 +102,7 @@ impl<T: Scalar> ContactSystem<T> {
             rows: Rows::default(),
             anchors: Anchors::default(),
             loads: PairLoads::default(),
+            parts: Parts::default(),
             step: None,
             buffers: step::Buffers::default(),
         }

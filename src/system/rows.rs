@@ -30,6 +30,15 @@ pub(super) struct Rows {
     pub(super) response: Vec<f64>,
 }
 
+/// The force of a row on its first body.
+pub(super) struct RowForce {
+    /// Along the row's direction.
+    pub(super) along: f64,
+    pub(super) across: V3,
+    /// Both together.
+    pub(super) whole: V3,
+}
+
 /// Velocities of nodes and of rigid bodies.
 #[derive(Clone, Copy)]
 pub(super) struct Velocities<'a> {
@@ -83,14 +92,18 @@ impl Rows {
         if place == 0 { 0 } else { self.rows[place - 1].end }
     }
 
-    /// Adds −weight · force to the nodes: `along` · direction and `across`, each with its own weights.
-    fn scatter(&self, place: usize, along: f64, across: &V3, nodes: &mut [f64]) {
-        let row = &self.rows[place];
-        let push = row.direction * along;
-        for entry in &self.entries[self.begin(place)..row.end] {
-            let force = push * entry.along + across * entry.across;
+    /// What a row's force is on a node of its, times −1: each part of it with weights of its own.
+    pub(super) fn on_node(&self, place: usize, entry: usize, force: &RowForce) -> V3 {
+        let entry = &self.entries[entry];
+        self.rows[place].direction * force.along * entry.along + force.across * entry.across
+    }
+
+    /// Adds a row's force to the nodes.
+    fn scatter(&self, place: usize, force: &RowForce, nodes: &mut [f64]) {
+        for entry in self.begin(place)..self.rows[place].end {
+            let on_node = self.on_node(place, entry, force);
             for axis in 0..3 {
-                nodes[3 * entry.node as usize + axis] -= force[axis];
+                nodes[3 * self.entries[entry].node as usize + axis] -= on_node[axis];
             }
         }
     }
@@ -99,19 +112,43 @@ impl Rows {
         ends.iter().flatten().for_each(|end| end.add_load(&-force, twists));
     }
 
-    /// Adds the forces that rows exert, as they are held; on rigid bodies too where `twists` has room for them.
-    pub(super) fn add_forces(&self, of: Velocities<'_>, scale: f64, nodes: &mut [f64], mut twists: Option<&mut [f64]>) {
+    /// Calls `use_force(row, force)` with the forces that rows exert, as they are held.
+    pub(super) fn for_each_force(&self, of: Velocities<'_>, scale: f64, mut use_force: impl FnMut(usize, RowForce)) {
         for place in 0..self.rows.len() {
             let row = &self.rows[place];
-            if !row.held.pushes {
-                continue;
-            }
-            let force = row.force_at(&self.slip_at(place, of)) * scale;
-            self.scatter(place, row.direction.dot(&force), &row.across(&force), nodes);
-            if let Some(twists) = &mut twists {
-                Self::scatter_rigid(&row.rigid, &force, twists);
+            if row.held.pushes {
+                let whole = row.force_at(&self.slip_at(place, of)) * scale;
+                use_force(place, RowForce { along: row.direction.dot(&whole), across: row.across(&whole), whole });
             }
         }
+    }
+
+    /// The same with the forces against a change of the velocities, turned around: those of `scale` · Jᵀ D J · change.
+    pub(super) fn for_each_product(
+        &self,
+        change: Velocities<'_>,
+        scale: f64,
+        mut use_force: impl FnMut(usize, RowForce),
+    ) {
+        for place in 0..self.rows.len() {
+            let row = &self.rows[place];
+            if row.held.pushes {
+                let slip = self.slip(place, change, &V3::zeros());
+                let along = -scale * row.held.normal * slip.along;
+                let across = slip.across * (-scale * row.held.tangential);
+                use_force(place, RowForce { along, across, whole: row.direction * along + across });
+            }
+        }
+    }
+
+    /// Adds the forces that rows exert, as they are held; on rigid bodies too where `twists` has room for them.
+    pub(super) fn add_forces(&self, of: Velocities<'_>, scale: f64, nodes: &mut [f64], mut twists: Option<&mut [f64]>) {
+        self.for_each_force(of, scale, |place, force| {
+            self.scatter(place, &force, nodes);
+            if let Some(twists) = &mut twists {
+                Self::scatter_rigid(&self.rows[place].rigid, &force.whole, twists);
+            }
+        });
     }
 
     /// Adds `scale` · Jᵀ D J · change: the forces that rows exert against a change of the velocities, turned around.
@@ -122,18 +159,12 @@ impl Rows {
         nodes: &mut [f64],
         mut twists: Option<&mut [f64]>,
     ) {
-        for place in 0..self.rows.len() {
-            let row = &self.rows[place];
-            if !row.held.pushes {
-                continue;
-            }
-            let slip = self.slip(place, change, &V3::zeros());
-            let (along, across) = (-scale * row.held.normal * slip.along, slip.across * (-scale * row.held.tangential));
-            self.scatter(place, along, &across, nodes);
+        self.for_each_product(change, scale, |place, force| {
+            self.scatter(place, &force, nodes);
             if let Some(twists) = &mut twists {
-                Self::scatter_rigid(&row.rigid, &(row.direction * along + across), twists);
+                Self::scatter_rigid(&self.rows[place].rigid, &force.whole, twists);
             }
-        }
+        });
     }
 
     /// Factors M + dt · Jᵀ D J of the rigid bodies.

@@ -98,7 +98,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// The velocities of nodes, and of rigid bodies as last found.
-    fn velocities<'a>(&'a self, velocities: &'a [f64]) -> Velocities<'a> {
+    pub(super) fn velocities<'a>(&'a self, velocities: &'a [f64]) -> Velocities<'a> {
         Velocities { nodes: &velocities[..3 * self.node_masses.len()], twists: &self.rows.response }
     }
 

@@ -77,6 +77,44 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
+        self.prepare(scene, dt, positions, velocities, free_velocities)?;
+        self.detect(scene, ahead)?;
+        // Refused only where the step's length is.
+        let _ = scene.advance(dt);
+        self.rows.clear();
+        self.anchors.start_step();
+        self.loads.start_step();
+        self.fold(ahead, |_, _| true, Some(scene));
+        self.hand_over();
+        self.step = Some(Step { dt: ahead, unknowns: self.unknown_count() });
+        Ok(())
+    }
+
+    /// Puts the scene's bodies, but ghosts, where [`begin`](Self::begin) with the same numbers would look for contacts, and
+    /// does no more: by where bodies will be it is known which ghosts a scene needs.
+    ///
+    /// # Errors
+    /// Those of [`begin`](Self::begin).
+    pub fn look_ahead(
+        &mut self,
+        scene: &mut Scene<T>,
+        dt: f64,
+        positions: &[f64],
+        velocities: &[f64],
+        free_velocities: &[f64],
+    ) -> Result<(), SystemError> {
+        self.prepare(scene, dt, positions, velocities, free_velocities)?;
+        self.place_surfaces(scene, dt, |scene, body| !scene.is_ghost(body))
+    }
+
+    fn prepare(
+        &mut self,
+        scene: &Scene<T>,
+        dt: f64,
+        positions: &[f64],
+        velocities: &[f64],
+        free_velocities: &[f64],
+    ) -> Result<(), SystemError> {
         self.check_no_step()?;
         if !(dt.is_finite() && dt > 0.0) {
             return Err(SystemError::StepLength { seconds: dt });
@@ -109,15 +147,6 @@ impl<T: Scalar> ContactSystem<T> {
             }
         }
         copy(&mut buffers.ahead_twists, &buffers.free_twists);
-        self.detect(scene, ahead)?;
-        // Refused only where the step's length is.
-        let _ = scene.advance(dt);
-        self.rows.clear();
-        self.anchors.start_step();
-        self.loads.start_step();
-        self.fold(ahead, |_, _| true, Some(scene));
-        self.hand_over();
-        self.step = Some(Step { dt: ahead, unknowns: self.unknown_count() });
         Ok(())
     }
 
@@ -164,8 +193,20 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Positions in the scene and the contacts there, at the end of the course of the last velocities ahead.
     fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
-        let Self { bodies, buffers, contacts, .. } = self;
-        for body in &mut *bodies {
+        self.place_surfaces(scene, time, |_, _| true)?;
+        scene.query(&mut self.contacts);
+        Ok(())
+    }
+
+    /// Puts surfaces where they are at the end of that course.
+    fn place_surfaces(
+        &mut self,
+        scene: &mut Scene<T>,
+        time: f64,
+        wanted: impl Fn(&Scene<T>, u32) -> bool,
+    ) -> Result<(), SystemError> {
+        let Self { bodies, buffers, .. } = self;
+        for body in bodies.iter_mut().filter(|body| wanted(scene, body.number)) {
             let number = body.number;
             let vertices = scene.mesh(number).map_or(0, |mesh| mesh.positions().len());
             body.fill_positions(vertices, &buffers.course(time)).map_err(|vertex| SystemError::Mesh {
@@ -174,16 +215,19 @@ impl<T: Scalar> ContactSystem<T> {
             })?;
         }
         for body in &*bodies {
+            if !wanted(scene, body.number) {
+                continue;
+            }
             let mesh = scene.mesh_mut(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
             let placed = mesh.set_positions(&body.positions);
             placed.map_err(|source| SystemError::Mesh { body: body.number, source })?;
         }
-        scene.query(contacts);
         Ok(())
     }
 
     /// Rows of the contacts that are wanted; with a scene, of escapes and half-spaces too.
     fn fold(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
+        self.parts.forget();
         let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, law, .. } = self;
         let mut areas = std::mem::take(&mut buffers.areas);
         let course = buffers.course(time);
@@ -194,7 +238,7 @@ impl<T: Scalar> ContactSystem<T> {
         if let Some(scene) = scene {
             folding.fold_pushes(contacts.pushes());
             for (number, half_space) in self.half_spaces.iter().enumerate() {
-                for (place, body) in bodies.iter().enumerate() {
+                for (place, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_ghost(body.number)) {
                     if let Ok(mesh) = scene.mesh(body.number) {
                         folding.fold_half_space(number as u32, half_space, place, mesh, &mut areas);
                     }

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "raycontact/mpi/attachment.hpp"
 #include "raycontact/mpi/boxes.hpp"
 #include "raycontact/mpi/communicator.hpp"
 #include "raycontact/scene.hpp"
@@ -59,6 +60,17 @@ struct Ghost {
   std::vector<double> velocities;
 };
 
+enum Tag { TAG_HEADERS = 1, TAG_GHOSTS, TAG_FORCES, TAG_OWNERS, TAG_MIGRATION, TAG_KEYS, TAG_PARTS };
+
+/** Keys of own bodies that other ranks have as ghosts, by rank; or of ghosts, by the ranks that they are had from. */
+using Keys = std::map<int, std::set<uint64_t>>;
+
+inline std::vector<int> ranks(const Keys& keys) {
+  std::vector<int> ranks;
+  for (const auto& [rank, of_rank] : keys) ranks.push_back(rank);
+  return ranks;
+}
+
 /** A body by its number in the rank's scene. */
 struct Named {
   uint64_t key = 0;
@@ -103,6 +115,7 @@ class Bodies {
   ContactsOwner contacts;
   Fault fault;
   bool has_new = false;
+  Attachment* attachment = nullptr;
 
   void add(uint64_t key, const rayc_mesh* mesh, bool collides_with_itself) {
     const std::string what = "body of key " + std::to_string(key);
@@ -110,6 +123,7 @@ class Bodies {
       fault.note(RAYC_STATUS_KEY_TAKEN, what + ": this rank has one already; give each body its own key");
       return;
     }
+    if (is_busy(what)) return;
     std::size_t length = 0, vertex_count = 0;
     if (!fault.check(rayc_mesh_packed_length(mesh, &length), what)) return;
     Bytes packed(length);
@@ -134,6 +148,13 @@ class Bodies {
     Own& added = own[key] = std::move(body);
     named[added.number] = Named{key, &added, nullptr};
     has_new = true;
+  }
+
+  /** Whether a contact system's step is under way, in which bodies stay; notes it. */
+  bool is_busy(const std::string& what) {
+    if (attachment == nullptr || !attachment->is_busy) return false;
+    fault.note(RAYC_STATUS_OUT_OF_ORDER, what + ": a step of the contact system is under way; finish it first");
+    return true;
   }
 
   Own* find(uint64_t key) {
@@ -170,13 +191,15 @@ class Bodies {
 
   void remove(uint64_t key) {
     Own* body = find(key);
-    if (body == nullptr) return;
+    if (body == nullptr || is_busy("body of key " + std::to_string(key))) return;
+    if (attachment != nullptr) attachment->remove(key);
     fault.check(rayc_scene_remove_body(scene.get(), body->number), "body of key " + std::to_string(key));
     named.erase(body->number);
     own.erase(key);
   }
 
   void remove_ghost(std::map<uint64_t, Ghost>::iterator ghost) {
+    if (attachment != nullptr) attachment->remove(ghost->first);
     fault.check(rayc_scene_remove_body(scene.get(), ghost->second.number),
                 "ghost of key " + std::to_string(ghost->first));
     named.erase(ghost->second.number);

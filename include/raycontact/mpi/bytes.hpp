@@ -4,6 +4,7 @@
 #define RAYCONTACT_MPI_BYTES_HPP
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 #include <vector>
@@ -24,6 +25,18 @@ void write(Bytes& bytes, const Value& value) {
   write(bytes, &value, 1);
 }
 
+/** A whole number, in fewer bytes the smaller it is: seven bits in each, the eighth says that more follow. */
+inline void write_whole(Bytes& bytes, uint64_t number) {
+  for (; number >= 0x80; number >>= 7) bytes.push_back(static_cast<unsigned char>(number | 0x80));
+  bytes.push_back(static_cast<unsigned char>(number));
+}
+
+/** Numbers of a scene, in single precision where it has that: they are none but floats then. */
+inline void write_numbers(Bytes& bytes, const double* numbers, std::size_t count, bool is_single) {
+  if (!is_single) return write(bytes, numbers, count);
+  for (std::size_t i = 0; i < count; ++i) write(bytes, static_cast<float>(numbers[i]));
+}
+
 class Reader {
  public:
   explicit Reader(const Bytes& bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {}
@@ -40,6 +53,20 @@ class Reader {
     Value value;
     read(&value, 1);
     return value;
+  }
+
+  uint64_t read_whole() {
+    uint64_t number = 0;
+    for (int shift = 0;; shift += 7) {
+      const auto byte = read<unsigned char>();
+      number |= uint64_t{byte & 0x7fu} << shift;
+      if (byte < 0x80) return number;
+    }
+  }
+
+  void read_numbers(double* numbers, std::size_t count, bool is_single) {
+    if (!is_single) return read(numbers, count);
+    for (std::size_t i = 0; i < count; ++i) numbers[i] = read<float>();
   }
 
   template <class Value>

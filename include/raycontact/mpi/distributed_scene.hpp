@@ -16,6 +16,8 @@
 
 namespace raycontact {
 
+class DistributedContactSystem;
+
 /** What all ranks of a distributed scene must agree on; only the scene's threads may differ. */
 struct DistributedOptions {
   rayc_scene_options scene = default_scene_options();              ///< precision and threads
@@ -97,13 +99,16 @@ class DistributedScene {
    * Collective: finds all contacts at the present positions, sums their forces, and ends a step of so many seconds, as
    * rayc_scene_query() and rayc_scene_advance() do.
    *
-   * Errors: what any rank has noted; RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite,
+   * Errors: what any rank has noted; RAYC_STATUS_OUT_OF_ORDER where a DistributedContactSystem steps the scene;
+   * RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite,
    * RAYC_STATUS_RANKS_DISAGREE where ranks give different ones;
    * RAYC_STATUS_BODY_ON_TWO_RANKS, RAYC_STATUS_OTHER_MESH, RAYC_STATUS_MPI_FAILED, RAYC_STATUS_OUT_OF_MEMORY. Forces
    * and what pairs remember are then as before.
    */
   Outcome<void> step(double seconds) {
     mpi_detail::Fault& noted = state_->bodies.fault;
+    if (state_->bodies.attachment != nullptr)
+      noted.note(RAYC_STATUS_OUT_OF_ORDER, "the scene has a contact system; call that one's begin and finish");
     if (!(std::isfinite(seconds) && seconds >= 0))
       noted.note(RAYC_STATUS_INVALID_OPTION,
                  "the step is " + std::to_string(seconds) + " seconds long; give a finite number >= 0");
@@ -127,8 +132,10 @@ class DistributedScene {
   }
 
   /**
-   * Collective: lets bodies change ranks so that each has about as much to do, by the rays that each body took in the
-   * last step, in boxes of space (Zoltan's recursive coordinate bisection). Not each step: it moves all that a body is.
+   * Collective: lets bodies change ranks so that each has about as much to do, in boxes of space (Zoltan's recursive
+   * coordinate bisection). A body weighs what its rays of the last step took, at the processor time that a ray has
+   * taken on its rank since the last division. So bodies are not divided alike in two runs, and forces have the same
+   * bits all the same. Not each step: it moves all that a body is.
    *
    * `pack(key)` gives the host's own state of a body that leaves, as std::vector<unsigned char>; `unpack(key, bytes)`
    * is given it on the new rank. Neither may throw or call the scene.
@@ -139,17 +146,21 @@ class DistributedScene {
   Outcome<void> rebalance(Pack pack, Unpack unpack) {
     mpi_detail::Bodies& bodies = state_->bodies;
     std::vector<mpi_detail::Weighed> weighed;
+    double last_cost = 0;
     for (auto& [key, body] : bodies.own) {
       rayc_body_state state{};
       bodies.fault.check(rayc_scene_body_state(bodies.scene.get(), body.number, sizeof state, &state),
                          "cost of a body");
       // A body that came after the last step has cost nothing here yet.
       if (state.cost > 0) body.cost = state.cost;
+      last_cost += state.cost;
       mpi_detail::Weighed of_body;
       for (std::size_t axis = 0; axis < 3; ++axis) of_body.centre[axis] = (state.lower[axis] + state.upper[axis]) / 2;
       of_body.cost = body.cost > 0 ? body.cost : 1;
       weighed.push_back(of_body);
     }
+    const double rate = state_->step.seconds_per_cost(last_cost);
+    for (mpi_detail::Weighed& of_body : weighed) of_body.cost *= rate;
     const std::vector<int> owners = mpi_detail::Partition::of(state_->comm, weighed, bodies.fault);
     return migrate(owners, std::move(pack), std::move(unpack));
   }
@@ -167,7 +178,14 @@ class DistributedScene {
     return Outcome<void>();
   }
 
-  /** Collective: what the last step's detection did on all ranks together. */
+  /** What the last step's detection did on this rank. */
+  Outcome<rayc_statistics> own_statistics() const {
+    rayc_statistics statistics{};
+    const rayc_status status = rayc_contacts_statistics(state_->bodies.contacts.get(), sizeof statistics, &statistics);
+    return detail::outcome(status, statistics);
+  }
+
+  /** Collective: the same of all ranks together. */
   Outcome<rayc_statistics> statistics() const {
     rayc_statistics statistics{};
     mpi_detail::Fault fault;
@@ -184,9 +202,13 @@ class DistributedScene {
   const Traffic& traffic() const { return state_->traffic; }
 
  private:
+  friend class DistributedContactSystem;
+
   struct State {
     State(MPI_Comm host, const DistributedOptions& given)
-        : comm(host), options(given), step(comm, bodies, options.response, traffic) {}
+        : comm(host),
+          options(given),
+          step(comm, bodies, options.response, options.scene.precision == RAYC_SCALAR_F32, traffic) {}
 
     mpi_detail::Communicator comm;
     DistributedOptions options;

@@ -30,16 +30,21 @@ class Migration {
       if (owner < 0 || owner >= comm_.size())
         fault.note(RAYC_STATUS_UNKNOWN_RANK, "rank " + std::to_string(owner) + " is to own a body, but there are " +
                                                  std::to_string(comm_.size()) + " ranks, numbered from 0");
+    if (bodies_.is_busy("bodies change ranks")) fault.take(bodies_.fault);
     if (Fault agreed = comm_.agree(fault)) return agreed;
     new_owners_.clear();
     std::size_t place = 0;
     for (const auto& [key, body] : bodies_.own) new_owners_[key] = owners[place++];
     tell_new_owners(fault);
-    std::vector<Bytes> messages(static_cast<std::size_t>(comm_.size()));
+    std::vector<Bytes> messages(static_cast<std::size_t>(comm_.size())), of_attachment(messages.size());
     send_memories(messages, fault);
+    if (bodies_.attachment != nullptr) {
+      const auto finder = [this, &fault](uint64_t first, uint64_t second) { return find_finder(first, second, fault); };
+      bodies_.attachment->write_memories(of_attachment, finder, fault);
+    }
+    for (std::size_t rank = 0; rank < messages.size(); ++rank) write_part(messages[rank], of_attachment[rank]);
     send_bodies(messages, pack);
-    while (!bodies_.ghosts.empty()) bodies_.remove_ghost(bodies_.ghosts.begin());
-    step_.forget();
+    step_.drop_ghosts();
     const std::vector<Bytes> received = comm_.swap_all(messages, TAG_MIGRATION, fault);
     for (std::size_t rank = 0; rank < received.size(); ++rank) receive(received[rank], static_cast<int>(rank), unpack);
     fault.take(bodies_.fault);
@@ -70,23 +75,33 @@ class Migration {
       }
   }
 
+  /** The rank that is to find a pair, or -1 where a body is gone. */
+  int find_finder(uint64_t first_key, uint64_t second_key, Fault& fault) const {
+    const auto first = new_owners_.find(first_key), second = new_owners_.find(second_key);
+    if (first == new_owners_.end() || second == new_owners_.end()) return -1;
+    uint32_t first_finds = 1;
+    if (first_key != second_key) fault.check(rayc_finds_pair(first_key, second_key, &first_finds), "keys of a pair");
+    return first_finds != 0 ? first->second : second->second;
+  }
+
+  static void write_part(Bytes& message, const Bytes& part) {
+    write(message, uint64_t{part.size()});
+    write(message, part.data(), part.size());
+  }
+
+  static Bytes read_part(Reader& reader) {
+    return reader.read_all<unsigned char>(static_cast<std::size_t>(reader.read<uint64_t>()));
+  }
+
   void send_memories(std::vector<Bytes>& messages, Fault& fault) {
-    std::size_t count = 0;
-    fault.check(rayc_scene_pair_memory_count(bodies_.scene.get(), &count), "memories of pairs");
-    std::vector<rayc_pair_memory> memories(count);
-    fault.check(rayc_scene_copy_pair_memories(bodies_.scene.get(), 0, count, sizeof(rayc_pair_memory), memories.data()),
-                "memories of pairs");
     std::vector<KeyedMemory> all = std::exchange(waiting_, {});
-    for (const rayc_pair_memory& memory : memories)
-      all.push_back(KeyedMemory{bodies_.named.at(memory.first).key, bodies_.named.at(memory.second).key, memory});
+    step_.copy_memories(all, fault);
     std::vector<Bytes> with_count(messages.size());
     std::vector<uint64_t> counts(messages.size());
     for (const KeyedMemory& keyed : all) {
-      const auto first = new_owners_.find(keyed.first), second = new_owners_.find(keyed.second);
-      if (first == new_owners_.end() || second == new_owners_.end()) continue;
-      uint32_t first_finds = 1;
-      fault.check(rayc_finds_pair(keyed.first, keyed.second, &first_finds), "keys of a pair");
-      const auto finder = static_cast<std::size_t>(first_finds != 0 ? first->second : second->second);
+      const int rank = find_finder(keyed.first, keyed.second, fault);
+      if (rank < 0) continue;
+      const auto finder = static_cast<std::size_t>(rank);
       ++counts[finder];
       write(with_count[finder], keyed);
     }
@@ -110,9 +125,10 @@ class Migration {
       write(message, uint64_t{body.vertex_count});
       write(message, body.positions.data(), body.positions.size());
       write(message, body.velocities.data(), body.velocities.size());
-      const Bytes of_host = pack(uint64_t{key});
-      write(message, uint64_t{of_host.size()});
-      write(message, of_host.data(), of_host.size());
+      write_part(message, pack(uint64_t{key}));
+      Bytes of_attachment;
+      if (bodies_.attachment != nullptr) bodies_.attachment->write_body(of_attachment, key);
+      write_part(message, of_attachment);
       bodies_.remove(uint64_t{key});
     }
   }
@@ -123,6 +139,8 @@ class Migration {
     if (reader.is_at_end()) return;
     const auto count = static_cast<std::size_t>(reader.read<uint64_t>());
     for (const KeyedMemory& keyed : reader.read_all<KeyedMemory>(count)) waiting_.push_back(keyed);
+    const Bytes memories = read_part(reader);
+    if (bodies_.attachment != nullptr) bodies_.attachment->read_memories(memories);
     while (!reader.is_at_end()) {
       const auto key = reader.read<uint64_t>();
       Own body;
@@ -134,7 +152,7 @@ class Migration {
       body.positions = reader.read_all<double>(3 * body.vertex_count);
       body.velocities = reader.read_all<double>(3 * body.vertex_count);
       body.forces.resize(3 * body.vertex_count);
-      const Bytes of_host = reader.read_all<unsigned char>(static_cast<std::size_t>(reader.read<uint64_t>()));
+      const Bytes of_host = read_part(reader), of_attachment = read_part(reader);
       if (!bodies_.add_received(key, body.shape, &body.number)) continue;
       const std::string what = "body of key " + std::to_string(key);
       const rayc_vectors view = vectors(body.positions);
@@ -143,6 +161,7 @@ class Migration {
           rayc_scene_set_self_collision(bodies_.scene.get(), body.number, body.collides_with_itself ? 1 : 0), what);
       Own& added = bodies_.own[key] = std::move(body);
       bodies_.named[added.number] = Named{key, &added, nullptr};
+      if (bodies_.attachment != nullptr) bodies_.attachment->read_body(of_attachment, key, added.number, bodies_.fault);
       unpack(uint64_t{key}, of_host);
     }
   }

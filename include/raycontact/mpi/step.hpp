@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <map>
 #include <set>
 #include <string>
@@ -13,13 +14,13 @@
 #include <vector>
 
 #include "raycontact/mpi/bodies.hpp"
+#include "raycontact/mpi/keys.hpp"
+#include "raycontact/mpi/pair_forces.hpp"
 #include "raycontact/mpi/traffic.hpp"
 
 namespace raycontact {
 
 namespace mpi_detail {
-
-enum Tag { TAG_HEADERS = 1, TAG_GHOSTS, TAG_FORCES, TAG_OWNERS, TAG_MIGRATION, TAG_KEYS };
 
 /** A body as its neighbours first hear of it. */
 struct Header {
@@ -30,14 +31,34 @@ static_assert(sizeof(Header) == 56, "headers have no padding");
 
 class Step {
  public:
-  /** Keys of own bodies that other ranks have as ghosts, by rank; and ranks that bodies are had from. */
-  using Keys = std::map<int, std::set<uint64_t>>;
-
-  Step(const Communicator& comm, Bodies& bodies, const rayc_response_options& response, Traffic& traffic)
-      : comm_(comm), bodies_(bodies), response_(response), traffic_(traffic) {}
+  Step(const Communicator& comm, Bodies& bodies, const rayc_response_options& response, bool is_single,
+       Traffic& traffic)
+      : comm_(comm),
+        bodies_(bodies),
+        response_(response),
+        is_single_(is_single),
+        traffic_(traffic),
+        forces_(comm, bodies, response, is_single, traffic) {}
 
   const Keys& lent() const { return lent_; }
   const Keys& borrowed() const { return borrowed_; }
+
+  /** What all pairs of this rank remember, by keys; behind what `memories` holds. */
+  void copy_memories(std::vector<KeyedMemory>& memories, Fault& fault) const {
+    std::size_t count = 0;
+    fault.check(rayc_scene_pair_memory_count(bodies_.scene.get(), &count), "memories of pairs");
+    std::vector<rayc_pair_memory> copied(count);
+    fault.check(rayc_scene_copy_pair_memories(bodies_.scene.get(), 0, count, sizeof(rayc_pair_memory), copied.data()),
+                "memories of pairs");
+    for (const rayc_pair_memory& memory : copied)
+      memories.push_back(KeyedMemory{bodies_.named.at(memory.first).key, bodies_.named.at(memory.second).key, memory});
+  }
+
+  /** All ranks do: the next step makes them anew. */
+  void drop_ghosts() {
+    while (!bodies_.ghosts.empty()) bodies_.remove_ghost(bodies_.ghosts.begin());
+    forget();
+  }
 
   /** Forgets who has which ghosts. */
   void forget() {
@@ -48,9 +69,44 @@ class Step {
   /** Gives the fault on which all ranks agree, if there is one; then no contacts have been looked for. */
   Fault run(double seconds, std::vector<KeyedMemory>& waiting) {
     const double start = MPI_Wtime();
+    if (Fault fault = meet(seconds, waiting)) return fault;
+    Fault fault;
+    const double before = MPI_Wtime();
+    const std::clock_t processor = std::clock();
+    fault.check(rayc_scene_query(bodies_.scene.get(), bodies_.contacts.get()), "query");
+    const double after = MPI_Wtime();
+    forces_.sum(fault);
+    count_query(std::clock() - processor);
+    traffic_.query_seconds += after - before;
+    traffic_.sum_seconds += MPI_Wtime() - after;
+    forces_.send_back(lent_, borrowed_, fault);
+    fault = comm_.agree(fault);
+    if (!fault) forces_.add();
+    traffic_.total_seconds += MPI_Wtime() - start;
+    return fault;
+  }
+
+  /** What a query took, in the processor's time, which waiting for others is no part of. */
+  void count_query(std::clock_t time) {
+    const double seconds = static_cast<double>(time) / CLOCKS_PER_SEC;
+    traffic_.processor_seconds += seconds;
+    seconds_ += seconds;
+  }
+
+  /** Collective: seconds for each unit of bodies' cost since the last call; of all ranks, where this one had none. */
+  double seconds_per_cost(double last_cost) {
+    const double own[] = {std::exchange(seconds_, 0), std::exchange(cost_, 0) + last_cost};
+    double all[2];
+    MPI_Allreduce(own, all, 2, MPI_DOUBLE, MPI_SUM, comm_.get());
+    if (own[0] > 0 && own[1] > 0) return own[0] / own[1];
+    return all[0] > 0 && all[1] > 0 ? all[0] / all[1] : 1;
+  }
+
+  /** All of a step before its query: this rank then has the ghosts whose contacts it is to find. */
+  Fault meet(double seconds, std::vector<KeyedMemory>& waiting) {
     if (Fault fault = find_neighbours(seconds)) return fault;
     if (any_new_)
-      if (Fault fault = check_keys()) return fault;
+      if (Fault fault = check_keys(comm_, bodies_, TAG_KEYS)) return fault;
     find_pairs(swap_headers());
     Fault fault;
     fault.check(rayc_scene_find_self_contacts(bodies_.scene.get()), "contacts of bodies with themselves");
@@ -58,36 +114,30 @@ class Step {
     for (const KeyedMemory& keyed : waiting) put_back(keyed, fault);
     if (Fault agreed = comm_.agree(fault)) return agreed;
     waiting.clear();
-    const double before = MPI_Wtime();
-    fault.check(rayc_scene_query(bodies_.scene.get(), bodies_.contacts.get()), "query");
-    const double after = MPI_Wtime();
-    sum_forces(fault);
-    traffic_.query_seconds += after - before;
-    traffic_.sum_seconds += MPI_Wtime() - after;
-    return_forces(fault);
-    fault = comm_.agree(fault);
-    if (!fault) add_forces();
-    traffic_.total_seconds += MPI_Wtime() - start;
     return fault;
   }
 
  private:
-  /** What each rank tells all others: its fault, whether it has new bodies, the step, and the box around its bodies. */
+  /** What each rank tells all others: its fault, whether it has new bodies, the step, what the attachment must have in
+   * common, and the box around its bodies. */
   struct Greeting {
     int32_t status, has_new;
     double seconds;
+    uint64_t attachment;
     Box box;
   };
 
   Fault find_neighbours(double seconds) {
     Greeting own{};
     own.seconds = seconds;
+    own.attachment = bodies_.attachment != nullptr ? bodies_.attachment->checksum() : 0;
     Fault fault = std::exchange(bodies_.fault, Fault());
     for (auto& [key, body] : bodies_.own) {
       rayc_body_state state{};
       fault.check(rayc_scene_body_state(bodies_.scene.get(), body.number, sizeof state, &state), "box of a body");
       std::copy_n(state.lower, 3, body.box.lower);
       std::copy_n(state.upper, 3, body.box.upper);
+      cost_ += state.cost;
       own.box.include(body.box);
     }
     own.status = fault.status;
@@ -104,41 +154,14 @@ class Step {
     }
     // All ranks see the same numbers here, and need not agree.
     for (const Greeting& greeting : greetings_)
+      if (greeting.attachment != greetings_[0].attachment)
+        fault.note(RAYC_STATUS_RANKS_DISAGREE,
+                   "half-spaces of the contact system differ from rank to rank; add the same on all, in one order");
+    for (const Greeting& greeting : greetings_)
       if (greeting.seconds != greetings_[0].seconds)
         fault.note(RAYC_STATUS_RANKS_DISAGREE, "the step is " + std::to_string(greetings_[0].seconds) +
                                                    " s long on rank 0 and " + std::to_string(greeting.seconds) +
                                                    " s on another; give all ranks the same");
-    return fault;
-  }
-
-  /** Each key is looked at by one rank, which sees whether two others have it. New bodies that do are taken back. */
-  Fault check_keys() {
-    const auto size = static_cast<uint64_t>(comm_.size());
-    Fault fault;
-    std::vector<Bytes> keys(size);
-    for (const auto& [key, body] : bodies_.own) write(keys[key % size], key);
-    const std::vector<Bytes> received = comm_.swap_all(keys, TAG_KEYS, fault);
-    std::map<uint64_t, std::vector<std::size_t>> owners;
-    for (std::size_t rank = 0; rank < received.size(); ++rank)
-      for (Reader reader(received[rank]); !reader.is_at_end();) owners[reader.read<uint64_t>()].push_back(rank);
-    std::vector<Bytes> twice(size);
-    for (const auto& [key, ranks] : owners) {
-      if (ranks.size() == 1) continue;
-      fault.note(RAYC_STATUS_BODY_ON_TWO_RANKS, "body of key " + std::to_string(key) + " is on the ranks " +
-                                                    std::to_string(ranks[0]) + " and " + std::to_string(ranks[1]) +
-                                                    "; add it on one of them only");
-      for (std::size_t rank : ranks) write(twice[rank], key);
-    }
-    for (const Bytes& message : comm_.swap_all(twice, TAG_KEYS, fault))
-      for (Reader reader(message); !reader.is_at_end();) {
-        const auto key = reader.read<uint64_t>();
-        if (bodies_.own.at(key).is_new) bodies_.remove(key);
-      }
-    fault = comm_.agree(fault);
-    if (!fault) {
-      for (auto& [key, body] : bodies_.own) body.is_new = false;
-      bodies_.has_new = false;
-    }
     return fault;
   }
 
@@ -173,6 +196,7 @@ class Step {
         boxes.push_back(header.box);
         others.emplace_back(header.key, neighbours_[i]);
       }
+    lent_before_ = std::move(lent_);
     forget();
     for_each_overlap(boxes, [&](std::size_t i, std::size_t j) {
       if (i > j) std::swap(i, j);
@@ -185,19 +209,15 @@ class Step {
       const auto& [other, rank] = others[j - owns.size()];
       uint32_t is_found_here = 0;
       static_cast<void>(rayc_finds_pair(owns[i].first, other, &is_found_here));
-      if (is_found_here != 0)
+      if (is_found_here != 0) {
         borrowed_[rank].insert(other);
-      else
+        ++traffic_.ghost_pairs;
+      } else {
         lent_[rank].insert(owns[i].first);
+      }
     });
     for (auto& [key, body] : bodies_.own)
       bodies_.fault.check(rayc_scene_share_body(bodies_.scene.get(), body.number, 0, body.neighbours, 0), "own body");
-  }
-
-  static std::vector<int> ranks(const Keys& keys) {
-    std::vector<int> ranks;
-    for (const auto& [rank, of_rank] : keys) ranks.push_back(rank);
-    return ranks;
   }
 
   void swap_bodies(Fault& fault) {
@@ -217,15 +237,21 @@ class Step {
         write(message, state.overlaps_itself);
         write(message, uint64_t{body.vertex_count});
         const std::size_t head = message.size();
-        write(message, body.positions.data(), body.positions.size());
-        if (has_damping) write(message, body.velocities.data(), body.velocities.size());
+        if (bodies_.attachment != nullptr) {
+          const auto known = lent_before_.find(rank);
+          bodies_.attachment->write_ghost(message, key, known != lent_before_.end() && known->second.count(key) != 0);
+          traffic_.position_bytes += message.size() - head;
+          continue;
+        }
+        write_numbers(message, body.positions.data(), body.positions.size(), is_single_);
+        if (has_damping) write_numbers(message, body.velocities.data(), body.velocities.size(), is_single_);
         traffic_.position_bytes += message.size() - head;
       }
       messages.push_back(std::move(message));
     }
     const std::vector<int> from = ranks(borrowed_);
     const std::vector<Bytes> received = comm_.swap(ranks(lent_), messages, from, TAG_GHOSTS, fault);
-    const double start = MPI_Wtime();
+    const std::clock_t start = std::clock();
     for (auto& [key, ghost] : bodies_.ghosts) ghost.is_current = false;
     for (std::size_t i = 0; i < from.size(); ++i)
       for (Reader reader(received[i]); !reader.is_at_end();) renew_ghost(reader, from[i], has_damping, fault);
@@ -234,7 +260,7 @@ class Step {
       if (!ghost->second.is_current) bodies_.remove_ghost(ghost);
     }
     traffic_.ghosts += bodies_.ghosts.size();
-    traffic_.ghost_seconds += MPI_Wtime() - start;
+    traffic_.ghost_seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   }
 
   void renew_ghost(Reader& reader, int from, bool has_damping, Fault& fault) {
@@ -243,8 +269,10 @@ class Step {
     const auto neighbours = reader.read<uint32_t>();
     const auto overlaps_itself = reader.read<uint32_t>();
     const auto count = reader.read<uint64_t>();
-    const std::vector<double> positions = reader.read_all<double>(3 * count);
-    std::vector<double> velocities = reader.read_all<double>(has_damping ? 3 * count : 0);
+    const bool has_positions = bodies_.attachment == nullptr;
+    std::vector<double> positions(has_positions ? 3 * count : 0), velocities(has_damping ? positions.size() : 0);
+    reader.read_numbers(positions.data(), positions.size(), is_single_);
+    reader.read_numbers(velocities.data(), velocities.size(), is_single_);
     const std::string what = "ghost of key " + std::to_string(key);
     auto found = bodies_.ghosts.find(key);
     if (found == bodies_.ghosts.end()) {
@@ -269,7 +297,10 @@ class Step {
     ghost.velocities = std::move(velocities);
     const rayc_vectors view = vectors(positions);
     fault.check(rayc_scene_share_body(bodies_.scene.get(), ghost.number, 1, neighbours, overlaps_itself), what);
-    fault.check(rayc_scene_set_positions(bodies_.scene.get(), ghost.number, &view), what);
+    if (!has_positions)
+      bodies_.attachment->read_ghost(reader, key, ghost.number, fault);
+    else
+      fault.check(rayc_scene_set_positions(bodies_.scene.get(), ghost.number, &view), what);
   }
 
   /** A pair whose bodies do not meet any more has forgotten. */
@@ -291,94 +322,17 @@ class Step {
     return true;
   }
 
-  void sum_forces(Fault& fault) {
-    std::vector<rayc_vectors> velocities;
-    if (response_.damping_time > 0) {
-      for (const auto& [number, body] : bodies_.named) {
-        if (velocities.size() <= number) velocities.resize(number + 1, vectors<double>(nullptr, 0));
-        velocities[number] = vectors(body.own != nullptr ? body.own->velocities : body.ghost->velocities);
-      }
-    }
-    std::size_t pair_count = 0, force_count = 0;
-    fault.check(
-        rayc_contacts_sum_pair_forces(bodies_.contacts.get(), &response_, velocities.size(), nullptr,
-                                      velocities.empty() ? nullptr : velocities.data(), &pair_count, &force_count),
-        "forces");
-    pairs_.resize(pair_count);
-    forces_.resize(force_count);
-    fault.check(
-        rayc_contacts_copy_pair_forces(bodies_.contacts.get(), pair_count, pairs_.data(), force_count, forces_.data()),
-        "forces");
-    if (fault) pairs_.clear();
-  }
-
-  /** What a pair does to a ghost goes to its owner, which adds it in the order of the keys as if it had found it
-   * itself. */
-  void return_forces(Fault& fault) {
-    for (auto& [key, body] : bodies_.own) body.parts.clear();
-    std::map<int, Bytes> messages;
-    for (const auto& [rank, keys] : borrowed_) messages[rank];
-    for (const rayc_pair_forces& pair : pairs_) {
-      const Named &first = bodies_.named.at(pair.first), &second = bodies_.named.at(pair.second);
-      give(first, second.key, pair.start, pair.first_count, messages);
-      if (pair.first != pair.second)
-        give(second, first.key, pair.start + pair.first_count, pair.second_count, messages);
-    }
-    std::vector<Bytes> sent;
-    for (auto& [rank, message] : messages) {
-      traffic_.force_bytes += message.size();
-      sent.push_back(std::move(message));
-    }
-    for (const Bytes& message : comm_.swap(ranks(borrowed_), sent, ranks(lent_), TAG_FORCES, fault))
-      for (Reader reader(message); !reader.is_at_end();) {
-        const auto key = reader.read<uint64_t>();
-        const auto other = reader.read<uint64_t>();
-        const auto count = static_cast<std::size_t>(reader.read<uint64_t>());
-        const auto vertices = reader.read_all<uint32_t>(count);
-        bodies_.own.at(key).parts.push_back(Part{other, forces_.size(), count});
-        for (std::size_t i = 0; i < count; ++i) {
-          rayc_vertex_force force{};
-          force.vertex = vertices[i];
-          reader.read(force.force, 3);
-          forces_.push_back(force);
-        }
-      }
-  }
-
-  void give(const Named& body, uint64_t other, std::size_t start, std::size_t count, std::map<int, Bytes>& messages) {
-    if (body.own != nullptr) {
-      body.own->parts.push_back(Part{other, start, count});
-      return;
-    }
-    Bytes& message = messages[body.ghost->owner];
-    write(message, body.key);
-    write(message, other);
-    write(message, uint64_t{count});
-    for (std::size_t i = start; i < start + count; ++i) write(message, forces_[i].vertex);
-    for (std::size_t i = start; i < start + count; ++i) write(message, forces_[i].force, 3);
-  }
-
-  void add_forces() {
-    for (auto& [key, body] : bodies_.own) {
-      std::fill(body.forces.begin(), body.forces.end(), 0.0);
-      std::sort(body.parts.begin(), body.parts.end(), [](const Part& a, const Part& b) { return a.other < b.other; });
-      for (const Part& part : body.parts)
-        for (std::size_t i = part.start; i < part.start + part.count; ++i)
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            body.forces[3 * std::size_t{forces_[i].vertex} + axis] += forces_[i].force[axis];
-    }
-  }
-
   const Communicator& comm_;
   Bodies& bodies_;
   const rayc_response_options& response_;
+  bool is_single_;
   Traffic& traffic_;
+  PairForces forces_;
   std::vector<Greeting> greetings_;
   std::vector<int> neighbours_;
   bool any_new_ = false;
-  Keys lent_, borrowed_;
-  std::vector<rayc_pair_forces> pairs_;
-  std::vector<rayc_vertex_force> forces_;
+  double seconds_ = 0, cost_ = 0;  // of queries since bodies were last divided
+  Keys lent_, borrowed_, lent_before_;
 };
 
 }  // namespace mpi_detail

@@ -10,14 +10,14 @@ use raycontact::system::{Material, RigidUnknowns};
 
 type V3 = Vector3<f64>;
 
-const DT: f64 = 0.01;
+pub const DT: f64 = 0.01;
 
-fn material(friction: f64, damping_time: f64) -> Material {
+pub fn material(friction: f64, damping_time: f64) -> Material {
     Material { stiffness: 2e4, damping_time, friction, depth_cap: 0.03 }
 }
 
 /// Two overlapping bodies of the kinds named, deep enough for all that rows know: the cap, friction, the far corner.
-fn overlap(kinds: [&str; 2], rigid: RigidUnknowns, material: Material) -> Host {
+pub fn overlap(kinds: [&str; 2], rigid: RigidUnknowns, material: Material) -> Host {
     let mut host = Host::new(rigid);
     for (k, kind) in kinds.into_iter().enumerate() {
         let turn = rotation(&V3::new(0.3 * k as f64, 0.2, 0.5 * k as f64));
@@ -41,16 +41,16 @@ fn overlap(kinds: [&str; 2], rigid: RigidUnknowns, material: Material) -> Host {
     host
 }
 
-const PAIRS: [[&str; 2]; 6] =
+pub const PAIRS: [[&str; 2]; 6] =
     [["soft", "soft"], ["soft", "cage"], ["cage", "cage"], ["rigid", "soft"], ["cage", "rigid"], ["rigid", "rigid"]];
 
-fn random(count: usize, size: f64, seed: u64) -> Vec<f64> {
+pub fn random(count: usize, size: f64, seed: u64) -> Vec<f64> {
     let mut random = Random::new(seed);
     (0..count).map(|_| size * random.signed()).collect()
 }
 
 /// Begins a step from random velocities, and gives velocities at which it is then linearised.
-fn begin(host: &mut Host, seed: u64) -> Vec<f64> {
+pub fn begin(host: &mut Host, seed: u64) -> Vec<f64> {
     let nodes = host.x.len();
     host.v = random(nodes, 0.5, seed);
     for (k, rigid) in host.rigids.iter_mut().enumerate() {

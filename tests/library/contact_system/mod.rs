@@ -4,5 +4,6 @@ mod bodies;
 mod energy;
 mod friction;
 mod laws;
+mod parts;
 mod refusals;
 mod steps;

@@ -1,0 +1,139 @@
+//! What a pair's friction remembers from step to step, as bytes: for pairs that another system is to find from now on.
+
+use super::anchors::{Anchor, Corners, Hold};
+use super::loads::{Key, Surface};
+use super::twist::V3;
+use super::{ContactSystem, SystemError};
+use crate::bytes::{CHECKSUM, Reader, checksum};
+use crate::math::Scalar;
+use crate::memory::Room;
+
+const MARK: [u8; 8] = *b"raycgrip";
+const VERSION: u32 = 1;
+const HEAD: usize = MARK.len() + 4 + 6 * 8;
+/// Three numbers; those and three vertices.
+const NUMBERS: usize = 3 * 8;
+const CORNERS: usize = 3 * 4 + NUMBERS;
+/// Three flags, the triangle, and the corners from which it holds.
+const ANCHOR: usize = 3 + 4 + CORNERS;
+
+impl<T: Scalar> ContactSystem<T> {
+    /// The pairs that the last finished step left something to remember, with what has been
+    /// [put back](Self::put_pair_memory) since: the body of the smaller number and what it touches.
+    pub fn remembered_pairs(&self) -> impl ExactSizeIterator<Item = (u32, Surface)> + '_ {
+        self.loads.before_keys()
+    }
+
+    /// How many bytes [`pack_pair_memory`](Self::pack_pair_memory) appends; none where nothing is remembered.
+    pub fn packed_memory_length(&self, pair: (u32, Surface)) -> usize {
+        let in_space = |anchor: &Anchor| matches!(anchor.hold, Hold::Space(_));
+        let length = |anchor: &Anchor| ANCHOR + if in_space(anchor) { NUMBERS } else { CORNERS };
+        let of_key = |key: Key| self.anchors.of(key).iter().map(length).sum::<usize>();
+        let of_anchors = || keys(pair).into_iter().flatten().map(of_key).sum::<usize>();
+        self.loads.remembered(pair).map_or(0, |_| HEAD + of_anchors() + 1 + CHECKSUM)
+    }
+
+    /// Appends what a pair remembers: its load, and what its friction springs hold on to. The bytes carry their version and
+    /// a checksum, and are the same on every machine.
+    ///
+    /// # Errors
+    /// [`SystemError::NotRemembered`].
+    pub fn pack_pair_memory(&self, pair: (u32, Surface), bytes: &mut Vec<u8>) -> Result<(), SystemError> {
+        let load = self.loads.remembered(pair).ok_or(SystemError::NotRemembered { body: pair.0 })?;
+        let start = bytes.len();
+        bytes.room_for(self.packed_memory_length(pair));
+        bytes.extend(MARK);
+        bytes.extend(VERSION.to_le_bytes());
+        let put = |bytes: &mut Vec<u8>, numbers: &[f64]| numbers.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+        put(bytes, &load);
+        for (is_turned, key) in keys(pair).into_iter().enumerate() {
+            for anchor in key.map_or(&[][..], |key| self.anchors.of(key)) {
+                bytes.extend([1, is_turned as u8, u8::from(matches!(anchor.hold, Hold::Space(_)))]);
+                bytes.extend(anchor.triangle.to_le_bytes());
+                let put_corners = |bytes: &mut Vec<u8>, corners: &Corners| {
+                    corners.vertices.iter().for_each(|vertex| bytes.extend(vertex.to_le_bytes()));
+                    put(bytes, &corners.weights);
+                };
+                put_corners(bytes, &anchor.from);
+                match &anchor.hold {
+                    Hold::Material(corners) => put_corners(bytes, corners),
+                    Hold::Space(point) => put(bytes, point.as_slice()),
+                }
+            }
+        }
+        bytes.push(0);
+        let sum = checksum(&bytes[start..]);
+        bytes.extend(sum.to_le_bytes());
+        Ok(())
+    }
+
+    /// Takes over what a pair remembers, as [`pack_pair_memory`](Self::pack_pair_memory) of this system or another gave it,
+    /// in place of what it remembers here. `pair`: the bodies in the order in which they were packed.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`], [`SystemError::StepUnderWay`], [`SystemError::Memory`] where the bytes are not what was
+    /// packed, or of other meshes.
+    pub fn put_pair_memory(&mut self, pair: (u32, Surface), bytes: &[u8]) -> Result<(), SystemError> {
+        self.check_no_step()?;
+        let vertices = |surface: Surface| match surface {
+            Surface::Body(body) => self.place(body).map(|place| self.bodies[place].vertex_count()),
+            Surface::HalfSpace(number) if (number as usize) < self.half_spaces.len() => Ok(0),
+            Surface::HalfSpace(number) => Err(SystemError::UnknownBody { body: number }),
+        };
+        let counts = [vertices(Surface::Body(pair.0))?, vertices(pair.1)?];
+        let broken = SystemError::Memory { length: bytes.len() };
+        let Some((load, anchors)) = read(bytes, pair, counts) else { return Err(broken) };
+        self.anchors.forget(|key| keys(pair).contains(&Some(*key)));
+        self.anchors.put(&anchors);
+        self.loads.put(pair, load);
+        Ok(())
+    }
+}
+
+/// Those by which a pair's contacts are known: the one body's, and the other's.
+fn keys((first, second): (u32, Surface)) -> [Option<Key>; 2] {
+    let turned = match second {
+        Surface::Body(second) if second != first => Some((second, Surface::Body(first))),
+        _ => None,
+    };
+    [Some((first, second)), turned]
+}
+
+fn read(bytes: &[u8], pair: (u32, Surface), counts: [usize; 2]) -> Option<([f64; 6], Vec<Anchor>)> {
+    let (body, end) = bytes.split_last_chunk::<CHECKSUM>()?;
+    let mut reader = Reader { rest: body };
+    if checksum(body).to_le_bytes() != *end || reader.take() != Some(MARK) || reader.whole() != Some(VERSION) {
+        return None;
+    }
+    let mut load = [0.0; 6];
+    for number in &mut load {
+        *number = reader.number().filter(|x: &f64| x.is_finite())?;
+    }
+    let keys = keys(pair);
+    let mut anchors = Vec::new();
+    while reader.take()? == [1] {
+        let [is_turned, is_in_space] = reader.take()?;
+        let key = (*keys.get(is_turned as usize)?)?;
+        let counts = if is_turned == 0 { counts } else { [counts[1], counts[0]] };
+        let triangle = reader.whole()?;
+        let from = corners(&mut reader, counts[0])?;
+        let hold = match (is_in_space, key.1) {
+            (0, Surface::Body(_)) => Hold::Material(corners(&mut reader, counts[1])?),
+            (1, Surface::HalfSpace(_)) => Hold::Space(V3::from(numbers(&mut reader)?)),
+            _ => return None,
+        };
+        anchors.room_for(1).push(Anchor::kept(key, triangle, from, hold));
+    }
+    reader.rest.is_empty().then_some((load, anchors))
+}
+
+fn corners(reader: &mut Reader, count: usize) -> Option<Corners> {
+    let vertices = [reader.whole()?, reader.whole()?, reader.whole()?];
+    let weights = numbers(reader)?;
+    vertices.iter().all(|&vertex| (vertex as usize) < count).then_some(Corners { vertices, weights })
+}
+
+fn numbers(reader: &mut Reader) -> Option<[f64; 3]> {
+    let numbers = [reader.number()?, reader.number()?, reader.number()?];
+    numbers.iter().all(|x: &f64| x.is_finite()).then_some(numbers)
+}
