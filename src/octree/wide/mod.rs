@@ -12,6 +12,7 @@ mod packet;
 mod refit;
 mod region;
 mod runs;
+mod single;
 mod slab;
 mod tile;
 mod trace;
@@ -22,7 +23,7 @@ use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
 use crate::octree::closest::Nearest;
-use crate::ray::{PreparedRay, Ray, RayPacket};
+use crate::ray::{Hit, PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
 use runs::Runs;
 use slab::Slab;
@@ -47,6 +48,8 @@ pub(super) struct Wide<T: Scalar> {
     runs: Runs<T>,
     /// Whether all boxes are the tightest.
     is_tight: bool,
+    /// Whether all tiles are loaded: known without a look at their outlines, which would come from far in memory.
+    is_loaded: bool,
 }
 
 impl<T: Scalar> Wide<T> {
@@ -64,7 +67,7 @@ impl<T: Scalar> Wide<T> {
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
         let runs = Runs::new(mesh, &nodes, &outlines);
         let slabs = memory::filled(Slab::endless(), tiles.len());
-        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, is_tight: false };
+        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, is_tight: false, is_loaded: false };
         wide.refit(mesh, None);
         wide.load(mesh, None, true);
         wide
@@ -73,6 +76,7 @@ impl<T: Scalar> Wide<T> {
     /// Follows the mesh to its present positions; no tile is loaded then.
     /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
     pub(super) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
+        self.is_loaded = false;
         crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions });
     }
 
@@ -83,6 +87,7 @@ impl<T: Scalar> Wide<T> {
     /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their slabs too.
     pub(super) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>, for_distances: bool) {
         crate::math::dispatch::<T, _>(refit::Load { cells: self, mesh, tiles, for_distances });
+        self.is_loaded |= tiles.is_none();
     }
 
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned.
@@ -94,6 +99,11 @@ impl<T: Scalar> Wide<T> {
         visitor: &mut impl FnMut(u32) -> T,
     ) {
         crate::math::dispatch::<T, _>(trace::Walk::new(self, ray, prepared, mesh, visitor));
+    }
+
+    /// Where a ray first meets the mesh.
+    pub(super) fn nearest_of_ray(&self, mesh: &Mesh<T>, ray: &Ray<T>) -> Option<Hit<T>> {
+        crate::math::dispatch::<T, _>(single::NearestOfRay { cells: self, mesh, ray })
     }
 
     /// Finds the triangle nearest to the point.
