@@ -205,6 +205,12 @@ fn hit_of<T: Scalar>(hit: &Option<Hit<T>>) -> rayc_hit {
 
 fn check_ray(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
     let failure = |status, what: &str| Err(Failure::new(status, text!("ray {index}: {what}")));
+    let ([x, y, z], [u, v, w]) = (ray.origin, ray.direction);
+    // NaN where one of them is not finite.
+    let nothing = 0.0 * x + 0.0 * y + 0.0 * z + 0.0 * u + 0.0 * v + 0.0 * w;
+    if nothing == 0.0 && u.abs() + v.abs() + w.abs() > 0.0 && ray.t_max >= 0.0 {
+        return Ok(());
+    }
     if !ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite()) {
         return failure(
             rayc_status::RAYC_STATUS_NOT_FINITE,

@@ -26,8 +26,10 @@ use crate::octree::closest::Nearest;
 use crate::ray::{Hit, PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
 use runs::Runs;
+use single::{FEW_NODES, FEW_WAITING, NearestOfRay};
 use slab::Slab;
 use tile::{Outline, TILE_SIZE, Tile};
+use trace::STACK_SIZE;
 
 pub(super) use near::NearTiles;
 pub(crate) use packet::{Candidates, PacketHits};
@@ -103,7 +105,11 @@ impl<T: Scalar> Wide<T> {
 
     /// Where a ray first meets the mesh.
     pub(super) fn nearest_of_ray(&self, mesh: &Mesh<T>, ray: &Ray<T>) -> Option<Hit<T>> {
-        crate::math::dispatch::<T, _>(single::NearestOfRay { cells: self, mesh, ray })
+        if self.nodes.len() <= FEW_NODES {
+            crate::math::dispatch::<T, _>(NearestOfRay::<T, FEW_WAITING> { cells: self, mesh, ray })
+        } else {
+            crate::math::dispatch::<T, _>(NearestOfRay::<T, STACK_SIZE> { cells: self, mesh, ray })
+        }
     }
 
     /// Finds the triangle nearest to the point.

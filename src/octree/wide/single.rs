@@ -1,15 +1,20 @@
-use super::trace::STACK_SIZE;
 use super::{CHILD_COUNT, Node, TILE_SIZE, Wide};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3};
 use crate::mesh::Mesh;
 use crate::ray::{Hit, Ray, ShearedRay};
 
-/// One ray's way to where it first meets the mesh: the nearest boxes first, none beyond the nearest hit known.
-pub(super) struct NearestOfRay<'a, T: Scalar> {
+/// One ray's way to where it first meets the mesh: the nearest boxes first, none beyond the nearest hit known. So many nodes may
+/// wait at once.
+pub(super) struct NearestOfRay<'a, T: Scalar, const MOST_WAITING: usize> {
     pub(super) cells: &'a Wide<T>,
     pub(super) mesh: &'a Mesh<T>,
     pub(super) ray: &'a Ray<T>,
 }
+
+/// A tree of no more than so many nodes has at most three levels below the root, since all but the last node of a level are
+/// full, and fifteen may wait on each: less room to clear, for every ray, than any tree may need.
+pub(super) const FEW_NODES: usize = 1 + 16 + 256 + 4096;
+pub(super) const FEW_WAITING: usize = 3 * (CHILD_COUNT - 1);
 
 /// A node that the ray may meet.
 #[derive(Clone, Copy)]
@@ -19,7 +24,7 @@ struct Waiting<T> {
     node: u32,
 }
 
-impl<T: Scalar> Kernel<T> for NearestOfRay<'_, T> {
+impl<T: Scalar, const MOST_WAITING: usize> Kernel<T> for NearestOfRay<'_, T, MOST_WAITING> {
     type Output = Option<Hit<T>>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -30,7 +35,7 @@ impl<T: Scalar> Kernel<T> for NearestOfRay<'_, T> {
         let mut nearest = Nearest { end: ray.t_max, hit: None };
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let (mut entries, mut places) = ([T::zero(); CHILD_COUNT], [0; CHILD_COUNT]);
-        let mut stack = [Waiting { entry: T::zero(), node: 0 }; STACK_SIZE];
+        let mut stack = [Waiting { entry: T::zero(), node: 0 }; MOST_WAITING];
         let (mut waiting, mut node) = (0, &cells.nodes[0]);
         loop {
             let (enters, met) = slabs.entering::<L>(node, nearest.end);
@@ -138,11 +143,16 @@ struct RaySlabs<T: Scalar> {
 impl<T: Scalar> RaySlabs<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(ray: &Ray<T>, mesh_box: &Aabb<T>) -> Self {
-        let coordinates = mesh_box.reach_from(&ray.origin) + ray.origin.amax();
+        let reach = |axis: usize| {
+            let (below, above) = (mesh_box.lower[axis] - ray.origin[axis], mesh_box.upper[axis] - ray.origin[axis]);
+            larger(below.abs(), above.abs())
+        };
+        let [x, y, z] = [0, 1, 2].map(|axis| ray.origin[axis].abs());
+        let coordinates = larger(larger(reach(0), reach(1)), reach(2)) + larger(larger(x, y), z);
         // Products with a coordinate are rounded as coarsely as it is far from zero.
         let moved = coordinates * T::ROUNDING_UNIT * T::of(16.0);
         // Where a direction has no part along an axis, the face lies far behind every end; but finitely far.
-        let limit = T::LARGEST * T::of(0.5) / if coordinates > T::one() { coordinates } else { T::one() };
+        let limit = T::LARGEST * T::of(0.5) / larger(coordinates, T::one());
         let inverse = ray.direction.map(|d| (T::one() / d).clamp(-limit, limit));
         let offset = |from: Vector3<T>| -from.component_mul(&inverse);
         Self {
@@ -174,4 +184,9 @@ impl<T: Scalar> RaySlabs<T> {
         }
         (enters, enters.is_at_most(leaves) & present)
     }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn larger<T: Scalar>(a: T, b: T) -> T {
+    if a > b { a } else { b }
 }

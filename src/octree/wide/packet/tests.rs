@@ -1,7 +1,8 @@
 use super::*;
 use crate::math::{Kernel, Vector3, on_every_path};
 use crate::octree::test_mesh::{torus_positions, torus_triangles};
-use crate::octree::wide::single::NearestOfRay;
+use crate::octree::wide::single::{FEW_WAITING, NearestOfRay};
+use crate::octree::wide::trace::STACK_SIZE;
 use crate::octree::{Octree, Tracer};
 use crate::ray::{PreparedRay, Ray, TriangleTest};
 
@@ -37,8 +38,10 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
             let hidden = hidden::<T, L>(self.cells, self.mesh, &packet, asked, &end, &all_touched, &mut list);
             all_hidden.extend((0..rays.len()).map(|lane| hidden >> lane & 1 == 1));
         }
-        let of_ray = |ray| NearestOfRay { cells: self.cells, mesh: self.mesh, ray }.run::<L>();
-        (hits, self.rays.iter().map(of_ray).collect(), all_hidden)
+        let few = |ray| NearestOfRay::<T, FEW_WAITING> { cells: self.cells, mesh: self.mesh, ray }.run::<L>();
+        let many = |ray| NearestOfRay::<T, STACK_SIZE> { cells: self.cells, mesh: self.mesh, ray }.run::<L>();
+        let alone = self.rays.iter().enumerate().map(|(i, ray)| if i % 9 == 0 { many(ray) } else { few(ray) });
+        (hits, alone.collect(), all_hidden)
     }
 }
 
