@@ -2,15 +2,18 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """Times raycontact beside coal and the IPC Toolkit where two bodies touch, all called from Python in turns.
 
-Usage: measure_anchors.py [--rounds N] [--sizes AROUNDxACROSS,...] CSV
+Usage: measure_anchors.py [--rounds N] [--sizes AROUNDxACROSS,...] [CSV]
 
 Two tori side by side that ripple from step to step, so that each library follows them to new positions in every step:
-`apart` by a 2000th of their length, and `touching`, as deep in one another. Times are medians of the steps, each step
-asked of every library in turn, twice, of which the second time counts; one thread, double precision. What each answers has a row:
+`apart` by a 2000th of their length, and `touching`, as deep in one another. In each step every library is asked in turn,
+twice, of which the second time counts: the processor's time, one thread, double precision, medians of the steps. What
+each answers has a row:
   yes/no     whether the surfaces cross
   contacts   the contacts and the forces they give: coal's contacts alone; of the IPC Toolkit the collisions within a
-             1000th of the scene's diagonal, the gradient of their barrier and, with `+ Hessian`, that of second order
-  CCD        how far the bodies may go before they touch (additive, tight inclusion): the IPC Toolkit's alone
+             1000th of the scene's diagonal and the gradient of their barrier, and with `+ Hessian` its second derivative
+  CCD        how far the bodies may go before they touch (tight inclusion, additive): the IPC Toolkit's alone
+coal builds its trees anew in each step, since from Python it takes new vertices one call each, which is slower;
+`coal, rigid` is what it is made for, bodies that stay as they were in the first step.
 
 Exit status: 0 when measured, 1 when something fails, 2 for a wrong command line.
 scripts/anchors.sh installs what this needs and calls it."""
@@ -183,10 +186,10 @@ class Raycontact:
 
 def main():
     parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, usage="%(prog)s [options] CSV")
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, usage="%(prog)s [options] [CSV]")
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--sizes", default="40x20,75x39,160x80")
-    parser.add_argument("csv", metavar="CSV")
+    parser.add_argument("csv", metavar="CSV", nargs="?", default="out/anchors/anchors.csv")
     arguments = parser.parse_args()
     try:
         sizes = [tuple(int(number) for number in size.split("x")) for size in arguments.sizes.split(",")]
@@ -218,11 +221,11 @@ def measure(np, scene, gap, around, across, rounds):
             for question, ask in library.questions(scene == "apart"):
                 # What other libraries did before has pushed its memory out of the caches.
                 ask()
-                begin = time.perf_counter()
+                begin = time.process_time()
                 answer = ask()
                 # The first two steps warm up, and have no step before them.
                 if step > 1:
-                    times.setdefault((library.name, question), []).append((time.perf_counter() - begin) * 1e3)
+                    times.setdefault((library.name, question), []).append((time.process_time() - begin) * 1e3)
                 answers[library.name, question] = answer
     for (name, question), found in times.items():
         own = times["raycontact", "yes/no" if question == "yes/no" else "contacts"]

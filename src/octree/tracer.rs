@@ -195,6 +195,13 @@ impl<T: Scalar> Kernel<T> for NearestHits<'_, '_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
+        let Tracer { cells, mesh, test, .. } = self.tracer;
+        if let (Cells::Wide(cells), TriangleTest::Watertight, false) = (cells, test, L::PACKETS_PAY) {
+            for (ray, hit) in self.rays.iter().zip(self.hits) {
+                *hit = cells.nearest_of_ray_on::<L>(mesh, ray);
+            }
+            return;
+        }
         let (mut packet, mut list, mut found) = (RayPacket::empty(), Candidates::new(), PacketHits::empty());
         for (rays, hits) in self.rays.chunks(LANE_COUNT).zip(self.hits.chunks_mut(LANE_COUNT)) {
             packet.set_rays::<L>(rays);

@@ -112,6 +112,16 @@ impl<T: Scalar> Wide<T> {
         }
     }
 
+    /// The same on some lanes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn nearest_of_ray_on<L: Lanes<T>>(&self, mesh: &Mesh<T>, ray: &Ray<T>) -> Option<Hit<T>> {
+        if self.nodes.len() <= FEW_NODES {
+            L::outlined(NearestOfRay::<T, FEW_WAITING> { cells: self, mesh, ray })
+        } else {
+            L::outlined(NearestOfRay::<T, STACK_SIZE> { cells: self, mesh, ray })
+        }
+    }
+
     /// Finds the triangle nearest to the point.
     pub(super) fn find_closest(&self, mesh: &Mesh<T>, query: &QueryPoint<T>, nearest: &mut Nearest<T>) {
         crate::math::dispatch::<T, _>(closest::Closest { cells: self, mesh, query, nearest });
