@@ -1,5 +1,5 @@
 use super::{CHILD_COUNT, Node, TILE_SIZE, Wide};
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, margins};
 use crate::mesh::Mesh;
 use crate::ray::{Hit, Ray, ShearedRay};
 
@@ -150,7 +150,7 @@ impl<T: Scalar> RaySlabs<T> {
         let [x, y, z] = [0, 1, 2].map(|axis| ray.origin[axis].abs());
         let coordinates = larger(larger(reach(0), reach(1)), reach(2)) + larger(larger(x, y), z);
         // Products with a coordinate are rounded as coarsely as it is far from zero.
-        let moved = coordinates * T::ROUNDING_UNIT * T::of(16.0);
+        let moved = coordinates * margins::margin(margins::BOX_FACE);
         // Where a direction has no part along an axis, the face lies far behind every end; but finitely far.
         let limit = T::LARGEST * T::of(0.5) / larger(coordinates, T::one());
         let inverse = ray.direction.map(|d| (T::one() / d).clamp(-limit, limit));
