@@ -241,7 +241,7 @@ mod tests {
             let (target, other) = (points[number % 600], points[number * 389 % 600]);
             let origin = if number < count / 2 { [4.0, -6.0, 5.0] } else { other };
             let direction = [0, 1, 2].map(|axis| target[axis] * 0.99 - origin[axis]);
-            rayc_ray { origin, direction, t_max: if number % 3 == 0 { 0.97 } else { f64::INFINITY } }
+            rayc_ray { origin, direction, t_max: if number.is_multiple_of(3) { 0.97 } else { f64::INFINITY } }
         };
         (0..count).map(ray).collect()
     }

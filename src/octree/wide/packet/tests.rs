@@ -40,7 +40,7 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
         }
         let few = |ray| NearestOfRay::<T, FEW_WAITING> { cells: self.cells, mesh: self.mesh, ray }.run::<L>();
         let many = |ray| NearestOfRay::<T, STACK_SIZE> { cells: self.cells, mesh: self.mesh, ray }.run::<L>();
-        let alone = self.rays.iter().enumerate().map(|(i, ray)| if i % 9 == 0 { many(ray) } else { few(ray) });
+        let alone = self.rays.iter().enumerate().map(|(i, ray)| if i.is_multiple_of(9) { many(ray) } else { few(ray) });
         (hits, alone.collect(), all_hidden)
     }
 }
