@@ -10,6 +10,7 @@ mod measure;
 mod method;
 mod oracle;
 mod peer;
+mod rays;
 mod record;
 mod report;
 mod row;
@@ -72,6 +73,7 @@ struct Arguments {
 #[derive(clap::Subcommand)]
 enum Command {
     Chart(chart::Arguments),
+    Rays(rays::Arguments),
     Record(record::Arguments),
 }
 
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), String> {
     match &arguments.command {
         Some(Command::Chart(arguments)) => return chart::run(arguments),
+        Some(Command::Rays(arguments)) => return rays::run(arguments),
         Some(Command::Record(arguments)) => return record::run(arguments),
         None => {}
     }

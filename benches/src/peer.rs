@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// As `BodyView` in `peers/cpp/peer.hpp`.
 #[repr(C)]
-struct BodyView {
+pub struct BodyView {
     positions: *const f32,
     double_positions: *const f64,
     triangles: *const u32,
@@ -30,6 +30,21 @@ struct PeerContact {
     weights: [f32; 2],
     p2: [f32; 3],
     direction: [f32; 3],
+}
+
+impl BodyView {
+    /// Good while the host lives.
+    pub fn new(body: &Body, host: &HostBody) -> Self {
+        Self {
+            positions: host.single().as_ptr().cast(),
+            double_positions: host.double().as_ptr().cast(),
+            triangles: body.triangles.as_ptr().cast(),
+            vertex_count: body.rest.len() as u32,
+            triangle_count: body.triangles.len() as u32,
+            rows: body.rows,
+            columns: body.columns,
+        }
+    }
 }
 
 type New = unsafe extern "C" fn(*const c_char, u32, *const BodyView, usize) -> *mut c_void;
@@ -66,16 +81,8 @@ impl Library {
 
     /// `host` must outlive the peer: peers read its arrays.
     pub fn start(&self, method: &Description, workload: &Workload, host: &Host) -> Result<Peer, String> {
-        let view = |(body, host): (&Body, &HostBody)| BodyView {
-            positions: host.single().as_ptr().cast(),
-            double_positions: host.double().as_ptr().cast(),
-            triangles: body.triangles.as_ptr().cast(),
-            vertex_count: body.rest.len() as u32,
-            triangle_count: body.triangles.len() as u32,
-            rows: body.rows,
-            columns: body.columns,
-        };
-        let views: Vec<BodyView> = workload.bodies.iter().zip(&host.bodies).map(view).collect();
+        let bodies = workload.bodies.iter().zip(&host.bodies);
+        let views: Vec<BodyView> = bodies.map(|(body, host)| BodyView::new(body, host)).collect();
         let name = match method.precision {
             Precision::F32 => method.name.to_owned(),
             Precision::F64 => format!("{}-f64", method.name),

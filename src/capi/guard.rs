@@ -31,6 +31,8 @@ fn record((status, message): Outcome) -> rayc_status {
     status
 }
 
+const OK: Outcome = (rayc_status::RAYC_STATUS_OK, Cow::Borrowed(b"\0"));
+
 fn outcome(call: impl FnOnce() -> Result<(), Failure>) -> Outcome {
     let call = || {
         #[cfg(test)]
@@ -38,9 +40,12 @@ fn outcome(call: impl FnOnce() -> Result<(), Failure>) -> Outcome {
         call()
     };
     let outcome = catch_unwind(AssertUnwindSafe(call));
+    if matches!(outcome, Ok(Ok(()))) {
+        return OK;
+    }
     // The message too takes memory.
     let told = catch_unwind(AssertUnwindSafe(|| match outcome {
-        Ok(Ok(())) => (rayc_status::RAYC_STATUS_OK, Cow::Borrowed(&b"\0"[..])),
+        Ok(Ok(())) => OK,
         Ok(Err(failure)) => (failure.status, ended(&failure.message)),
         Err(panic) if panic.is::<OutOfMemory>() => out_of_memory(),
         Err(panic) => (rayc_status::RAYC_STATUS_PANIC, ended(&description(&*panic))),

@@ -8,7 +8,7 @@ use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::mesh::Mesh;
 use crate::octree::Octree;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 
 /// The triangle number of a ray that meets nothing.
 pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
@@ -123,7 +123,8 @@ pub unsafe extern "C" fn rayc_octree_trace_ray(
     })
 }
 
-/// Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray().
+/// Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray(). Fastest where each
+/// sixteen rays are neighbours.
 ///
 /// Errors: as there; the message names the ray, and no hit is written.
 #[unsafe(no_mangle)]
@@ -160,6 +161,9 @@ unsafe fn trace_all(
     }
 }
 
+/// So many rays are copied at a time: with their hits they take 30 KB of stack.
+const RAYS_AT_ONCE: usize = 256;
+
 /// # Safety
 /// `hits` has room for one hit per ray.
 unsafe fn trace_into<T: Scalar>(
@@ -170,23 +174,45 @@ unsafe fn trace_into<T: Scalar>(
 ) -> Result<(), Failure> {
     rays.iter().enumerate().try_for_each(|(index, ray)| check_ray::<T>(index, ray))?;
     let tracer = octree.tracer(mesh)?;
-    let trace = |ray: &rayc_ray| {
-        let vector = |v: [f64; 3]| Vector3::from(v.map(T::of));
-        let ray = Ray { origin: vector(ray.origin), direction: vector(ray.direction), t_max: T::of(ray.t_max) };
-        let miss = rayc_hit { triangle: RAYC_NO_TRIANGLE, is_exit: 0, t: 0.0, weights: [0.0; 3] };
-        tracer.nearest_hit(&ray).map_or(miss, |hit| rayc_hit {
-            triangle: hit.triangle,
-            is_exit: u32::from(hit.is_exit),
-            t: hit.t.to_f64(),
-            weights: hit.weights.map(T::to_f64),
-        })
-    };
-    // SAFETY: by this function's contract.
-    unsafe { hits.write_all(rays.iter().map(trace)) };
+    let [first, ..] = rays else { return Ok(()) };
+    if rays.len() == 1 {
+        // SAFETY: by this function's contract.
+        unsafe { hits.write(hit_of(&tracer.nearest_hit(&ray_of(first)))) };
+        return Ok(());
+    }
+    let (mut chunk, mut found) = ([ray_of(first); RAYS_AT_ONCE], [None; RAYS_AT_ONCE]);
+    for (number, rays) in rays.chunks(RAYS_AT_ONCE).enumerate() {
+        let (chunk, found) = (&mut chunk[..rays.len()], &mut found[..rays.len()]);
+        chunk.iter_mut().zip(rays).for_each(|(place, ray)| *place = ray_of(ray));
+        tracer.nearest_hits_into(chunk, found);
+        // SAFETY: by this function's contract.
+        unsafe { hits.write_from(number * RAYS_AT_ONCE, found.iter().map(hit_of)) };
+    }
     Ok(())
 }
 
+fn ray_of<T: Scalar>(ray: &rayc_ray) -> Ray<T> {
+    let vector = |v: [f64; 3]| Vector3::from(v.map(T::of));
+    Ray { origin: vector(ray.origin), direction: vector(ray.direction), t_max: T::of(ray.t_max) }
+}
+
+fn hit_of<T: Scalar>(hit: &Option<Hit<T>>) -> rayc_hit {
+    let miss = rayc_hit { triangle: RAYC_NO_TRIANGLE, is_exit: 0, t: 0.0, weights: [0.0; 3] };
+    hit.map_or(miss, |hit| rayc_hit {
+        triangle: hit.triangle,
+        is_exit: u32::from(hit.is_exit),
+        t: hit.t.to_f64(),
+        weights: hit.weights.map(T::to_f64),
+    })
+}
+
 fn check_ray<T: Scalar>(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
+    let ([x, y, z], [u, v, w], zero) = (ray.origin.map(T::of), ray.direction.map(T::of), T::zero());
+    // NaN where one of them is not finite in the mesh's precision.
+    let nothing = zero * x + zero * y + zero * z + zero * u + zero * v + zero * w;
+    if nothing == zero && u.abs() + v.abs() + w.abs() > zero && ray.t_max >= 0.0 {
+        return Ok(());
+    }
     check_numbers::<T>(&ray.origin, format_args!("ray {index}: its origin"))?;
     check_numbers::<T>(&ray.direction, format_args!("ray {index}: its direction"))?;
     let failure = |what: &str| Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, text!("ray {index}: {what}")));
@@ -197,4 +223,53 @@ fn check_ray<T: Scalar>(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
         return failure("t_max is negative or NaN; give it ≥ 0, or infinity");
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::octree::test_mesh::{torus_positions, torus_triangles};
+
+    const SIDES: [u32; 2] = [40, 16];
+
+    /// Rays through the torus from far away, neighbours first, then from anywhere to anywhere.
+    fn rays(count: usize) -> Vec<rayc_ray> {
+        let points = torus_positions(SIDES, 1);
+        let ray = |number: usize| {
+            let (target, other) = (points[number % 600], points[number * 389 % 600]);
+            let origin = if number < count / 2 { [4.0, -6.0, 5.0] } else { other };
+            let direction = [0, 1, 2].map(|axis| target[axis] * 0.99 - origin[axis]);
+            rayc_ray { origin, direction, t_max: if number.is_multiple_of(3) { 0.97 } else { f64::INFINITY } }
+        };
+        (0..count).map(ray).collect()
+    }
+
+    fn assert_as_every_triangle<T: Scalar>(count: usize) {
+        let positions: Vec<_> = torus_positions(SIDES, 1).into_iter().map(|point| point.map(T::of)).collect();
+        let mesh = Mesh::<T>::new(&positions, &torus_triangles(SIDES)).expect("it is closed");
+        let octree = Octree::new(&mesh);
+        let tracer = octree.tracer(&mesh).expect("it is new");
+        let rays = rays(count);
+        let mut hits = vec![hit_of::<T>(&None); count];
+        // SAFETY: there is a hit for each ray.
+        unsafe {
+            let place = Output::array(hits.as_mut_ptr(), count, "hits").expect("it is not NULL");
+            trace_into(&octree, &mesh, &rays, place).expect("all is good");
+        }
+        let numbers = |hit: &rayc_hit| (hit.triangle, hit.is_exit, hit.t.to_bits(), hit.weights.map(f64::to_bits));
+        for (ray, hit) in rays.iter().zip(&hits) {
+            assert_eq!(numbers(hit), numbers(&hit_of(&tracer.nearest_hit_of_all(&ray_of::<T>(ray)))), "of {count}");
+        }
+        let met = hits.iter().filter(|hit| hit.triangle != RAYC_NO_TRIANGLE).count();
+        assert!(count < 9 || (count / 4..count).contains(&met), "{met} of {count} meet the torus");
+    }
+
+    #[test]
+    fn rays_together_and_alone_have_the_hits_of_every_triangle() {
+        // One ray, a part of a packet, and chunks with rests of either kind.
+        for count in [0, 1, 2, 16, 9, RAYS_AT_ONCE, 3 * RAYS_AT_ONCE + 21] {
+            assert_as_every_triangle::<f64>(count);
+            assert_as_every_triangle::<f32>(count);
+        }
+    }
 }

@@ -57,9 +57,18 @@ impl<V> Output<V> {
     /// # Safety
     /// The pointer is writable for as many values as `values` yields.
     pub(super) unsafe fn write_all(self, values: impl Iterator<Item = V>) {
+        // SAFETY: by this function's contract.
+        unsafe { self.write_from(0, values) }
+    }
+
+    /// The same from a place on.
+    ///
+    /// # Safety
+    /// The pointer is writable for `first` values and as many more as `values` yields.
+    pub(super) unsafe fn write_from(&self, first: usize, values: impl Iterator<Item = V>) {
         for (index, value) in values.enumerate() {
             // SAFETY: by this function's contract.
-            unsafe { self.0.add(index).write(value) }
+            unsafe { self.0.add(first + index).write(value) }
         }
     }
 }

@@ -21,9 +21,22 @@ impl<'a, T: Scalar> OrderInSpace<'a, T> {
         let (positions, triangles) = (mesh.reference_positions(), mesh.topology().triangles());
         let ranks = ranks(positions);
         let sorted = |corners: &[u32; 3]| first_rank_first(*corners, &ranks).map(|vertex| ranks[vertex as usize]);
-        let mut keys = memory::listed(triangles.iter().zip(0u32..).map(|(corners, number)| (sorted(corners), number)));
-        keys.sort_unstable();
-        let order = memory::listed(keys.iter().map(|&(_, triangle)| triangle));
+        let keys = memory::listed(triangles.iter().map(sorted));
+        // Two on average begin at the same corner: counted first, few are left to be sorted.
+        let mut ends = memory::filled(0u32, positions.len() + 1);
+        keys.iter().for_each(|key| ends[key[0] as usize + 1] += 1);
+        (1..ends.len()).for_each(|rank| ends[rank] += ends[rank - 1]);
+        let mut order = memory::filled(0, triangles.len());
+        for (key, number) in keys.iter().zip(0u32..) {
+            let end = &mut ends[key[0] as usize];
+            order[*end as usize] = number;
+            *end += 1;
+        }
+        let mut start = 0;
+        for &end in &ends[..positions.len()] {
+            order[start..end as usize].sort_unstable_by_key(|&number| (keys[number as usize], number));
+            start = end as usize;
+        }
         Self { positions, triangles, ranks, order }
     }
 

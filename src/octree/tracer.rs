@@ -34,6 +34,9 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// The first hit along the ray; at equal `t` the triangle with the smallest index. With the watertight test it is
     /// the same to the bit as [`nearest_hit_of_all`](Self::nearest_hit_of_all).
     pub fn nearest_hit(&self, ray: &Ray<T>) -> Option<Hit<T>> {
+        if let (Cells::Wide(cells), TriangleTest::Watertight) = (self.cells, self.test) {
+            return cells.nearest_of_ray(self.mesh, ray);
+        }
         let prepared = PreparedRay::new(ray, self.test);
         let mut nearest = None;
         self.visit(ray, &prepared, &mut |triangle| {
@@ -80,6 +83,11 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     pub fn nearest_hits(&self, rays: &[Ray<T>], hits: &mut Vec<Option<Hit<T>>>) {
         hits.clear();
         hits.room_for(rays.len()).resize(rays.len(), None);
+        self.nearest_hits_into(rays, hits);
+    }
+
+    /// [`nearest_hits`](Self::nearest_hits) into a place for each ray.
+    pub(crate) fn nearest_hits_into(&self, rays: &[Ray<T>], hits: &mut [Option<Hit<T>>]) {
         dispatch::<T, _>(NearestHits { tracer: self, rays, hits });
     }
 
@@ -187,9 +195,16 @@ impl<T: Scalar> Kernel<T> for NearestHits<'_, '_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
+        let Tracer { cells, mesh, test, .. } = self.tracer;
+        if let (Cells::Wide(cells), TriangleTest::Watertight, false) = (cells, test, L::PACKETS_PAY) {
+            for (ray, hit) in self.rays.iter().zip(self.hits) {
+                *hit = cells.nearest_of_ray_on::<L>(mesh, ray);
+            }
+            return;
+        }
         let (mut packet, mut list, mut found) = (RayPacket::empty(), Candidates::new(), PacketHits::empty());
         for (rays, hits) in self.rays.chunks(LANE_COUNT).zip(self.hits.chunks_mut(LANE_COUNT)) {
-            packet.set(rays);
+            packet.set_rays::<L>(rays);
             self.tracer.nearest_of_packet::<L>(&packet, &mut list, &mut found);
             for (lane, hit) in hits.iter_mut().enumerate() {
                 *hit = found.get(lane);

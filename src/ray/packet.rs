@@ -60,6 +60,33 @@ impl<T: Scalar> RayPacket<T> {
         }
     }
 
+    /// [`set`](Self::set) in all lanes at once, to the bit.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn set_rays<L: Lanes<T>>(&mut self, rays: &[Ray<T>]) {
+        self.present = ((1u32 << rays.len()) - 1) as Mask;
+        for lane in 0..LANE_COUNT {
+            // Lanes behind the last repeat it.
+            let ray = &rays[lane.min(rays.len() - 1)];
+            for axis in 0..3 {
+                self.origin[axis][lane] = ray.origin[axis];
+                self.direction[axis][lane] = ray.direction[axis];
+            }
+            self.t_max[lane] = ray.t_max;
+        }
+        let (origin, direction) = (Vectors::<T, L>::load(&self.origin), Vectors::load(&self.direction));
+        let one = L::splat(T::one());
+        let (ones, most) = (Vectors::new(one, one, one), Vectors::splat(&Vector3::repeat(T::LARGEST)));
+        if direction.magnitude().are_at_most(most) != Mask::MAX {
+            return self.set(rays);
+        }
+        ones.divided_by(direction).smaller(most).larger(most.negate()).store(&mut self.inverse);
+        let axes = MainAxes::new(direction);
+        self.axes = axes.places();
+        axes.turned(origin).store(&mut self.turned_origin);
+        let turned = axes.turned(direction);
+        Vectors::new(turned.x.div(turned.z), turned.y.div(turned.z), one.div(turned.z)).store(&mut self.shear);
+    }
+
     /// Makes rays from points along the opposite of their unit normals, each cut where it leaves the box: see
     /// [`Ray::exit_from`].
     #[cfg_attr(not(debug_assertions), inline(always))]

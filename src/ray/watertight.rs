@@ -16,6 +16,7 @@ pub struct ShearedRay<T: Scalar> {
 
 impl<T: Scalar> ShearedRay<T> {
     /// Shears `ray`. A direction that is zero or not finite meets nothing.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(ray: &Ray<T>) -> Self {
         // Zero makes the shear NaN; an infinite component would make it, and all t, zero.
         let d = if ray.direction.iter().all(|x| x.is_finite()) { ray.direction } else { Vector3::zeros() };
@@ -27,6 +28,7 @@ impl<T: Scalar> ShearedRay<T> {
         Self { origin, axes: axes as u8, shear }
     }
 
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn project(&self, corner: &Vector3<T>) -> Vector3<T> {
         let [x, y, z] = AXES[usize::from(self.axes)].map(usize::from);
         let from_origin = Vector3::new(corner[x], corner[y], corner[z]) - self.origin;
@@ -40,6 +42,7 @@ impl<T: Scalar> ShearedRay<T> {
     /// The hit on the triangle with these corners at `t` ≥ 0, from either side. A ray through an edge or a vertex
     /// shared by several triangles hits at least one of them. Where twice the triangle's area, as the ray sees it, is above the
     /// largest number (coordinates beyond about 10¹⁹ in `f32`, 10¹⁵⁴ in `f64`), there is none.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn intersect(&self, corners: &[Vector3<T>; 3], triangle: u32) -> Option<Hit<T>> {
         let a = self.project(&corners[0]);
         let b = self.project(&corners[1]);
@@ -98,6 +101,7 @@ fn side_of_moved_ray<T: Scalar>(p: &Vector3<T>, q: &Vector3<T>) -> i8 {
 /// So its sign is exact, zero included, and neighbours never both see a ray outside their shared edge. And the weights
 /// are as accurate as the projections, however thin the triangle looks: without the correction, `t` on a triangle seen
 /// nearly edge-on could be anywhere between its corners.
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn edge_function<T: Scalar>(p: &Vector3<T>, q: &Vector3<T>) -> T {
     let right = p.y * q.x;
     let right_error = (-p.y).mul_add(q.x, right);

@@ -43,6 +43,9 @@ pub(crate) type Mask = u16;
 
 /// Sixteen numbers.
 pub(crate) trait Lanes<T: RealField + Copy>: Copy {
+    /// Whether rays that a host gives together are traced sooner in packets than one by one.
+    const PACKETS_PAY: bool = true;
+
     fn splat(value: T) -> Self;
     fn load(from: &[T; LANE_COUNT]) -> Self;
     fn store(self, to: &mut [T; LANE_COUNT]);

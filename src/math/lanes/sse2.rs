@@ -17,6 +17,8 @@ pub struct SinglesSse2([__m128; 4]);
 pub struct DoublesSse2([__m128d; 8]);
 
 impl Lanes<f32> for SinglesSse2 {
+    const PACKETS_PAY: bool = false;
+
     register_by_register!(
         f32,
         [0, 1, 2, 3],
@@ -162,6 +164,8 @@ impl SinglesSse2 {
 }
 
 impl Lanes<f64> for DoublesSse2 {
+    const PACKETS_PAY: bool = false;
+
     register_by_register!(
         f64,
         [0, 1, 2, 3, 4, 5, 6, 7],

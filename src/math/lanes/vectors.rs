@@ -108,6 +108,12 @@ impl<T: Scalar, L: Lanes<T>> Vectors<T, L> {
         Self::new(self.x.div(divisor), self.y.div(divisor), self.z.div(divisor))
     }
 
+    /// The quotients of the coordinates.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn divided_by(self, other: Self) -> Self {
+        Self::new(self.x.div(other.x), self.y.div(other.y), self.z.div(other.z))
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn negate(self) -> Self {
         Self::new(self.x.negate(), self.y.negate(), self.z.negate())

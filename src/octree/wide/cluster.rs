@@ -2,6 +2,7 @@ use super::tile::TILE_SIZE;
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
 use crate::mesh::{Mesh, OrderInSpace, Topology};
+use std::mem;
 
 /// Cuts the surface, at its reference positions, into tiles: each grows from a seed over shared edges until it has 16
 /// triangles or would have more than 16 vertices. Which neighbour is next: the one that adds the fewest vertices, then the
@@ -17,7 +18,9 @@ pub(super) fn cluster<T: Scalar>(mesh: &Mesh<T>) -> Vec<Vec<u32>> {
     };
     let centres = memory::listed((0..count as u32).map(centre));
     let (topology, places) = (mesh.topology(), in_space.places());
-    let mut growth = Growth { topology, centres, places, taken: memory::filled(false, count), seeds: Vec::new() };
+    let taken = memory::filled(false, count);
+    let mut growth =
+        Growth { topology, centres, places, taken, seeds: Vec::new(), vertices: Vec::new(), border: Vec::new() };
     let mut tiles = memory::with_room(count / 12 + 1);
     for &first in &in_space.order {
         growth.seeds.room_for(1).push(first);
@@ -38,13 +41,19 @@ struct Growth<'a, T: Scalar> {
     places: Vec<u32>,
     taken: Vec<bool>,
     seeds: Vec<u32>,
+    /// Of the tile that grows.
+    vertices: Vec<u32>,
+    /// What it may grow by.
+    border: Vec<u32>,
 }
 
 impl<T: Scalar> Growth<'_, T> {
     fn grow(&mut self, seed: u32) -> Vec<u32> {
         let mut tile = memory::with_room(TILE_SIZE);
-        let mut vertices: Vec<u32> = memory::with_room(TILE_SIZE);
-        let mut border = memory::filled(seed, 1);
+        let (mut vertices, mut border) = (mem::take(&mut self.vertices), mem::take(&mut self.border));
+        vertices.clear();
+        border.clear();
+        border.room_for(1).push(seed);
         let mut sum = Vector3::zeros();
         while tile.len() < TILE_SIZE {
             let centre = sum / T::of((tile.len() as f64).max(1.0));
@@ -65,7 +74,8 @@ impl<T: Scalar> Growth<'_, T> {
             }
         }
         border.sort_unstable_by_key(|&triangle| self.places[triangle as usize]);
-        memory::append(&mut self.seeds, border);
+        memory::append(&mut self.seeds, border.iter().copied());
+        (self.vertices, self.border) = (vertices, border);
         tile
     }
 

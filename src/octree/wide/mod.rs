@@ -12,6 +12,7 @@ mod packet;
 mod refit;
 mod region;
 mod runs;
+mod single;
 mod slab;
 mod tile;
 mod trace;
@@ -22,11 +23,13 @@ use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
 use crate::octree::closest::Nearest;
-use crate::ray::{PreparedRay, Ray, RayPacket};
+use crate::ray::{Hit, PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
 use runs::Runs;
+use single::{FEW_NODES, FEW_WAITING, NearestOfRay};
 use slab::Slab;
 use tile::{Outline, TILE_SIZE, Tile};
+use trace::STACK_SIZE;
 
 pub(super) use near::NearTiles;
 pub(crate) use packet::{Candidates, PacketHits};
@@ -47,6 +50,8 @@ pub(super) struct Wide<T: Scalar> {
     runs: Runs<T>,
     /// Whether all boxes are the tightest.
     is_tight: bool,
+    /// Whether all tiles are loaded: known without a look at their outlines, which would come from far in memory.
+    is_loaded: bool,
 }
 
 impl<T: Scalar> Wide<T> {
@@ -64,7 +69,7 @@ impl<T: Scalar> Wide<T> {
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
         let runs = Runs::new(mesh, &nodes, &outlines);
         let slabs = memory::filled(Slab::endless(), tiles.len());
-        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, is_tight: false };
+        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, is_tight: false, is_loaded: false };
         wide.refit(mesh, None);
         wide.load(mesh, None, true);
         wide
@@ -73,6 +78,7 @@ impl<T: Scalar> Wide<T> {
     /// Follows the mesh to its present positions; no tile is loaded then.
     /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
     pub(super) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
+        self.is_loaded = false;
         crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions });
     }
 
@@ -83,6 +89,7 @@ impl<T: Scalar> Wide<T> {
     /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their slabs too.
     pub(super) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>, for_distances: bool) {
         crate::math::dispatch::<T, _>(refit::Load { cells: self, mesh, tiles, for_distances });
+        self.is_loaded |= tiles.is_none();
     }
 
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned.
@@ -94,6 +101,25 @@ impl<T: Scalar> Wide<T> {
         visitor: &mut impl FnMut(u32) -> T,
     ) {
         crate::math::dispatch::<T, _>(trace::Walk::new(self, ray, prepared, mesh, visitor));
+    }
+
+    /// Where a ray first meets the mesh.
+    pub(super) fn nearest_of_ray(&self, mesh: &Mesh<T>, ray: &Ray<T>) -> Option<Hit<T>> {
+        if self.nodes.len() <= FEW_NODES {
+            crate::math::dispatch::<T, _>(NearestOfRay::<T, FEW_WAITING> { cells: self, mesh, ray })
+        } else {
+            crate::math::dispatch::<T, _>(NearestOfRay::<T, STACK_SIZE> { cells: self, mesh, ray })
+        }
+    }
+
+    /// The same on some lanes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn nearest_of_ray_on<L: Lanes<T>>(&self, mesh: &Mesh<T>, ray: &Ray<T>) -> Option<Hit<T>> {
+        if self.nodes.len() <= FEW_NODES {
+            L::outlined(NearestOfRay::<T, FEW_WAITING> { cells: self, mesh, ray })
+        } else {
+            L::outlined(NearestOfRay::<T, STACK_SIZE> { cells: self, mesh, ray })
+        }
     }
 
     /// Finds the triangle nearest to the point.

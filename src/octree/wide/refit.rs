@@ -94,12 +94,11 @@ impl<T: Scalar> Wide<T> {
         mesh: &Mesh<T>,
         room: &'a mut [[T; LANE_COUNT]; 3],
     ) -> &'a [[T; LANE_COUNT]; 3] {
-        let outline = &self.outlines[tile];
-        if outline.is_loaded {
+        if self.is_loaded || self.outlines[tile].is_loaded {
             return &self.tiles[tile].positions;
         }
         // Rays that leave the region for which tiles were loaded are few.
-        Vectors::<T, L>::gather(mesh.positions(), &outline.vertices).store(room);
+        Vectors::<T, L>::gather(mesh.positions(), &self.outlines[tile].vertices).store(room);
         room
     }
 }

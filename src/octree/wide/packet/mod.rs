@@ -14,7 +14,7 @@ pub(crate) use candidates::Candidates;
 use super::Wide;
 use super::leaving::Directions;
 use super::node::BoxLanes;
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::mesh::Mesh;
 use crate::ray::{Hit, RayPacket};
 use answer::{Answer, Hidden, Nearest};
@@ -116,11 +116,23 @@ fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         return;
     }
     let slabs = PacketSlabs::<T, L>::new(packet, mesh.aabb());
-    let around = slabs.box_around(packet, end, asked, mesh.aabb());
+    let mut around = slabs.box_around(packet, end, asked, mesh.aabb());
+    // Of rays of a host's, much may lie without, and then the box around them tells little.
+    if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
+        around = slabs.box_inside(packet, end, asked, mesh.aabb());
+    }
     let directions = Directions::<T, L>::new(packet, asked, &around);
     let around = BoxLanes::new(&around);
     let search = Search { cells, mesh, packet, asked, slabs, around, directions };
     if !lists::search(&search, list, answer) {
         L::outlined(Walk { search: &search, list, answer });
     }
+}
+
+/// Whether a box holds all of the mesh's, or much besides.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn reaches_out<T: Scalar>(around: &Aabb<T>, mesh_box: &Aabb<T>) -> bool {
+    let far = (mesh_box.upper - mesh_box.lower) * T::of(0.125);
+    let [lower, upper] = [mesh_box.lower - far, mesh_box.upper + far];
+    around == mesh_box || (0..3).any(|axis| around.lower[axis] < lower[axis] || upper[axis] < around.upper[axis])
 }

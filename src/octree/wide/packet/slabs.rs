@@ -44,13 +44,20 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
     /// Where the rays enter this box, and which of them meet it, not beyond its end.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn entering(&self, aabb: &Aabb<T>, end: L) -> (L, Mask) {
+        let (enters, leaves) = self.passing(aabb, end);
+        // A ray so short enters wherever it starts.
+        (L::select(self.meet_all, L::splat(T::zero()), enters), enters.is_at_most(leaves) | self.meet_all)
+    }
+
+    /// Where the rays enter this box, and where they leave it or end; of those that do not meet it, the first is beyond the
+    /// second.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn passing(&self, aabb: &Aabb<T>, end: L) -> (L, L) {
         let at_lower = Vectors::splat(&aabb.lower).times_add(self.inverse, self.offsets[0]);
         let at_upper = Vectors::splat(&aabb.upper).times_add(self.inverse, self.offsets[1]);
         let (enters, leaves) = (at_lower.smaller(at_upper), at_lower.larger(at_upper));
         let enters = enters.largest().larger(L::splat(T::zero()));
-        let leaves = leaves.x.smaller(leaves.y).smaller(leaves.z).smaller(end);
-        // A ray so short enters wherever it starts.
-        (L::select(self.meet_all, L::splat(T::zero()), enters), enters.is_at_most(leaves) | self.meet_all)
+        (enters, leaves.x.smaller(leaves.y).smaller(leaves.z).smaller(end))
     }
 
     /// The same, ray by ray.
@@ -73,21 +80,45 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         asked: Mask,
         mesh_box: &Aabb<T>,
     ) -> Aabb<T> {
-        let end = self.origin.add(Vectors::load(&packet.direction).scaled(L::load(end)));
+        self.box_between(packet, self.origin, L::load(end), asked).unwrap_or(*mesh_box)
+    }
+
+    /// The same of what lies in the mesh's box: smaller where rays come from far away, or go far.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn box_inside(
+        &self,
+        packet: &RayPacket<T>,
+        end: &[T; LANE_COUNT],
+        asked: Mask,
+        mesh_box: &Aabb<T>,
+    ) -> Aabb<T> {
+        let (enters, leaves) = self.passing(mesh_box, L::load(end));
+        let asked = asked & enters.is_at_most(leaves);
+        if asked & self.meet_all != 0 {
+            return *mesh_box;
+        }
+        let first = self.origin.add(Vectors::load(&packet.direction).scaled(enters));
+        self.box_between(packet, first, leaves, asked).unwrap_or(*mesh_box)
+    }
+
+    /// A box that holds the rays from these points to their ends, if those are finite.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn box_between(&self, packet: &RayPacket<T>, first: Vectors<T, L>, end: L, asked: Mask) -> Option<Aabb<T>> {
+        let end = self.origin.add(Vectors::load(&packet.direction).scaled(end));
         let is_finite = end.magnitude().are_at_most(Vectors::splat(&Vector3::repeat(T::LARGEST)));
         if asked & !is_finite != 0 {
-            return *mesh_box;
+            return None;
         }
         // The end is rounded as coarsely as its coordinates are.
         let largest = self.origin.magnitude().largest().larger(end.magnitude().largest());
         let grown = self.margin.add(largest.mul(L::splat(margins::margin(margins::END_POINT))));
         let grown = Vectors::new(grown, grown, grown);
-        let (lower, upper) = (self.origin.smaller(end).sub(grown), self.origin.larger(end).add(grown));
+        let (lower, upper) = (first.smaller(end).sub(grown), first.larger(end).add(grown));
         let endless = Vectors::splat(&Vector3::repeat(T::INFINITY));
-        Aabb {
+        Some(Aabb {
             lower: Vectors::select(asked, lower, endless).smallest_lanes(),
             upper: Vectors::select(asked, upper, endless.negate()).greatest_lanes(),
-        }
+        })
     }
 }
 

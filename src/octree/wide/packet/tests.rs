@@ -1,6 +1,8 @@
 use super::*;
 use crate::math::{Kernel, Vector3, on_every_path};
 use crate::octree::test_mesh::{torus_positions, torus_triangles};
+use crate::octree::wide::single::{FEW_WAITING, NearestOfRay};
+use crate::octree::wide::trace::STACK_SIZE;
 use crate::octree::{Octree, Tracer};
 use crate::ray::{PreparedRay, Ray, TriangleTest};
 
@@ -16,14 +18,17 @@ struct Asked<'a, T: Scalar> {
     most_listed: usize,
 }
 
+/// The hits of rays in packets, of rays one by one, and what is hidden.
+type Answers<T> = (Vec<Option<Hit<T>>>, Vec<Option<Hit<T>>>, Vec<bool>);
+
 impl<T: Scalar> Kernel<T> for Asked<'_, T> {
-    type Output = (Vec<Option<Hit<T>>>, Vec<bool>);
+    type Output = Answers<T>;
 
     fn run<L: Lanes<T>>(self) -> Self::Output {
         let (mut packet, mut list) = (RayPacket::empty(), Candidates::listing(self.most_listed));
         let (mut found, mut hits, mut all_hidden) = (PacketHits::empty(), Vec::new(), Vec::new());
         for (rays, touched) in self.rays.chunks(LANE_COUNT).zip(self.touched.chunks(LANE_COUNT)) {
-            packet.set(rays);
+            packet.set_rays::<L>(rays);
             nearest::<T, L>(self.cells, self.mesh, &packet, &mut list, &mut found);
             hits.extend((0..rays.len()).map(|lane| found.get(lane)));
             let mut all_touched = [[0; 3]; LANE_COUNT];
@@ -33,7 +38,10 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
             let hidden = hidden::<T, L>(self.cells, self.mesh, &packet, asked, &end, &all_touched, &mut list);
             all_hidden.extend((0..rays.len()).map(|lane| hidden >> lane & 1 == 1));
         }
-        (hits, all_hidden)
+        let few = |ray| NearestOfRay::<T, FEW_WAITING> { cells: self.cells, mesh: self.mesh, ray }.run::<L>();
+        let many = |ray| NearestOfRay::<T, STACK_SIZE> { cells: self.cells, mesh: self.mesh, ray }.run::<L>();
+        let alone = self.rays.iter().enumerate().map(|(i, ray)| if i.is_multiple_of(9) { many(ray) } else { few(ray) });
+        (hits, alone.collect(), all_hidden)
     }
 }
 
@@ -50,11 +58,11 @@ fn is_hidden<T: Scalar>(tracer: &Tracer<T>, ray: &Ray<T>, touched: &[u32; 3]) ->
 }
 
 /// Rays of neighbours through the torus, along its faces and past it; and of vertices that lie anywhere, whose packets the
-/// whole torus is in the box of. With ends everywhere, and without.
+/// whole torus is in the box of; and of an image of it, seen from far away. With ends everywhere, and without.
 fn rays<T: Scalar>(mesh: &Mesh<T>) -> (Vec<Ray<T>>, Vec<[u32; 3]>) {
     let count = mesh.positions().len() - 1;
     let (mut rays, mut touched) = (Vec::new(), Vec::new());
-    for number in 0..2 * count {
+    for number in 0..3 * count {
         let vertex = if number < count { number } else { number * 1009 % count };
         let position = mesh.positions()[vertex];
         let towards = mesh.positions()[(number * 389 + 17) % count];
@@ -72,6 +80,12 @@ fn rays<T: Scalar>(mesh: &Mesh<T>) -> (Vec<Ray<T>>, Vec<[u32; 3]>) {
             1 => position + inward * T::of(0.01),
             _ if number / 16 % 4 == 2 => position + Vector3::z() * T::of(2.0),
             _ => position + (towards - position) * T::of(0.2),
+        };
+        let (origin, direction) = if number < 2 * count {
+            (origin, direction)
+        } else {
+            let eye = Vector3::new(T::of(7.0), T::of(-9.0), T::of(4.0));
+            (eye, (position + inward * T::of(0.001) - eye) * T::of(0.25))
         };
         let t_max = T::of([f64::INFINITY, 1.0, 0.3, 5.0, 0.0][number / 7 % 5]);
         rays.push(Ray { origin, direction, t_max });
@@ -93,10 +107,11 @@ fn assert_same_either_way<T: Scalar>() {
     assert!(hidden.iter().filter(|&&is_hidden| is_hidden).count() > 200 && hidden.contains(&false));
     for most_listed in [0, 1, 30, usize::MAX] {
         let asked = Asked { cells: &cells, mesh: &mesh, rays: &rays, touched: &touched, most_listed };
-        for (path, (hits, all_hidden)) in on_every_path::<T, _>(asked).into_iter().enumerate() {
+        for (path, (hits, single, all_hidden)) in on_every_path::<T, _>(asked).into_iter().enumerate() {
             for (place, ray) in rays.iter().enumerate() {
-                let found = (hits[place], all_hidden[place]);
-                assert_eq!(found, (expected[place], hidden[place]), "path {path}, listing {most_listed}: {ray:?}");
+                let found = (hits[place], single[place], all_hidden[place]);
+                let right = (expected[place], expected[place], hidden[place]);
+                assert_eq!(found, right, "path {path}, listing {most_listed}: {ray:?}");
             }
         }
     }

@@ -1,0 +1,109 @@
+//! Embree's rays, out of the shared library with the peers.
+
+use super::BodyView;
+use super::kinds::Ray;
+use std::ffi::{CString, OsStr, c_char, c_void};
+use std::mem::ManuallyDrop;
+
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// As Embree's `RTCRayHit`.
+#[repr(C, align(16))]
+#[derive(Clone, Copy)]
+pub struct RayHit {
+    origin: [f32; 3],
+    t_min: f32,
+    direction: [f32; 3],
+    time: f32,
+    /// Where it ends; after tracing where it hits.
+    pub t_max: f32,
+    mask: u32,
+    id: u32,
+    flags: u32,
+    normal: [f32; 3],
+    weights: [f32; 2],
+    pub triangle: u32,
+    geometry: u32,
+    instance: u32,
+}
+
+impl From<&Ray> for RayHit {
+    fn from(ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin,
+            t_min: 0.0,
+            direction: ray.direction,
+            time: 0.0,
+            t_max: f32::INFINITY,
+            mask: u32::MAX,
+            id: 0,
+            flags: 0,
+            normal: [0.0; 3],
+            weights: [0.0; 2],
+            triangle: NO_TRIANGLE,
+            geometry: NO_TRIANGLE,
+            instance: NO_TRIANGLE,
+        }
+    }
+}
+
+/// As `Way` in `peers/cpp/rays.cpp`.
+#[derive(Clone, Copy)]
+pub enum Way {
+    Single,
+    CoherentStream,
+    IncoherentStream,
+}
+
+type New = unsafe extern "C" fn(*const c_char, bool, *const BodyView) -> *mut c_void;
+type Trace = unsafe extern "C" fn(*const c_void, *mut RayHit, usize, u32);
+type Free = unsafe extern "C" fn(*mut c_void);
+
+pub struct Library {
+    new: New,
+    trace: Trace,
+    free: Free,
+}
+
+impl Library {
+    pub fn open(path: &OsStr) -> Result<Self, String> {
+        let failed = |error: libloading::Error| {
+            format!("cannot open the peers at {}: {error}; scripts/bench.sh builds them", path.display())
+        };
+        // SAFETY: the library is this package's own; its functions have the types above.
+        unsafe {
+            let library = ManuallyDrop::new(libloading::Library::new(path).map_err(failed)?);
+            Ok(Self {
+                new: *library.get::<New>(b"rays_new").map_err(failed)?,
+                trace: *library.get::<Trace>(b"rays_trace").map_err(failed)?,
+                free: *library.get::<Free>(b"rays_free").map_err(failed)?,
+            })
+        }
+    }
+}
+
+pub struct Surface<'a> {
+    library: &'a Library,
+    scene: *mut c_void,
+}
+
+impl<'a> Surface<'a> {
+    /// The view must stay good.
+    pub fn new(library: &'a Library, instructions: &str, refits: bool, view: &BodyView) -> Self {
+        let terminated = CString::new(instructions).expect("names hold no zero");
+        // SAFETY: the view is good.
+        Self { library, scene: unsafe { (library.new)(terminated.as_ptr(), refits, view) } }
+    }
+
+    pub fn trace(&self, rays: &mut [RayHit], way: Way) {
+        // SAFETY: the scene lives.
+        unsafe { (self.library.trace)(self.scene, rays.as_mut_ptr(), rays.len(), way as u32) }
+    }
+}
+
+impl Drop for Surface<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the scene lives, and ends here.
+        unsafe { (self.library.free)(self.scene) }
+    }
+}
