@@ -164,16 +164,25 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Positions in the scene and the contacts there, at the end of the course of the last velocities ahead.
     fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
-        let Self { bodies, buffers, contacts, .. } = self;
+        let Self { bodies, buffers, contacts, half_spaces, .. } = self;
+        let course = buffers.course(time);
         for body in &mut *bodies {
             let number = body.number;
-            let vertices = scene.mesh(number).map_or(0, |mesh| mesh.positions().len());
-            body.fill_positions(vertices, &buffers.course(time)).map_err(|vertex| SystemError::Mesh {
+            // Half-spaces ask for all vertices of what can move.
+            let is_asked = body.is_movable() && !half_spaces.is_empty();
+            if !is_asked && body.pose(&course).is_some_and(|pose| scene.may_follow(number, &pose)) {
+                continue;
+            }
+            let vertices = scene.mesh(number).map_or(0, |mesh| mesh.topology().vertex_count());
+            body.fill_positions(vertices, &course).map_err(|vertex| SystemError::Mesh {
                 body: number,
                 source: MeshError::NotFinite { vertex, is_renewal: true },
             })?;
         }
         for body in &*bodies {
+            if body.pose(&course).is_some_and(|pose| scene.follow(body.number, &pose)) {
+                continue;
+            }
             let mesh = scene.mesh_mut(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
             let placed = mesh.set_positions(&body.positions);
             placed.map_err(|source| SystemError::Mesh { body: body.number, source })?;
@@ -250,7 +259,7 @@ impl<T: Scalar> ContactSystem<T> {
         }
         for body in &self.bodies {
             let mesh = scene.mesh(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
-            let (given, expected) = (mesh.positions().len(), body.vertex_count());
+            let (given, expected) = (mesh.topology().vertex_count(), body.vertex_count());
             if given != expected {
                 return Err(SystemError::WrongCount { what: "the body's mesh", given, expected });
             }
