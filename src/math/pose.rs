@@ -85,7 +85,7 @@ impl Pose {
         let matrix = nalgebra::Matrix3::from_fn(|row, column| rotation[row][column]);
         let by = (matrix * matrix.transpose() - nalgebra::Matrix3::identity()).norm();
         // Entries whose squares overflow too.
-        if !(by <= TOLERANCE) {
+        if by.is_nan() || by > TOLERANCE {
             return Err(PoseError::NotOrthonormal { by });
         }
         if matrix.determinant() < 0.0 { Err(PoseError::Mirrored) } else { Ok(()) }

@@ -48,7 +48,7 @@ pub(super) struct Wide<T: Scalar> {
     slabs: Vec<Slab<T>>,
     runs: Runs<T>,
     /// Where the mesh has been moved by a pose.
-    posed: Option<Posed<T>>,
+    posed: Option<Box<[Posed<T>; 1]>>,
     /// Whether all boxes are the tightest.
     is_tight: bool,
 }

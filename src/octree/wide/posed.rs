@@ -207,7 +207,7 @@ impl<T: Scalar> Kernel<T> for Place<'_, T> {
     fn run<L: Lanes<T>>(self) {
         let Self { cells, mesh, regions } = self;
         let Wide { nodes, outlines, posed, .. } = cells;
-        let Some(posed) = posed else { return };
+        let Some([posed]) = posed.as_deref_mut() else { return };
         let Some(pose) = posed.pose else { return };
         let mut visited = std::mem::take(&mut posed.visited);
         visited.clear();
@@ -256,11 +256,12 @@ impl<T: Scalar> Wide<T> {
     /// What is kept for poses, made when it is first asked for.
     fn posed_of(&mut self, mesh: &Mesh<T>) -> &mut Posed<T> {
         let Self { nodes, outlines, posed, tiles, .. } = self;
-        posed.get_or_insert_with(|| {
+        let [posed] = &mut **posed.get_or_insert_with(|| {
             let reference = mesh.reference_positions();
             let slabs = crate::math::dispatch::<T, _>(SlabsAtRest { tiles, outlines, reference });
-            Posed::new(nodes, outlines, slabs, reference)
-        })
+            memory::boxed(Posed::new(nodes, outlines, slabs, reference))
+        });
+        posed
     }
 
     /// Whether a pose leaves all coordinates within the precision for certain.
@@ -281,7 +282,7 @@ impl<T: Scalar> Wide<T> {
         }
         let Self { nodes, outlines, posed, .. } = self;
         let reference = mesh.reference_positions();
-        let posed = posed.as_mut()?;
+        let [posed] = posed.as_deref_mut()?;
         Some(crate::math::dispatch::<T, _>(Extent { posed, nodes, outlines, reference, pose }))
     }
 
@@ -289,7 +290,8 @@ impl<T: Scalar> Wide<T> {
     pub(in crate::octree) fn place_in(&mut self, mesh: &mut Mesh<T>, regions: &[Aabb<T>], is_new: bool) {
         let Some(&pose) = mesh.pose() else { return };
         self.posed_of(mesh);
-        let Self { nodes, outlines, posed: Some(posed), is_tight, .. } = self else { return };
+        let Self { nodes, outlines, posed, is_tight, .. } = self;
+        let Some([posed]) = posed.as_deref_mut() else { return };
         if posed.pose.is_none() {
             nodes.iter_mut().for_each(|node| node.is_placed = false);
             outlines.iter_mut().for_each(Outline::forget);
@@ -310,7 +312,7 @@ impl<T: Scalar> Wide<T> {
 
     /// The tree follows positions again: all boxes are about to be renewed.
     pub(super) fn leave_pose(&mut self) {
-        let Some(posed) = &mut self.posed else { return };
+        let Some([posed]) = self.posed.as_deref_mut() else { return };
         if posed.pose.take().is_some() {
             posed.placed.clear();
             for node in &mut self.nodes {
@@ -336,7 +338,7 @@ impl<T: Scalar> Wide<T> {
     #[cold]
     fn moved(&self, index: usize) -> Node<T> {
         let mut node = self.nodes[index].clone();
-        if let Some(posed) = &self.posed
+        if let Some([posed]) = self.posed.as_deref()
             && let Some(pose) = &posed.pose
         {
             posed.move_boxes(pose, index, &mut node);
