@@ -259,7 +259,7 @@ fn what_is_no_pose_changes_nothing() {
     ));
 }
 
-/// Coordinates so large that products overflow are refused, and those just below are moved.
+/// Next to the largest numbers; those beyond are refused in the test above, in single precision.
 #[test]
 fn huge_coordinates_move_as_far_as_the_precision_reaches() {
     let shape = shapes::torus(48, 24, 0.4).scaled(2f64.powi(505));
@@ -273,8 +273,6 @@ fn huge_coordinates_move_as_far_as_the_precision_reaches() {
         judge.set_positions(&moved(&shape, &pose)).expect("finite");
         assert_eq!((mesh.aabb(), mesh.positions()), (judge.aabb(), judge.positions()));
     }
-    let far = Pose { position: [f64::MAX; 3], ..Pose::IDENTITY };
-    assert!(matches!(scene.set_pose(0, &far), Err(SceneError::PoseBeyondRange { body: 0 })));
 }
 
 /// The same pose again counts as positions given again: it ends a step, and its contacts are the same.
