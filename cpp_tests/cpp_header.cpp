@@ -137,6 +137,9 @@ void a_scene_answers_as_the_c_functions_do() {
   scene.add(Mesh(vectors(a), faces));
   scene.add(Mesh(vectors(corners), faces));
   scene.set_positions(1, vectors(b));
+  const rayc_pose nowhere_else = {{0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  scene.set_pose(0, nowhere_else);
+  check_throws(RAYC_STATUS_UNKNOWN_BODY, "body 2", [&] { scene.set_pose(2, nowhere_else); });
   Contacts contacts;
   scene.query(contacts);
 

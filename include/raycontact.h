@@ -11,8 +11,8 @@
  * Handles are freed by the caller, by the rayc_…_destroy() of their type. Arrays stay the caller's; the library copies what
  * it needs and keeps no pointer to them. A call with a const handle only reads it and may run beside others that do.
  *
- * One step of a simulation: rayc_scene_set_positions() for each body that moved, rayc_scene_query(),
- * rayc_contacts_add_forces(), rayc_scene_advance().
+ * One step of a simulation: rayc_scene_set_positions() for each body that moved, or rayc_scene_set_pose() where it keeps its
+ * shape, rayc_scene_query(), rayc_contacts_add_forces(), rayc_scene_advance().
  *
  * Types stand before functions. The functions come in this order; most hosts need the first five groups alone:
  *
@@ -599,6 +599,25 @@ typedef struct rayc_vectors_mut {
    */
   uint32_t scalar;
 } rayc_vectors_mut;
+
+/**
+ * Where a body is that keeps its shape: a point p of it, in its own coordinates, is at rotation · p + position in the
+ * world's, both right-handed.
+ */
+typedef struct rayc_pose {
+  /**
+   * Where the origin of the body's own coordinates is, in the world's; in the scene's unit of length, finite.
+   */
+  double position[3];
+  /**
+   * The rows of the rotation matrix from the body's own coordinates to the world's; its columns are the body's axes as
+   * the world sees them. The rows are of unit length and at right angles to within 1e-6 (that is how far the matrix times
+   * its transpose may be from the identity, as the root of the sum of squares), and the determinant is 1, not −1. Of a
+   * unit quaternion w, x, y, z the rows are 1 − 2(y² + z²), 2(xy − wz), 2(xz + wy); 2(xy + wz), 1 − 2(x² + z²),
+   * 2(yz − wx); 2(xz − wy), 2(yz + wx), 1 − 2(x² + y²).
+   */
+  double rotation[3][3];
+} rayc_pose;
 
 /**
  * A point on a mesh's surface: the weighted sum of a triangle's vertices, with which it moves.
@@ -1320,6 +1339,31 @@ enum rayc_status rayc_scene_remove_body(struct rayc_scene *scene, uint32_t body)
 enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
                                           uint32_t body,
                                           const struct rayc_vectors *positions);
+
+/**
+ * Moves a body that keeps its shape, instead of rayc_scene_set_positions(). Its own coordinates are those of the positions
+ * with which its rayc_mesh was created; what positions the mesh or the body were given since does not count, nor does the
+ * last pose: poses are not added up. Any body may be moved so, and by positions again at any time; one that has been
+ * deformed has its first shape back.
+ *
+ * No vertex is copied: the body's tree stays as it is, and a query moves only what lies where the body meets others. So a
+ * step costs what the overlap costs, however many vertices there are. What it takes once, at a body's first pose, is the
+ * time of a few copies. Bodies that are given neither pose nor positions, and those that get the same pose again, cost
+ * nothing; a body whose contacts with itself are switched on is moved as a whole, as by positions.
+ *
+ * Contacts are the same, to the bit, as with rayc_scene_set_positions() where coordinate k of each vertex is
+ * rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k], in double precision, each product and sum
+ * rounded, added from left to right; in a scene of single precision x, y, z are the mesh's coordinates in that precision and
+ * the sum is rounded once more. As new positions do, it makes what the last query found old, and ends a step
+ * where rayc_scene_advance() is not used. Contacts, forces and boxes are in the world's coordinates.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY; RAYC_STATUS_NOT_FINITE where a number of the pose is not; RAYC_STATUS_INVALID_DIRECTION
+ * where the rotation is no rotation matrix, or mirrors; RAYC_STATUS_MESH_BEYOND_RANGE where the body might reach beyond the
+ * largest number of the scene's precision. The body is then where it was.
+ */
+enum rayc_status rayc_scene_set_pose(struct rayc_scene *scene,
+                                     uint32_t body,
+                                     const struct rayc_pose *pose);
 
 /**
  * Sets how contacts are found from the next query on. options: NULL for the defaults.

@@ -7,6 +7,7 @@ use common::c::RAYC_STATUS_OK;
 use common::shapes::{self, Shape};
 use raycontact::capi::*;
 use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
+use raycontact::math::Pose;
 use raycontact::octree::{Layout, Octree};
 use raycontact::scene::Scene;
 use raycontact::system::{Carriers, ContactSystem, Material, Motion, RigidUnknowns};
@@ -107,6 +108,34 @@ fn check_steady_steps(mut scene: Scene<f64>, bodies: usize, torus: &Shape) {
             scene.query(&mut contacts);
         });
         assert!(step < 4 || allocations.count_total == 0, "step {step}: {allocations:?}");
+    }
+    assert!(!contacts.is_empty());
+}
+
+/// Moved by poses, and by positions in between.
+#[test]
+fn a_steady_step_of_rigid_bodies_allocates_nothing() {
+    let torus = shapes::torus(64, 32, 0.4);
+    let mut scene = Scene::new(1).expect("no thread is started");
+    for k in 0..3 {
+        scene.add(torus.moved([0.0, 0.1, 0.6 * f64::from(k)]).mesh());
+    }
+    let mut contacts = ContactList::default();
+    for step in 0..24 {
+        let (sin, cos) = [0.0, 0.1, 0.2, 0.1][step % 4].sin_cos();
+        let rotation = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
+        let pose = Pose { position: [0.1 * sin, 0.0, 0.0], rotation };
+        let positions = moved(&torus, step);
+        let allocations = measure(|| {
+            scene.set_pose(0, &pose).expect("it is a pose");
+            if step % 8 == 7 {
+                scene.mesh_mut(1).expect("body 1 is there").set_positions(&positions).expect("positions are finite");
+            } else {
+                scene.set_pose(1, &pose).expect("it is a pose");
+            }
+            scene.query(&mut contacts);
+        });
+        assert!(step < 9 || allocations.count_total == 0, "step {step}: {allocations:?}");
     }
     assert!(!contacts.is_empty());
 }

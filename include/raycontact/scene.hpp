@@ -136,6 +136,9 @@ class Scene {
     return check(rayc_scene_set_positions(get(), body, &positions));
   }
 
+  /** Moves a body that keeps its shape, by a pose from its mesh's first positions: rayc_scene_set_pose(). */
+  Outcome<void> set_pose(uint32_t body, const rayc_pose& pose) { return check(rayc_scene_set_pose(get(), body, &pose)); }
+
   /** Switches contacts of a body with itself on or off; they have colliding = collided. Off for a new body. */
   Outcome<void> set_self_collision(uint32_t body, bool is_on) {
     return check(rayc_scene_set_self_collision(get(), body, is_on));

@@ -22,6 +22,14 @@ def pointer(array: NDArray[Any]) -> Any:
     return ffi.cast("void *", array.__array_interface__["data"][0])
 
 
+def numbers(given: ArrayLike, name: str, count: Optional[int] = None) -> NDArray[np.float64]:
+    """Packed doubles in any shape; used where they lie if they are so already."""
+    array = np.ascontiguousarray(given, np.float64)
+    if count not in (None, array.size):
+        raise ValueError(f"{name} has {array.size} numbers; give {count}")
+    return array
+
+
 def copied(kind: str, count: int, function: Any, *arguments: Any) -> NDArray[Any]:
     """`count` structs that a call copies to its last argument."""
     array = np.empty(count, DTYPES[kind])

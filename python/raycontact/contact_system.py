@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import pointer
+from ._arrays import numbers, pointer
 from ._ffi import ffi
 from ._header import ContactSystemOptions
 from ._library import NULL, answer, check, create, library, options
@@ -41,14 +41,6 @@ class Material(NamedTuple):
     def given(self) -> Any:
         """The C struct."""
         return ffi.new("rayc_material *", (ffi.sizeof("rayc_material"), *self))
-
-
-def numbers(given: ArrayLike, name: str, count: Optional[int] = None) -> NDArray[np.float64]:
-    """Packed doubles in any shape; used where they lie if they are so already."""
-    array = np.ascontiguousarray(given, np.float64)
-    if count not in (None, array.size):
-        raise ValueError(f"{name} has {array.size} numbers; give {count}")
-    return array
 
 
 def added_to(given: Any, name: str) -> NDArray[np.float64]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Optional
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import Vectors, copied
+from ._arrays import Vectors, copied, numbers, pointer
 from ._ffi import ffi
 from ._header import DetectionOptions, SceneOptions
 from ._library import DTYPES, answer, check, create, library, options
@@ -40,6 +41,13 @@ class Scene:
         """Renews the positions of a body's vertices: (n, 3), in m. Where that raises Error, the old ones stay."""
         vectors = Vectors(positions, "positions")
         check(library.rayc_scene_set_positions(self._handle, body, vectors.struct))
+
+    def set_pose(self, body: int, position: ArrayLike, rotation: ArrayLike) -> None:
+        """Moves a body that keeps its shape: a point p of its mesh as it was created is at rotation @ p + position, (3, 3)
+        and (3,), in m. Costs no more than where it meets others. Where that raises Error, it stays where it was."""
+        given = (("position", 3, position), ("rotation", 9, rotation))
+        packed = np.concatenate([numbers(array, name, size).ravel() for name, size, array in given])
+        check(library.rayc_scene_set_pose(self._handle, body, ffi.cast("rayc_pose *", pointer(packed))))
 
     def set_detection_options(self, **detection: Unpack[DetectionOptions]) -> None:
         """Sets how contacts are found from the next query on; what is not given becomes the default."""

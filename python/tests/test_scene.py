@@ -52,6 +52,37 @@ def test_the_same_positions_have_the_same_contacts():
     assert len(first)
 
 
+@pytest.mark.parametrize("precision", [Scalar.F32, Scalar.F64])
+def test_poses_are_positions(precision):
+    points, triangles = torus()
+    rotation, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
+    rotation *= np.sign(np.linalg.det(rotation))
+    scenes = [Scene(precision=precision) for _ in range(2)]
+    for scene in scenes:
+        for _ in range(2):
+            scene.add(Mesh(points, triangles, precision=precision))
+    for step in range(3):
+        position = np.array([0.3, 0.2 * step, 0.1])
+        scenes[0].set_pose(1, position, rotation)
+        # In the order of the sums that the header names.
+        x, y, z = points.astype(np.float32 if precision == Scalar.F32 else float).astype(float).T
+        moved = [((row[0] * x + row[1] * y) + row[2] * z) + p for row, p in zip(rotation, position)]
+        scenes[1].set_positions(1, np.transpose(moved))
+        by_pose, by_positions = (scene.query().to_array() for scene in scenes)
+        assert len(by_pose)
+        np.testing.assert_array_equal(by_pose, by_positions)
+    for position, turn, status in (
+        ([0, np.nan, 0], rotation, Status.NOT_FINITE),
+        ([0, 0, 0], -rotation, Status.INVALID_DIRECTION),
+        ([0, 0, 0], 2 * rotation, Status.INVALID_DIRECTION),
+    ):
+        with pytest.raises(Error) as error:
+            scenes[0].set_pose(1, position, turn)
+        assert error.value.status == status
+    with pytest.raises(ValueError, match="rotation has 4 numbers; give 9"):
+        scenes[0].set_pose(1, [0, 0, 0], np.eye(2))
+
+
 def test_switches_and_removal():
     scene = Scene()
     numbers = [scene.add(Mesh(*tetrahedron(shift))) for shift in (0, 0.1, 0.2)]

@@ -146,7 +146,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_deformable(
         material: Material,
     ) -> Result<(), Failure> {
         let (offsets, entries, nodes, weights) = table;
-        let vertices = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?.positions().len();
+        let vertices = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?.topology().vertex_count();
         let carriers = if offsets.is_null() && nodes.is_null() && weights.is_null() {
             Carriers::Nodes
         } else {

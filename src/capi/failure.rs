@@ -1,3 +1,4 @@
+use crate::math::PoseError;
 use crate::memory::text;
 use crate::mesh::{MeshError, ObjFileError, PackedMeshError};
 use crate::octree::OctreeError;
@@ -215,6 +216,11 @@ impl From<SceneError> for Failure {
             }
             SceneError::KeyTaken { .. } => Self::new(RAYC_STATUS_KEY_TAKEN, message),
             SceneError::PairMemory { .. } => Self::new(RAYC_STATUS_SAVED_STATE_BROKEN, message),
+            SceneError::Pose { source: PoseError::Position { .. } | PoseError::Rotation { .. }, .. } => {
+                Self::new(RAYC_STATUS_NOT_FINITE, message)
+            }
+            SceneError::Pose { .. } => Self::new(RAYC_STATUS_INVALID_DIRECTION, message),
+            SceneError::PoseBeyondRange { .. } => Self::new(RAYC_STATUS_MESH_BEYOND_RANGE, message),
             SceneError::SavedState(error) => Self::new(saved_state_status(error), message),
             SceneError::ThreadsNotStarted { .. } => Self::new(RAYC_STATUS_THREADS_NOT_STARTED, message),
         }

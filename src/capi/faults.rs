@@ -151,6 +151,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_scene_set_pair_memory(null_mut(), 0, null());
         rayc_scene_remove_body(null_mut(), 0);
         rayc_scene_set_positions(null_mut(), 0, null());
+        rayc_scene_set_pose(null_mut(), 0, null());
         rayc_scene_set_detection_options(null_mut(), null());
         rayc_scene_set_self_collision(null_mut(), 0, 0);
         rayc_scene_set_pair_collision(null_mut(), 0, 0, 0);

@@ -199,7 +199,7 @@ pub unsafe extern "C" fn rayc_mesh_copy_positions(
     positions: *const rayc_vectors_mut,
 ) -> rayc_status {
     fn copy<T: Scalar>(mesh: &Mesh<T>, to: &mut Strided) -> Result<(), Failure> {
-        check_count("positions", to.count(), mesh.positions().len())?;
+        check_count("positions", to.count(), mesh.topology().vertex_count())?;
         mesh.positions().iter().enumerate().for_each(|(vertex, position)| to.write(vertex, position));
         Ok(())
     }

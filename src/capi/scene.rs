@@ -7,7 +7,7 @@ use super::mesh::{AnyMesh, rayc_mesh, renew_positions};
 use super::options::{flag, rayc_detection_options, rayc_scene_options, read_options};
 use super::pointers::{Output, reference};
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
-use crate::math::Scalar;
+use crate::math::{Pose, Scalar};
 use crate::memory::{self, text};
 use crate::scene::Scene;
 use std::sync::Arc;
@@ -31,6 +31,21 @@ impl Handle for rayc_scene {
 pub(super) enum AnyScene {
     F32(Scene<f32>),
     F64(Scene<f64>),
+}
+
+/// Where a body is that keeps its shape: a point p of it, in its own coordinates, is at rotation · p + position in the
+/// world's, both right-handed.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_pose {
+    /// Where the origin of the body's own coordinates is, in the world's; in the scene's unit of length, finite.
+    pub position: [f64; 3],
+    /// The rows of the rotation matrix from the body's own coordinates to the world's; its columns are the body's axes as
+    /// the world sees them. The rows are of unit length and at right angles to within 1e-6 (that is how far the matrix times
+    /// its transpose may be from the identity, as the root of the sum of squares), and the determinant is 1, not −1. Of a
+    /// unit quaternion w, x, y, z the rows are 1 − 2(y² + z²), 2(xy − wz), 2(xz + wy); 2(xy + wz), 1 − 2(x² + z²),
+    /// 2(yz − wx); 2(xz − wy), 2(yz + wx), 1 − 2(x² + y²).
+    pub rotation: [[f64; 3]; 3],
 }
 
 /// More threads than any machine this runs on has cores are a mistake of the caller's.
@@ -187,6 +202,40 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
             AnyScene::F32(scene) => set(scene, body, &positions),
             AnyScene::F64(scene) => set(scene, body, &positions),
         }
+    })
+}
+
+/// Moves a body that keeps its shape, instead of rayc_scene_set_positions(). Its own coordinates are those of the positions
+/// with which its rayc_mesh was created; what positions the mesh or the body were given since does not count, nor does the
+/// last pose: poses are not added up. Any body may be moved so, and by positions again at any time; one that has been
+/// deformed has its first shape back.
+///
+/// No vertex is copied: the body's tree stays as it is, and a query moves only what lies where the body meets others. So a
+/// step costs what the overlap costs, however many vertices there are. What it takes once, at a body's first pose, is the
+/// time of a few copies. Bodies that are given neither pose nor positions, and those that get the same pose again, cost
+/// nothing; a body whose contacts with itself are switched on is moved as a whole, as by positions.
+///
+/// Contacts are the same, to the bit, as with rayc_scene_set_positions() where coordinate k of each vertex is
+/// rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k], in double precision, each product and sum
+/// rounded, added from left to right; in a scene of single precision x, y, z are the mesh's coordinates in that precision and
+/// the sum is rounded once more. As new positions do, it makes what the last query found old, and ends a step
+/// where rayc_scene_advance() is not used. Contacts, forces and boxes are in the world's coordinates.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY; RAYC_STATUS_NOT_FINITE where a number of the pose is not; RAYC_STATUS_INVALID_DIRECTION
+/// where the rotation is no rotation matrix, or mirrors; RAYC_STATUS_MESH_BEYOND_RANGE where the body might reach beyond the
+/// largest number of the scene's precision. The body is then where it was.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_set_pose(scene: *mut rayc_scene, body: u32, pose: *const rayc_pose) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut scene = changing(scene, "scene")?;
+        let rayc_pose { position, rotation } = *reference(pose, "pose")?;
+        let pose = Pose { position, rotation };
+        match &mut scene.scene {
+            AnyScene::F32(scene) => scene.set_pose(body, &pose)?,
+            AnyScene::F64(scene) => scene.set_pose(body, &pose)?,
+        }
+        Ok(())
     })
 }
 

@@ -69,7 +69,7 @@ impl<T: Scalar> Pair<'_, T> {
         [0, 1].into_iter().any(|side| {
             let (inner, outer) = (self.tracers[side].mesh(), self.tracers[1 - side].mesh());
             let vertex = inner.topology().surface_vertices()[0];
-            let ray = Ray::new(inner.positions()[vertex as usize], Vector3::z());
+            let ray = Ray::new(inner.position(vertex), Vector3::z());
             let may_contain = outer.aabb().intersection(inner.aabb()) == *inner.aabb();
             statistics.estimate_rays += u64::from(may_contain);
             may_contain && self.tracers[1 - side].nearest_hit(&ray).is_some_and(|hit| hit.is_exit)

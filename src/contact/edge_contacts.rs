@@ -19,7 +19,8 @@ impl<T: Scalar> Direction<'_, T> {
         workspace.clear();
         let (samples, rays) = (&mut workspace.samples, &mut workspace.rays);
         let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
-        for_each_inside_stretch(tracers, self.pair.region, &mut workspace.crossings, |sample| {
+        let lists = [&mut workspace.groups[self.side], &mut workspace.vertices];
+        for_each_inside_stretch(tracers, self.pair.region, lists, &mut workspace.crossings, |sample| {
             load.surface.add(&sample.normal, sample.area);
             rays.room_for(1).push(self.inward_ray(&sample));
             samples.room_for(1).push(sample);

@@ -7,19 +7,20 @@ use crate::ray::{Hit, Ray};
 
 /// Offers a sample in the middle of each stretch of an edge that lies inside the other mesh, where the edge pierces
 /// its surface: two surfaces cross if and only if an edge of one pierces a triangle of the other. Its normal is the
-/// mean of the two faces', its area their third, as far as the edge is inside.
+/// mean of the two faces', its area their third, as far as the edge is inside. The lists are room.
 pub(super) fn for_each_inside_stretch<T: Scalar>(
     tracers: [&Tracer<'_, T>; 2],
     region: &Aabb<T>,
+    [groups, vertices]: [&mut Vec<u32>; 2],
     crossings: &mut Vec<Hit<T>>,
     mut offer: impl FnMut(Sample<T>),
 ) {
     let mesh = tracers[0].mesh();
-    for edge in mesh.topology().edges() {
-        let [from, to] = edge.vertices.map(|vertex| mesh.positions()[vertex as usize]);
+    let mut look = |edge: &Edge| {
+        let [from, to] = edge.vertices.map(|vertex| mesh.position(vertex));
         let segment_box = Aabb { lower: from.inf(&to), upper: from.sup(&to) };
         if !segment_box.overlaps(region) {
-            continue;
+            return;
         }
         tracers[1].crossings(&Ray::new(from, to - from).until(T::one()), crossings);
         for_each_inside_interval(crossings, |start, end| {
@@ -27,6 +28,16 @@ pub(super) fn for_each_inside_stretch<T: Scalar>(
                 offer(sample);
             }
         });
+    };
+    let edges = mesh.topology().edges();
+    if !tracers[0].list_vertices_near(region, groups, vertices) {
+        return edges.iter().for_each(look);
+    }
+    // In the same order: edges are in that of their vertices.
+    let mut left = edges;
+    for &vertex in &*vertices {
+        left = &left[left.partition_point(|edge| edge.vertices[0] < vertex)..];
+        left.iter().take_while(|edge| edge.vertices[0] == vertex).for_each(&mut look);
     }
 }
 
@@ -57,7 +68,7 @@ fn for_each_inside_interval<T: Scalar>(crossings: &[Hit<T>], mut offer: impl FnM
 fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, start: T, end: T) -> Option<Sample<T>> {
     let half = T::of(0.5);
     let along = (start + end) * half;
-    let [from, to] = edge.vertices.map(|vertex| mesh.positions()[vertex as usize]);
+    let [from, to] = edge.vertices.map(|vertex| mesh.position(vertex));
     let scaled_normals = edge.triangles.map(|triangle| mesh.scaled_normal(triangle));
     let doubled_area = length(&scaled_normals[0]) + length(&scaled_normals[1]);
     let normal = direction(&(direction(&scaled_normals[0])? + direction(&scaled_normals[1])?))?;
@@ -135,7 +146,7 @@ mod tests {
         named.sort();
         corners.sort();
         assert_eq!(named, corners);
-        let weighted = (0..3).map(|i| mesh.positions()[sample.point.vertices[i] as usize] * sample.point.weights[i]);
+        let weighted = (0..3).map(|i| mesh.position(sample.point.vertices[i]) * sample.point.weights[i]);
         assert_eq!(weighted.sum::<Vector3<f64>>(), sample.point.position);
     }
 }

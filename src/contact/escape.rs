@@ -4,7 +4,7 @@
 
 use super::edges::for_each_inside_stretch;
 use super::pair::Pair;
-use super::sampler::for_each_sample;
+use super::sampler::for_each_sample_near;
 use super::samples::Sample;
 use super::workspace::Workspace;
 use super::{Contact, ContactKind, ContactList, EscapePush, Statistics, SurfacePoint};
@@ -138,11 +138,11 @@ fn inside_samples<T: Scalar>(
     workspace: &mut Workspace<T>,
     statistics: &mut Statistics,
 ) {
-    let Workspace { samples, rays, .. } = workspace;
+    let Workspace { samples, rays, groups, vertices, .. } = workspace;
     samples.clear();
     rays.clear();
-    let mesh = pair.tracers[side].mesh();
-    for_each_sample(mesh, pair.region, pair.cutter(), |sample| {
+    let lists = [&mut groups[side], vertices];
+    for_each_sample_near(pair.tracers[side], pair.region, pair.cutter(), lists, |sample| {
         rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
         samples.room_for(1).push(sample);
     });
@@ -157,11 +157,11 @@ fn inside_stretches<T: Scalar>(
     workspace: &mut Workspace<T>,
     statistics: &mut Statistics,
 ) {
-    let Workspace { samples, rays, crossings, .. } = workspace;
+    let Workspace { samples, rays, crossings, groups, vertices, .. } = workspace;
     samples.clear();
     rays.clear();
     let tracers = [pair.tracers[side], pair.tracers[1 - side]];
-    for_each_inside_stretch(tracers, pair.region, crossings, |sample: Sample<T>| {
+    for_each_inside_stretch(tracers, pair.region, [&mut groups[side], vertices], crossings, |sample: Sample<T>| {
         rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
         samples.room_for(1).push(sample);
     });

@@ -37,7 +37,7 @@ impl<T: Scalar> EscapePush<T> {
             depth,
             area: contacts.iter().fold(T::zero(), |sum, contact| sum + contact.area),
             contact_count: contacts.len() as u32,
-            vertex_counts: meshes.map(|mesh| mesh.positions().len() as u32),
+            vertex_counts: meshes.map(|mesh| mesh.topology().vertex_count() as u32),
             centres: meshes.map(centre),
         }
     }
@@ -46,6 +46,7 @@ impl<T: Scalar> EscapePush<T> {
 /// Summed from the box's lower corner, so that a body far from the origin loses nothing.
 fn centre<T: Scalar>(mesh: &Mesh<T>) -> Vector3<T> {
     let base = mesh.aabb().lower;
-    let sum = mesh.positions().iter().fold(Vector3::zeros(), |sum, position| sum + (position - base));
-    base + sum / T::of(mesh.positions().len() as f64)
+    let count = mesh.topology().vertex_count();
+    let sum = (0..count as u32).fold(Vector3::zeros(), |sum, vertex| sum + (mesh.position(vertex) - base));
+    base + sum / T::of(count as f64)
 }

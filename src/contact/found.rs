@@ -114,9 +114,9 @@ pub(super) fn cosines<T: Scalar, L: Lanes<T>>(
         let [a, b, c] = collided.topology().triangles()[hits.triangle[lane] as usize];
         (vertices[0][lane], vertices[1][lane], vertices[2][lane]) = (a, b, c);
     }
-    let a = Vectors::<T, L>::gather(collided.positions(), &vertices[0]);
-    let b = Vectors::gather(collided.positions(), &vertices[1]);
-    let c = Vectors::gather(collided.positions(), &vertices[2]);
+    let a = collided.gather::<L>(&vertices[0]);
+    let b = collided.gather::<L>(&vertices[1]);
+    let c = collided.gather::<L>(&vertices[2]);
     let scaled = b.sub(a).cross(c.sub(a));
     let square = scaled.dot(scaled);
     let along = scaled.dot(Vectors::load(&packet.direction)).div(square.sqrt());

@@ -53,5 +53,5 @@ pub(super) fn vertex_point<T: Scalar>(mesh: &Mesh<T>, vertex: u32) -> SurfacePoi
     let (triangle, ring) = (topology.triangles_around(vertex)[0], topology.ring(vertex));
     let vertices = [vertex, ring[0], ring[1]];
     let weights = [T::one(), T::zero(), T::zero()];
-    SurfacePoint { triangle, vertices, weights, position: mesh.positions()[vertex as usize] }
+    SurfacePoint { triangle, vertices, weights, position: mesh.position(vertex) }
 }

@@ -8,6 +8,7 @@ mod order;
 mod orientation;
 mod packed;
 mod patches;
+mod posed;
 mod roundness;
 mod standing;
 mod survey;
@@ -29,7 +30,7 @@ use survey::{Numbered, Survey};
 use topology::RING_LENGTH;
 pub use topology::{Border, Edge, Topology};
 
-use crate::math::{Aabb, LANE_COUNT, Scalar, Vector3, dispatch};
+use crate::math::{Aabb, LANE_COUNT, Pose, Scalar, Vector3, dispatch};
 use crate::memory;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -43,9 +44,16 @@ use std::sync::{Arc, OnceLock};
 #[derive(Debug)]
 pub struct Mesh<T: Scalar> {
     topology: Arc<Topology>,
+    /// Under a pose those of vertices that are not placed are NaN.
     positions: Vec<Vector3<T>>,
     aabb: Aabb<T>,
     stamp: u64,
+    /// Where the reference positions are moved by one.
+    pose: Option<Pose>,
+    /// The vertices placed since the pose was set.
+    placed: Vec<u32>,
+    /// All positions under the pose, where somebody has asked for them.
+    all: OnceLock<Vec<Vector3<T>>>,
     /// The same for clones.
     reference: Arc<Reference<T>>,
 }
@@ -61,15 +69,23 @@ struct Reference<T: Scalar> {
 
 impl<T: Scalar> Clone for Mesh<T> {
     fn clone(&self) -> Self {
-        let Self { topology, positions, aabb, stamp, reference } = self;
         Self {
-            topology: topology.clone(),
-            positions: memory::listed(positions.iter().copied()),
-            aabb: *aabb,
-            stamp: *stamp,
-            reference: reference.clone(),
+            topology: self.topology.clone(),
+            positions: memory::listed(self.positions().iter().copied()),
+            aabb: self.aabb,
+            stamp: self.stamp,
+            pose: None,
+            placed: Vec::new(),
+            all: OnceLock::new(),
+            reference: self.reference.clone(),
         }
     }
+}
+
+/// A number that no positions have yet.
+pub(crate) fn next_stamp() -> u64 {
+    static NEXT_STAMP: AtomicU64 = AtomicU64::new(1);
+    NEXT_STAMP.fetch_add(1, Ordering::Relaxed)
 }
 
 /// A vertex normal and the surface its vertex stands for.
@@ -117,6 +133,9 @@ impl<T: Scalar> Mesh<T> {
             positions: memory::filled(Vector3::zeros(), positions.len()),
             aabb: Aabb::empty(),
             stamp: 0,
+            pose: None,
+            placed: Vec::new(),
+            all: OnceLock::new(),
             reference: memory::shared(Reference {
                 positions: reference,
                 patches: OnceLock::new(),
@@ -168,10 +187,11 @@ impl<T: Scalar> Mesh<T> {
         for (place, vertex) in rest.iter_mut().zip(count - count % LANE_COUNT..) {
             *place = positions.position(vertex).into();
         }
+        self.leave_pose();
         // Other vertices must not widen the surface's box.
         let is_whole = self.topology.surface_vertices().len() == count;
         self.aabb = if is_whole { aabb } else { self.surface_box() };
-        self.renew_stamp();
+        self.stamp = next_stamp();
         Ok(())
     }
 
@@ -181,11 +201,6 @@ impl<T: Scalar> Mesh<T> {
             aabb.include(&self.positions[vertex as usize]);
         }
         aabb
-    }
-
-    fn renew_stamp(&mut self) {
-        static NEXT_STAMP: AtomicU64 = AtomicU64::new(1);
-        self.stamp = NEXT_STAMP.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Its patches, by its reference positions; found when they are first asked for.
@@ -209,11 +224,6 @@ impl<T: Scalar> Mesh<T> {
         &self.topology
     }
 
-    /// The position of every vertex.
-    pub fn positions(&self) -> &[Vector3<T>] {
-        &self.positions
-    }
-
     /// The smallest box around the surface.
     pub fn aabb(&self) -> &Aabb<T> {
         &self.aabb
@@ -221,7 +231,7 @@ impl<T: Scalar> Mesh<T> {
 
     /// The three corners of a triangle.
     pub fn corners(&self, triangle: u32) -> [Vector3<T>; 3] {
-        self.topology.triangles()[triangle as usize].map(|vertex| self.positions[vertex as usize])
+        self.topology.triangles()[triangle as usize].map(|vertex| self.position(vertex))
     }
 
     /// Outward, as long as twice the triangle's area.
@@ -248,6 +258,11 @@ impl<T: Scalar> Mesh<T> {
     /// Tells these positions from all others, so that a stale octree is recognised.
     pub(crate) fn stamp(&self) -> u64 {
         self.stamp
+    }
+
+    /// The positions of vertices that are placed; those of others are NaN.
+    pub(crate) fn placed_positions(&self) -> &[Vector3<T>] {
+        &self.positions
     }
 
     pub(crate) fn shares_topology_with(&self, topology: &Arc<Topology>) -> bool {

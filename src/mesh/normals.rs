@@ -27,10 +27,10 @@ impl<T: Scalar> Mesh<T> {
     /// The normal at a vertex, from the positions of this step; `None` where the surrounding triangles have no area
     /// or cancel out.
     pub fn vertex_normal(&self, vertex: u32) -> Option<VertexNormal<T>> {
-        let base = self.positions()[vertex as usize];
+        let base = self.position(vertex);
         let (mut sum, mut doubled_area) = (Vector3::zeros(), T::zero());
         for pair in self.topology().ring(vertex).windows(2) {
-            let [a, b] = [pair[0], pair[1]].map(|other| self.positions()[other as usize] - base);
+            let [a, b] = [pair[0], pair[1]].map(|other| self.position(other) - base);
             let normal = a.cross(&b);
             sum += normal;
             doubled_area += length(&normal);
@@ -51,7 +51,7 @@ impl<T: Scalar> Mesh<T> {
         for (start, end) in starts.iter().zip(&ends) {
             longest = longest.max(end - start);
         }
-        let base = Vectors::<T, L>::gather(self.positions(), &own);
+        let base = self.gather::<L>(&own);
         base.store(&mut found.position);
         let zero = L::splat(T::zero());
         let (least, greatest) = (L::splat(T::SAFE_SQUARES.0), L::splat(T::SAFE_SQUARES.1));
@@ -68,7 +68,7 @@ impl<T: Scalar> Mesh<T> {
                     *other = *self.topology().ring(vertex).get(place).unwrap_or(&vertex);
                 }
             }
-            let edge = Vectors::gather(self.positions(), &others).sub(base);
+            let edge = self.gather::<L>(&others).sub(base);
             let has_length = zero.is_less(edge.magnitude().largest());
             let normal = before.cross(edge);
             let square = normal.dot(normal);
@@ -126,9 +126,9 @@ impl<T: Scalar> Mesh<T> {
             let [a, b, c] = self.topology().triangles()[triangle as usize];
             (vertices[0][lane], vertices[1][lane], vertices[2][lane]) = (a, b, c);
         }
-        let a = Vectors::<T, L>::gather(self.positions(), &vertices[0]);
-        let b = Vectors::gather(self.positions(), &vertices[1]);
-        let c = Vectors::gather(self.positions(), &vertices[2]);
+        let a = self.gather::<L>(&vertices[0]);
+        let b = self.gather::<L>(&vertices[1]);
+        let c = self.gather::<L>(&vertices[2]);
         a.store(&mut corners[0]);
         b.store(&mut corners[1]);
         c.store(&mut corners[2]);
@@ -153,7 +153,7 @@ impl<T: Scalar> Mesh<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn doubled_area_within<L: Lanes<T>>(&self, border: &[[u32; 2]]) -> Vector3<T> {
         let first = border[0][0];
-        let base = Vectors::<T, L>::splat(&self.positions()[first as usize]);
+        let base = Vectors::<T, L>::splat(&self.position(first));
         let mut sum = Vectors::<T, L>::zeros();
         for some in border.chunks(LANE_COUNT) {
             // Lanes beyond the last are sides of no length at the base.
@@ -161,7 +161,7 @@ impl<T: Scalar> Mesh<T> {
             for (lane, &[from, to]) in some.iter().enumerate() {
                 (ends[0][lane], ends[1][lane]) = (from, to);
             }
-            let [from, to] = ends.map(|ends| Vectors::gather(self.positions(), &ends).sub(base));
+            let [from, to] = [self.gather::<L>(&ends[0]).sub(base), self.gather::<L>(&ends[1]).sub(base)];
             sum = sum.add(from.cross(to));
         }
         let mut lanes = [[T::zero(); LANE_COUNT]; 3];

@@ -1,6 +1,6 @@
 use super::{Cells, Tracer};
 use crate::closest::{ClosestPoint, MeshScale, PointPacket, QueryPoint, TrianglePoint, TrianglePoints, ascending};
-use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, dispatch};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, dispatch};
 use crate::memory::Room;
 
 /// The nearest triangle so far.
@@ -210,9 +210,9 @@ impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
                     corners[corner][lane] = vertices[places[lane][corner]];
                 }
             }
-            let a = Vectors::<T, L>::gather(mesh.positions(), &corners[0]);
-            let b = Vectors::<T, L>::gather(mesh.positions(), &corners[1]);
-            let c = Vectors::<T, L>::gather(mesh.positions(), &corners[2]);
+            let a = mesh.gather::<L>(&corners[0]);
+            let b = mesh.gather::<L>(&corners[1]);
+            let c = mesh.gather::<L>(&corners[2]);
             resolved.set::<L>(&packet.position, [a, b, c], scale.factors);
             for (lane, found) in found.iter_mut().enumerate() {
                 let is_found = packet.found >> lane & 1 == 1 && resolved.distance[lane] <= bounds[lane];

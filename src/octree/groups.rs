@@ -1,6 +1,10 @@
+use super::wide::Wide;
 use super::{Cells, Tracer};
 use crate::math::{Aabb, LANE_COUNT, Lanes, Scalar};
 use crate::memory;
+
+/// To sort a larger part of all than one in so many takes as long as to look at all.
+const PART_TO_LIST: usize = if cfg!(test) { 2 } else { 16 };
 
 /// The surface in groups of neighbouring vertices and triangles, at most sixteen of each: where rays start, group by
 /// group. Each vertex and each triangle belongs to one of them.
@@ -26,8 +30,40 @@ impl<T: Scalar> Tracer<'_, T> {
         }
         let all = self.mesh().topology().surface_vertices();
         let of_group = all.chunks(LANE_COUNT).nth(group as usize).unwrap_or_default();
-        let is_inside = |vertex: &u32| region.contains(&self.mesh().positions()[*vertex as usize]);
+        let is_inside = |vertex: &u32| region.contains(&self.mesh().position(*vertex));
         memory::append(vertices, of_group.iter().copied().filter(is_inside));
+    }
+
+    /// The vertices of the groups that may have something in the region, in ascending order, into `vertices`. Gives false,
+    /// and lists none, where they are so large a part of all that these had better be looked at as they come.
+    pub(crate) fn list_vertices_near(&self, region: &Aabb<T>, groups: &mut Vec<u32>, vertices: &mut Vec<u32>) -> bool {
+        vertices.clear();
+        let Some(cells) = self.cells_with_few(region, groups) else { return false };
+        groups.iter().for_each(|&tile| memory::append(vertices, cells.vertices_of(tile).iter().copied()));
+        vertices.sort_unstable();
+        vertices.dedup();
+        true
+    }
+
+    /// The same of triangles.
+    pub(crate) fn list_triangles_near(
+        &self,
+        region: &Aabb<T>,
+        groups: &mut Vec<u32>,
+        triangles: &mut Vec<u32>,
+    ) -> bool {
+        triangles.clear();
+        let Some(cells) = self.cells_with_few(region, groups) else { return false };
+        groups.iter().for_each(|&tile| memory::append(triangles, cells.triangles_of(tile).iter().copied()));
+        triangles.sort_unstable();
+        true
+    }
+
+    /// The layout with groups of its own, where few of them may have something in the region; these into `groups`.
+    fn cells_with_few(&self, region: &Aabb<T>, groups: &mut Vec<u32>) -> Option<&Wide<T>> {
+        let Cells::Wide(cells) = self.cells else { return None };
+        cells.tiles_in(region, groups);
+        (groups.len() <= cells.tile_count() as usize / PART_TO_LIST).then_some(cells)
     }
 
     /// How many triangles a group has.

@@ -19,7 +19,7 @@ pub(crate) use near::{NearParts, Reach, is_merged};
 pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};
 
-use crate::math::{Aabb, Scalar};
+use crate::math::{Aabb, Pose, Scalar};
 use crate::memory;
 use crate::mesh::{Mesh, Standing, Topology};
 use classic::Classic;
@@ -125,7 +125,7 @@ impl<T: Scalar> Octree<T> {
     /// `for_distances`: distances are asked for too. `tiles` is room for a list.
     pub(crate) fn update_in(
         &mut self,
-        mesh: &Mesh<T>,
+        mesh: &mut Mesh<T>,
         regions: &[Aabb<T>],
         patch_area: Option<T>,
         for_distances: bool,
@@ -133,7 +133,9 @@ impl<T: Scalar> Octree<T> {
     ) -> Result<(), OctreeError> {
         match &mut self.cells {
             Cells::Wide(cells) if mesh.shares_topology_with(&self.topology) => {
-                if self.stamp != mesh.stamp() {
+                if mesh.pose().is_some() {
+                    cells.place_in(mesh, regions, self.stamp != mesh.stamp());
+                } else if self.stamp != mesh.stamp() {
                     cells.refit(mesh, Some(regions));
                 } else if !cells.is_tight() {
                     // The regions may be others than last time. A body at rest has tight boxes from its second step on.
@@ -154,6 +156,32 @@ impl<T: Scalar> Octree<T> {
             }
         }
         Ok(())
+    }
+
+    /// Whether an update would change nothing.
+    pub(crate) fn is_settled(&self, mesh: &Mesh<T>) -> bool {
+        let is_tight = match &self.cells {
+            Cells::Wide(cells) => cells.is_tight(),
+            Cells::Classic(_) => true,
+        };
+        is_tight && self.stamp == mesh.stamp()
+    }
+
+    /// Whether [`moved_box`](Self::moved_box) gives a box.
+    pub(crate) fn may_move(&mut self, mesh: &Mesh<T>, pose: &Pose) -> bool {
+        match &mut self.cells {
+            Cells::Wide(cells) => cells.may_move(mesh, pose),
+            Cells::Classic(_) => false,
+        }
+    }
+
+    /// The smallest box around the mesh's surface, its reference positions moved by a pose; `None` where coordinates may
+    /// be beyond the precision. The first call takes as long as a few updates, later ones next to nothing.
+    pub(crate) fn moved_box(&mut self, mesh: &Mesh<T>, pose: &Pose) -> Option<Aabb<T>> {
+        match &mut self.cells {
+            Cells::Wide(cells) => cells.moved_box(mesh, pose),
+            Cells::Classic(_) => None,
+        }
     }
 
     /// Joins octree and mesh for tracing.

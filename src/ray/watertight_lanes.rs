@@ -3,7 +3,7 @@
 
 use super::main_axis::{AXES, MainAxes};
 use super::{RayPacket, ShearedRay};
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vectors};
 
 /// The corners of sixteen triangles, each with the ray to be tested against it: coordinate by coordinate, in the order
 /// of the ray's own axes.
@@ -48,14 +48,13 @@ impl<T: Scalar> TriangleLanes<T> {
         &mut self,
         packet: &RayPacket<T>,
         rays: &[u8; LANE_COUNT],
-        positions: &[Vector3<T>],
-        corners: &[[u32; LANE_COUNT]; 3],
+        corners: [Vectors<T, L>; 3],
     ) {
         let axes = MainAxes::new(Vectors::<T, L>::load(&packet.direction).permuted(rays));
         Vectors::<T, L>::load(&packet.turned_origin).permuted(rays).store(&mut self.origin);
         Vectors::<T, L>::load(&packet.shear).permuted(rays).store(&mut self.shear);
         for corner in 0..3 {
-            axes.turned(Vectors::<T, L>::gather(positions, &corners[corner])).store(&mut self.corners[corner]);
+            axes.turned(corners[corner]).store(&mut self.corners[corner]);
         }
     }
 

@@ -24,6 +24,8 @@ pub(super) struct Body<T: Scalar> {
     /// Where self-collision is switched on.
     pub(super) own: Option<OwnContacts<T>>,
     pub(super) sharing: Sharing,
+    /// Newer than the stamp of its positions where they were given again and are the same.
+    pub(super) given: u64,
     /// How many rays as long as the last query took for it.
     pub(super) cost: f64,
 }
@@ -60,7 +62,7 @@ impl<T: Scalar> Bodies<T> {
         let key = key.unwrap_or_else(|| u64::from(number));
         let octree = Octree::new(&mesh);
         let (regions, tiles, sharing) = (Vec::new(), Vec::new(), Sharing::default());
-        let body = Body { number, key, mesh, octree, regions, tiles, own: None, sharing, cost: 0.0 };
+        let body = Body { number, key, mesh, octree, regions, tiles, own: None, sharing, given: 0, cost: 0.0 };
         let body = memory::boxed(body);
         // To remove one takes no memory then.
         self.free.room_for(self.list.len() + 1);

@@ -210,6 +210,12 @@ impl<T: Scalar> Body<T> {
         self.mesh.topology().triangles().len() as f64
     }
 
+    /// How many triangles the next query reads anew: none of a body that is where it was, or is moved by a pose.
+    fn triangles_read(&self) -> f64 {
+        let is_read = self.mesh.pose().is_none() && !self.octree.is_settled(&self.mesh);
+        if is_read { self.triangle_count() } else { 0.0 }
+    }
+
     /// About how many rays take as long as to read the mesh and cast from it into another: one from each vertex, as far as
     /// the other's box reaches into its own.
     fn rays_expected_into(&self, other: &Self) -> f64 {
@@ -219,7 +225,7 @@ impl<T: Scalar> Body<T> {
             if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 1.0 }
         };
         let inside = part(0) * part(1) * part(2);
-        inside * self.mesh.topology().surface_vertices().len() as f64 + self.triangle_count() / TRIANGLES_READ_PER_RAY
+        inside * self.mesh.topology().surface_vertices().len() as f64 + self.triangles_read() / TRIANGLES_READ_PER_RAY
     }
 
     /// Whether the contacts of the two, first and second in their order, are to be found here.
@@ -238,24 +244,28 @@ impl<T: Scalar> Body<T> {
 
     /// What it costs to read it.
     fn start_cost(&mut self) {
-        self.cost = self.triangle_count() / TRIANGLES_READ_PER_RAY;
+        let is_read = self.mesh.pose().is_none();
+        self.cost = if is_read { self.triangle_count() / TRIANGLES_READ_PER_RAY } else { 0.0 };
     }
 
-    /// Finds the body's contacts with itself, where they are asked for; gives whether the octree has followed the mesh.
+    /// Finds the body's contacts with itself, where they are asked for and not known already; gives whether the octree has
+    /// followed the mesh for that.
     pub(super) fn find_own_contacts(&mut self, options: &DetectionOptions<T>) -> bool {
         let Self { number, mesh, octree, own, .. } = self;
         let Some(own) = own else { return false };
-        if std::mem::take(&mut own.found_at) == mesh.stamp() {
-            return octree.tracer(mesh).is_ok();
+        if own.found_at == mesh.stamp() {
+            return false;
         }
         own.contacts.clear();
         own.may_overlap = false;
         if own.memory.is_clear(mesh, octree) {
+            own.found_at = mesh.stamp();
             return false;
         }
         octree.update(mesh).expect("a body keeps its own octree");
         let found = detect_self(*number, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
         own.may_overlap = found.expect("the octree is up to date");
+        own.found_at = mesh.stamp();
         true
     }
 

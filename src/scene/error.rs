@@ -1,4 +1,5 @@
 use super::SavedStateError;
+use crate::math::PoseError;
 use std::fmt;
 
 /// Why a scene refused something. Nothing was changed.
@@ -29,6 +30,18 @@ pub enum SceneError {
         /// The seconds given.
         seconds: f64,
     },
+    /// What was given as a body's pose is none.
+    Pose {
+        /// The body's number.
+        body: u32,
+        /// Why.
+        source: PoseError,
+    },
+    /// A pose moves a body beyond the largest number of the scene's precision.
+    PoseBeyondRange {
+        /// The body's number.
+        body: u32,
+    },
     /// Saved bytes are not what was saved.
     SavedState(SavedStateError),
     /// The system gave no threads.
@@ -54,6 +67,12 @@ impl fmt::Display for SceneError {
             Self::StepLength { seconds } => {
                 write!(f, "the step is {seconds} seconds long; give a finite number of seconds ≥ 0")
             }
+            Self::Pose { body, source } => write!(f, "body {body}: {source}"),
+            Self::PoseBeyondRange { body } => write!(
+                f,
+                "body {body}: the pose moves its coordinates beyond the largest number of the scene's precision; keep bodies \
+                 nearer to the origin"
+            ),
             Self::SavedState(error) => error.fmt(f),
             Self::ThreadsNotStarted { threads, source } => {
                 write!(f, "could not start {threads} threads: {source}; ask for fewer, or for 1 to use your own")

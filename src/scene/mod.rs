@@ -5,6 +5,7 @@ mod broad_phase;
 mod detection;
 mod error;
 mod pairs;
+mod posed;
 mod saved;
 mod sharing;
 
@@ -17,7 +18,7 @@ use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::threads::{ParallelFor, Threads};
-use bodies::Bodies;
+use bodies::{Bodies, Body};
 use broad_phase::BroadPhase;
 use detection::List;
 use pairs::{Pairs, by_number};
@@ -117,7 +118,9 @@ impl<T: Scalar> Scene<T> {
     /// [`SceneError::UnknownBody`].
     pub fn remove(&mut self, body: u32) -> Result<Mesh<T>, SceneError> {
         self.pairs.forget(body);
-        self.bodies.remove(body).map(|body| body.mesh).ok_or(SceneError::UnknownBody { body })
+        let mut mesh = self.bodies.remove(body).map(|body| body.mesh).ok_or(SceneError::UnknownBody { body })?;
+        mesh.settle();
+        Ok(mesh)
     }
 
     /// A body's mesh.
@@ -230,7 +233,7 @@ impl<T: Scalar> Scene<T> {
 
     /// Of the bodies' positions the stamp of the newest; other positions have another.
     fn newest_stamp(&self) -> u64 {
-        self.bodies.iter().map(|body| body.mesh.stamp()).max().unwrap_or_default()
+        self.bodies.iter().map(|body| body.mesh.stamp().max(body.given)).max().unwrap_or_default()
     }
 
     /// The pair by number.
@@ -245,9 +248,12 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn set_self_collision(&mut self, body: u32, is_on: bool) -> Result<(), SceneError> {
-        let own = &mut self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?.own;
+        let Body { own, mesh, .. } = self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?;
         match (is_on, own.is_some()) {
-            (true, false) => *own = Some(OwnContacts::default()),
+            (true, false) => {
+                *own = Some(OwnContacts::default());
+                mesh.settle();
+            }
             (false, _) => *own = None,
             (true, true) => {}
         }

@@ -49,9 +49,6 @@ impl<T: Scalar> Scene<T> {
         let Self { bodies, options, .. } = self;
         for body in bodies.iter_mut() {
             body.find_own_contacts(options);
-            if let Some(own) = &mut body.own {
-                own.found_at = body.mesh.stamp();
-            }
         }
     }
 

@@ -1,7 +1,7 @@
 use super::twist::{V3, angular, linear, rotation};
 use super::{Material, SystemError};
 use crate::contact::SurfacePoint;
-use crate::math::Scalar;
+use crate::math::{Pose, Scalar};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use nalgebra::Matrix3;
@@ -227,6 +227,17 @@ impl<T: Scalar> Body<T> {
             Mover::Rigid { frame, place, .. } => on_frame(frame, &course.twists[6 * place..6 * place + 6]),
             Mover::Host(frame) => on_frame(frame, &frame.free_velocity),
         }
+    }
+
+    /// The pose of a body that keeps its shape at the end of a course.
+    pub(super) fn pose(&self, course: &Course<'_>) -> Option<Pose> {
+        let (centre, rotation) = match &self.mover {
+            Mover::Rigid { frame, place, .. } => frame.moved(course.time, &course.twists[6 * place..6 * place + 6]),
+            Mover::Host(frame) => frame.moved(course.time, &frame.free_velocity),
+            Mover::Nodes { .. } => return None,
+        };
+        let rotation = [0, 1, 2].map(|row| [0, 1, 2].map(|column| rotation[(row, column)]));
+        Some(Pose { position: centre.into(), rotation })
     }
 
     /// The centre of mass of a rigid body at the end of a course.

@@ -150,7 +150,7 @@ impl<T: Scalar> ContactSystem<T> {
         if end as usize > count {
             return Err(SystemError::WrongCount { what: "node masses", given: count, expected: end as usize });
         }
-        let table = Table::new(carriers, mesh.positions().len(), nodes.clone())?;
+        let table = Table::new(carriers, mesh.topology().vertex_count(), nodes.clone())?;
         let mass = mass_of(&self.node_masses, nodes.clone());
         self.insert(
             place,

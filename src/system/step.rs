@@ -205,17 +205,29 @@ impl<T: Scalar> ContactSystem<T> {
         time: f64,
         wanted: impl Fn(&Scene<T>, u32) -> bool,
     ) -> Result<(), SystemError> {
-        let Self { bodies, buffers, .. } = self;
-        for body in bodies.iter_mut().filter(|body| wanted(scene, body.number)) {
+        let Self { bodies, buffers, half_spaces, .. } = self;
+        let course = buffers.course(time);
+        for body in &mut *bodies {
             let number = body.number;
-            let vertices = scene.mesh(number).map_or(0, |mesh| mesh.positions().len());
-            body.fill_positions(vertices, &buffers.course(time)).map_err(|vertex| SystemError::Mesh {
+            if !wanted(scene, number) {
+                continue;
+            }
+            // Half-spaces ask for all vertices of what can move.
+            let is_asked = body.is_movable() && !half_spaces.is_empty();
+            if !is_asked && body.pose(&course).is_some_and(|pose| scene.may_follow(number, &pose)) {
+                continue;
+            }
+            let vertices = scene.mesh(number).map_or(0, |mesh| mesh.topology().vertex_count());
+            body.fill_positions(vertices, &course).map_err(|vertex| SystemError::Mesh {
                 body: number,
                 source: MeshError::NotFinite { vertex, is_renewal: true },
             })?;
         }
         for body in &*bodies {
             if !wanted(scene, body.number) {
+                continue;
+            }
+            if body.pose(&course).is_some_and(|pose| scene.follow(body.number, &pose)) {
                 continue;
             }
             let mesh = scene.mesh_mut(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
@@ -294,7 +306,7 @@ impl<T: Scalar> ContactSystem<T> {
         }
         for body in &self.bodies {
             let mesh = scene.mesh(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
-            let (given, expected) = (mesh.positions().len(), body.vertex_count());
+            let (given, expected) = (mesh.topology().vertex_count(), body.vertex_count());
             if given != expected {
                 return Err(SystemError::WrongCount { what: "the body's mesh", given, expected });
             }

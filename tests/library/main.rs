@@ -27,6 +27,7 @@ mod octree;
 mod open_meshes;
 mod orientation;
 mod pair_memory;
+mod poses;
 mod pressure;
 mod rays;
 mod refused_numbers;

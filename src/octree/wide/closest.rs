@@ -42,7 +42,8 @@ fn walk<T: Scalar, L: Lanes<T>, S: Seeker<T>>(cells: &Wide<T>, mesh: &Mesh<T>, c
         let squares = L::select(level.left, squares, L::splat(T::INFINITY));
         let nearest = squares.is_at_most(L::splat(squares.smallest())) & level.left;
         level.left &= !(nearest & nearest.wrapping_neg());
-        let node = &cells.nodes[level.node as usize];
+        let mut room = None;
+        let node = cells.node(level.node as usize, &mut room);
         let place = nearest.trailing_zeros() as usize;
         if node.is_leaf {
             seeker.look::<L>(cells, mesh, node, place);
@@ -58,7 +59,8 @@ impl<T: Scalar> Level<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter<L: Lanes<T>>(&mut self, cells: &Wide<T>, node: u32, centre: &QueryPoint<T>) {
         self.node = node;
-        let node = &cells.nodes[node as usize];
+        let mut room = None;
+        let node = cells.node(node as usize, &mut room);
         let factor = L::splat(centre.factor);
         let factor = Vectors::<T, L>::new(factor, factor, factor);
         let centre = Vectors::splat(&centre.position);

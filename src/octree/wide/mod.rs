@@ -9,6 +9,7 @@ mod leaving;
 mod near;
 mod node;
 mod packet;
+mod posed;
 mod refit;
 mod region;
 mod runs;
@@ -25,6 +26,7 @@ use crate::mesh::Mesh;
 use crate::octree::closest::Nearest;
 use crate::ray::{Hit, PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
+use posed::Posed;
 use runs::Runs;
 use single::{FEW_NODES, FEW_WAITING, NearestOfRay};
 use slab::Slab;
@@ -48,6 +50,8 @@ pub(super) struct Wide<T: Scalar> {
     /// Of each tile that is loaded.
     slabs: Vec<Slab<T>>,
     runs: Runs<T>,
+    /// Where the mesh has been moved by a pose.
+    posed: Option<Box<[Posed<T>; 1]>>,
     /// Whether all boxes are the tightest.
     is_tight: bool,
     /// Whether all tiles are loaded: known without a look at their outlines, which would come from far in memory.
@@ -69,7 +73,8 @@ impl<T: Scalar> Wide<T> {
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
         let runs = Runs::new(mesh, &nodes, &outlines);
         let slabs = memory::filled(Slab::endless(), tiles.len());
-        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, is_tight: false, is_loaded: false };
+        let mut wide =
+            Self { tiles, outlines, ascending, nodes, slabs, runs, posed: None, is_tight: false, is_loaded: false };
         wide.refit(mesh, None);
         wide.load(mesh, None, true);
         wide
@@ -78,6 +83,7 @@ impl<T: Scalar> Wide<T> {
     /// Follows the mesh to its present positions; no tile is loaded then.
     /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
     pub(super) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
+        self.leave_pose();
         self.is_loaded = false;
         crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions });
     }

@@ -18,12 +18,14 @@ pub(super) struct Node<T: Scalar> {
     pub(super) is_leaf: bool,
     /// Whether these tiles' own boxes are not known, and theirs here is wider.
     pub(super) is_far: bool,
+    /// Whether the boxes are those at the present positions: of a mesh moved by a pose only some are.
+    pub(super) is_placed: bool,
 }
 
 impl<T: Scalar> Node<T> {
     pub(super) fn new(first: u32, count: usize, is_leaf: bool) -> Self {
         let (lower, upper) = ([[T::INFINITY; CHILD_COUNT]; 3], [[-T::INFINITY; CHILD_COUNT]; 3]);
-        Self { lower, upper, first, count: count as u32, is_leaf, is_far: false }
+        Self { lower, upper, first, count: count as u32, is_leaf, is_far: false, is_placed: true }
     }
 
     /// The tiles under a leaf.

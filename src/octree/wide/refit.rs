@@ -1,5 +1,5 @@
 use super::{Node, Slab, Wide};
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar};
 use crate::mesh::Mesh;
 
 /// Renews the boxes, from the tiles upward. Tiles are to be loaded anew afterwards, those that are needed.
@@ -77,7 +77,7 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
             let index = self.tiles.map_or(place, |chosen| chosen[place] as usize);
             let outline = &mut outlines[index];
             if !outline.is_loaded {
-                Vectors::<T, L>::gather(self.mesh.positions(), &outline.vertices).store(&mut tiles[index].positions);
+                self.mesh.gather::<L>(&outline.vertices).store(&mut tiles[index].positions);
                 slabs[index] = if self.for_distances { Slab::around::<L>(&tiles[index]) } else { Slab::endless() };
                 outline.is_loaded = true;
             }
@@ -98,7 +98,7 @@ impl<T: Scalar> Wide<T> {
             return &self.tiles[tile].positions;
         }
         // Rays that leave the region for which tiles were loaded are few.
-        Vectors::<T, L>::gather(mesh.positions(), &self.outlines[tile].vertices).store(room);
+        mesh.gather::<L>(&self.outlines[tile].vertices).store(room);
         room
     }
 }
@@ -144,24 +144,25 @@ mod tests {
             // Round the torus, so that what was far comes near.
             let (y, x) = f64::from(step).sin_cos();
             let regions = [cube_about([x, y, 0.0], 0.2), cube_about([-y, x, 0.3], 0.1)];
-            octree.update_in(&mesh, &regions, None, true, &mut tiles).expect("its own");
+            octree.update_in(&mut mesh, &regions, None, true, &mut tiles).expect("its own");
             assert!(!tiles.is_empty() && not_tight(&octree, &mesh), "step {step}");
             assert_same_hits(&octree, &mesh);
             match step % 3 {
                 0 => octree.update(&mesh).expect("its own"),
                 // At rest: the regions may be others.
-                1 => {
-                    octree.update_in(&mesh, &[cube_about([-x, -y, 0.0], 0.2)], None, true, &mut tiles).expect("its own")
-                }
+                1 => octree
+                    .update_in(&mut mesh, &[cube_about([-x, -y, 0.0], 0.2)], None, true, &mut tiles)
+                    .expect("its own"),
                 _ => continue,
             }
             assert_eq!(octree.validate(&mesh), Ok(()), "step {step}");
             assert_same_hits(&octree, &mesh);
         }
         mesh.set_positions(&torus_positions(SIDES, 0)).expect("finite");
-        octree.update_in(&mesh, &[*mesh.aabb()], None, true, &mut tiles).expect("its own");
+        let whole = *mesh.aabb();
+        octree.update_in(&mut mesh, &[whole], None, true, &mut tiles).expect("its own");
         assert_eq!(octree.validate(&mesh), Ok(()), "all is near");
-        let refused = octree.update_in(&torus(SIDES), &[*mesh.aabb()], None, true, &mut tiles);
+        let refused = octree.update_in(&mut torus(SIDES), &[whole], None, true, &mut tiles);
         assert_eq!(refused, Err(OctreeError::OtherMesh));
     }
 
@@ -179,7 +180,7 @@ mod tests {
         let mut mesh = Mesh::new(&positions, &triangles).expect("it is closed");
         let (mut octree, mut tiles) = (Octree::new(&mesh), Vec::new());
         mesh.set_positions(&positions).expect("finite");
-        octree.update_in(&mesh, &[cube_about([1.3, 0.0, 0.0], 0.1)], None, true, &mut tiles).expect("its own");
+        octree.update_in(&mut mesh, &[cube_about([1.3, 0.0, 0.0], 0.1)], None, true, &mut tiles).expect("its own");
         assert!(!tiles.is_empty());
         assert_eq!(octree.validate(&mesh), Ok(()));
     }

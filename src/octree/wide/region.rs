@@ -22,7 +22,8 @@ impl<T: Scalar> Kernel<T> for TilesInRegion<'_, T> {
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
-            let node = &self.cells.nodes[stack[waiting] as usize];
+            let mut room = None;
+            let node = self.cells.node(stack[waiting] as usize, &mut room);
             let mut met = node.meets::<L>(&region);
             if node.is_leaf {
                 while met != 0 {
@@ -73,6 +74,10 @@ impl<T: Scalar> Wide<T> {
 
     pub(in crate::octree) fn tile_count(&self) -> u32 {
         self.tiles.len() as u32
+    }
+
+    pub(in crate::octree) fn vertices_of(&self, tile: u32) -> &[u32] {
+        &self.outlines[tile as usize].vertices
     }
 
     pub(in crate::octree) fn triangles_of(&self, tile: u32) -> &[u32] {

@@ -43,7 +43,7 @@ impl<T: Scalar> Runs<T> {
             }
         }
         starts.push(of_leaves.len() as u32);
-        let count = mesh.positions().len().div_ceil(LANE_COUNT);
+        let count = mesh.topology().vertex_count().div_ceil(LANE_COUNT);
         let [lower, upper] = [(); 2].map(|()| memory::filled(Vector3::zeros(), count));
         Self { lower, upper, of_leaves, starts }
     }

@@ -49,6 +49,19 @@ impl<T: Scalar> Slab<T> {
         Self { normal, centre, below: along.smallest() - slack, above: along.greatest() + slack, radius }
     }
 
+    /// How far along a row of a rotation something in the slab may reach, and a little more.
+    pub(super) fn reach(&self, row: &[f64; 3]) -> f64 {
+        let along = |v: &Vector3<T>| row[0] * v.x.to_f64() + row[1] * v.y.to_f64() + row[2] * v.z.to_f64();
+        let (square, cosine, middle) =
+            (row.iter().map(|x| x * x).sum::<f64>(), along(&self.normal), along(&self.centre));
+        let (below, above, radius) = (self.below.to_f64(), self.above.to_f64(), self.radius.to_f64());
+        let lift = (cosine * below).max(cosine * above);
+        let size = radius + below.abs() + above.abs() + self.centre.abs().max().to_f64();
+        // Normals are as long as 1 to a few roundings.
+        let slack = T::ROUNDING_UNIT.to_f64() * 64.0;
+        middle + lift + radius * (square - cosine * cosine + slack).max(0.0).sqrt() + slack * size
+    }
+
     /// Which of a packet's points may be near enough to something in the slab.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near<L: Lanes<T>>(&self, packet: &PointPacket<T>) -> Mask {

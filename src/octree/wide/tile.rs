@@ -34,6 +34,11 @@ pub(super) struct Outline<T: Scalar> {
 }
 
 impl<T: Scalar> Outline<T> {
+    /// Whether the box is that around the vertices.
+    pub(super) fn is_known(&self) -> bool {
+        self.aabb.upper.x.is_finite()
+    }
+
     /// Nothing is known of the present positions.
     pub(super) fn forget(&mut self) {
         let endless = Vector3::repeat(T::INFINITY);

@@ -41,7 +41,8 @@ impl<T: Scalar, V: FnMut(u32) -> T> Kernel<T> for Walk<'_, T, V> {
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
-            let node = &self.cells.nodes[stack[waiting] as usize];
+            let mut room = None;
+            let node = self.cells.node(stack[waiting] as usize, &mut room);
             let entries = entries::<T, L>(&self.slabs, node);
             for (place, &entry) in entries.iter().enumerate().take(node.count as usize) {
                 // NaN is left out. A hit found since may have shortened the ray.

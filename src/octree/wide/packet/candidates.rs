@@ -129,7 +129,7 @@ pub(super) fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     answer: &mut A,
 ) {
     let Candidates { lanes, hits, triangles: list, .. } = list;
-    let (triangles, positions) = (mesh.topology().triangles(), mesh.positions());
+    let triangles = mesh.topology().triangles();
     for candidates in list[..count].chunks(LANE_COUNT) {
         // Lanes behind the last repeat the first.
         let (mut rays, mut corners) = ([0; LANE_COUNT], [[0; LANE_COUNT]; 3]);
@@ -140,7 +140,8 @@ pub(super) fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
                 corners[corner][lane] = vertex;
             }
         }
-        lanes.set::<L>(packet, &rays, positions, &corners);
+        let [a, b, c] = &corners;
+        lanes.set::<L>(packet, &rays, [mesh.gather(a), mesh.gather(b), mesh.gather(c)]);
         lanes.intersect::<L>(hits);
         let mut found = hits.found & ((1u32 << candidates.len()) - 1) as Mask;
         while found != 0 {

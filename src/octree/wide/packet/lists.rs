@@ -24,7 +24,8 @@ pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         while waiting > 0 && tile_count <= TILES_AT_ONCE - CHILD_COUNT {
             waiting -= 1;
             let index = stack[waiting];
-            let node = &cells.nodes[index as usize];
+            let mut room = None;
+            let node = cells.node(index as usize, &mut room);
             let met = node.meets::<L>(&search.around);
             if node.is_leaf {
                 L::append(&mut list.places, tile_count, index * CHILD_COUNT as u32, met);
@@ -39,7 +40,7 @@ pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         let (end, mut pair_count) = (L::load(answer.end()), 0);
         for place in 0..tile_count {
             let (tile, at) = (list.tiles[place] as usize, list.places[place] as usize);
-            let aabb = cells.nodes[at / CHILD_COUNT].child_box(at % CHILD_COUNT);
+            let aabb = cells.child_box(at / CHILD_COUNT, at % CHILD_COUNT);
             let rays = slabs.meeting(&aabb, end) & search.asked;
             if A::EXITS_ONLY && (rays == 0 || !search.directions.may_leave(cells, tile, mesh, &mut list.room)) {
                 continue;

@@ -36,7 +36,8 @@ impl<T: Scalar, L: Lanes<T>, A: Answer<T>> Kernel<T> for Walk<'_, '_, T, L, A> {
             if rays == 0 {
                 continue;
             }
-            let node = &cells.nodes[node as usize];
+            let mut room = None;
+            let node = cells.node(node as usize, &mut room);
             let mut met = children.hold::<L, A>(search, &singles, node, rays, answer);
             if node.is_leaf {
                 tile_count += met.count_ones();

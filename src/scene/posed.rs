@@ -1,0 +1,51 @@
+//! Bodies that keep their shape: moved by a pose, they are read only where they meet others.
+
+use super::bodies::Body;
+use super::{Scene, SceneError};
+use crate::math::{Pose, Scalar};
+use crate::mesh::next_stamp;
+
+impl<T: Scalar> Scene<T> {
+    /// Moves a body by a pose: its vertices are those of its mesh as it was created, each moved by [`Pose::moved`]. What
+    /// positions it was given since does not count, nor does its last pose. Contacts are those of the same positions given
+    /// to [`mesh_mut`](Self::mesh_mut), to the bit.
+    ///
+    /// No vertex is looked at but those that decide how far the body reaches; a query then moves those near other bodies.
+    /// A body whose contacts with itself are switched on is moved as a whole. The same pose again costs nothing.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`], [`SceneError::Pose`], [`SceneError::PoseBeyondRange`]; the body is then where it was.
+    pub fn set_pose(&mut self, body: u32, pose: &Pose) -> Result<(), SceneError> {
+        let moved = self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?;
+        pose.check().map_err(|source| SceneError::Pose { body, source })?;
+        if moved.set_pose(pose) { Ok(()) } else { Err(SceneError::PoseBeyondRange { body }) }
+    }
+
+    /// Whether [`follow`](Self::follow) will do it.
+    pub(crate) fn may_follow(&mut self, body: u32, pose: &Pose) -> bool {
+        self.bodies.get_mut(body).is_some_and(|body| body.octree.may_move(&body.mesh, pose))
+    }
+
+    /// [`set_pose`](Self::set_pose) of one that was checked before, or has been derived from one that was; false where the
+    /// body is not there or would be beyond the precision.
+    pub(crate) fn follow(&mut self, body: u32, pose: &Pose) -> bool {
+        self.bodies.get_mut(body).is_some_and(|body| body.set_pose(pose))
+    }
+}
+
+impl<T: Scalar> Body<T> {
+    /// False where it would be beyond the precision.
+    fn set_pose(&mut self, pose: &Pose) -> bool {
+        let Self { mesh, octree, own, given, .. } = self;
+        if mesh.pose() == Some(pose) {
+            *given = next_stamp();
+            return true;
+        }
+        let Some(aabb) = octree.moved_box(mesh, pose) else { return false };
+        mesh.follow(pose, aabb);
+        if own.is_some() {
+            mesh.settle();
+        }
+        true
+    }
+}
