@@ -122,7 +122,7 @@ fn a_steady_step_of_rigid_bodies_allocates_nothing() {
     }
     let mut contacts = ContactList::default();
     for step in 0..24 {
-        let (sin, cos) = [0.0, 0.1, 0.2, 0.1][step % 4].sin_cos();
+        let (sin, cos) = [0.0_f64, 0.1, 0.2, 0.1][step % 4].sin_cos();
         let rotation = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
         let pose = Pose { position: [0.1 * sin, 0.0, 0.0], rotation };
         let positions = moved(&torus, step);

@@ -34,8 +34,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// The first hit along the ray; at equal `t` the triangle with the smallest index. With the watertight test it is
     /// the same to the bit as [`nearest_hit_of_all`](Self::nearest_hit_of_all).
     pub fn nearest_hit(&self, ray: &Ray<T>) -> Option<Hit<T>> {
-        // Under a pose some boxes are not placed yet, which the walk below knows.
-        if let (Cells::Wide(cells), TriangleTest::Watertight, None) = (self.cells, self.test, self.mesh.pose()) {
+        if let (Cells::Wide(cells), TriangleTest::Watertight) = (self.cells, self.test) {
             return cells.nearest_of_ray(self.mesh, ray);
         }
         let prepared = PreparedRay::new(ray, self.test);
@@ -197,8 +196,7 @@ impl<T: Scalar> Kernel<T> for NearestHits<'_, '_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let Tracer { cells, mesh, test, .. } = self.tracer;
-        let one_by_one = !L::PACKETS_PAY && mesh.pose().is_none();
-        if let (Cells::Wide(cells), TriangleTest::Watertight, true) = (cells, test, one_by_one) {
+        if let (Cells::Wide(cells), TriangleTest::Watertight, false) = (cells, test, L::PACKETS_PAY) {
             for (ray, hit) in self.rays.iter().zip(self.hits) {
                 *hit = cells.nearest_of_ray_on::<L>(mesh, ray);
             }

@@ -208,10 +208,10 @@ impl<T: Scalar> ContactSystem<T> {
         let Self { bodies, buffers, half_spaces, .. } = self;
         let course = buffers.course(time);
         for body in &mut *bodies {
-            let number = body.number;
-            if !wanted(scene, number) {
+            if !wanted(scene, body.number) {
                 continue;
             }
+            let number = body.number;
             // Half-spaces ask for all vertices of what can move.
             let is_asked = body.is_movable() && !half_spaces.is_empty();
             if !is_asked && body.pose(&course).is_some_and(|pose| scene.may_follow(number, &pose)) {
@@ -224,10 +224,9 @@ impl<T: Scalar> ContactSystem<T> {
             })?;
         }
         for body in &*bodies {
-            if !wanted(scene, body.number) {
-                continue;
-            }
-            if body.pose(&course).is_some_and(|pose| scene.follow(body.number, &pose)) {
+            let is_moved =
+                |scene: &mut Scene<T>| body.pose(&course).is_some_and(|pose| scene.follow(body.number, &pose));
+            if !wanted(scene, body.number) || is_moved(scene) {
                 continue;
             }
             let mesh = scene.mesh_mut(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;

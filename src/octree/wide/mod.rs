@@ -73,8 +73,8 @@ impl<T: Scalar> Wide<T> {
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
         let runs = Runs::new(mesh, &nodes, &outlines);
         let slabs = memory::filled(Slab::endless(), tiles.len());
-        let mut wide =
-            Self { tiles, outlines, ascending, nodes, slabs, runs, posed: None, is_tight: false, is_loaded: false };
+        let (posed, is_tight, is_loaded) = (None, false, false);
+        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, posed, is_tight, is_loaded };
         wide.refit(mesh, None);
         wide.load(mesh, None, true);
         wide
@@ -83,8 +83,8 @@ impl<T: Scalar> Wide<T> {
     /// Follows the mesh to its present positions; no tile is loaded then.
     /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
     pub(super) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
-        self.leave_pose();
         self.is_loaded = false;
+        self.leave_pose();
         crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions });
     }
 

@@ -36,7 +36,8 @@ impl<T: Scalar, const MOST_WAITING: usize> Kernel<T> for NearestOfRay<'_, T, MOS
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let (mut entries, mut places) = ([T::zero(); CHILD_COUNT], [0; CHILD_COUNT]);
         let mut stack = [Waiting { entry: T::zero(), node: 0 }; MOST_WAITING];
-        let (mut waiting, mut node) = (0, &cells.nodes[0]);
+        let mut moved = None;
+        let (mut waiting, mut node) = (0, cells.node(0, &mut moved));
         loop {
             let (enters, met) = slabs.entering::<L>(node, nearest.end);
             // One alone, most often, needs no order.
@@ -52,7 +53,7 @@ impl<T: Scalar, const MOST_WAITING: usize> Kernel<T> for NearestOfRay<'_, T, MOS
                     stack[waiting] = Waiting { entry: entries[place], node: node.first + place as u32 };
                     waiting += 1;
                 }
-                node = &cells.nodes[node.first as usize + usize::from(places[count - 1])];
+                node = cells.node(node.first as usize + usize::from(places[count - 1]), &mut moved);
                 continue;
             }
             if met != 0 {
@@ -63,15 +64,16 @@ impl<T: Scalar, const MOST_WAITING: usize> Kernel<T> for NearestOfRay<'_, T, MOS
                     }
                 }
             }
-            node = loop {
+            let next = loop {
                 if waiting == 0 {
                     return nearest.hit;
                 }
                 waiting -= 1;
                 if stack[waiting].entry <= nearest.end {
-                    break &cells.nodes[stack[waiting].node as usize];
+                    break stack[waiting].node;
                 }
             };
+            node = cells.node(next as usize, &mut moved);
         }
     }
 }
