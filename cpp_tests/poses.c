@@ -62,7 +62,7 @@ static size_t forces_of(rayc_scene* scene, rayc_contacts* contacts, double* forc
   memset(forces, 0, 6 * OCTAHEDRON_VERTICES * sizeof *forces);
   CHECK_OK(rayc_scene_query(scene, contacts));
   CHECK_OK(rayc_contacts_count(contacts, &count));
-  CHECK_OK(rayc_contacts_add_forces(contacts, &options, 2, arrays, NULL));
+  CHECK_OK(rayc_contacts_add_forces(contacts, &options, 2, NULL, NULL, arrays));
   return count;
 }
 

@@ -154,7 +154,8 @@ fn bad_bytes_are_refused_and_change_nothing() {
     refuse(&changed(first_entry + 52, &(-1f64).to_le_bytes()), SavedStateError::Damaged);
     refuse(&changed(first_entry + 44, &f64::NAN.to_le_bytes()), SavedStateError::Damaged);
     refuse(&changed(first_entry + 60, &2f64.to_le_bytes()), SavedStateError::Damaged);
-    let far = first_entry + 84 * (motion.scene.pair_memories().len() - 1) + 4;
+    refuse(&changed(first_entry + 84, &f64::INFINITY.to_le_bytes()), SavedStateError::Damaged);
+    let far = first_entry + 92 * (motion.scene.pair_memories().len() - 1) + 4;
     let unknown = changed(far, &42u32.to_le_bytes());
     assert!(matches!(motion.scene.restore_pair_memories(&unknown), Err(SceneError::UnknownBody { body: 42 })));
     assert_eq!(motion.saved(), saved);
@@ -206,12 +207,12 @@ fn an_escape_is_forbidden_for_one_pair_alone() {
 #[test]
 fn directions_that_run_in_a_circle_turn() {
     let mut bytes = b"raycpair".to_vec();
-    [2u32, 8, 0].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+    [3u32, 8, 0].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
     bytes.extend(0f64.to_le_bytes());
     [3u64, 0].iter().for_each(|count| bytes.extend(count.to_le_bytes()));
     for ([first, second], along) in [([0u32, 1u32], 1.0f64), ([0, 2], -1.0), ([1, 2], 1.0)] {
         [first, second, 1, 0, 0].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
-        let numbers = [along, 0.0, 0.0, f64::INFINITY, f64::INFINITY, 0.0, 0.0, 0.0];
+        let numbers = [along, 0.0, 0.0, f64::INFINITY, f64::INFINITY, 0.0, 0.0, 0.0, 0.0];
         numbers.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
     }
     let bytes = with_checksum(bytes);
