@@ -3,7 +3,7 @@
 #include "check.h"
 #include "shapes.h"
 
-#define LENGTH 136 /* of one saved pair */
+#define LENGTH 144 /* of one saved pair */
 
 static rayc_scene* nested(uint32_t precision) {
   rayc_scene_options options;
@@ -107,7 +107,7 @@ int main(void) {
   uint8_t bytes[LENGTH];
   CHECK_OK(rayc_scene_saved_length(scene, &length));
   CHECK(length == LENGTH);
-  CHECK_STATUS(rayc_scene_save_pair_memories(scene, LENGTH - 1, bytes), RAYC_STATUS_WRONG_COUNT, "136");
+  CHECK_STATUS(rayc_scene_save_pair_memories(scene, LENGTH - 1, bytes), RAYC_STATUS_WRONG_COUNT, "144");
   CHECK_OK(rayc_scene_save_pair_memories(scene, LENGTH, bytes));
 
   rayc_scene* other = nested(RAYC_SCALAR_F64);
@@ -121,12 +121,12 @@ int main(void) {
   /* Refused, and as before. */
   CHECK_STATUS(rayc_scene_restore_pair_memories(other, 0, NULL), RAYC_STATUS_SAVED_STATE_BROKEN, "0 bytes");
   CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH, NULL), RAYC_STATUS_NULL_POINTER, "bytes");
-  CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH - 1, bytes), RAYC_STATUS_SAVED_STATE_BROKEN, "135");
+  CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH - 1, bytes), RAYC_STATUS_SAVED_STATE_BROKEN, "143");
   bytes[60] ^= 1;
   CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH, bytes), RAYC_STATUS_SAVED_STATE_BROKEN, "changed");
   bytes[60] ^= 1;
   bytes[8] ^= 6;
-  CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH, bytes), RAYC_STATUS_SAVED_STATE_OTHER_VERSION, "4");
+  CHECK_STATUS(rayc_scene_restore_pair_memories(other, LENGTH, bytes), RAYC_STATUS_SAVED_STATE_OTHER_VERSION, "5");
   bytes[8] ^= 6;
   rayc_scene* single = nested(RAYC_SCALAR_F32);
   CHECK_STATUS(rayc_scene_restore_pair_memories(single, LENGTH, bytes), RAYC_STATUS_PRECISION_MISMATCH, "8-byte");
