@@ -1352,7 +1352,7 @@ enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
  * nothing; a body whose contacts with itself are switched on is moved as a whole, as by positions.
  *
  * Contacts are the same, to the bit, as with rayc_scene_set_positions() where coordinate k of each vertex is
- * rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k], in double precision, each product and sum
+ * `rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k]`, in double precision, each product and sum
  * rounded, added from left to right; in a scene of single precision x, y, z are the mesh's coordinates in that precision and
  * the sum is rounded once more. As new positions do, it makes what the last query found old, and ends a step
  * where rayc_scene_advance() is not used. Contacts, forces and boxes are in the world's coordinates.

@@ -230,8 +230,13 @@ impl<T: Scalar> Mesh<T> {
     }
 
     /// The three corners of a triangle.
+    #[inline]
     pub fn corners(&self, triangle: u32) -> [Vector3<T>; 3] {
-        self.topology.triangles()[triangle as usize].map(|vertex| self.position(vertex))
+        let corners = self.topology.triangles()[triangle as usize];
+        match &self.pose {
+            None => corners.map(|vertex| self.positions[vertex as usize]),
+            Some(pose) => self.corners_by(pose, corners),
+        }
     }
 
     /// Outward, as long as twice the triangle's area.

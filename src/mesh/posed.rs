@@ -63,8 +63,22 @@ impl<T: Scalar> Mesh<T> {
     /// The position of a vertex.
     #[inline(always)]
     pub(crate) fn position(&self, vertex: u32) -> Vector3<T> {
+        match &self.pose {
+            None => self.positions[vertex as usize],
+            Some(pose) => self.position_by(pose, vertex),
+        }
+    }
+
+    /// Apart from the above, so that what has no pose pays a glance alone.
+    #[cold]
+    fn position_by(&self, pose: &Pose, vertex: u32) -> Vector3<T> {
         let position = self.positions[vertex as usize];
-        if self.pose.is_some() && is_nowhere(&position) { self.moved(vertex) } else { position }
+        if is_nowhere(&position) { pose.moved(&self.reference.positions[vertex as usize]) } else { position }
+    }
+
+    #[cold]
+    pub(super) fn corners_by(&self, pose: &Pose, corners: [u32; 3]) -> [Vector3<T>; 3] {
+        corners.map(|vertex| self.position_by(pose, vertex))
     }
 
     /// The positions of sixteen vertices.
@@ -85,12 +99,6 @@ impl<T: Scalar> Mesh<T> {
             (0..3).for_each(|axis| rows[axis][lane] = position[axis]);
         }
         rows
-    }
-
-    #[cold]
-    fn moved(&self, vertex: u32) -> Vector3<T> {
-        let reference = &self.reference.positions[vertex as usize];
-        self.pose.map_or(*reference, |pose| pose.moved(reference))
     }
 
     /// The position of every vertex.
