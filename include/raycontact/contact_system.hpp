@@ -53,7 +53,7 @@ struct Blocks {
 
 /** What each pair's rows do to each of its bodies: which unknowns, in blocks of three. */
 struct Parts {
-  std::vector<rayc_contact_part> parts;
+  std::vector<rayc_contact_part> parts;  ///< one for each pair and each of its bodies
   std::vector<uint32_t> blocks;  ///< of all parts, one after the other
 };
 
