@@ -40,15 +40,16 @@ END
 }
 
 packages=("${demo_packages[@]}" "${other_packages[@]}")
-tools=(cargo 'cargo fmt' 'cargo clippy')
+checks_code=true
 case "${1:-}" in
     '') ;;
-    demo) packages=("${demo_packages[@]}") tools=(cargo) ;;
+    demo) packages=("${demo_packages[@]}") checks_code=false ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
-for tool in "${tools[@]}"; do
+for tool in cargo 'cargo fmt' 'cargo clippy'; do
+    [[ $tool == cargo || $checks_code == true ]] || continue
     $tool --version >/dev/null 2>&1 || fail "'$tool' is missing. Install a Rust toolchain with rustfmt and clippy \
 (https://rustup.rs; then 'rustup component add rustfmt clippy') and put cargo on the PATH."
 done
