@@ -34,8 +34,8 @@ fi
 
 scripts/setup.sh
 say 'Building (release)'
-cmake --workflow --preset release >&2 || fail 'the build failed, see above'
-programs="$root/build/release/demos"
+cmake --workflow --preset demos >&2 || fail 'the build failed, see above'
+programs="$root/build/demos/demos"
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_mpi_yield_when_idle=1
 
 mkdir -p out/distributed
