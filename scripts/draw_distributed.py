@@ -6,7 +6,7 @@ would take on many machines.
 Usage: draw_distributed.py [FOLDER] [document.md]
 
 FOLDER (default out/distributed) holds measured.csv and parts.csv and gets model.csv and scaling.svg. In the document, the
-lines between "<!-- model -->" and "<!-- /model -->" are replaced by the tables. scripts/distributed.sh runs the programs
+lines between "<!-- model -->" and "<!-- end -->" are replaced by the tables. scripts/distributed.sh runs the programs
 and calls it. Needs Debian's python3-matplotlib and python3-numpy.
 
 Exit status: 0; 1 where a file cannot be read; 2 for a wrong command line.
@@ -17,6 +17,8 @@ import csv
 import math
 import os
 import sys
+
+import document_tables
 
 try:
     import matplotlib
@@ -216,17 +218,6 @@ def draw(path, compared, worked):
     plot.close(figure)
 
 
-def replace_tables(path, lines):
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
-    begin, end = "<!-- model -->\n", "<!-- /model -->"
-    if begin not in text or end not in text:
-        raise ValueError(f"{path} has no lines <!-- model --> and <!-- /model -->")
-    head, rest = text.split(begin, 1)
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(head + begin + "\n".join(lines) + "\n" + end + rest.split(end, 1)[1])
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", default="out/distributed")
@@ -248,7 +239,7 @@ def main():
         lines = tables(model, compared, worked)
         print("\n".join(lines))
         if arguments.document:
-            replace_tables(arguments.document, lines)
+            document_tables.renew(arguments.document, {"model": "\n".join(lines)})
     except (OSError, ValueError, KeyError) as error:
         sys.exit(f"draw_distributed: {error}")
 

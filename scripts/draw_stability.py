@@ -6,7 +6,7 @@ stiffness and time step.
 Usage: draw_stability.py [FOLDER] [document.md]
 
 FOLDER (default out/stability) holds map.csv and gets <scene>_map.svg. In the document, the lines between "<!-- map -->"
-and "<!-- /map -->" are replaced by the tables of counts. scripts/stability.sh runs the scenes and calls it. Needs Debian's
+and "<!-- end -->" are replaced by the tables of counts. scripts/stability.sh runs the scenes and calls it. Needs Debian's
 python3-matplotlib.
 
 Exit status: 0; 1 where map.csv cannot be read; 2 for a wrong command line.
@@ -16,6 +16,8 @@ import argparse
 import csv
 import os
 import sys
+
+import document_tables
 
 try:
     import matplotlib
@@ -124,17 +126,6 @@ def tables(rows, scenes):
     return lines + ["", *table("time step / s, suggested stiffness", by_step)]
 
 
-def replace_table(path, lines):
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
-    begin, end = "<!-- map -->\n", "<!-- /map -->"
-    if begin not in text or end not in text:
-        raise ValueError(f"{path} has no lines <!-- map --> and <!-- /map -->")
-    head, rest = text.split(begin, 1)
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(head + begin + "\n".join(lines) + "\n" + end + rest.split(end, 1)[1])
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", default="out/stability")
@@ -150,7 +141,7 @@ def main():
         lines = tables(rows, scenes)
         print("\n".join(lines))
         if arguments.document:
-            replace_table(arguments.document, lines)
+            document_tables.renew(arguments.document, {"map": "\n".join(lines)})
     except (OSError, ValueError, KeyError) as error:
         sys.exit(f"draw_stability: {error}")
 
