@@ -40,7 +40,8 @@ double momentum_share(const std::vector<btSoftBody*>& bodies) {
 std::size_t parts(const char* scene, const bullet::Cage& first, const bullet::Cage& second, std::size_t least_contacts,
                   double force_tolerance = 0) {
   bullet::ContactOptions options;
-  options.force_tolerance = force_tolerance;
+  if (force_tolerance > 0) options.sampling = RAYC_SAMPLING_TOLERANCE;
+  options.sampling_value = force_tolerance;
   options.stiffness = bullet::suggested_stiffness(youngs_modulus, first.cell_edge);
   demo::SoftWorld world(youngs_modulus, poisson_ratio, options);
   const std::vector<btSoftBody*> bodies{&world.add(first, 1), &world.add(second, 1)};

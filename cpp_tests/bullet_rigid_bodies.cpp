@@ -268,7 +268,8 @@ void no_creep_on_a_slope() {
     const char* test = has_hull ? "no creep on a hull" : "no creep on a half-space";
     bullet::ContactOptions options = stiff_contact(0.6);
     options.stiffness = 3e5;
-    options.sample_spacing = 0.3;
+    options.sampling = RAYC_SAMPLING_SPACING;
+    options.sampling_value = 0.3;
     demo::SoftWorld world(1e5, 0.3, options,
                           btVector3(btScalar(g * std::sin(angle)), btScalar(-g * std::cos(angle)), 0));
     btSoftBody* bodies[2] = {&world.add(cube_at(-0.5, 0, -0.5), 3), &world.add(cube_at(-0.4, 1, -0.45), 3)};

@@ -304,8 +304,8 @@ void bad_bodies() {
   options.depth_cap = 0;
   expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "depth_cap");
   options.depth_cap = 1;
-  options.force_tolerance = -0.1;
-  expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "force_tolerance");
+  options.sampling_value = -0.1;
+  expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "sampling_value");
 
   const bullet::Cage cage = torus_at(0, 0, 0);
   demo::SoftWorld world(2000, 0.3, contact_for(cage));

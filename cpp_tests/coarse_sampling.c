@@ -86,29 +86,50 @@ int main(void) {
   CHECK(all.patches == 0 && all.estimate_rays == 0);
   /* Where tries do not agree well enough, all rays are cast in the end. */
   const double tolerances[2] = {0.02, 0.1};
+  options.sampling = RAYC_SAMPLING_TOLERANCE;
   for (int i = 0; i < 2; ++i) {
-    options.force_tolerance = tolerances[i];
+    options.sampling_value = tolerances[i];
     const double near_enough = force(meshes, octrees, &options, &few);
     CHECK(exact < 0 && fabs(near_enough - exact) <= tolerances[i] * fabs(exact));
     CHECK(few.estimate_rays > 0);
   }
   CHECK(few.patches > 0 && 2 * (few.rays + few.estimate_rays) < all.rays);
 
-  options.force_tolerance = 0;
-  options.sample_spacing = 0.15;
+  options.sampling = RAYC_SAMPLING_SPACING;
+  options.sampling_value = 0.15;
   CHECK(fabs(force(meshes, octrees, &options, &few) - exact) <= 0.05 * fabs(exact));
   CHECK(few.patches > 0 && few.estimate_rays == 0 && 4 * few.rays < all.rays);
 
-  /* With a spacing of its own there is nothing to choose; a part is between 0 and 1. */
+  /* Each way to choose has values of its own. */
   rayc_contacts* contacts;
   CHECK_OK(rayc_contacts_create(&contacts));
-  const double bad[4][2] = {{0.15, 0.05}, {RAYC_SPACING_AUTOMATIC, -0.1}, {RAYC_SPACING_AUTOMATIC, 1.5}, {0, 0.1}};
-  for (int i = 0; i < 4; ++i) {
-    options.sample_spacing = bad[i][0];
-    options.force_tolerance = bad[i][1];
+  const struct {
+    rayc_sampling sampling;
+    double value;
+    const char* message;
+  } bad[] = {
+      {RAYC_SAMPLING_AUTOMATIC, 0.15, "RAYC_SAMPLING_AUTOMATIC; give 0"},
+      {RAYC_SAMPLING_VERTICES, 0.15, "RAYC_SAMPLING_VERTICES; give 0"},
+      {RAYC_SAMPLING_SPACING, 0, "a finite length > 0"},
+      {RAYC_SAMPLING_SPACING, -1, "a finite length > 0"},
+      {RAYC_SAMPLING_SPACING, INFINITY, "a finite length > 0"},
+      {RAYC_SAMPLING_TOLERANCE, 0, "a part > 0 and at most 1"},
+      {RAYC_SAMPLING_TOLERANCE, 1.5, "a part > 0 and at most 1"},
+      {RAYC_SAMPLING_TOLERANCE, NAN, "a part > 0 and at most 1"},
+  };
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+    options.sampling = bad[i].sampling;
+    options.sampling_value = bad[i].value;
     CHECK_STATUS(rayc_query_pair(&options, meshes[0], octrees[0], meshes[1], octrees[1], contacts),
-                 RAYC_STATUS_INVALID_OPTION, "force_tolerance");
+                 RAYC_STATUS_INVALID_OPTION, bad[i].message);
   }
+  options.sampling = 4;
+  CHECK_STATUS(rayc_query_pair(&options, meshes[0], octrees[0], meshes[1], octrees[1], contacts),
+               RAYC_STATUS_UNKNOWN_ENUM, "rayc_sampling");
+  CHECK_OK(rayc_default_detection_options(sizeof options, &options));
+  options.reserved = 1;
+  CHECK_STATUS(rayc_query_pair(&options, meshes[0], octrees[0], meshes[1], octrees[1], contacts),
+               RAYC_STATUS_INVALID_OPTION, "reserved of rayc_detection_options is 1");
   CHECK_OK(rayc_contacts_destroy(contacts));
   for (int i = 0; i < 2; ++i) {
     CHECK_OK(rayc_octree_destroy(octrees[i]));

@@ -133,7 +133,7 @@ void closest_points_and_winding_numbers() {
 void a_scene_answers_as_the_c_functions_do() {
   std::vector<Point> a = corners, b = shifted(0.2);
   Scene scene(default_scene_options());
-  scene.set_sample_spacing(0.005);  // an eightieth of the overlap: the pressure in the middle stands for a whole piece
+  scene.set_sampling(RAYC_SAMPLING_SPACING, 0.005);  // an eightieth of the overlap: the pressure in the middle stands for a whole piece
   scene.add(Mesh(vectors(a), faces));
   scene.add(Mesh(vectors(corners), faces));
   scene.set_positions(1, vectors(b));

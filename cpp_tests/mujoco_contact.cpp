@@ -272,8 +272,8 @@ void bad_input_is_refused() {
   options.damping_time = -1;
   refused(model(one), options, "damping_time is -1");
   options = {};
-  options.sample_spacing = -0.5;
-  refused(model(one), options, "sample_spacing");
+  options.sampling_value = -0.5;
+  refused(model(one), options, "sampling_value");
   refused(model(block("a", "0 0 0", ">", "") + "</flexcomp>" + block("b", "0 0 0", ">", "") + "</flexcomp>"), {},
           "contype=\"0\"");
   refused(model(one, "", "integrator=\"RK4\""), {}, "RK4");

@@ -36,7 +36,7 @@ rayc_detection_options from_vertices(void) {
     fprintf(stderr, "no default options: %s\n", rayc_last_error_message());
     exit(1);
   }
-  options.sample_spacing = 0;
+  options.sampling = RAYC_SAMPLING_VERTICES;
   return options;
 }
 

@@ -61,7 +61,6 @@ static void use_scene(uint32_t precision, const rayc_detection_options* detectio
   CHECK((statistics.escaping_pairs > 0) == nested);
   rayc_response_options response;
   CHECK_OK(rayc_default_response_options(sizeof response, &response));
-  response.whole_body_escape = (uint32_t)nested;
   static double forces[2][3 * TORUS_VERTICES];
   double joules = 0;
   const rayc_vectors_mut out[2] = {packed_mut(forces[0], TORUS_VERTICES), packed_mut(forces[1], TORUS_VERTICES)};
@@ -104,9 +103,11 @@ static void* everything(void* context) {
   for (uint32_t precision = RAYC_SCALAR_F32; precision <= RAYC_SCALAR_F64; ++precision) {
     rayc_detection_options all[5];
     for (int i = 0; i < 5; ++i) CHECK_OK(rayc_default_detection_options(sizeof all[i], &all[i]));
-    all[1].sample_spacing = 0;
-    all[2].sample_spacing = 0.2;
-    all[3].force_tolerance = 0.1;
+    all[1].sampling = RAYC_SAMPLING_VERTICES;
+    all[2].sampling = RAYC_SAMPLING_SPACING;
+    all[2].sampling_value = 0.2;
+    all[3].sampling = RAYC_SAMPLING_TOLERANCE;
+    all[3].sampling_value = 0.1;
     all[4].past_folds = 1;
     for (int i = 0; i < 5; ++i) {
       use_pair(precision, &all[i]);

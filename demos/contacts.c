@@ -13,6 +13,7 @@ typedef struct arguments {
   const char* paths[2];
   double shift[3];
   double spacing;
+  int has_spacing;
   int csv;
 } arguments;
 
@@ -81,6 +82,7 @@ static int parse_arguments(int argc, char** argv, arguments* out) {
       if (++i >= argc || !parse_number(argv[i], &out->spacing) || out->spacing < 0) {
         return usage_error("--spacing needs a finite number, 0 or more", "");
       }
+      out->has_spacing = 1;
     } else if (argv[i][0] == '-') {
       return usage_error("unknown option ", argv[i]);
     } else if (path_count == 2) {
@@ -158,7 +160,10 @@ static int detect(const arguments* arguments, run* run) {
   if (!succeeded(rayc_default_detection_options(sizeof detection, &detection), "default options")) {
     return 0;
   }
-  detection.sample_spacing = arguments->spacing;
+  if (arguments->has_spacing) {
+    detection.sampling = arguments->spacing > 0 ? RAYC_SAMPLING_SPACING : RAYC_SAMPLING_VERTICES;
+    detection.sampling_value = arguments->spacing;
+  }
   return succeeded(rayc_contacts_create(&run->contacts), "making the list") &&
          succeeded(rayc_query_pair(&detection, run->meshes[0], run->octrees[0], run->meshes[1], run->octrees[1], run->contacts),
                    "finding contacts") &&
@@ -281,7 +286,7 @@ int main(int argc, char** argv) {
       return EXIT_OK;
     }
   }
-  arguments arguments = {{NULL, NULL}, {0, 0, 0}, RAYC_SPACING_AUTOMATIC, 0};
+  arguments arguments = {{NULL, NULL}, {0, 0, 0}, 0, 0, 0};
   const int usage = parse_arguments(argc, argv, &arguments);
   if (usage != EXIT_OK) {
     return usage;

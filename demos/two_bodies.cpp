@@ -186,8 +186,12 @@ int simulate(const Options& options) {
   contact.stiffness = rb::suggested_stiffness(options.youngs_modulus, edge, options.stiffness);
   contact.damping_time = options.damping;
   contact.depth_cap = options.depth_cap * edge;
-  contact.sample_spacing = options.spacing;  // the skins are much finer than the cages: their vertices are enough
-  contact.force_tolerance = options.tolerance;
+  // The skins are much finer than the cages: their vertices are enough.
+  contact.sampling = options.tolerance > 0 ? RAYC_SAMPLING_TOLERANCE
+                     : options.spacing > 0 ? RAYC_SAMPLING_SPACING
+                     : options.spacing < 0 ? RAYC_SAMPLING_AUTOMATIC
+                                           : RAYC_SAMPLING_VERTICES;
+  contact.sampling_value = options.tolerance > 0 ? options.tolerance : std::max(options.spacing, 0.0);
   contact.threads = static_cast<uint32_t>(options.threads);
 
   demo::SoftWorld world(options.youngs_modulus, 0.3, contact);

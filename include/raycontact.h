@@ -65,11 +65,6 @@
 #define RAYC_STACK_SIZE 131072
 
 /**
- * The sample_spacing that follows the size of each overlap.
- */
-#define RAYC_SPACING_AUTOMATIC -1.0
-
-/**
  * For rayc_scene_share_body(): a body has as many neighbours as are in the scene.
  */
 #define RAYC_NEIGHBOURS_COUNTED UINT32_MAX
@@ -322,6 +317,35 @@ typedef enum rayc_law {
 } rayc_law;
 
 /**
+ * Where on a surface rays start.
+ */
+typedef enum rayc_sampling {
+  /**
+   * In the middle of each triangle, larger ones being cut so that about 128 rays stand on the overlap's largest side;
+   * forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes. In a scene, where the
+   * boxes of both bodies of a pair overlap those of more than 12 others, n at the least, it is 12/n as many, but no fewer
+   * than 8: crowded_pairs in rayc_statistics.
+   */
+  RAYC_SAMPLING_AUTOMATIC = 0,
+  /**
+   * sampling_value, a length > 0, apart or about so far, in the middles of faces: larger triangles are cut into pieces of
+   * that size, and smaller ones joined to patches, connected and nearly flat, of which one triangle casts for all.
+   */
+  RAYC_SAMPLING_SPACING = 1,
+  /**
+   * As automatic, with triangles joined to patches as large as leave the net force of each pair within the part
+   * sampling_value, > 0 and at most 1, of that of all rays, and its torque within that part of the force times half the
+   * overlap box's diagonal. It is an estimate: patches get smaller until two tries agree clearly better than that; where
+   * two tries would take more than a third of the triangles, or leave no hope to agree, all cast.
+   */
+  RAYC_SAMPLING_TOLERANCE = 2,
+  /**
+   * At the vertices, as in the paper.
+   */
+  RAYC_SAMPLING_VERTICES = 3,
+} rayc_sampling;
+
+/**
  * The type of a number. In structs it stands as a uint32_t and is checked.
  */
 typedef enum rayc_scalar {
@@ -437,15 +461,14 @@ typedef struct rayc_detection_options {
    */
   size_t struct_size;
   /**
-   * Where rays start. 0: at the vertices, as in the paper. A length > 0: about so far apart, in the middles of faces;
-   * larger triangles are cut into pieces of that size, and smaller ones joined to patches, connected and nearly flat,
-   * of which one triangle casts for all. RAYC_SPACING_AUTOMATIC (the default): in the middle of each triangle, larger
-   * ones being cut so that about 128 rays stand on the overlap's largest side; forces then hardly depend on the
-   * triangulation, for about two rays a vertex on fine meshes. In a scene, where the boxes of both bodies of a pair overlap
-   * those of more than 12 others, n at the least, it is 12/n as many, but no fewer than 8: crowded_pairs in
-   * rayc_statistics.
+   * What `sampling` is told: with RAYC_SAMPLING_SPACING the length, with RAYC_SAMPLING_TOLERANCE the part of the force;
+   * else 0. Default 0.
    */
-  double sample_spacing;
+  double sampling_value;
+  /**
+   * Where rays start, a rayc_sampling. Default RAYC_SAMPLING_AUTOMATIC.
+   */
+  uint32_t sampling;
   /**
    * 1: edges are traced too where no ray settles whether bodies overlap; 0: not. Default 1.
    */
@@ -467,13 +490,9 @@ typedef struct rayc_detection_options {
    */
   uint32_t law;
   /**
-   * How far the net force of each pair may be from that of all rays, as a part of it, 0 to 1, and its torque as a part
-   * of the force times half the overlap box's diagonal: triangles are joined to patches as large as that leaves. It is
-   * an estimate: patches get smaller until two tries agree clearly better than that; where two tries would take more
-   * than a third of the triangles, or leave no hope to agree, all cast. 0: no triangles are joined. With
-   * RAYC_SPACING_AUTOMATIC alone. Default 0.
+   * Always 0.
    */
-  double force_tolerance;
+  uint32_t reserved;
 } rayc_detection_options;
 
 /**
@@ -497,11 +516,9 @@ typedef struct rayc_response_options {
    */
   uint32_t weighting;
   /**
-   * 1: an escaping pair is pushed by one force spread evenly over all vertices of each body, and the coefficients of
-   * its contacts are 0. For bodies so soft that contacts would draw them out instead of moving them. 0: its contacts
-   * push. Default 0.
+   * Always 0.
    */
-  uint32_t whole_body_escape;
+  uint32_t reserved;
 } rayc_response_options;
 
 /**
@@ -659,9 +676,17 @@ typedef struct rayc_contact {
    */
   uint32_t collided;
   /**
-   * Always 0, so that equal contacts are equal byte by byte.
+   * Which part of p1's triangle the ray stands for: 1 the whole, and of piece n the halves are 2 n and 2 n + 1; 0 for a
+   * vertex. Of an edge, which of the stretches that lie inside, from 0 on.
    */
-  uint32_t reserved;
+  uint32_t piece;
+  /**
+   * For hosts that keep something for each contact: the same from step to step as long as the same point of the surface
+   * meets the same body, and another for every other contact. It follows from kind, bodies, p1's triangle and piece; large
+   * triangles are cut anew where the size of an overlap changes much. A hash of 64 bits: two of 100 000 contacts are the
+   * same with a probability of 3e-10.
+   */
+  uint64_t id;
   /**
    * The ray's origin, on the colliding body.
    */
@@ -930,9 +955,10 @@ typedef struct rayc_contact_memory {
 } rayc_contact_memory;
 
 /**
- * How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
- * whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
- * the first by a part of depth · direction, and the second against it. Later versions may tell more, at the end.
+ * Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. It says
+ * nothing that the contacts do not: hosts that move bodies themselves translate the first by a part of depth · direction,
+ * and the second against it; hosts with very soft bodies, which contacts would draw out, spread the push evenly, as the
+ * contact system does. Later versions may tell more, at the end.
  */
 typedef struct rayc_escape_push {
   /**
@@ -963,10 +989,6 @@ typedef struct rayc_escape_push {
    * The area of the pair's contacts, together: the push is stiffness · area · depth, in N, with RAYC_WEIGHTING_AREA.
    */
   double area;
-  /**
-   * The means of all vertices of the first and of the second body at detection.
-   */
-  double centres[2][3];
 } rayc_escape_push;
 
 /**
@@ -983,44 +1005,23 @@ typedef struct rayc_pair_memory {
    */
   uint32_t second;
   /**
-   * 1: the pair is escaping; 0: its contacts part it.
+   * 1: the pair is escaping; 0: its contacts part it. Only told: rayc_scene_set_pair_memory() reads it from `state`.
    */
   uint32_t escaping;
-  /**
-   * For how many steps `lowest` has stood.
-   */
-  uint32_t lowest_steps;
-  /**
-   * For how many steps `halved` has stood.
-   */
-  uint32_t halved_steps;
   /**
    * Always 0, so that equal memories are equal byte by byte.
    */
   uint32_t reserved;
   /**
-   * The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
+   * The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping. Only
+   * told, too.
    */
   double direction[3];
   /**
-   * The smallest overlap so far, renewed where one is smaller by a tenth: Σ area · depth · cos α in m³, or while the
-   * pair escapes its depth in m. Infinite before the first.
+   * All that the pair remembers, for rayc_scene_set_pair_memory(); the same bytes on every machine. What they mean is the
+   * library's own and changes with its version.
    */
-  double lowest;
-  /**
-   * The same, renewed where one is smaller by half; while the pair escapes it rests.
-   */
-  double halved;
-  /**
-   * The net push on the first body as a part of the sum of all pushes, averaged over about eight steps, each with its
-   * overlap as its weight: of length 1 where all have pushed one way, near 0 where they push against each other or to
-   * and fro. While the pair escapes it rests.
-   */
-  double net_push[3];
-  /**
-   * The overlap averaged over the same steps, in m³; while the pair escapes it rests.
-   */
-  double mean_overlap;
+  uint8_t state[88];
 } rayc_pair_memory;
 
 /**
@@ -1204,6 +1205,16 @@ enum rayc_status rayc_default_mesh_options(size_t struct_size, struct rayc_mesh_
  * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_detection_options(size_t struct_size, struct rayc_detection_options *options);
+
+/**
+ * Fills `options` with what makes a query just what the paper does: rays from the vertices, its two filters and its law,
+ * nothing else. Its forces are those with RAYC_WEIGHTING_VERTEX in rayc_response_options. struct_size:
+ * sizeof(rayc_detection_options).
+ *
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_paper_detection_options(size_t struct_size,
+                                              struct rayc_detection_options *options);
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).

@@ -75,7 +75,8 @@ def types(header, library):
         members = [(plain(text), *member.rsplit(" ", 1)) for text, member in MEMBER.findall(body + ",")]
         title = name.title().replace("_", "")
         if name.endswith("_options"):
-            known = [(member, f": {NUMBERS[kind]}", text) for text, kind, member in members if kind in NUMBERS]
+            settable = [member for member in members if member[1] in NUMBERS and member[2] != "reserved"]
+            known = [(member, f": {NUMBERS[kind]}", text) for text, kind, member in settable]
             parts.append(class_of(f"{title}(TypedDict, total=False)", text, known))
         elif "=" in members[0][1]:
             prefix = len(f"rayc_{name}_")

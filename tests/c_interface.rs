@@ -62,7 +62,7 @@ fn header_is_what_cbindgen_generates() {
 
 /// What a host needs first comes first: what all calls share, meshes, the scene and its contacts, the forces they give, the
 /// contact system; then what few hosts need: pairs' memories, bodies of several processes, a tree of one's own.
-const HEADER_ORDER: [&str; 27] = [
+const HEADER_ORDER: [&str; 28] = [
     "version",
     "failure",
     "guard",
@@ -70,6 +70,7 @@ const HEADER_ORDER: [&str; 27] = [
     "pointers",
     "given",
     "numbers",
+    "sized_structs",
     "host_threads",
     "vectors",
     "host_positions",

@@ -166,10 +166,13 @@ fn without_a_scene(run: &mut Run) {
         let contacts = run.given(null_mut(), |contacts| rayc_contacts_create(contacts));
         let mut options: rayc_detection_options = std::mem::zeroed();
         run.ok(|| rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options));
-        for (spacing, tolerance) in
-            [(RAYC_SPACING_AUTOMATIC, 0.0), (0.0, 0.0), (0.5, 0.0), (RAYC_SPACING_AUTOMATIC, 0.1)]
-        {
-            (options.sample_spacing, options.force_tolerance, options.past_folds) = (spacing, tolerance, 1);
+        for (sampling, value) in [
+            (rayc_sampling::RAYC_SAMPLING_AUTOMATIC, 0.0),
+            (rayc_sampling::RAYC_SAMPLING_VERTICES, 0.0),
+            (rayc_sampling::RAYC_SAMPLING_SPACING, 0.5),
+            (rayc_sampling::RAYC_SAMPLING_TOLERANCE, 0.1),
+        ] {
+            (options.sampling, options.sampling_value, options.past_folds) = (sampling as u32, value, 1);
             run.ok(|| rayc_query_pair(&options, meshes[0], octrees[0], meshes[1], octrees[1], contacts));
             assert!(run.read(contacts) > 0);
         }
@@ -228,7 +231,7 @@ fn steps(run: &mut Run, scene: *mut rayc_scene, more: &[Shape]) {
         let mut options: rayc_detection_options = std::mem::zeroed();
         run.ok(|| rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options));
         // Few rays, so that there is time for many steps.
-        options.sample_spacing = 0.0;
+        options.sampling = rayc_sampling::RAYC_SAMPLING_VERTICES as u32;
         run.ok(|| rayc_scene_set_detection_options(scene, &options));
         run.ok(|| rayc_scene_set_self_collision(scene, 3, 1));
         run.ok(|| rayc_scene_allow_escape(scene, 0, 1, 0));
@@ -257,7 +260,7 @@ fn steps(run: &mut Run, scene: *mut rayc_scene, more: &[Shape]) {
         let size = size_of::<rayc_pair_memory>();
         run.ok(|| rayc_scene_copy_pair_memories(scene, 0, count, size, memories.as_mut_ptr()));
         assert!(memories.iter().any(|memory| memory.escaping == 1), "the small body is on its way out");
-        run.digest.extend(memories.iter().flat_map(|memory| [memory.lowest.to_bits(), memory.halved_steps.into()]));
+        run.digest.extend(memories.iter().flat_map(|memory| memory.state.map(u64::from)));
         meshes.into_iter().for_each(|mesh| run.ok(|| rayc_mesh_destroy(mesh)));
         run.ok(|| rayc_contacts_destroy(contacts));
         run.ok(|| rayc_scene_destroy(scene));

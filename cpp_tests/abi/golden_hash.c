@@ -171,10 +171,7 @@ static void make_settings(struct setting settings[5]) {
   ++setting;
   setting->name = "paper";
   setting->weighting = RAYC_WEIGHTING_VERTEX;
-  setting->detection.sample_spacing = 0;
-  setting->detection.law = RAYC_LAW_RAY_LENGTH;
-  setting->detection.edges = 0;
-  setting->detection.escape = 0;
+  CHECK_OK(rayc_paper_detection_options(sizeof setting->detection, &setting->detection));
   add_body(setting, torus(64, 32, 1, 0.4));
   add_body(setting, moved(turned(torus(64, 32, 1, 0.4)), 0.2, 0.1, 0.5));
 
@@ -191,7 +188,8 @@ static void make_settings(struct setting settings[5]) {
 
   ++setting;
   setting->name = "sheet and patches";
-  setting->detection.force_tolerance = 0.3;
+  setting->detection.sampling = RAYC_SAMPLING_TOLERANCE;
+  setting->detection.sampling_value = 0.3;
   add_body(setting, sheet(8, 3));
   add_body(setting, moved(torus(64, 32, 1, 0.4), 0.1, 0.2, 0.25));
   add_body(setting, moved(turned(torus(64, 32, 1, 0.4)), 0.4, 0.3, 0.8));

@@ -111,24 +111,25 @@ static void older_options_are_read_as_far_as_they_go(void) {
 /* Padding at the end would be read as an option once one lies there. */
 static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_mesh_options, open) == sizeof(rayc_mesh_options));
-  CHECK(END_OF(rayc_detection_options, force_tolerance) == sizeof(rayc_detection_options));
-  CHECK(END_OF(rayc_response_options, whole_body_escape) == sizeof(rayc_response_options));
+  CHECK(END_OF(rayc_detection_options, reserved) == sizeof(rayc_detection_options));
+  CHECK(END_OF(rayc_response_options, reserved) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
   CHECK(END_OF(rayc_contact_system_options, keeps_rigid_unknowns) == sizeof(rayc_contact_system_options));
   CHECK(END_OF(rayc_material, depth_cap) == sizeof(rayc_material));
   CHECK(END_OF(rayc_statistics, border_pieces) == sizeof(rayc_statistics));
-  CHECK(END_OF(rayc_pair_memory, mean_overlap) == sizeof(rayc_pair_memory));
-  CHECK(END_OF(rayc_escape_push, centres) == sizeof(rayc_escape_push));
+  CHECK(END_OF(rayc_pair_memory, state) == sizeof(rayc_pair_memory));
+  CHECK(END_OF(rayc_escape_push, area) == sizeof(rayc_escape_push));
   CHECK(END_OF(rayc_body_state, reserved) == sizeof(rayc_body_state));
 }
 
 /* Nor a hole within, whose bytes would be whatever they were. */
 static void arrays_elements_have_no_holes(void) {
   CHECK(END_OF(rayc_pair_memory, reserved) == offsetof(rayc_pair_memory, direction));
-  CHECK(sizeof(rayc_pair_memory) == 6 * sizeof(uint32_t) + 9 * sizeof(double));
+  CHECK(sizeof(rayc_pair_memory) == 4 * sizeof(uint32_t) + 3 * sizeof(double) + sizeof(((rayc_pair_memory*)NULL)->state));
   CHECK(END_OF(rayc_escape_push, reserved) == offsetof(rayc_escape_push, direction));
-  CHECK(sizeof(rayc_escape_push) == 4 * sizeof(uint32_t) + 11 * sizeof(double));
-  CHECK(sizeof(rayc_contact) == 4 * sizeof(uint32_t) + 2 * sizeof(rayc_surface_point) + 6 * sizeof(double));
+  CHECK(sizeof(rayc_escape_push) == 4 * sizeof(uint32_t) + 5 * sizeof(double));
+  CHECK(sizeof(rayc_contact) ==
+        4 * sizeof(uint32_t) + sizeof(uint64_t) + 2 * sizeof(rayc_surface_point) + 6 * sizeof(double));
   CHECK(sizeof(rayc_surface_point) == 4 * sizeof(uint32_t) + 6 * sizeof(double));
   CHECK(sizeof(rayc_vertex_force) == 2 * sizeof(uint32_t) + 3 * sizeof(double));
   CHECK(sizeof(rayc_hit) == 2 * sizeof(uint32_t) + 4 * sizeof(double));
@@ -137,8 +138,8 @@ static void arrays_elements_have_no_holes(void) {
 int main(void) {
   CHECK_OK(rayc_contacts_create(&contacts));
   CHECK_SIZES(rayc_mesh_options, END_OF(rayc_mesh_options, open), rayc_default_mesh_options);
-  CHECK_SIZES(rayc_detection_options, END_OF(rayc_detection_options, escape), rayc_default_detection_options);
-  CHECK_SIZES(rayc_response_options, END_OF(rayc_response_options, whole_body_escape), rayc_default_response_options);
+  CHECK_SIZES(rayc_detection_options, END_OF(rayc_detection_options, reserved), rayc_default_detection_options);
+  CHECK_SIZES(rayc_response_options, END_OF(rayc_response_options, reserved), rayc_default_response_options);
   CHECK_SIZES(rayc_scene_options, END_OF(rayc_scene_options, threads), rayc_default_scene_options);
   CHECK_SIZES(rayc_contact_system_options, END_OF(rayc_contact_system_options, keeps_rigid_unknowns),
               rayc_default_contact_system_options);
@@ -147,9 +148,9 @@ int main(void) {
   CHECK_STATUS(rayc_contacts_statistics(contacts, sizeof(rayc_statistics), NULL), RAYC_STATUS_NULL_POINTER,
                "statistics");
   make_escapes();
-  CHECK_SIZES(rayc_pair_memory, END_OF(rayc_pair_memory, mean_overlap), pair_memory_of_scene);
+  CHECK_SIZES(rayc_pair_memory, END_OF(rayc_pair_memory, state), pair_memory_of_scene);
   CHECK_SIZES(rayc_body_state, END_OF(rayc_body_state, reserved), state_of_body);
-  CHECK_SIZES(rayc_escape_push, END_OF(rayc_escape_push, centres), push_of_contacts);
+  CHECK_SIZES(rayc_escape_push, END_OF(rayc_escape_push, area), push_of_contacts);
   arrays_are_written_in_steps_of_the_callers_size();
   CHECK_OK(rayc_scene_destroy(scene));
   older_options_are_read_as_far_as_they_go();

@@ -32,8 +32,10 @@ rb::ContactOptions contact_options(const Scene& scene, const Setting& setting) {
         rb::suggested_depth_cap(scene.youngs_modulus, scene.edge(), options.stiffness, setting.depth_cap);
     // Skins much finer than their cages: their vertices are more than the cages can tell apart.
     const SceneBody& body = scene.bodies.front();
-    if (body.cage.skin.points.size() > 2 * body.cage.nodes.size())
-      options.sample_spacing = scene.sample_spacing * scene.edge();
+    if (body.cage.skin.points.size() > 2 * body.cage.nodes.size()) {
+      options.sampling = scene.sample_spacing > 0 ? RAYC_SAMPLING_SPACING : RAYC_SAMPLING_VERTICES;
+      options.sampling_value = scene.sample_spacing * scene.edge();
+    }
   }
   options.friction = setting.friction >= 0 ? setting.friction : scene.friction;
   options.damping_time = setting.damping_time;

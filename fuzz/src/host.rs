@@ -170,9 +170,9 @@ impl Host {
         let status = unsafe {
             let mut options: rayc_detection_options = std::mem::zeroed();
             rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options);
-            options.sample_spacing = [RAYC_SPACING_AUTOMATIC, 0.0, self.largest / 8.0, f64::NAN][bytes.below(4)];
+            options.sampling = bytes.below(5) as u32;
+            options.sampling_value = [0.0, 0.1, self.largest / 8.0, f64::NAN, 2.0][bytes.below(5)];
             (options.escape, options.past_folds) = (bytes.flag().into(), bytes.flag().into());
-            options.force_tolerance = [0.0, 0.0, 0.1, 2.0][bytes.below(4)];
             match bytes.below(5) {
                 0 => rayc_query_pair(&options, a, octree_a, b, octree_b, contacts),
                 1 => rayc_query_self(&options, a, octree_a, contacts),

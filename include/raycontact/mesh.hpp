@@ -55,6 +55,8 @@ Options defaults(rayc_status (*fill)(std::size_t, Options*)) {
 inline rayc_mesh_options default_mesh_options() { return detail::defaults(rayc_default_mesh_options); }
 /** The library's defaults, to be changed field by field. */
 inline rayc_detection_options default_detection_options() { return detail::defaults(rayc_default_detection_options); }
+/** What makes a query just what the paper does: rayc_paper_detection_options(). */
+inline rayc_detection_options paper_detection_options() { return detail::defaults(rayc_paper_detection_options); }
 /** The library's defaults, to be changed field by field. */
 inline rayc_response_options default_response_options() { return detail::defaults(rayc_default_response_options); }
 /** The library's defaults, to be changed field by field. */

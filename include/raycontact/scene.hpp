@@ -154,10 +154,11 @@ class Scene {
     return check(rayc_scene_set_detection_options(get(), &options));
   }
 
-  /** Where rays start, from the next query on: see `rayc_detection_options`. The other options become the defaults. */
-  Outcome<void> set_sample_spacing(double sample_spacing) {
+  /** Where rays start, from the next query on: see `rayc_sampling`. The other options become the defaults. */
+  Outcome<void> set_sampling(rayc_sampling sampling, double value = 0) {
     rayc_detection_options options = default_detection_options();
-    options.sample_spacing = sample_spacing;
+    options.sampling = sampling;
+    options.sampling_value = value;
     return set_detection_options(options);
   }
 

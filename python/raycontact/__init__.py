@@ -16,19 +16,19 @@ changes it: that raises Error with Status.BUSY.
 
 from ._header import (
     NO_TRIANGLE,
-    SPACING_AUTOMATIC,
     ContactKind,
     ContactSystemOptions,
     DetectionOptions,
     Law,
     MeshOptions,
     ResponseOptions,
+    Sampling,
     Scalar,
     SceneOptions,
     Status,
     Weighting,
 )
-from ._library import Error, version
+from ._library import Error, paper_detection_options, version
 from .contact_system import ContactSystem, Material
 from .contacts import Contacts, query_pair, query_self
 from .mesh import Mesh
@@ -37,7 +37,6 @@ from .scene import Scene
 __version__ = version()
 __all__ = [
     "NO_TRIANGLE",
-    "SPACING_AUTOMATIC",
     "ContactKind",
     "ContactSystem",
     "ContactSystemOptions",
@@ -49,11 +48,13 @@ __all__ = [
     "Mesh",
     "MeshOptions",
     "ResponseOptions",
+    "Sampling",
     "Scalar",
     "Scene",
     "SceneOptions",
     "Status",
     "Weighting",
+    "paper_detection_options",
     "query_pair",
     "query_self",
 ]

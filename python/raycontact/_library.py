@@ -72,6 +72,13 @@ def options(kind: str, given: Mapping[str, Any]) -> Any:
     return struct
 
 
+def paper_detection_options() -> dict[str, Any]:
+    """The options of a query that does just what the paper does, as keyword arguments."""
+    struct = ffi.new("rayc_detection_options *")
+    check(library.rayc_paper_detection_options(ffi.sizeof(struct[0]), struct))
+    return {name: getattr(struct, name) for name in _header.DetectionOptions.__annotations__}
+
+
 def dtype_of(kind: Any) -> np.dtype[Any]:
     """The numpy type of a C type, structs field by field."""
     if kind.kind == "primitive":

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from raycontact import ContactKind, Contacts, Error, Law, Mesh, Scene, Status, Weighting, query_pair, query_self
+from raycontact import ContactKind, Contacts, Error, Law, Mesh, Sampling, Scene, Status, Weighting, query_pair, query_self
 from shapes import ball, box, tetrahedron, torus
 
 
@@ -123,10 +123,10 @@ def test_every_ray_is_counted():
 def test_options_reach_the_query():
     a, b = Mesh(*tetrahedron()), Mesh(*tetrahedron(0.2))
     reused = Contacts()
-    coarse = query_pair(a, b, reused, sample_spacing=0.2, edges=False)
+    coarse = query_pair(a, b, reused, sampling=Sampling.SPACING, sampling_value=0.2, edges=False)
     assert coarse is reused
     count = len(coarse)
-    assert 0 < count < len(query_pair(a, b, reused, sample_spacing=0.02))
+    assert 0 < count < len(query_pair(a, b, reused, sampling=Sampling.SPACING, sampling_value=0.02))
 
 
 def test_a_body_that_overlaps_itself_touches_itself():

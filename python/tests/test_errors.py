@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from raycontact import Contacts, Error, Mesh, Scalar, Scene, Status, query_pair
+from raycontact import Contacts, Error, Mesh, Sampling, Scalar, Scene, Status, query_pair
 from shapes import TETRAHEDRON, box, tetrahedron
 
 X = tetrahedron()[0]
@@ -60,13 +60,15 @@ def test_arrays_that_are_none(positions, triangles, error, text):
 @pytest.mark.parametrize(
     "options, error, text",
     [
-        ({"sample_spacing": -2.0}, Error, "sample_spacing"),
-        ({"force_tolerance": float("nan")}, Error, "force_tolerance"),
+        ({"sampling": Sampling.SPACING, "sampling_value": -2.0}, Error, "sampling_value"),
+        ({"sampling": Sampling.TOLERANCE, "sampling_value": float("nan")}, Error, "sampling_value"),
+        ({"sampling_value": 0.1}, Error, "RAYC_SAMPLING_AUTOMATIC"),
+        ({"sampling": 4}, Error, "sampling"),
         ({"law": 7}, Error, "law"),
         ({"law": "pressure"}, TypeError, "option law"),
         ({"edges": -1}, OverflowError, "option edges"),
         ({"edges": 0.5}, TypeError, "option edges"),
-        ({"spacing": 0.1}, TypeError, "no option 'spacing'; there are: sample_spacing, edges"),
+        ({"spacing": 0.1}, TypeError, "no option 'spacing'; there are: sampling_value, sampling, edges"),
         ({"struct_size": 8}, TypeError, "no option 'struct_size'"),
     ],
 )

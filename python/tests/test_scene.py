@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from raycontact import Contacts, Error, Mesh, Scalar, Scene, Status
+from raycontact import Contacts, Error, Mesh, Sampling, Scalar, Scene, Status
 from shapes import ball, box, tetrahedron, torus
 
 
@@ -116,7 +116,7 @@ def test_detection_options_hold_until_set_again():
     for shift in (0, 0.2):
         scene.add(Mesh(*tetrahedron(shift)))
     default = len(scene.query())
-    scene.set_detection_options(sample_spacing=0.3)
+    scene.set_detection_options(sampling=Sampling.SPACING, sampling_value=0.3)
     assert len(scene.query()) < default
     scene.set_detection_options()
     assert len(scene.query()) == default

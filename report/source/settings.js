@@ -99,9 +99,15 @@ export function code(row) {
     "rayc_detection_options detection;",
     "rayc_default_detection_options(sizeof detection, &detection);",
   ];
-  if (sampling === "spacing") lines.push(`detection.sample_spacing = ${amount}; /* in the scene's unit of length */`);
-  if (sampling === "vertices") lines.push("detection.sample_spacing = 0;");
-  if (sampling === "tolerance") lines.push(`detection.force_tolerance = ${amount};`);
+  if (sampling === "spacing") {
+    lines.push("detection.sampling = RAYC_SAMPLING_SPACING;");
+    lines.push(`detection.sampling_value = ${amount}; /* in the scene's unit of length */`);
+  }
+  if (sampling === "vertices") lines.push("detection.sampling = RAYC_SAMPLING_VERTICES;");
+  if (sampling === "tolerance") {
+    lines.push("detection.sampling = RAYC_SAMPLING_TOLERANCE;");
+    lines.push(`detection.sampling_value = ${amount};`);
+  }
   if (settings.edges === "off") lines.push("detection.edges = 0;");
   if (row.method === "paper") lines.push("detection.escape = 0;");
   lines.push("rayc_response_options response;", "rayc_default_response_options(sizeof response, &response);");

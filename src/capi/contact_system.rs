@@ -2,9 +2,10 @@ use super::contact_system_options::{rayc_contact_system_options, rayc_material, 
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
-use super::options::{flag, read_options};
+use super::numbers::flag;
 use super::pointers::{Output, reference, slice};
 use super::scene::{AnyScene, rayc_scene};
+use super::sized_structs::read_options;
 use super::vectors::{rayc_scalar, scalar_from};
 use crate::math::Scalar;
 use crate::scene::Scene;

@@ -1,7 +1,7 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::options::{Growing, Options, read_options, write_defaults, write_options};
 use super::pointers::reference;
+use super::sized_structs::{Growing, Options, read_options, write_defaults, write_options};
 use super::vectors::rayc_scalar;
 use crate::system::Material;
 

@@ -3,7 +3,7 @@ use super::contact_system_step::check_apart;
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::options::flag;
+use super::numbers::flag;
 use super::pointers::{Output, slice, slice_mut};
 use super::scene::{AnyScene, rayc_scene};
 use crate::memory::text;

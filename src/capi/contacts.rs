@@ -3,9 +3,10 @@ use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
-use super::options::{rayc_detection_options, read_options, write_known};
+use super::options::rayc_detection_options;
 use super::pair_forces::AnyForcesByPair;
 use super::pointers::Output;
+use super::sized_structs::{read_options, write_known};
 use super::statistics::rayc_statistics;
 use crate::contact::{Contact, ContactKind, ContactList, SurfacePoint, query_pair, query_self};
 use crate::math::Scalar;
@@ -109,8 +110,14 @@ pub struct rayc_contact {
     pub colliding: u32,
     /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
-    /// Always 0, so that equal contacts are equal byte by byte.
-    pub reserved: u32,
+    /// Which part of p1's triangle the ray stands for: 1 the whole, and of piece n the halves are 2 n and 2 n + 1; 0 for a
+    /// vertex. Of an edge, which of the stretches that lie inside, from 0 on.
+    pub piece: u32,
+    /// For hosts that keep something for each contact: the same from step to step as long as the same point of the surface
+    /// meets the same body, and another for every other contact. It follows from kind, bodies, p1's triangle and piece; large
+    /// triangles are cut anew where the size of an overlap changes much. A hash of 64 bits: two of 100 000 contacts are the
+    /// same with a probability of 3e-10.
+    pub id: u64,
     /// The ray's origin, on the colliding body.
     pub p1: rayc_surface_point,
     /// The ray's end, on the collided body.
@@ -150,7 +157,8 @@ impl<T: Scalar> From<&Contact<T>> for rayc_contact {
             kind: kind as u32,
             colliding: contact.colliding,
             collided: contact.collided,
-            reserved: 0,
+            piece: contact.piece,
+            id: contact.id(),
             p1: (&contact.p1).into(),
             p2: (&contact.p2).into(),
             direction: contact.direction.map(T::to_f64).into(),

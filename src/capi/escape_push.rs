@@ -2,15 +2,16 @@ use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::reading;
-use super::options::{Growing, Known};
 use super::pointers::Output;
+use super::sized_structs::{Growing, Known};
 use crate::contact::EscapePush;
 use crate::math::Scalar;
 use crate::memory::text;
 
-/// How an escaping pair is pushed as a whole: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. With
-/// whole_body_escape in rayc_response_options the forces are made from it; hosts that move bodies themselves translate
-/// the first by a part of depth · direction, and the second against it. Later versions may tell more, at the end.
+/// Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. It says
+/// nothing that the contacts do not: hosts that move bodies themselves translate the first by a part of depth · direction,
+/// and the second against it; hosts with very soft bodies, which contacts would draw out, spread the push evenly, as the
+/// contact system does. Later versions may tell more, at the end.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_escape_push {
@@ -28,13 +29,11 @@ pub struct rayc_escape_push {
     pub depth: f64,
     /// The area of the pair's contacts, together: the push is stiffness · area · depth, in N, with RAYC_WEIGHTING_AREA.
     pub area: f64,
-    /// The means of all vertices of the first and of the second body at detection.
-    pub centres: [[f64; 3]; 2],
 }
 
 impl Growing for rayc_escape_push {
     const NAME: &'static str = "rayc_escape_push";
-    const SMALLEST: usize = std::mem::offset_of!(Self, centres) + size_of::<[[f64; 3]; 2]>();
+    const SMALLEST: usize = size_of::<Self>();
 }
 
 impl<T: Scalar> From<&EscapePush<T>> for rayc_escape_push {
@@ -47,7 +46,6 @@ impl<T: Scalar> From<&EscapePush<T>> for rayc_escape_push {
             direction: push.direction.map(T::to_f64).into(),
             depth: push.depth.to_f64(),
             area: push.area.to_f64(),
-            centres: push.centres.map(|centre| centre.map(T::to_f64).into()),
         }
     }
 }

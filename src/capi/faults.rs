@@ -1,6 +1,6 @@
 //! Faults on purpose, for tests of this crate alone: a panic within every export, and on every thread that works.
 
-use super::options::Options;
+use super::sized_structs::Options;
 use super::*;
 use crate::cuboid::CUBOID_FACES;
 use crate::threads::faults;
@@ -72,6 +72,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_default_mesh_options(0, null_mut());
         rayc_default_detection_options(0, null_mut());
         rayc_default_response_options(0, null_mut());
+        rayc_paper_detection_options(0, null_mut());
         rayc_default_scene_options(0, null_mut());
         rayc_default_contact_system_options(0, null_mut());
         rayc_bearing_material(0.0, 0.0, 0, null_mut());
@@ -186,7 +187,10 @@ fn cubes(options: *const rayc_scene_options) -> *mut rayc_scene {
     unsafe {
         assert_eq!(rayc_scene_create(options, &mut scene), rayc_status::RAYC_STATUS_OK);
         // Rays from corners alone: enough, and quick in a debug build.
-        let few = rayc_detection_options { sample_spacing: 0.0, ..rayc_detection_options::defaults() };
+        let few = rayc_detection_options {
+            sampling: rayc_sampling::RAYC_SAMPLING_VERTICES as u32,
+            ..rayc_detection_options::defaults()
+        };
         assert_eq!(rayc_scene_set_detection_options(scene, &few), rayc_status::RAYC_STATUS_OK);
         for k in 0..4 {
             let corners: [[f64; 3]; 8] =

@@ -7,7 +7,7 @@ use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
 use crate::contact::ContactList;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
-use crate::response::{BodiesMut, PenaltyLaw, Vectors, VectorsMut};
+use crate::response::{BodiesMut, Vectors, VectorsMut};
 
 /// One body's array, known to be as it should.
 #[repr(transparent)]
@@ -81,18 +81,12 @@ pub(super) struct Arrays<'a, const N: usize> {
 }
 
 impl<const N: usize> Arrays<'_, N> {
-    /// Refuses arrays that do not reach to every body and vertex of the contacts, and of the pushes where they are used,
-    /// or that are not finite there, before anything is changed.
-    pub(super) fn check<T: Scalar>(&self, list: &ContactList<T>, law: &PenaltyLaw) -> Result<(), Failure> {
+    /// Refuses arrays that do not reach to every body and vertex of the contacts, or that are not finite there, before
+    /// anything is changed.
+    pub(super) fn check<T: Scalar>(&self, list: &ContactList<T>) -> Result<(), Failure> {
         for contact in &list.contacts {
             self.check_vertices::<T, _>(contact.colliding, contact.p1.vertices)?;
             self.check_vertices::<T, _>(contact.collided, contact.p2.vertices)?;
-        }
-        for push in list.pushes().iter().filter(|_| law.pushes_whole_bodies()) {
-            for (&body, &count) in push.bodies.iter().zip(&push.vertex_counts) {
-                // The last one first: where the array is too short that is what it should reach to.
-                (0..count).rev().try_for_each(|vertex| self.check_vertices::<T, _>(body, [vertex]))?;
-            }
         }
         Ok(())
     }

@@ -29,6 +29,7 @@ mod pointers;
 mod response;
 mod scene;
 mod sharing;
+mod sized_structs;
 mod statistics;
 mod vectors;
 mod version;

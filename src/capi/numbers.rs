@@ -1,9 +1,29 @@
-//! Numbers of double precision that a call takes to a mesh of either.
+//! Numbers of the host: flags, reserved fields, and those of double precision that a call takes to a mesh of either.
 
 use super::failure::{Failure, rayc_status};
 use crate::math::Scalar;
 use crate::memory::text;
 use std::fmt;
+
+pub(super) fn flag(field: &str, value: u32) -> Result<bool, Failure> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => {
+            let message = text!("{field} is {value}; give 0 for no or 1 for yes");
+            Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message))
+        }
+    }
+}
+
+/// Refuses a reserved field in use: later versions may give it a meaning.
+pub(super) fn check_reserved(name: &str, reserved: u32) -> Result<(), Failure> {
+    if reserved == 0 {
+        return Ok(());
+    }
+    let message = text!("reserved of {name} is {reserved}; leave it 0, as its default function does");
+    Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message))
+}
 
 /// Refuses numbers that the precision does not hold.
 pub(super) fn check_numbers<T: Scalar>(numbers: &[f64], what: fmt::Arguments) -> Result<(), Failure> {

@@ -1,7 +1,8 @@
 use super::failure::{Failure, rayc_status, unknown_enum};
 use super::guard::guard;
 use super::host_threads::rayc_parallel_for;
-use super::pointers::{Output, reference};
+use super::numbers::{check_reserved, flag};
+use super::sized_structs::{Growing, Options, write_defaults, write_options};
 use super::vectors::rayc_scalar;
 use crate::contact::{ContactLaw, DetectionOptions, Sampling};
 use crate::math::Scalar;
@@ -32,14 +33,11 @@ pub struct rayc_mesh_options {
 pub struct rayc_detection_options {
     /// sizeof(rayc_detection_options).
     pub struct_size: usize,
-    /// Where rays start. 0: at the vertices, as in the paper. A length > 0: about so far apart, in the middles of faces;
-    /// larger triangles are cut into pieces of that size, and smaller ones joined to patches, connected and nearly flat,
-    /// of which one triangle casts for all. RAYC_SPACING_AUTOMATIC (the default): in the middle of each triangle, larger
-    /// ones being cut so that about 128 rays stand on the overlap's largest side; forces then hardly depend on the
-    /// triangulation, for about two rays a vertex on fine meshes. In a scene, where the boxes of both bodies of a pair overlap
-    /// those of more than 12 others, n at the least, it is 12/n as many, but no fewer than 8: crowded_pairs in
-    /// rayc_statistics.
-    pub sample_spacing: f64,
+    /// What `sampling` is told: with RAYC_SAMPLING_SPACING the length, with RAYC_SAMPLING_TOLERANCE the part of the force;
+    /// else 0. Default 0.
+    pub sampling_value: f64,
+    /// Where rays start, a rayc_sampling. Default RAYC_SAMPLING_AUTOMATIC.
+    pub sampling: u32,
     /// 1: edges are traced too where no ray settles whether bodies overlap; 0: not. Default 1.
     pub edges: u32,
     /// 1: in a scene, a pair whose contacts cannot part it (one body swallowed, or held in the other's folds) is pushed
@@ -52,12 +50,8 @@ pub struct rayc_detection_options {
     pub past_folds: u32,
     /// What forces grow with, a rayc_law. Default RAYC_LAW_PRESSURE.
     pub law: u32,
-    /// How far the net force of each pair may be from that of all rays, as a part of it, 0 to 1, and its torque as a part
-    /// of the force times half the overlap box's diagonal: triangles are joined to patches as large as that leaves. It is
-    /// an estimate: patches get smaller until two tries agree clearly better than that; where two tries would take more
-    /// than a third of the triangles, or leave no hope to agree, all cast. 0: no triangles are joined. With
-    /// RAYC_SPACING_AUTOMATIC alone. Default 0.
-    pub force_tolerance: f64,
+    /// Always 0.
+    pub reserved: u32,
 }
 
 /// What a contact's force grows with.
@@ -74,8 +68,26 @@ pub enum rayc_law {
     RAYC_LAW_RAY_LENGTH = 1,
 }
 
-/// The sample_spacing that follows the size of each overlap.
-pub const RAYC_SPACING_AUTOMATIC: f64 = -1.0;
+/// Where on a surface rays start.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub enum rayc_sampling {
+    /// In the middle of each triangle, larger ones being cut so that about 128 rays stand on the overlap's largest side;
+    /// forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes. In a scene, where the
+    /// boxes of both bodies of a pair overlap those of more than 12 others, n at the least, it is 12/n as many, but no fewer
+    /// than 8: crowded_pairs in rayc_statistics.
+    RAYC_SAMPLING_AUTOMATIC = 0,
+    /// sampling_value, a length > 0, apart or about so far, in the middles of faces: larger triangles are cut into pieces of
+    /// that size, and smaller ones joined to patches, connected and nearly flat, of which one triangle casts for all.
+    RAYC_SAMPLING_SPACING = 1,
+    /// As automatic, with triangles joined to patches as large as leave the net force of each pair within the part
+    /// sampling_value, > 0 and at most 1, of that of all rays, and its torque within that part of the force times half the
+    /// overlap box's diagonal. It is an estimate: patches get smaller until two tries agree clearly better than that; where
+    /// two tries would take more than a third of the triangles, or leave no hope to agree, all cast.
+    RAYC_SAMPLING_TOLERANCE = 2,
+    /// At the vertices, as in the paper.
+    RAYC_SAMPLING_VERTICES = 3,
+}
 
 /// What a contact's stiffness is multiplied with.
 #[repr(C)]
@@ -99,10 +111,8 @@ pub struct rayc_response_options {
     pub damping_time: f64,
     /// A rayc_weighting. Default RAYC_WEIGHTING_AREA.
     pub weighting: u32,
-    /// 1: an escaping pair is pushed by one force spread evenly over all vertices of each body, and the coefficients of
-    /// its contacts are 0. For bodies so soft that contacts would draw them out instead of moving them. 0: its contacts
-    /// push. Default 0.
-    pub whole_body_escape: u32,
+    /// Always 0.
+    pub reserved: u32,
 }
 
 /// How a scene works. Fill with rayc_default_scene_options(), then change what you need.
@@ -131,27 +141,30 @@ pub struct rayc_scene_options {
 }
 
 impl rayc_detection_options {
-    pub(super) fn detection<T: Scalar>(&self) -> Result<DetectionOptions<T>, Failure> {
-        let (spacing, tolerance) = (self.sample_spacing, self.force_tolerance);
-        if !(0.0..=1.0).contains(&tolerance) || (tolerance > 0.0 && spacing != RAYC_SPACING_AUTOMATIC) {
-            let message = text!(
-                "force_tolerance is {tolerance}, with sample_spacing {spacing}; give 0, or a part up to 1 with \
-                 RAYC_SPACING_AUTOMATIC"
-            );
-            return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
-        }
-        let sampling = match spacing {
-            RAYC_SPACING_AUTOMATIC if tolerance > 0.0 => Sampling::Tolerance(T::of(tolerance)),
-            RAYC_SPACING_AUTOMATIC => Sampling::Automatic,
-            0.0 => Sampling::Vertices,
-            _ if spacing > 0.0 && spacing.is_finite() => Sampling::Spacing(T::of(spacing)),
-            _ => {
-                return Err(Failure::new(
-                    rayc_status::RAYC_STATUS_INVALID_OPTION,
-                    text!("sample_spacing is {spacing}; give 0, a finite length > 0, or RAYC_SPACING_AUTOMATIC"),
-                ));
+    fn sampling<T: Scalar>(&self) -> Result<Sampling<T>, Failure> {
+        use rayc_sampling::*;
+        let value = self.sampling_value;
+        let (sampling, is_valid, valid) = match self.sampling {
+            s if s == RAYC_SAMPLING_AUTOMATIC as u32 => (Sampling::Automatic, value == 0.0, "0"),
+            s if s == RAYC_SAMPLING_VERTICES as u32 => (Sampling::Vertices, value == 0.0, "0"),
+            s if s == RAYC_SAMPLING_SPACING as u32 => {
+                (Sampling::Spacing(T::of(value)), value > 0.0 && value.is_finite(), "a finite length > 0")
             }
+            s if s == RAYC_SAMPLING_TOLERANCE as u32 => {
+                (Sampling::Tolerance(T::of(value)), value > 0.0 && value <= 1.0, "a part > 0 and at most 1")
+            }
+            other => return Err(unknown_enum("sampling", other, "rayc_sampling")),
         };
+        if is_valid {
+            return Ok(sampling);
+        }
+        let name = ["AUTOMATIC", "SPACING", "TOLERANCE", "VERTICES"][self.sampling as usize];
+        let message = text!("sampling_value is {value} with RAYC_SAMPLING_{name}; give {valid}");
+        Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message))
+    }
+
+    pub(super) fn detection<T: Scalar>(&self) -> Result<DetectionOptions<T>, Failure> {
+        check_reserved("rayc_detection_options", self.reserved)?;
         let law = match self.law {
             law if law == rayc_law::RAYC_LAW_PRESSURE as u32 => ContactLaw::Pressure,
             law if law == rayc_law::RAYC_LAW_RAY_LENGTH as u32 => ContactLaw::RayLength,
@@ -159,24 +172,12 @@ impl rayc_detection_options {
         };
         Ok(DetectionOptions {
             law,
-            sampling,
+            sampling: self.sampling()?,
             edges: flag("edges", self.edges)?,
             escape: flag("escape", self.escape)?,
             past_folds: flag("past_folds", self.past_folds)?,
         })
     }
-}
-
-/// A struct that later versions may add fields to, at its end; callers say how much of it they know.
-pub(super) trait Growing: Copy {
-    const NAME: &'static str;
-    /// Where the last field of the first version ends; programs built then pass no less.
-    const SMALLEST: usize;
-}
-
-/// An options struct that starts with its own size.
-pub(super) trait Options: Growing {
-    fn defaults() -> Self;
 }
 
 impl Growing for rayc_mesh_options {
@@ -192,28 +193,34 @@ impl Options for rayc_mesh_options {
 
 impl Growing for rayc_detection_options {
     const NAME: &'static str = "rayc_detection_options";
-    const SMALLEST: usize = std::mem::offset_of!(Self, escape) + size_of::<u32>();
+    const SMALLEST: usize = size_of::<Self>();
 }
 
 impl Options for rayc_detection_options {
     fn defaults() -> Self {
-        let sample_spacing = RAYC_SPACING_AUTOMATIC;
-        let law = rayc_law::RAYC_LAW_PRESSURE as u32;
-        let struct_size = size_of::<Self>();
-        Self { struct_size, sample_spacing, edges: 1, escape: 1, past_folds: 0, law, force_tolerance: 0.0 }
+        Self {
+            struct_size: size_of::<Self>(),
+            sampling_value: 0.0,
+            sampling: rayc_sampling::RAYC_SAMPLING_AUTOMATIC as u32,
+            edges: 1,
+            escape: 1,
+            past_folds: 0,
+            law: rayc_law::RAYC_LAW_PRESSURE as u32,
+            reserved: 0,
+        }
     }
 }
 
 impl Growing for rayc_response_options {
     const NAME: &'static str = "rayc_response_options";
-    const SMALLEST: usize = std::mem::offset_of!(Self, weighting) + size_of::<u32>();
+    const SMALLEST: usize = size_of::<Self>();
 }
 
 impl Options for rayc_response_options {
     fn defaults() -> Self {
         let weighting = rayc_weighting::RAYC_WEIGHTING_AREA as u32;
         let struct_size = size_of::<Self>();
-        Self { struct_size, stiffness: 1.0, damping_time: 0.0, weighting, whole_body_escape: 0 }
+        Self { struct_size, stiffness: 1.0, damping_time: 0.0, weighting, reserved: 0 }
     }
 }
 
@@ -241,120 +248,9 @@ impl rayc_response_options {
             w if w == rayc_weighting::RAYC_WEIGHTING_VERTEX as u32 => Weighting::Vertex,
             other => return Err(unknown_enum("weighting", other, "rayc_weighting")),
         };
-        let law = PenaltyLaw::new(self.stiffness, self.damping_time, weighting)?;
-        let whole_bodies = flag("whole_body_escape", self.whole_body_escape)?;
-        Ok(if whole_bodies { law.pushing_whole_bodies() } else { law })
+        check_reserved("rayc_response_options", self.reserved)?;
+        Ok(PenaltyLaw::new(self.stiffness, self.damping_time, weighting)?)
     }
-}
-
-pub(super) fn flag(field: &str, value: u32) -> Result<bool, Failure> {
-    match value {
-        0 => Ok(false),
-        1 => Ok(true),
-        _ => {
-            let message = text!("{field} is {value}; give 0 for no or 1 for yes");
-            Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message))
-        }
-    }
-}
-
-pub(super) fn check_size<O: Growing>(struct_size: usize) -> Result<(), Failure> {
-    let (name, largest) = (O::NAME, size_of::<O>());
-    let smallest = O::SMALLEST.next_multiple_of(align_of::<O>());
-    // A size that is no multiple of the alignment would cut a field.
-    if (smallest..=largest).contains(&struct_size) && struct_size.is_multiple_of(align_of::<O>()) {
-        return Ok(());
-    }
-    Err(Failure::new(
-        rayc_status::RAYC_STATUS_INVALID_STRUCT_SIZE,
-        text!(
-            "struct_size of {name} is {struct_size}, not {smallest} to {largest}; fill the struct with its default \
-             function first, pass sizeof, and link the library your header belongs to"
-        ),
-    ))
-}
-
-/// The caller's options, or the defaults for NULL and for fields the caller's header did not have yet.
-///
-/// # Safety
-/// `options` is NULL or points to `struct_size` readable bytes.
-pub(super) unsafe fn read_options<O: Options>(options: *const O) -> Result<O, Failure> {
-    let mut read = O::defaults();
-    if !options.is_null() {
-        // SAFETY: every options struct starts with its size.
-        let struct_size = *unsafe { reference(options.cast::<usize>(), O::NAME) }?;
-        check_size::<O>(struct_size)?;
-        // SAFETY: struct_size bytes are readable by this function's contract, and no more than `read` holds.
-        unsafe { std::ptr::copy_nonoverlapping(options.cast::<u8>(), (&raw mut read).cast::<u8>(), struct_size) };
-    }
-    Ok(read)
-}
-
-/// Writes as much of `value` as the caller knows.
-///
-/// # Safety
-/// `place` is writable for `struct_size` bytes.
-pub(super) unsafe fn write_known<V: Growing>(
-    struct_size: usize,
-    place: *mut V,
-    name: &str,
-    value: V,
-) -> Result<(), Failure> {
-    check_size::<V>(struct_size)?;
-    Output::new(place, name)?;
-    // SAFETY: struct_size bytes are writable by this function's contract, and no more than `value` holds.
-    unsafe { std::ptr::copy_nonoverlapping((&raw const value).cast::<u8>(), place.cast::<u8>(), struct_size) };
-    Ok(())
-}
-
-/// A place for an array of which the caller knows so much of each element.
-pub(super) struct Known<V> {
-    struct_size: usize,
-    place: *mut V,
-}
-
-impl<V: Growing> Known<V> {
-    pub(super) fn new(struct_size: usize, place: *mut V, count: usize, name: &str) -> Result<Self, Failure> {
-        check_size::<V>(struct_size)?;
-        Output::array(place, count, name)?;
-        Ok(Self { struct_size, place })
-    }
-
-    /// # Safety
-    /// The place is writable for as many times `struct_size` bytes as `values` yields.
-    pub(super) unsafe fn write_all(self, values: impl Iterator<Item = V>) {
-        for (index, value) in values.enumerate() {
-            // SAFETY: by this function's contract, and `value` holds no less.
-            unsafe {
-                let place = self.place.byte_add(index * self.struct_size).cast::<u8>();
-                std::ptr::copy_nonoverlapping((&raw const value).cast::<u8>(), place, self.struct_size);
-            }
-        }
-    }
-}
-
-/// # Safety
-/// `place` is writable for `struct_size` bytes.
-pub(super) unsafe fn write_defaults<O: Options>(struct_size: usize, place: *mut O) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    unsafe { write_options(struct_size, place, "options", O::defaults()) }
-}
-
-/// # Safety
-/// `place` is writable for `struct_size` bytes.
-pub(super) unsafe fn write_options<O: Options>(
-    struct_size: usize,
-    place: *mut O,
-    name: &str,
-    options: O,
-) -> Result<(), Failure> {
-    // SAFETY: by this function's contract. The first field is the size, which tells later calls how much of the struct
-    // the caller knows.
-    unsafe {
-        write_known(struct_size, place, name, options)?;
-        place.cast::<usize>().write(struct_size);
-    }
-    Ok(())
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
@@ -376,6 +272,27 @@ pub unsafe extern "C" fn rayc_default_detection_options(
 ) -> rayc_status {
     // SAFETY: the caller's struct has the size it says.
     guard(|| unsafe { write_defaults(struct_size, options) })
+}
+
+/// Fills `options` with what makes a query just what the paper does: rays from the vertices, its two filters and its law,
+/// nothing else. Its forces are those with RAYC_WEIGHTING_VERTEX in rayc_response_options. struct_size:
+/// sizeof(rayc_detection_options).
+///
+/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_paper_detection_options(
+    struct_size: usize,
+    options: *mut rayc_detection_options,
+) -> rayc_status {
+    let paper = rayc_detection_options {
+        sampling: rayc_sampling::RAYC_SAMPLING_VERTICES as u32,
+        edges: 0,
+        escape: 0,
+        law: rayc_law::RAYC_LAW_RAY_LENGTH as u32,
+        ..rayc_detection_options::defaults()
+    };
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe { write_options(struct_size, options, "options", paper) })
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).

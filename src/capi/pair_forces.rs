@@ -3,8 +3,9 @@ use super::failure::{Failure, rayc_status};
 use super::given::{Arrays, Given};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::options::{rayc_response_options, read_options};
+use super::options::rayc_response_options;
 use super::pointers::Output;
+use super::sized_structs::read_options;
 use super::vectors::rayc_vectors;
 use crate::contact::ContactList;
 use crate::math::{Scalar, Vector3};
@@ -89,7 +90,7 @@ fn sum<T: Scalar>(
     velocities: Option<&[Given]>,
 ) -> Result<[usize; 2], Failure> {
     let read = [("positions", positions), ("velocities", velocities)];
-    Arrays { read, written: None }.check(list, law)?;
+    Arrays { read, written: None }.check(list)?;
     forces.sum(list, law, positions, velocities);
     Ok([forces.pairs().len(), forces.forces().len()])
 }

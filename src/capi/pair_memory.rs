@@ -1,9 +1,10 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::options::{Growing, Known, flag};
+use super::numbers::flag;
 use super::pointers::{Output, slice};
 use super::scene::{AnyScene, rayc_scene};
+use super::sized_structs::{Growing, Known};
 use crate::contact::PairMemory;
 use crate::math::Scalar;
 use crate::memory::text;
@@ -17,48 +18,35 @@ pub struct rayc_pair_memory {
     pub first: u32,
     /// The other.
     pub second: u32,
-    /// 1: the pair is escaping; 0: its contacts part it.
+    /// 1: the pair is escaping; 0: its contacts part it. Only told: rayc_scene_set_pair_memory() reads it from `state`.
     pub escaping: u32,
-    /// For how many steps `lowest` has stood.
-    pub lowest_steps: u32,
-    /// For how many steps `halved` has stood.
-    pub halved_steps: u32,
     /// Always 0, so that equal memories are equal byte by byte.
     pub reserved: u32,
-    /// The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
+    /// The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping. Only
+    /// told, too.
     pub direction: [f64; 3],
-    /// The smallest overlap so far, renewed where one is smaller by a tenth: Σ area · depth · cos α in m³, or while the
-    /// pair escapes its depth in m. Infinite before the first.
-    pub lowest: f64,
-    /// The same, renewed where one is smaller by half; while the pair escapes it rests.
-    pub halved: f64,
-    /// The net push on the first body as a part of the sum of all pushes, averaged over about eight steps, each with its
-    /// overlap as its weight: of length 1 where all have pushed one way, near 0 where they push against each other or to
-    /// and fro. While the pair escapes it rests.
-    pub net_push: [f64; 3],
-    /// The overlap averaged over the same steps, in m³; while the pair escapes it rests.
-    pub mean_overlap: f64,
+    /// All that the pair remembers, for rayc_scene_set_pair_memory(); the same bytes on every machine. What they mean is the
+    /// library's own and changes with its version.
+    pub state: [u8; 88],
 }
 
 impl Growing for rayc_pair_memory {
     const NAME: &'static str = "rayc_pair_memory";
-    const SMALLEST: usize = std::mem::offset_of!(Self, mean_overlap) + size_of::<f64>();
+    const SMALLEST: usize = size_of::<Self>();
 }
 
 impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
     fn from(([first, second], memory): &([u32; 2], PairMemory<T>)) -> Self {
+        let mut state = [0; 88];
+        let packed = memory.packed();
+        state[..packed.len()].copy_from_slice(&packed);
         Self {
             first: *first,
             second: *second,
             escaping: u32::from(memory.escape.is_some()),
-            lowest_steps: memory.lowest.steps,
-            halved_steps: memory.halved.steps,
             reserved: 0,
             direction: memory.escape.unwrap_or_default().map(T::to_f64).into(),
-            lowest: memory.lowest.value.to_f64(),
-            halved: memory.halved.value.to_f64(),
-            net_push: memory.net_push.map(T::to_f64).into(),
-            mean_overlap: memory.mean_overlap.to_f64(),
+            state,
         }
     }
 }

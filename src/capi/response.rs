@@ -3,15 +3,14 @@ use super::failure::{Failure, rayc_status};
 use super::given::{Arrays, Given, GivenMut};
 use super::guard::guard;
 use super::handles::reading;
-use super::options::{rayc_response_options, read_options};
+use super::options::rayc_response_options;
 use super::pointers::Output;
+use super::sized_structs::read_options;
 use super::vectors::{rayc_vectors, rayc_vectors_mut};
 use crate::contact::ContactList;
 use crate::math::Scalar;
 use crate::memory::text;
-use crate::response::{
-    PenaltyLaw, add_differential, add_forces, add_push_differential, add_push_forces, energy, push_energy,
-};
+use crate::response::{PenaltyLaw, add_differential, add_forces, energy};
 
 /// Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
 /// in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
@@ -155,9 +154,8 @@ fn add_all_forces<T: Scalar>(
     mut forces: GivenMut<'_>,
 ) -> Result<(), Failure> {
     let read = [("positions", positions), ("velocities", velocities)];
-    Arrays { read, written: Some(&forces) }.check(list, law)?;
+    Arrays { read, written: Some(&forces) }.check(list)?;
     add_forces(&list.contacts, law, positions, velocities, &mut forces);
-    add_push_forces(list.pushes(), law, positions, velocities, &mut forces);
     Ok(())
 }
 
@@ -168,13 +166,12 @@ fn add_all_differentials<T: Scalar>(
     displacements: &[Given],
     mut forces: GivenMut<'_>,
 ) -> Result<(), Failure> {
-    Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list, law)?;
+    Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list)?;
     add_differential(&list.contacts, law, stiffness, damping, displacements, &mut forces);
-    add_push_differential(list.pushes(), law, stiffness, damping, displacements, &mut forces);
     Ok(())
 }
 
 fn all_energy<T: Scalar>(list: &ContactList<T>, law: &PenaltyLaw, positions: Option<&[Given]>) -> Result<f64, Failure> {
-    Arrays { read: [("positions", positions)], written: None }.check(list, law)?;
-    Ok((energy(&list.contacts, law, positions) + push_energy(list.pushes(), law, positions)).to_f64())
+    Arrays { read: [("positions", positions)], written: None }.check(list)?;
+    Ok(energy(&list.contacts, law, positions).to_f64())
 }

@@ -1,12 +1,14 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::options::{Growing, check_size, flag, write_known};
+use super::numbers::flag;
 use super::pair_memory::rayc_pair_memory;
 use super::pointers::{Output, reference};
 use super::scene::{AnyScene, rayc_scene};
-use crate::contact::{PairMemory, Record};
-use crate::math::{Scalar, Vector3};
+use super::sized_structs::{Growing, check_size, write_known};
+use crate::bytes::Reader;
+use crate::contact::PairMemory;
+use crate::math::Scalar;
 use crate::memory::text;
 use crate::scene::{Scene, SceneError, Sharing, finds_pair};
 
@@ -145,15 +147,9 @@ pub unsafe extern "C" fn rayc_scene_set_pair_memory(
     memory: *const rayc_pair_memory,
 ) -> rayc_status {
     fn set<T: Scalar>(scene: &mut Scene<T>, memory: &rayc_pair_memory) -> Result<(), SceneError> {
-        let vector = |[x, y, z]: [f64; 3]| Vector3::new(T::of(x), T::of(y), T::of(z));
-        let remembered = PairMemory {
-            escape: (memory.escaping != 0).then(|| vector(memory.direction)),
-            lowest: Record { value: T::of(memory.lowest), steps: memory.lowest_steps },
-            halved: Record { value: T::of(memory.halved), steps: memory.halved_steps },
-            net_push: vector(memory.net_push),
-            mean_overlap: T::of(memory.mean_overlap),
-        };
-        scene.set_pair_memory([memory.first, memory.second], remembered)
+        let pair = [memory.first, memory.second];
+        let remembered = PairMemory::unpacked(&mut Reader { rest: &memory.state });
+        scene.set_pair_memory(pair, remembered.ok_or(SceneError::PairMemory { pair })?)
     }
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {

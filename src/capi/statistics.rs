@@ -1,4 +1,4 @@
-use super::options::Growing;
+use super::sized_structs::Growing;
 use crate::contact::Statistics;
 
 /// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one

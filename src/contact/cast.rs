@@ -6,6 +6,7 @@ use super::found::{Found, Origins, cosines, set_lane, vector};
 use super::load::Turning;
 use super::pair::Direction;
 use super::rays::Rays;
+use super::samples::WHOLE;
 use super::workspace::Pieces;
 use super::{Contact, Statistics, past_folds, starts_outside};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3};
@@ -128,6 +129,7 @@ impl<T: Scalar> Cast<'_, T> {
                 set_lane(&mut samples.normal, count, &vector(&faces.normal, lane));
                 samples.area[count] = faces.area[lane];
                 rays.origins.indices[count] = source.triangles[lane];
+                rays.origins.pieces[count] = WHOLE;
                 set_lane(&mut rays.origins.weights, count, &thirds);
                 count += 1;
             } else if *next_group < self.starts.len() {
@@ -139,6 +141,7 @@ impl<T: Scalar> Cast<'_, T> {
                     rays.samples.found = std::mem::take(&mut source.left);
                     rays.origins.indices = source.triangles;
                     rays.origins.weights = [[thirds.x; LANE_COUNT]; 3];
+                    rays.origins.pieces = [WHOLE; LANE_COUNT];
                     return true;
                 }
             } else if count == 0 {

@@ -53,6 +53,9 @@ pub struct Contact<T: Scalar> {
     pub colliding: u32,
     /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
+    /// Which part of its triangle the ray stands for: 1 the whole, and of piece n the halves are 2 n and 2 n + 1; 0 for a
+    /// vertex. Of an edge, which of the stretches that lie inside, from 0 on.
+    pub piece: u32,
     /// The ray's origin, on the colliding body.
     pub p1: SurfacePoint<T>,
     /// The ray's end, on the collided body.
@@ -68,4 +71,24 @@ pub struct Contact<T: Scalar> {
     /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
     /// the rays of this direction carry; the two directions' shares sum to 1.
     pub area: T,
+}
+
+impl<T: Scalar> Contact<T> {
+    /// A number for the surface point that casts and the body that it meets: the same from step to step while the triangle is
+    /// cut in the same way, and another for every other contact. It is a hash of 64 bits: two contacts of a query with 100 000
+    /// have the same with a probability of 3 · 10⁻¹⁰.
+    pub fn id(&self) -> u64 {
+        let SurfacePoint { triangle, vertices: [first, second, _], .. } = self.p1;
+        let words = [[self.kind as u32, self.piece], [self.colliding, self.collided], [triangle, first], [second, 0]];
+        words.into_iter().fold(0, |id, [high, low]| mixed(id ^ (u64::from(high) << 32 | u64::from(low))))
+    }
+}
+
+/// The finaliser of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014) after a step of its sequence: each bit of the result depends
+/// on all of the number's.
+fn mixed(number: u64) -> u64 {
+    let mut mixed = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    mixed = (mixed ^ mixed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    mixed ^ mixed >> 31
 }

@@ -1,5 +1,5 @@
 use super::SurfacePoint;
-use super::samples::{Sample, Sampling};
+use super::samples::{Sample, Sampling, WHOLE};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 
@@ -64,6 +64,7 @@ struct Piece<T: Scalar> {
     weights: [Vector3<T>; 3],
     area: T,
     depth: u8,
+    number: u32,
 }
 
 /// Halvings of halves beyond this change nothing in either precision; it bounds the recursion.
@@ -71,7 +72,7 @@ const DEEPEST: u8 = 96;
 
 impl<T: Scalar> Piece<T> {
     fn whole(corners: [Vector3<T>; 3], area: T) -> Self {
-        Self { corners, weights: [Vector3::x(), Vector3::y(), Vector3::z()], area, depth: 0 }
+        Self { corners, weights: [Vector3::x(), Vector3::y(), Vector3::z()], area, depth: 0, number: WHOLE }
     }
 
     /// The middle: where it is, and its barycentric weights.
@@ -152,12 +153,14 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         if is_too_long && self.halvings_left > 0 {
             self.halvings_left -= 1;
             let weights = (piece.weights[from] + piece.weights[to]) * half;
-            for kept in [from, to] {
+            for (half, kept) in [from, to].into_iter().enumerate() {
                 let (mut corners, mut all_weights) = (piece.corners, piece.weights);
                 let replaced = from + to - kept;
                 corners[replaced] = middle;
                 all_weights[replaced] = weights;
-                let part = Piece { corners, weights: all_weights, area: piece.area * half, depth: piece.depth + 1 };
+                let (area, depth) = (piece.area * T::of(0.5), piece.depth + 1);
+                let number = piece.number.wrapping_mul(2).wrapping_add(half as u32);
+                let part = Piece { corners, weights: all_weights, area, depth, number };
                 self.halve(face, &part, offer);
             }
             return;
@@ -167,7 +170,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         if self.keeps_border || self.region.contains(&position) {
             let point =
                 SurfacePoint { triangle: face.triangle, vertices: face.vertices, weights: weights.into(), position };
-            let sample = Sample { point, normal: face.normal, area: piece.area };
+            let sample = Sample { point, normal: face.normal, area: piece.area, piece: piece.number };
             offer(CutPiece { sample, corner_weights: piece.weights });
         }
     }

@@ -83,6 +83,7 @@ impl<T: Scalar> Direction<'_, T> {
         }
         Contact {
             kind,
+            piece: sample.piece,
             colliding: self.pair.bodies[self.side],
             collided: self.pair.bodies[1 - self.side],
             p1: sample.point,

@@ -23,10 +23,12 @@ pub(super) fn for_each_inside_stretch<T: Scalar>(
             return;
         }
         tracers[1].crossings(&Ray::new(from, to - from).until(T::one()), crossings);
+        let mut number = 0;
         for_each_inside_interval(crossings, |start, end| {
-            if let Some(sample) = middle_of_stretch(mesh, edge, start, end) {
+            if let Some(sample) = middle_of_stretch(mesh, edge, [start, end], number) {
                 offer(sample);
             }
+            number += 1;
         });
     };
     let edges = mesh.topology().edges();
@@ -65,7 +67,7 @@ fn for_each_inside_interval<T: Scalar>(crossings: &[Hit<T>], mut offer: impl FnM
     }
 }
 
-fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, start: T, end: T) -> Option<Sample<T>> {
+fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, [start, end]: [T; 2], piece: u32) -> Option<Sample<T>> {
     let half = T::of(0.5);
     let along = (start + end) * half;
     let [from, to] = edge.vertices.map(|vertex| mesh.position(vertex));
@@ -81,7 +83,7 @@ fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, start: T, end: T) -
         weights: [T::one() - along, along, T::zero()],
         position: from + (to - from) * along,
     };
-    Some(Sample { point, normal, area: doubled_area * (end - start) / T::of(6.0) })
+    Some(Sample { point, normal, area: doubled_area * (end - start) / T::of(6.0), piece })
 }
 
 #[cfg(test)]
@@ -131,11 +133,11 @@ mod tests {
         let mut edges = mesh.topology().edges().iter();
         let edge =
             edges.find(|edge| edge.vertices.contains(&0) && edge.vertices.contains(&1)).expect("it has that edge");
-        let sample = middle_of_stretch(&mesh, edge, 0.25, 0.75).expect("its faces have normals");
+        let sample = middle_of_stretch(&mesh, edge, [0.25, 0.75], 0).expect("its faces have normals");
         // Faces of areas 4 and 6 meet at a right angle.
         assert!((sample.area - 0.5 * 10.0 / 3.0).abs() < 1e-14);
         assert!((sample.normal + Vector3::new(0.0, 0.5f64.sqrt(), 0.5f64.sqrt())).norm() < 1e-14);
-        let sample = middle_of_stretch(&mesh, edge, 0.0, 0.5).expect("its faces have normals");
+        let sample = middle_of_stretch(&mesh, edge, [0.0, 0.5], 0).expect("its faces have normals");
         let from_first = if edge.vertices[0] == 0 { 0.5 } else { 1.5 };
         assert_eq!(
             (sample.point.position, sample.point.weights),

@@ -40,13 +40,7 @@ pub(super) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     if added.is_empty() {
         return None;
     }
-    pushes.room_for(1).push(EscapePush::new(
-        pair.bodies,
-        pair.tracers.map(|tracer| tracer.mesh()),
-        *away,
-        depth,
-        added,
-    ));
+    pushes.room_for(1).push(EscapePush::new(pair.bodies, *away, depth, added));
     Some(depth)
 }
 
@@ -181,6 +175,7 @@ fn add_contacts<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &Workspac
         let (Some(hit), ray): (_, &Ray<T>) = (&workspace.hits[place], &workspace.rays[place]) else { continue };
         contacts.room_for(1).push(Contact {
             kind: ContactKind::Escape,
+            piece: sample.piece,
             colliding: pair.bodies[side],
             collided: pair.bodies[1 - side],
             p1: sample.point,

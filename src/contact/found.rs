@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::pair::Direction;
-use super::samples::vertex_point;
+use super::samples::{VERTEX, WHOLE, vertex_point};
 use super::{Contact, ContactKind, SurfacePoint};
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, cosine};
 use crate::memory::Room;
@@ -18,6 +18,8 @@ pub(super) struct Origins<T: Scalar> {
     pub(super) indices: [u32; LANE_COUNT],
     /// Of the points on triangles.
     pub(super) weights: [[T; LANE_COUNT]; 3],
+    /// As [`Contact::piece`].
+    pub(super) pieces: [u32; LANE_COUNT],
 }
 
 /// The rays of a packet, what they start from and where they end.
@@ -31,7 +33,13 @@ pub(super) struct Found<'a, T: Scalar> {
 
 impl<T: Scalar> Origins<T> {
     pub(super) fn new(are_vertices: bool) -> Self {
-        Self { are_vertices, indices: [0; LANE_COUNT], weights: [[T::zero(); LANE_COUNT]; 3] }
+        let piece = if are_vertices { VERTEX } else { WHOLE };
+        Self {
+            are_vertices,
+            indices: [0; LANE_COUNT],
+            weights: [[T::zero(); LANE_COUNT]; 3],
+            pieces: [piece; LANE_COUNT],
+        }
     }
 
     /// The triangles at each ray's origin are those that have all of these vertices.
@@ -68,6 +76,7 @@ impl<T: Scalar> Found<'_, T> {
             let triangle = self.hits.triangle[lane];
             contacts.push(Contact {
                 kind: ContactKind::Ray,
+                piece: self.origins.pieces[lane],
                 colliding: pair.bodies[side],
                 collided: pair.bodies[1 - side],
                 p1: self.origin(lane, own),
@@ -87,7 +96,7 @@ impl<T: Scalar> Found<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn origin(&self, lane: usize, own: &Mesh<T>) -> SurfacePoint<T> {
-        let Origins { are_vertices, indices, weights } = self.origins;
+        let Origins { are_vertices, indices, weights, .. } = self.origins;
         let index = indices[lane];
         if *are_vertices {
             return vertex_point(own, index);

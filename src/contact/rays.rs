@@ -43,6 +43,7 @@ impl<T: Scalar> Rays<T> {
         self.samples.area[lane] = sample.area;
         self.origins.indices[lane] = sample.point.triangle;
         set_lane(&mut self.origins.weights, lane, &sample.point.weights.into());
+        self.origins.pieces[lane] = sample.piece;
     }
 
     /// Which lanes start beside the region: their pieces only reach into it.
@@ -65,7 +66,8 @@ impl<T: Scalar> Rays<T> {
             weights: vector(&self.origins.weights, lane).into(),
             position: vector(&self.samples.position, lane),
         };
-        let sample = Sample { point, normal: vector(&self.samples.normal, lane), area: self.samples.area[lane] };
+        let (normal, area) = (vector(&self.samples.normal, lane), self.samples.area[lane]);
+        let sample = Sample { point, normal, area, piece: self.origins.pieces[lane] };
         CutPiece { sample, corner_weights: self.corner_weights[lane] }
     }
 }

@@ -1,5 +1,5 @@
 use super::cutter::Cutter;
-use super::samples::{Sample, vertex_point};
+use super::samples::{Sample, VERTEX, vertex_point};
 use crate::math::{Aabb, Scalar, direction, length};
 use crate::mesh::Mesh;
 use crate::octree::Tracer;
@@ -46,7 +46,8 @@ fn at_vertices<T: Scalar>(
 ) {
     for vertex in vertices.filter(|&vertex| region.contains(&mesh.position(vertex))) {
         if let Some(normal) = mesh.vertex_normal(vertex) {
-            offer(Sample { point: vertex_point(mesh, vertex), normal: normal.normal, area: normal.area });
+            let point = vertex_point(mesh, vertex);
+            offer(Sample { point, normal: normal.normal, area: normal.area, piece: VERTEX });
         }
     }
 }

@@ -45,7 +45,14 @@ pub(super) struct Sample<T: Scalar> {
     pub(super) normal: Vector3<T>,
     /// The surface it stands for.
     pub(super) area: T,
+    /// As [`Contact::piece`](super::Contact::piece).
+    pub(super) piece: u32,
 }
+
+/// The piece of a vertex.
+pub(super) const VERTEX: u32 = 0;
+/// The piece that is a whole triangle.
+pub(super) const WHOLE: u32 = 1;
 
 /// A vertex as a surface point.
 pub(super) fn vertex_point<T: Scalar>(mesh: &Mesh<T>, vertex: u32) -> SurfacePoint<T> {

@@ -16,8 +16,8 @@ pub(super) fn contact(
 ) -> Contact<f64> {
     let [position, direction] = [position, direction].map(Vector3::from);
     let point = SurfacePoint { triangle: 0, vertices: [0; 3], weights: [0.0; 3], position };
-    let (kind, collided) = (ContactKind::Ray, 1 - colliding);
-    Contact { kind, colliding, collided, p1: point, p2: point, direction, depth, cos_alpha, area }
+    let (kind, collided, piece) = (ContactKind::Ray, 1 - colliding, 1);
+    Contact { kind, colliding, collided, piece, p1: point, p2: point, direction, depth, cos_alpha, area }
 }
 
 /// A body of boxes, each from its lower to its upper corner; eight vertices of each, numbered along x first.

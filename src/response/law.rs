@@ -1,4 +1,4 @@
-use crate::contact::{Contact, ContactKind, EscapePush};
+use crate::contact::Contact;
 use crate::math::Scalar;
 use std::fmt;
 
@@ -18,7 +18,6 @@ pub struct PenaltyLaw {
     stiffness: f64,
     damping_time: f64,
     weighting: Weighting,
-    whole_bodies: bool,
 }
 
 /// Why a law was refused.
@@ -55,19 +54,7 @@ impl PenaltyLaw {
         if !valid(damping_time) {
             return Err(LawError::DampingTime(damping_time));
         }
-        Ok(Self { stiffness, damping_time, weighting, whole_bodies: false })
-    }
-
-    /// The same, but escaping pairs are pushed as whole bodies: the coefficients of their contacts are 0, and
-    /// [`add_push_forces`](super::add_push_forces) has their forces. For bodies so soft that the contacts would draw them
-    /// out instead of moving them.
-    pub fn pushing_whole_bodies(self) -> Self {
-        Self { whole_bodies: true, ..self }
-    }
-
-    /// Whether escaping pairs are pushed as whole bodies.
-    pub fn pushes_whole_bodies(&self) -> bool {
-        self.whole_bodies
+        Ok(Self { stiffness, damping_time, weighting })
     }
 
     /// The damping's time constant, in seconds.
@@ -78,24 +65,9 @@ impl PenaltyLaw {
     /// The spring coefficient of one contact, in N/m: stiffness · weight · cos α.
     pub fn coefficient<T: Scalar>(&self, contact: &Contact<T>) -> T {
         let weight = match self.weighting {
-            _ if self.whole_bodies && contact.kind == ContactKind::Escape => T::zero(),
             Weighting::Area => contact.area,
             Weighting::Vertex => T::one(),
         };
         T::of(self.stiffness) * weight * contact.cos_alpha
-    }
-
-    /// The spring coefficient of a push, in N/m: what its contacts have together where they push themselves.
-    pub fn push_coefficient<T: Scalar>(&self, push: &EscapePush<T>) -> T {
-        let weight = match self.weighting {
-            Weighting::Area => push.area,
-            Weighting::Vertex => T::of(f64::from(push.contact_count)),
-        };
-        T::of(self.stiffness) * weight
-    }
-
-    /// All pushes, or none where the contacts push.
-    pub(super) fn effective<'a, T: Scalar>(&self, pushes: &'a [EscapePush<T>]) -> &'a [EscapePush<T>] {
-        if self.whole_bodies { pushes } else { &[] }
     }
 }

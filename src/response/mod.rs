@@ -10,12 +10,10 @@
 mod law;
 mod pair_forces;
 mod vectors;
-mod whole_body;
 
 pub use law::{LawError, PenaltyLaw, Weighting};
 pub use pair_forces::{ForcesByPair, PairForces};
 pub use vectors::{BodiesMut, Vectors, VectorsMut};
-pub use whole_body::{add_push_differential, add_push_forces, push_energy};
 
 use crate::contact::{Contact, SurfacePoint};
 use crate::math::{Scalar, Vector3};

@@ -1,7 +1,7 @@
 //! Forces pair by pair: each pair's are summed first, so that it does not matter where, and then added in the order of the
 //! pairs. Rounding makes these sums other ones than those of [`add_forces`](super::add_forces), by a few last digits.
 
-use super::{BodiesMut, PenaltyLaw, Vectors, add_forces, add_push_forces};
+use super::{BodiesMut, PenaltyLaw, Vectors, add_forces};
 use crate::contact::ContactList;
 use crate::math::{Scalar, Vector3};
 use crate::memory::Room;
@@ -69,8 +69,7 @@ impl<T: Scalar> ForcesByPair<T> {
         &self.forces
     }
 
-    /// Sums the forces of `list` anew, pushes of whole bodies included where the law has them. The arrays are as in
-    /// [`add_forces`].
+    /// Sums the forces of `list` anew. The arrays are as in [`add_forces`].
     ///
     /// # Panics
     /// Where a body or vertex of a contact lies beyond the given arrays.
@@ -87,7 +86,7 @@ impl<T: Scalar> ForcesByPair<T> {
         for Sum { side, vertex, .. } in self.sums.drain(..) {
             self.places[side][vertex as usize] = NOWHERE;
         }
-        let (mut contacts, mut pushes) = (&list.contacts[..], list.pushes());
+        let mut contacts = &list.contacts[..];
         while let Some(first) = contacts.first() {
             let bodies = [first.colliding, first.collided];
             let is_of_pair = |other: [u32; 2]| other == bodies || other == [bodies[1], bodies[0]];
@@ -96,10 +95,6 @@ impl<T: Scalar> ForcesByPair<T> {
             contacts = others;
             let mut collector = Collector { first: bodies[0], sums: &mut self.sums, places: &mut self.places };
             add_forces(of_pair, law, positions, velocities, &mut collector);
-            if let Some((push, others)) = pushes.split_first().filter(|(push, _)| is_of_pair(push.bodies)) {
-                pushes = others;
-                add_push_forces(std::slice::from_ref(push), law, positions, velocities, &mut collector);
-            }
             self.take_sums(bodies);
         }
     }

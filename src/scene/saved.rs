@@ -3,8 +3,8 @@
 use super::SceneError;
 use super::pairs::{History, Remembered};
 use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
-use crate::contact::{PairMemory, Record};
-use crate::math::{Scalar, Vector3};
+use crate::contact::{PACKED, PairMemory};
+use crate::math::Scalar;
 use crate::memory::{self, Room};
 use std::fmt;
 
@@ -58,8 +58,8 @@ const IS_QUERIED: u32 = 1;
 const IS_HOSTS: u32 = 2;
 /// No position has changed since the newest query.
 const IS_AT_QUERY: u32 = 4;
-/// Five whole numbers and nine others, these always in double precision, which holds both.
-const ENTRY: usize = 5 * 4 + 9 * 8;
+/// The pair's two bodies and what it remembers.
+const ENTRY: usize = 2 * 4 + PACKED;
 
 /// How many bytes the history takes.
 pub(super) fn saved_length<T: Scalar>(history: &History<T>) -> usize {
@@ -83,15 +83,8 @@ pub(super) fn save<T: Scalar>(history: &History<T>, stamp: u64, bytes: &mut Vec<
     bytes.extend((before.len() as u64).to_le_bytes());
     bytes.extend((after.len() as u64).to_le_bytes());
     for ([first, second], memory) in before.iter().chain(after) {
-        let PairMemory { escape, lowest, halved, net_push: push, mean_overlap } = memory;
-        for number in [*first, *second, u32::from(escape.is_some()), lowest.steps, halved.steps] {
-            bytes.extend(number.to_le_bytes());
-        }
-        let away = escape.unwrap_or_default();
-        let overlaps = [lowest.value, halved.value];
-        for number in away.iter().chain(&overlaps).chain(push.iter()).chain([mean_overlap]) {
-            bytes.extend(number.to_f64().to_le_bytes());
-        }
+        [first, second].iter().for_each(|body| bytes.extend(body.to_le_bytes()));
+        bytes.extend(memory.packed());
     }
     let checksum = checksum(&bytes[start..]);
     bytes.extend(checksum.to_le_bytes());
@@ -132,30 +125,10 @@ fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<
     for _ in 0..count {
         memories.push(entry(bytes).ok_or(SavedStateError::Damaged)?);
     }
-    if memories.iter().all(|(_, memory)| is_possible(memory)) { Ok(memories) } else { Err(SavedStateError::Damaged) }
+    Ok(memories)
 }
 
 fn entry<T: Scalar>(bytes: &mut Reader) -> Option<Remembered<T>> {
     let pair = [bytes.whole()?, bytes.whole()?];
-    let escaping = bytes.whole()?;
-    let steps = [bytes.whole()?, bytes.whole()?];
-    let away = Vector3::new(bytes.number()?, bytes.number()?, bytes.number()?);
-    let lowest = Record { value: bytes.number()?, steps: steps[0] };
-    let halved = Record { value: bytes.number()?, steps: steps[1] };
-    let net_push = Vector3::new(bytes.number()?, bytes.number()?, bytes.number()?);
-    let mean_overlap = bytes.number()?;
-    let escape = (escaping == 1).then_some(away);
-    (escaping <= 1).then_some((pair, PairMemory { escape, lowest, halved, net_push, mean_overlap }))
-}
-
-/// Whether a pair can come to remember this.
-pub(super) fn is_possible<T: Scalar>(memory: &PairMemory<T>) -> bool {
-    let is_direction = |away: Vector3<T>| (away.norm_squared() - T::one()).abs() < T::of(1e-3);
-    // In this form NaN is not.
-    memory.escape.is_none_or(is_direction)
-        && memory.lowest.value >= T::zero()
-        && memory.halved.value >= T::zero()
-        && memory.net_push.norm_squared() < T::of(1.001)
-        && memory.mean_overlap >= T::zero()
-        && memory.mean_overlap.is_finite()
+    Some((pair, PairMemory::unpacked(bytes)?))
 }

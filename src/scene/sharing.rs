@@ -88,7 +88,7 @@ impl<T: Scalar> Scene<T> {
     pub fn set_pair_memory(&mut self, pair: [u32; 2], memory: PairMemory<T>) -> Result<(), SceneError> {
         self.known_pair(pair[0], pair[1])?;
         let [first, second] = self.bodies.order(&pair);
-        if first > second || !super::saved::is_possible(&memory) {
+        if first > second || !memory.is_possible() {
             return Err(SceneError::PairMemory { pair });
         }
         self.pairs.history.set(pair, memory, |pair| self.bodies.order(pair));

@@ -7,11 +7,10 @@ use super::loads::{Key, PairLoads, Surface};
 use super::row::{Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
-use crate::contact::{Contact, EscapePush};
+use crate::contact::{Contact, ContactKind, EscapePush};
 use crate::math::{Scalar, direction};
 use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::response::PenaltyLaw;
 use nalgebra::Matrix3;
 
 /// A floor or wall: solid where normal · x < offset.
@@ -37,8 +36,6 @@ pub(super) struct Folding<'a, T: Scalar> {
     pub(super) course: Course<'a>,
     /// At the start of the step.
     pub(super) before: Velocities<'a>,
-    /// For materials of stiffness 1.
-    pub(super) law: PenaltyLaw,
 }
 
 /// What a row is made of, beside its entries.
@@ -53,11 +50,20 @@ struct Spring {
     pushes: V3,
 }
 
+/// The area on which a contact presses, seen along its direction: times a stiffness in N/m³, its spring's coefficient. None
+/// where the pair is escaping: such bodies are pushed as a whole, so that soft ones are moved and not drawn out.
+pub(super) fn pressed_area<T: Scalar>(contact: &Contact<T>) -> T {
+    match contact.kind {
+        ContactKind::Escape => T::zero(),
+        ContactKind::Ray | ContactKind::Edge => contact.area * contact.cos_alpha,
+    }
+}
+
 /// The directions of a pair's contacts, by what they push with: as a whole, on the body with the smaller number.
-fn net_direction<T: Scalar>(contacts: &[Contact<T>], law: &PenaltyLaw) -> V3 {
+fn net_direction<T: Scalar>(contacts: &[Contact<T>]) -> V3 {
     let mut sum = V3::zeros();
     for contact in contacts {
-        let push = contact.direction * (law.coefficient(contact) * contact.depth);
+        let push = contact.direction * (pressed_area(contact) * contact.depth);
         let push: V3 = push.map(T::to_f64);
         sum += if contact.colliding <= contact.collided { push } else { -push };
     }
@@ -82,7 +88,7 @@ impl<T: Scalar> Folding<'_, T> {
             (colliding.min(collided), colliding.max(collided))
         };
         for contacts in contacts.chunk_by(|one, next| pair(one) == pair(next)) {
-            let net = net_direction(contacts, &self.law);
+            let net = net_direction(contacts);
             for contact in contacts {
                 let pushes = if contact.colliding <= contact.collided { net } else { -net };
                 self.fold_contact(contact, pushes, &wanted);
@@ -91,7 +97,7 @@ impl<T: Scalar> Folding<'_, T> {
     }
 
     fn fold_contact(&mut self, contact: &Contact<T>, pushes: V3, wanted: impl Fn(u32, u32) -> bool) {
-        let area = self.law.coefficient(contact).to_f64();
+        let area = pressed_area(contact).to_f64();
         let (bodies, course) = (self.bodies, self.course);
         let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
         let any_moves = first.is_movable() || second.is_movable();
@@ -121,9 +127,6 @@ impl<T: Scalar> Folding<'_, T> {
 
     /// Escaping pairs: one spring between the two centres of mass, so that every node gets the same acceleration.
     pub(super) fn fold_pushes(&mut self, pushes: &[EscapePush<T>]) {
-        if !self.law.pushes_whole_bodies() {
-            return;
-        }
         for push in pushes {
             let [first, second] = push.bodies;
             if !self.body(first).is_movable() && !self.body(second).is_movable() {
@@ -137,7 +140,7 @@ impl<T: Scalar> Folding<'_, T> {
                 direction: push.direction.map(T::to_f64),
                 depth: push.depth.to_f64(),
                 cos_alpha: 1.0,
-                area: self.law.push_coefficient(push).to_f64(),
+                area: push.area.to_f64(),
                 pushes: V3::zeros(),
             };
             self.finish(spring, None, ends, None);

@@ -40,7 +40,6 @@ pub use parts::Part;
 use crate::contact::ContactList;
 use crate::math::Scalar;
 use crate::memory::{self, Room};
-use crate::response::{PenaltyLaw, Weighting};
 use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table, outermost};
@@ -70,7 +69,6 @@ pub enum RigidUnknowns {
 #[derive(Debug)]
 pub struct ContactSystem<T: Scalar> {
     rigid_unknowns: RigidUnknowns,
-    law: PenaltyLaw,
     node_masses: Vec<f64>,
     /// In ascending order of their numbers.
     bodies: Vec<Body<T>>,
@@ -89,10 +87,8 @@ pub struct ContactSystem<T: Scalar> {
 impl<T: Scalar> ContactSystem<T> {
     /// A system without bodies. Escaping pairs are pushed as whole bodies, so that soft ones are moved and not drawn out.
     pub fn new(rigid_unknowns: RigidUnknowns) -> Self {
-        let law = PenaltyLaw::new(1.0, 0.0, Weighting::Area).expect("a valid law").pushing_whole_bodies();
         Self {
             rigid_unknowns,
-            law,
             node_masses: Vec::new(),
             bodies: Vec::new(),
             rigid_count: 0,

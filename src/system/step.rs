@@ -1,5 +1,5 @@
 use super::body::{Body, Course, Mover};
-use super::fold::Folding;
+use super::fold::{Folding, pressed_area};
 use super::rows::Velocities;
 use super::{ContactSystem, RigidUnknowns, SystemError, check_finite};
 use crate::contact::Contact;
@@ -239,12 +239,11 @@ impl<T: Scalar> ContactSystem<T> {
     /// Rows of the contacts that are wanted; with a scene, of escapes and half-spaces too.
     fn fold(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
         self.parts.forget();
-        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, law, .. } = self;
+        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
         let mut areas = std::mem::take(&mut buffers.areas);
         let course = buffers.course(time);
         let before = buffers.before();
-        let mut folding =
-            Folding { bodies, pair_materials, node_masses, rows, anchors, loads, course, before, law: *law };
+        let mut folding = Folding { bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
         folding.fold_contacts(&contacts.contacts, wanted);
         if let Some(scene) = scene {
             folding.fold_pushes(contacts.pushes());
@@ -261,11 +260,11 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// How many contacts and rows each pair of the last detection has.
     fn count_pairs(&mut self) {
-        let Self { contacts, rows, loads, buffers, law, .. } = self;
+        let Self { contacts, rows, loads, buffers, .. } = self;
         let pairs = &mut buffers.pairs;
         pairs.clear();
         // Those of pairs that are pushed as whole bodies push nothing themselves: such a pair keeps its push.
-        let pushing = |contact: &&Contact<T>| law.coefficient(*contact).to_f64() > 0.0;
+        let pushing = |contact: &&Contact<T>| pressed_area(contact) > T::zero();
         for contact in contacts.contacts.iter().filter(pushing) {
             let pair = [contact.colliding.min(contact.collided), contact.colliding.max(contact.collided)];
             match pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {

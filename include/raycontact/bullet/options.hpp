@@ -49,11 +49,10 @@ struct ContactOptions {
   double friction = 0;  ///< Coulomb's coefficient, >= 0; 0 = none. Bodies at rest hold on to one another
   /// m, > 0; asked of one step, or what the bodies close in it if that is more: a tenth to half an element edge.
   double depth_cap = std::numeric_limits<double>::infinity();
-  /// m; where rays start: 0 = at each vertex of the skins, the least that a skin finer than its cage needs.
-  double sample_spacing = RAYC_SPACING_AUTOMATIC;
-  /// 0 to 1; with RAYC_SPACING_AUTOMATIC, as few rays as keep each pair's net force within that part of itself, and so
-  /// as few rows for the solver; 0 = all rays. See rayc_detection_options.
-  double force_tolerance = 0;
+  /// Where rays start: at the vertices of the skins is the least that a skin finer than its cage needs; with
+  /// RAYC_SAMPLING_TOLERANCE there are as few rows for the solver as the force allows.
+  rayc_sampling sampling = RAYC_SAMPLING_AUTOMATIC;
+  double sampling_value = 0;  ///< what `sampling` is told: see rayc_sampling
   /// Detect where the bodies will be at the end of the step if nothing stops them, so that an impact is met in the step
   /// in which it happens; false: where they are at its start, as in the paper.
   bool look_ahead = true;
@@ -67,7 +66,7 @@ struct ContactOptions {
     ContactOptions options;
     options.stiffness = stiffness;
     options.weighting = RAYC_WEIGHTING_VERTEX;
-    options.sample_spacing = 0;
+    options.sampling = RAYC_SAMPLING_VERTICES;
     options.look_ahead = options.edges = options.escape = options.whole_body_escape = false;
     return options;
   }
@@ -97,7 +96,7 @@ inline void check_options(const ContactOptions& options) {
   at_least_zero("stiffness", options.stiffness);
   at_least_zero("damping_time", options.damping_time);
   at_least_zero("friction", options.friction);
-  at_least_zero("force_tolerance", options.force_tolerance);
+  at_least_zero("sampling_value", options.sampling_value);
   if (!(options.depth_cap > 0)) refuse("depth_cap", options.depth_cap, "above 0");
 }
 

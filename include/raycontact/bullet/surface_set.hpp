@@ -50,8 +50,8 @@ class SurfaceSet {
     rayc_detection_options detection{};
     check(rayc_default_detection_options(sizeof detection, &detection));
     detection.law = options.law;
-    detection.sample_spacing = options.sample_spacing;
-    detection.force_tolerance = options.force_tolerance;
+    detection.sampling = options.sampling;
+    detection.sampling_value = options.sampling_value;
     detection.edges = options.edges ? 1 : 0;
     detection.escape = options.escape ? 1 : 0;
     check(rayc_scene_set_detection_options(scene_.get(), &detection));
@@ -59,7 +59,7 @@ class SurfaceSet {
     response_.stiffness = options.stiffness;
     response_.damping_time = options.damping_time;
     response_.weighting = options.weighting;
-    response_.whole_body_escape = options.whole_body_escape ? 1 : 0;
+    pushes_whole_bodies_ = options.whole_body_escape;
   }
 
   void add_soft(btSoftBody& body, Skin skin, const BodyOptions& options) {
@@ -105,6 +105,8 @@ class SurfaceSet {
     scene_.query(found_);
     found_.copy_to(contacts_);
     found_.copy_coefficients_to(response_, coefficients_);
+    for (std::size_t i = 0; pushes_whole_bodies_ && i < contacts_.size(); ++i)
+      if (contacts_[i].kind == RAYC_CONTACT_KIND_ESCAPE) coefficients_[i] = 0;
     copy_pushes();
     for (rayc_contact& contact : contacts_) {
       contact.colliding = static_cast<uint32_t>(index_of_number_[contact.colliding]);
@@ -197,7 +199,7 @@ class SurfaceSet {
 
   void copy_pushes() {
     pushes_.clear();
-    if (response_.whole_body_escape == 0) return;
+    if (!pushes_whole_bodies_) return;
     found_.copy_escape_pushes_to(pushes_);
     for (rayc_escape_push& push : pushes_) {
       push.first = static_cast<uint32_t>(index_of_number_[push.first]);
@@ -206,6 +208,7 @@ class SurfaceSet {
   }
 
   rayc_response_options response_{};
+  bool pushes_whole_bodies_ = true;
   Scene scene_;
   Contacts found_;
   std::vector<ContactBody> bodies_;

@@ -229,16 +229,15 @@ class DistributedScene {
     const rayc_detection_options& detection = options.detection;
     const rayc_response_options& response = options.response;
     const double own[] = {double(options.scene.precision),
-                          detection.sample_spacing,
+                          double(detection.sampling),
+                          detection.sampling_value,
                           double(detection.edges),
                           double(detection.escape),
                           double(detection.past_folds),
                           double(detection.law),
-                          detection.force_tolerance,
                           response.stiffness,
                           response.damping_time,
-                          double(response.weighting),
-                          double(response.whole_body_escape)};
+                          double(response.weighting)};
     constexpr std::size_t count = sizeof own / sizeof *own;
     double firsts[count];
     for (std::size_t i = 0; i < count; ++i) firsts[i] = own[i];

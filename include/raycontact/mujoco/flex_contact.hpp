@@ -50,7 +50,7 @@ class FlexContact {
       bodies_.push_back(std::move(body));
     }
     check_doubled_contact(m);
-    spacing_ = spacing_of(m);
+    sampling_value_ = sampling_value_of(m);
     const auto dofs = static_cast<std::size_t>(m->nv);
     for (Numbers* numbers : {&velocity_, &free_, &end_, &force_, &outer_, &smooth_, &residual_, &product_, &change_})
       numbers->assign(dofs, 0);
@@ -65,8 +65,8 @@ class FlexContact {
     scene_options.threads = options_.threads;
     scene_ = std::make_unique<Scene>(scene_options);
     rayc_detection_options detection = default_detection_options();
-    detection.sample_spacing = spacing_;
-    detection.force_tolerance = options_.force_tolerance;
+    detection.sampling = options_.sampling;
+    detection.sampling_value = sampling_value_;
     scene_->set_detection_options(detection);
     system_ = std::make_unique<ContactSystem>();
     system_->set_node_masses(nodes_.masses());
@@ -159,8 +159,8 @@ class FlexContact {
       }
   }
 
-  double spacing_of(const mjModel* m) const {
-    if (options_.sample_spacing != spacing_by_flexes) return options_.sample_spacing;
+  double sampling_value_of(const mjModel* m) const {
+    if (options_.sampling != RAYC_SAMPLING_SPACING || options_.sampling_value != 0) return options_.sampling_value;
     double smallest = mjMAXVAL;
     for (const Body& body : bodies_) smallest = std::min(smallest, element_edge_of(m, body.flex));
     return smallest / 4;
@@ -321,7 +321,7 @@ class FlexContact {
   Numbers velocity_, free_, end_, force_, outer_, smooth_, residual_, product_, change_;
   Numbers node_velocity_, node_free_, node_change_, node_force_;
   Numbers boxes_, known_positions_, known_velocities_;
-  double spacing_ = 0, time_ = 0;
+  double sampling_value_ = 0, time_ = 0;
   bool is_known_ = false, has_touched_ = false;
 };
 

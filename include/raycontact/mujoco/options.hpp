@@ -13,9 +13,6 @@
 
 namespace raycontact::mujoco {
 
-/** For ContactOptions::sample_spacing: the adapter chooses. */
-constexpr double spacing_by_flexes = -2;
-
 /** How flexes touch. Where a number is 0 or negative for "the flex's own", each flex has a value of its own. */
 struct ContactOptions {
   std::vector<std::string> flexes;  ///< the names of those that touch one another; none named: all of the model
@@ -25,10 +22,9 @@ struct ContactOptions {
   double damping_time = 0.01;   ///< s, >= 0: damping over stiffness
   double friction = -1;         ///< Coulomb's coefficient, >= 0; -1: the first number of each flex's `friction`
   bool self_collision = false;  ///< also contacts of each flex with itself
-  /// m, >= 0: how far apart rays start, see rayc_detection_options, which has RAYC_SPACING_AUTOMATIC too. By default a
-  /// quarter of the smallest flex's element's or cell's edge.
-  double sample_spacing = spacing_by_flexes;
-  double force_tolerance = 0;  ///< 0 to 1: fewer rays; see rayc_detection_options
+  rayc_sampling sampling = RAYC_SAMPLING_SPACING;  ///< where rays start
+  /// See rayc_sampling. 0 with RAYC_SAMPLING_SPACING: a quarter of the smallest flex's element's or cell's edge.
+  double sampling_value = 0;
   uint32_t threads = 1;        ///< for detection; 1: the caller's own, 0: one for each core
   int solves = 4;              ///< >= 1: solves in a step at most; a solve follows where forces were predicted wrongly
   double tolerance = 1e-3;     ///< 0 to 1: a solve ends where its residual is that part of what it was
@@ -47,8 +43,7 @@ inline void check_options(const ContactOptions& options) {
   at_least_zero("depth", options.depth);
   at_least_zero("damping_time", options.damping_time);
   if (options.friction != -1) at_least_zero("friction", options.friction);
-  if (!(options.force_tolerance >= 0 && options.force_tolerance <= 1))
-    refuse("force_tolerance", options.force_tolerance, "from 0 to 1");
+  at_least_zero("sampling_value", options.sampling_value);
   if (options.solves < 1) refuse("solves", options.solves, "at least 1");
   if (!(options.tolerance > 0 && options.tolerance < 1)) refuse("tolerance", options.tolerance, "between 0 and 1");
 }

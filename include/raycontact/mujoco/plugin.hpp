@@ -21,7 +21,7 @@ constexpr const char* plugin_name = "raycontact.flex_contact";
 
 /** Its attributes: the numbers and names of ContactOptions. */
 constexpr std::array<const char*, 11> plugin_attributes{{"flexes", "pressure", "depth", "damping_time", "friction",
-                                                         "self_collision", "sample_spacing", "force_tolerance",
+                                                         "self_collision", "sampling", "sampling_value",
                                                          "threads", "solves", "tolerance"}};
 
 namespace detail {
@@ -46,6 +46,19 @@ inline int plugin_count(const mjModel* m, int instance, const char* name, int ot
   return static_cast<int>(value);
 }
 
+/** An attribute that names a rayc_sampling. */
+inline rayc_sampling plugin_sampling(const mjModel* m, int instance, rayc_sampling otherwise) {
+  const char* text = mj_getPluginConfig(m, instance, "sampling");
+  const std::string name = text == nullptr ? "" : text;
+  if (name.empty()) return otherwise;
+  if (name == "automatic") return RAYC_SAMPLING_AUTOMATIC;
+  if (name == "spacing") return RAYC_SAMPLING_SPACING;
+  if (name == "tolerance") return RAYC_SAMPLING_TOLERANCE;
+  if (name == "vertices") return RAYC_SAMPLING_VERTICES;
+  throw std::invalid_argument("raycontact: sampling=\"" + name +
+                              "\" is none; it is automatic, spacing, tolerance or vertices");
+}
+
 inline ContactOptions plugin_options(const mjModel* m, int instance) {
   ContactOptions options;
   if (const char* names = mj_getPluginConfig(m, instance, "flexes"); names != nullptr) {
@@ -57,8 +70,8 @@ inline ContactOptions plugin_options(const mjModel* m, int instance) {
   options.damping_time = plugin_number(m, instance, "damping_time", options.damping_time);
   options.friction = plugin_number(m, instance, "friction", options.friction);
   options.self_collision = plugin_count(m, instance, "self_collision", 0) != 0;
-  options.sample_spacing = plugin_number(m, instance, "sample_spacing", options.sample_spacing);
-  options.force_tolerance = plugin_number(m, instance, "force_tolerance", options.force_tolerance);
+  options.sampling = plugin_sampling(m, instance, options.sampling);
+  options.sampling_value = plugin_number(m, instance, "sampling_value", options.sampling_value);
   options.threads = static_cast<uint32_t>(plugin_count(m, instance, "threads", 1));
   options.solves = plugin_count(m, instance, "solves", options.solves);
   options.tolerance = plugin_number(m, instance, "tolerance", options.tolerance);

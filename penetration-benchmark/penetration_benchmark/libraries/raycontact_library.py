@@ -47,7 +47,7 @@ class Raycontact(Library):
 class RaycontactPaper(Raycontact):
     name = "raycontact, paper"
     settings = "as in the paper: rays from vertices, its law, no areas, no edges, no escape"
-    detection = {"sample_spacing": 0.0, "edges": 0, "escape": 0, "law": raycontact.Law.RAY_LENGTH}
+    detection = raycontact.paper_detection_options()
     response = {"weighting": raycontact.Weighting.VERTEX}
 
 

@@ -207,6 +207,7 @@ impl<T: Scalar> Body<'_, T> {
         let mesh = self.tracer.mesh();
         Contact {
             kind: ContactKind::Ray,
+            piece: sample.piece,
             colliding: self.number,
             collided: self.number,
             p1: sample.point,

@@ -87,11 +87,15 @@ void RaycontactNarrowPhase::start() {
 
 void RaycontactNarrowPhase::setDetectionOptions() {
   rayc_detection_options options = raycontact::default_detection_options();
-  options.sample_spacing = d_sampleSpacing.getValue();
+  const double spacing = d_sampleSpacing.getValue(), tolerance = d_forceTolerance.getValue();
+  options.sampling = spacing > 0    ? RAYC_SAMPLING_SPACING
+                     : spacing == 0 ? RAYC_SAMPLING_VERTICES
+                     : tolerance > 0 ? RAYC_SAMPLING_TOLERANCE
+                                     : RAYC_SAMPLING_AUTOMATIC;
+  options.sampling_value = std::max(spacing, spacing < 0 ? tolerance : 0.0);
   options.edges = d_edges.getValue();
   options.escape = d_escape.getValue();
   options.past_folds = d_pastFolds.getValue();
-  options.force_tolerance = d_forceTolerance.getValue();
   const std::string& law = d_law.getValue();
   const bool grows_with_rays = law == "rayLength" || (law != "pressure" && d_publishContacts.getValue());
   options.law = grows_with_rays ? RAYC_LAW_RAY_LENGTH : RAYC_LAW_PRESSURE;
