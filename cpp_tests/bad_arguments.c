@@ -72,9 +72,9 @@ static void mesh_readers_check_their_arguments(void) {
 static void octree_and_rays_check_their_arguments(void) {
   rayc_mesh* mesh = octahedron_mesh(no_shift);
   rayc_octree* octree = NULL;
-  CHECK_STATUS(rayc_octree_create(NULL, &octree), RAYC_STATUS_NULL_POINTER, "mesh");
-  CHECK_STATUS(rayc_octree_create(mesh, NULL), RAYC_STATUS_NULL_POINTER, "octree");
-  CHECK_OK(rayc_octree_create(mesh, &octree));
+  CHECK_STATUS(rayc_octree_create(NULL, NULL, &octree), RAYC_STATUS_NULL_POINTER, "mesh");
+  CHECK_STATUS(rayc_octree_create(NULL, mesh, NULL), RAYC_STATUS_NULL_POINTER, "octree");
+  CHECK_OK(rayc_octree_create(NULL, mesh, &octree));
   CHECK_STATUS(rayc_octree_update(NULL, mesh), RAYC_STATUS_NULL_POINTER, "octree");
   CHECK_STATUS(rayc_octree_update(octree, NULL), RAYC_STATUS_NULL_POINTER, "mesh");
 
@@ -103,7 +103,7 @@ static void query_checks_its_arguments(void) {
   rayc_mesh* mesh = octahedron_mesh(no_shift);
   rayc_octree* octree = NULL;
   rayc_contacts* contacts = NULL;
-  CHECK_OK(rayc_octree_create(mesh, &octree));
+  CHECK_OK(rayc_octree_create(NULL, mesh, &octree));
   CHECK_STATUS(rayc_contacts_create(NULL), RAYC_STATUS_NULL_POINTER, "contacts");
   CHECK_OK(rayc_contacts_create(&contacts));
   CHECK_STATUS(rayc_query_pair(NULL, NULL, octree, mesh, octree, contacts), RAYC_STATUS_NULL_POINTER, "a is NULL");

@@ -12,8 +12,8 @@ int main(void) {
   rayc_mesh *a = octahedron_mesh(no_shift), *b = octahedron_mesh(octahedron_shift);
   rayc_octree *octree_a = NULL, *octree_b = NULL;
   rayc_contacts* contacts = NULL;
-  CHECK_OK(rayc_octree_create(a, &octree_a));
-  CHECK_OK(rayc_octree_create(b, &octree_b));
+  CHECK_OK(rayc_octree_create(NULL, a, &octree_a));
+  CHECK_OK(rayc_octree_create(NULL, b, &octree_b));
   CHECK_OK(rayc_contacts_create(&contacts));
   CHECK_OK(rayc_query_pair(&detection, a, octree_a, b, octree_b, contacts));
   size_t count = 0;
@@ -54,7 +54,7 @@ int main(void) {
   rayc_mesh* single = NULL;
   rayc_octree* octree_single = NULL;
   CHECK_OK(rayc_mesh_create(&options, &vectors, octahedron_triangles, OCTAHEDRON_TRIANGLES, &single));
-  CHECK_OK(rayc_octree_create(single, &octree_single));
+  CHECK_OK(rayc_octree_create(NULL, single, &octree_single));
   CHECK_STATUS(rayc_query_pair(&detection, a, octree_a, single, octree_single, contacts), RAYC_STATUS_PRECISION_MISMATCH,
                "precision");
 

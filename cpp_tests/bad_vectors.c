@@ -78,8 +78,8 @@ static void contacts_say_what_they_cannot_use(void) {
   const double none[3] = {0, 0, 0};
   rayc_mesh *a = octahedron_mesh(none), *b = octahedron_mesh(octahedron_shift);
   rayc_octree *octree_a = NULL, *octree_b = NULL;
-  CHECK_OK(rayc_octree_create(a, &octree_a));
-  CHECK_OK(rayc_octree_create(b, &octree_b));
+  CHECK_OK(rayc_octree_create(NULL, a, &octree_a));
+  CHECK_OK(rayc_octree_create(NULL, b, &octree_b));
   const rayc_detection_options detection = from_vertices();
   CHECK_OK(rayc_query_pair(&detection, a, octree_a, b, octree_b, contacts));
   octahedron_shifted(none, values[0]);

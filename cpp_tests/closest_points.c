@@ -19,7 +19,7 @@ static const double nearest[3 * POINTS] = {0.7 / 3, 1.0 / 3, 1.3 / 3, 0,  0, 0, 
 
 static rayc_octree* octree_of(const rayc_mesh* mesh) {
   rayc_octree* octree = NULL;
-  CHECK_OK(rayc_octree_create(mesh, &octree));
+  CHECK_OK(rayc_octree_create(NULL, mesh, &octree));
   return octree;
 }
 

@@ -76,7 +76,7 @@ int main(void) {
     make_sphere(1.3 * i, positions[i]);
     const rayc_vectors vectors = {positions[i], VERTICES, 0, RAYC_SCALAR_F64};
     CHECK_OK(rayc_mesh_create(NULL, &vectors, triangles, TRIANGLES, &meshes[i]));
-    CHECK_OK(rayc_octree_create(meshes[i], &octrees[i]));
+    CHECK_OK(rayc_octree_create(NULL, meshes[i], &octrees[i]));
   }
 
   rayc_detection_options options;

@@ -22,7 +22,7 @@ static void call_with_mesh(rayc_mesh* mesh, rayc_octree* octree, rayc_scene* sce
   CHECK_INVALID(rayc_mesh_triangle_count(mesh, &count));
   CHECK_INVALID(rayc_mesh_copy_positions(mesh, &copy));
   CHECK_INVALID(rayc_mesh_copy_triangles(mesh, 3 * OCTAHEDRON_TRIANGLES, triangles));
-  CHECK_INVALID(rayc_octree_create(mesh, &made));
+  CHECK_INVALID(rayc_octree_create(NULL, mesh, &made));
   CHECK_INVALID(rayc_octree_update(octree, mesh));
   CHECK_INVALID(rayc_scene_add_mesh(scene, mesh, &body));
   CHECK_INVALID(rayc_mesh_destroy(mesh));
@@ -82,7 +82,7 @@ static void handles_know_their_type(void) {
   rayc_octree* octree = NULL;
   rayc_contacts* contacts = NULL;
   rayc_scene* scene = NULL;
-  CHECK_OK(rayc_octree_create(mesh, &octree));
+  CHECK_OK(rayc_octree_create(NULL, mesh, &octree));
   CHECK_OK(rayc_contacts_create(&contacts));
   CHECK_OK(rayc_scene_create(NULL, &scene));
 

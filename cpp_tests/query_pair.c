@@ -20,7 +20,7 @@ static query make_query(uint32_t precision, const rayc_vectors* first, const ray
   const rayc_vectors* const vectors[2] = {first, second};
   for (int i = 0; i < 2; ++i) {
     CHECK_OK(rayc_mesh_create(&options, vectors[i], octahedron_triangles, OCTAHEDRON_TRIANGLES, &q.meshes[i]));
-    CHECK_OK(rayc_octree_create(q.meshes[i], &q.octrees[i]));
+    CHECK_OK(rayc_octree_create(NULL, q.meshes[i], &q.octrees[i]));
   }
   CHECK_OK(rayc_contacts_create(&q.contacts));
   const rayc_detection_options detection = from_vertices();

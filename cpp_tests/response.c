@@ -156,7 +156,7 @@ int main(void) {
   rayc_mesh* meshes[2] = {octahedron_mesh(no_shift), octahedron_mesh(octahedron_shift)};
   rayc_octree* octrees[2] = {NULL, NULL};
   for (int i = 0; i < 2; ++i) {
-    CHECK_OK(rayc_octree_create(meshes[i], &octrees[i]));
+    CHECK_OK(rayc_octree_create(NULL, meshes[i], &octrees[i]));
   }
   CHECK_OK(rayc_contacts_create(&contacts));
   const rayc_detection_options detection = from_vertices();

@@ -65,7 +65,7 @@ int main(void) {
   rayc_scene* scene = NULL;
   rayc_mesh* mesh = two_lobes();
   CHECK_OK(rayc_contacts_create(&contacts));
-  CHECK_OK(rayc_octree_create(mesh, &octree));
+  CHECK_OK(rayc_octree_create(NULL, mesh, &octree));
   CHECK_OK(rayc_query_self(&options, mesh, octree, contacts));
   check_contacts(contacts, 0);
   check_forces(contacts);

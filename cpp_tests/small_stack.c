@@ -84,8 +84,8 @@ static void use_pair(uint32_t precision, const rayc_detection_options* detection
   rayc_contacts* contacts = NULL;
   rayc_hit hit;
   const rayc_ray ray = {{0, 0.3, 0.1}, {1, 0.1, 0.05}, 9};
-  CHECK_OK(rayc_octree_create(a, &octree_a));
-  CHECK_OK(rayc_octree_create(b, &octree_b));
+  CHECK_OK(rayc_octree_create(NULL, a, &octree_a));
+  CHECK_OK(rayc_octree_create(NULL, b, &octree_b));
   CHECK_OK(rayc_contacts_create(&contacts));
   CHECK_OK(rayc_query_pair(detection, a, octree_a, b, octree_b, contacts));
   CHECK_OK(rayc_query_self(detection, a, octree_a, contacts));

@@ -152,7 +152,7 @@ static int detect(const arguments* arguments, run* run) {
     if (i == 1 && !move(run->meshes[1], arguments->shift)) {
       return 0;
     }
-    if (!succeeded(rayc_octree_create(run->meshes[i], &run->octrees[i]), path)) {
+    if (!succeeded(rayc_octree_create(NULL, run->meshes[i], &run->octrees[i]), path)) {
       return 0;
     }
   }

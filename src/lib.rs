@@ -49,16 +49,26 @@
 mod bytes;
 pub mod capi;
 pub mod closest;
-pub mod contact;
+mod detection;
 pub mod math;
 pub mod memory;
 pub mod mesh;
 pub mod octree;
 pub mod ray;
+mod recovery;
 pub mod response;
 pub mod scene;
 pub mod system;
 pub mod threads;
+
+/// Contacts of two bodies, or of a body with itself, and how they are found.
+pub mod contact {
+    pub use crate::detection::{
+        Contact, ContactKind, ContactLaw, ContactList, DetectionOptions, EscapePush, Sampling, Statistics,
+        SurfacePoint, query_self, query_self_with_all_rays,
+    };
+    pub use crate::recovery::{PairMemory, Record, detect_pair, query_pair};
+}
 
 #[cfg(test)]
 #[path = "../tests/common/cuboid.rs"]

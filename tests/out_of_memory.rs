@@ -162,7 +162,7 @@ fn without_a_scene(run: &mut Run) {
     let meshes = [0, 1, 3].map(|k| mesh(run, &shapes[k]));
     // SAFETY: the handles are valid, the arrays are as they say.
     unsafe {
-        let octrees = meshes.map(|mesh| run.given(null_mut(), |octree| rayc_octree_create(mesh, octree)));
+        let octrees = meshes.map(|mesh| run.given(null_mut(), |octree| rayc_octree_create(null(), mesh, octree)));
         let contacts = run.given(null_mut(), |contacts| rayc_contacts_create(contacts));
         let mut options: rayc_detection_options = std::mem::zeroed();
         run.ok(|| rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options));

@@ -73,7 +73,7 @@ impl Host {
                 }
                 1 => {
                     let mut octree = null_mut();
-                    let status = rayc_octree_create(any(&self.meshes, bytes), &mut octree);
+                    let status = rayc_octree_create(null(), any(&self.meshes, bytes), &mut octree);
                     self.keep(status, octree, |host| &mut host.octrees);
                 }
                 2 => {

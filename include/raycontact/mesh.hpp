@@ -58,6 +58,8 @@ inline rayc_detection_options default_detection_options() { return detail::defau
 /** What makes a query just what the paper does: rayc_paper_detection_options(). */
 inline rayc_detection_options paper_detection_options() { return detail::defaults(rayc_paper_detection_options); }
 /** The library's defaults, to be changed field by field. */
+inline rayc_octree_options default_octree_options() { return detail::defaults(rayc_default_octree_options); }
+/** The library's defaults, to be changed field by field. */
 inline rayc_response_options default_response_options() { return detail::defaults(rayc_default_response_options); }
 /** The library's defaults, to be changed field by field. */
 inline rayc_scene_options default_scene_options() { return detail::defaults(rayc_default_scene_options); }
@@ -161,13 +163,14 @@ class Octree {
  public:
 #ifndef RAYCONTACT_NO_EXCEPTIONS
   /** As create(). */
-  explicit Octree(const Mesh& mesh) : Octree(create(mesh)) {}
+  explicit Octree(const Mesh& mesh, const rayc_octree_options& options = default_octree_options())
+      : Octree(create(mesh, options)) {}
 #endif
 
   /** For the mesh's present positions: rayc_octree_create(). */
-  static Outcome<Octree> create(const Mesh& mesh) {
+  static Outcome<Octree> create(const Mesh& mesh, const rayc_octree_options& options = default_octree_options()) {
     rayc_octree* octree = nullptr;
-    const rayc_status status = rayc_octree_create(mesh.get(), &octree);
+    const rayc_status status = rayc_octree_create(&options, mesh.get(), &octree);
     return detail::outcome(status, Octree(octree));
   }
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import Vectors, converted, copied, corners, pointer, show, to_read
 from ._ffi import ffi
-from ._header import MeshOptions
+from ._header import MeshOptions, OctreeOptions
 from ._library import DTYPES, NULL, answer, check, create, library, options
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class Mesh:
         return mesh
 
     def _adopt(self, handle: Any) -> None:
-        self._handle, self._octree, self._is_stale = handle, NULL, True
+        self._handle, self._octree, self._is_stale, self._octree_options = handle, NULL, True, NULL
         self._lock = threading.Lock()
 
     def set_positions(self, positions: ArrayLike) -> None:
@@ -116,11 +116,17 @@ class Mesh:
         surface = self.octree(), self._handle
         return copied("hit", len(rays), library.rayc_octree_trace_rays, *surface, pointer(rays), len(rays))
 
+    def set_octree_options(self, **octree_options: Unpack[OctreeOptions]) -> None:
+        """How the search tree of this mesh is built from now on: see OctreeOptions."""
+        given = options("octree", octree_options)
+        with self._lock:
+            self._octree, self._octree_options = NULL, given
+
     def octree(self) -> Any:
         """The rayc_octree for the present positions, renewed when it is next needed."""
         with self._lock:
             if not self._octree:
-                self._octree = create("octree", self._handle)
+                self._octree = create("octree", self._octree_options, self._handle)
             elif self._is_stale:
                 check(library.rayc_octree_update(self._octree, self._handle))
             self._is_stale = False

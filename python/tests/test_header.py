@@ -56,7 +56,7 @@ def test_every_function_can_be_reached():
         getattr(_library.library, function)  # is in the library
 
 
-@pytest.mark.parametrize("kind", ["mesh", "detection", "response", "scene", "contact_system"])
+@pytest.mark.parametrize("kind", ["mesh", "detection", "response", "scene", "contact_system", "octree"])
 def test_options_are_those_of_the_header(kind):
     fields = {name for name, _ in ffi.typeof(f"rayc_{kind}_options").fields}
     known = getattr(_header, f"{kind.title().replace('_', '')}Options").__annotations__

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import raycontact
-from raycontact import NO_TRIANGLE, Error, Mesh, Scalar, Status
+from raycontact import NO_TRIANGLE, Error, Mesh, OctreeLayout, Scalar, Status
 from shapes import ball, box, torus, volume
 
 
@@ -85,6 +85,14 @@ def test_rays_into_a_cube():
     assert not hits["is_exit"].any()
     assert mesh.trace_rays([0, 0.1, 0.2], [[1, 0, 0], [0, 0, -1]])["is_exit"].tolist() == [1, 1]
     assert (mesh.trace_rays(starts, [2, 0, 0], t_max=1.99)["triangle"] == NO_TRIANGLE).all()
+
+
+def test_both_layouts_of_the_search_tree_answer_alike():
+    mesh = Mesh(*torus())
+    points = random_points(200, 1.5)
+    wide = mesh.closest_points(points)
+    mesh.set_octree_options(layout=OctreeLayout.CLASSIC)
+    np.testing.assert_array_equal(mesh.closest_points(points), wide)
 
 
 def test_answers_follow_new_positions():

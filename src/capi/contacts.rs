@@ -8,9 +8,10 @@ use super::pair_forces::AnyForcesByPair;
 use super::pointers::Output;
 use super::sized_structs::{read_options, write_known};
 use super::statistics::rayc_statistics;
-use crate::contact::{Contact, ContactKind, ContactList, SurfacePoint, query_pair, query_self};
+use crate::detection::{Contact, ContactKind, ContactList, SurfacePoint, query_self};
 use crate::math::Scalar;
 use crate::memory::text;
+use crate::recovery::query_pair;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
@@ -111,7 +112,8 @@ pub struct rayc_contact {
     /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
     /// Which part of p1's triangle the ray stands for: 1 the whole, and of piece n the halves are 2 n and 2 n + 1; 0 for a
-    /// vertex. Of an edge, which of the stretches that lie inside, from 0 on.
+    /// vertex. Of the n-th stretch of an edge that lies inside, from 0 on,
+    /// 3 n + k, where the edge lies across from corner k.
     pub piece: u32,
     /// For hosts that keep something for each contact: the same from step to step as long as the same point of the surface
     /// meets the same body, and another for every other contact. It follows from kind, bodies, p1's triangle and piece; large

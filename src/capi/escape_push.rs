@@ -4,7 +4,7 @@ use super::guard::guard;
 use super::handles::reading;
 use super::pointers::Output;
 use super::sized_structs::{Growing, Known};
-use crate::contact::EscapePush;
+use crate::detection::EscapePush;
 use crate::math::Scalar;
 use crate::memory::text;
 

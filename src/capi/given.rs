@@ -4,7 +4,7 @@ use super::failure::{Failure, rayc_status};
 use super::numbers::check_numbers;
 use super::pointers::slice;
 use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
-use crate::contact::ContactList;
+use crate::detection::ContactList;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::response::{BodiesMut, Vectors, VectorsMut};

@@ -3,7 +3,9 @@ use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::numbers::check_numbers;
+use super::octree_options::rayc_octree_options;
 use super::pointers::{Output, slice};
+use super::sized_structs::read_options;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::mesh::Mesh;
@@ -59,18 +61,23 @@ pub struct rayc_hit {
     pub weights: [f64; 3],
 }
 
-/// Builds the octree of `mesh` for its present positions. *octree: the new handle.
+/// Builds the octree of `mesh` for its present positions. options: NULL for the defaults. *octree: the new handle.
 ///
-/// Errors: RAYC_STATUS_OUT_OF_MEMORY.
+/// Errors: RAYC_STATUS_OUT_OF_MEMORY, RAYC_STATUS_INVALID_STRUCT_SIZE, RAYC_STATUS_UNKNOWN_ENUM.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn rayc_octree_create(mesh: *const rayc_mesh, octree: *mut *mut rayc_octree) -> rayc_status {
+pub unsafe extern "C" fn rayc_octree_create(
+    options: *const rayc_octree_options,
+    mesh: *const rayc_mesh,
+    octree: *mut *mut rayc_octree,
+) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
+        let layout = read_options(options)?.layout()?;
         let mesh = reading(mesh, "mesh")?;
         let place = Output::new(octree, "octree")?;
         let octree = match &mesh.mesh {
-            AnyMesh::F32(mesh) => AnyOctree::F32(Octree::new(mesh)),
-            AnyMesh::F64(mesh) => AnyOctree::F64(Octree::new(mesh)),
+            AnyMesh::F32(mesh) => AnyOctree::F32(Octree::with_layout(mesh, layout)),
+            AnyMesh::F64(mesh) => AnyOctree::F64(Octree::with_layout(mesh, layout)),
         };
         give(place, rayc_octree { octree });
         Ok(())

@@ -4,7 +4,7 @@ use super::host_threads::rayc_parallel_for;
 use super::numbers::{check_reserved, flag};
 use super::sized_structs::{Growing, Options, write_defaults, write_options};
 use super::vectors::rayc_scalar;
-use crate::contact::{ContactLaw, DetectionOptions, Sampling};
+use crate::detection::{ContactLaw, DetectionOptions, Sampling};
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::response::{PenaltyLaw, Weighting};

@@ -7,7 +7,7 @@ use super::options::rayc_response_options;
 use super::pointers::Output;
 use super::sized_structs::read_options;
 use super::vectors::rayc_vectors;
-use crate::contact::ContactList;
+use crate::detection::ContactList;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::response::{ForcesByPair, PairForces, PenaltyLaw};

@@ -5,9 +5,9 @@ use super::numbers::flag;
 use super::pointers::{Output, slice};
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::{Growing, Known};
-use crate::contact::PairMemory;
 use crate::math::Scalar;
 use crate::memory::text;
+use crate::recovery::PairMemory;
 
 /// What a pair of bodies of a scene remembers from step to step, which rayc_scene_advance() ends, while their boxes overlap;
 /// later versions may tell more, at the end.

@@ -7,7 +7,7 @@ use super::options::rayc_response_options;
 use super::pointers::Output;
 use super::sized_structs::read_options;
 use super::vectors::{rayc_vectors, rayc_vectors_mut};
-use crate::contact::ContactList;
+use crate::detection::ContactList;
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::response::{PenaltyLaw, add_differential, add_forces, energy};

@@ -7,9 +7,9 @@ use super::pointers::{Output, reference};
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::{Growing, check_size, write_known};
 use crate::bytes::Reader;
-use crate::contact::PairMemory;
 use crate::math::Scalar;
 use crate::memory::text;
+use crate::recovery::PairMemory;
 use crate::scene::{Scene, SceneError, Sharing, finds_pair};
 
 /// For rayc_scene_share_body(): a body has as many neighbours as are in the scene.

@@ -45,20 +45,6 @@ impl<T: Scalar> Tracer<'_, T> {
         true
     }
 
-    /// The same of triangles.
-    pub(crate) fn list_triangles_near(
-        &self,
-        region: &Aabb<T>,
-        groups: &mut Vec<u32>,
-        triangles: &mut Vec<u32>,
-    ) -> bool {
-        triangles.clear();
-        let Some(cells) = self.cells_with_few(region, groups) else { return false };
-        groups.iter().for_each(|&tile| memory::append(triangles, cells.triangles_of(tile).iter().copied()));
-        triangles.sort_unstable();
-        true
-    }
-
     /// The layout with groups of its own, where few of them may have something in the region; these into `groups`.
     fn cells_with_few(&self, region: &Aabb<T>, groups: &mut Vec<u32>) -> Option<&Wide<T>> {
         let Cells::Wide(cells) = self.cells else { return None };

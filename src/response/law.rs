@@ -1,4 +1,4 @@
-use crate::contact::Contact;
+use crate::detection::Contact;
 use crate::math::Scalar;
 use std::fmt;
 

@@ -15,7 +15,7 @@ pub use law::{LawError, PenaltyLaw, Weighting};
 pub use pair_forces::{ForcesByPair, PairForces};
 pub use vectors::{BodiesMut, Vectors, VectorsMut};
 
-use crate::contact::{Contact, SurfacePoint};
+use crate::detection::{Contact, SurfacePoint};
 use crate::math::{Scalar, Vector3};
 
 /// A contact as a spring.

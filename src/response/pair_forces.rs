@@ -2,7 +2,7 @@
 //! pairs. Rounding makes these sums other ones than those of [`add_forces`](super::add_forces), by a few last digits.
 
 use super::{BodiesMut, PenaltyLaw, Vectors, add_forces};
-use crate::contact::ContactList;
+use crate::detection::ContactList;
 use crate::math::{Scalar, Vector3};
 use crate::memory::Room;
 

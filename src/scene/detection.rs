@@ -3,11 +3,10 @@ use super::broad_phase::BroadPhase;
 use super::pairs::{Remembered, by_number};
 use super::sharing::finds_pair;
 use super::{OwnContacts, Scene};
-use crate::contact::{
-    ContactLaw, ContactList, DetectionOptions, Statistics, detect_pair_among, detect_self, reach_region,
-};
+use crate::detection::{ContactLaw, ContactList, DetectionOptions, Statistics, detect_self, reach_region};
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
+use crate::recovery::detect_pair_among;
 use crate::threads::Helpers;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 

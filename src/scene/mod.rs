@@ -13,10 +13,11 @@ pub use error::SceneError;
 pub use saved::SavedStateError;
 pub use sharing::{Sharing, finds_pair};
 
-use crate::contact::{ContactList, DetectionOptions, PairMemory, SelfMemory};
+use crate::detection::{ContactList, DetectionOptions, SelfMemory};
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::Mesh;
+use crate::recovery::PairMemory;
 use crate::threads::{ParallelFor, Threads};
 use bodies::{Bodies, Body};
 use broad_phase::BroadPhase;

@@ -3,9 +3,9 @@
 use super::SceneError;
 use super::pairs::{History, Remembered};
 use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
-use crate::contact::{PACKED, PairMemory};
 use crate::math::Scalar;
 use crate::memory::{self, Room};
+use crate::recovery::{PACKED, PairMemory};
 use std::fmt;
 
 /// Why saved bytes were refused.

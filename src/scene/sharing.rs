@@ -2,8 +2,8 @@
 
 use super::bodies::Body;
 use super::{Scene, SceneError};
-use crate::contact::PairMemory;
 use crate::math::{Aabb, Scalar};
+use crate::recovery::PairMemory;
 
 /// What a scene is to know of a body that others have too.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 use super::twist::{V3, angular, linear, rotation};
 use super::{Material, SystemError};
-use crate::contact::SurfacePoint;
+use crate::detection::SurfacePoint;
 use crate::math::{Pose, Scalar};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;

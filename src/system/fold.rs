@@ -7,7 +7,7 @@ use super::loads::{Key, PairLoads, Surface};
 use super::row::{Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
-use crate::contact::{Contact, ContactKind, EscapePush};
+use crate::detection::{Contact, ContactKind, EscapePush};
 use crate::math::{Scalar, direction};
 use crate::memory::Room;
 use crate::mesh::Mesh;

@@ -37,7 +37,7 @@ pub use loads::Surface;
 pub use material::Material;
 pub use parts::Part;
 
-use crate::contact::ContactList;
+use crate::detection::ContactList;
 use crate::math::Scalar;
 use crate::memory::{self, Room};
 use crate::scene::Scene;

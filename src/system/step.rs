@@ -2,7 +2,7 @@ use super::body::{Body, Course, Mover};
 use super::fold::{Folding, pressed_area};
 use super::rows::Velocities;
 use super::{ContactSystem, RigidUnknowns, SystemError, check_finite};
-use crate::contact::Contact;
+use crate::detection::Contact;
 use crate::math::Scalar;
 use crate::memory::{self, Room};
 use crate::mesh::MeshError;

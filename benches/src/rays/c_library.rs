@@ -46,7 +46,7 @@ const F64: u32 = 2;
 
 type CreateMesh = unsafe extern "C" fn(*const MeshOptions, *const Vectors, *const u32, usize, *mut *mut c_void) -> i32;
 type DestroyMesh = unsafe extern "C" fn(*mut c_void) -> i32;
-type CreateOctree = unsafe extern "C" fn(*const c_void, *mut *mut c_void) -> i32;
+type CreateOctree = unsafe extern "C" fn(*const c_void, *const c_void, *mut *mut c_void) -> i32;
 type TraceRay = unsafe extern "C" fn(*const c_void, *const c_void, *const CRay, *mut CHit) -> i32;
 type TraceRays = unsafe extern "C" fn(*const c_void, *const c_void, *const CRay, usize, *mut CHit) -> i32;
 
@@ -101,7 +101,7 @@ impl<'a> Surface<'a> {
         let statuses = unsafe {
             let first = triangles.as_ptr().cast();
             let mesh = (functions.create_mesh)(&options, &vectors, first, triangles.len(), &mut surface.mesh);
-            [mesh, if mesh == 0 { (functions.create_octree)(surface.mesh, &mut surface.octree) } else { 0 }]
+            [mesh, if mesh == 0 { (functions.create_octree)(std::ptr::null(), surface.mesh, &mut surface.octree) } else { 0 }]
         };
         if statuses == [0, 0] { Ok(surface) } else { Err(format!("the C library refuses a surface: {statuses:?}")) }
     }

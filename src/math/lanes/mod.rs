@@ -13,6 +13,7 @@ mod avx2_lists;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod dispatch;
+mod lane;
 mod one_by_one;
 #[cfg(any(test, not(target_arch = "x86_64")))]
 mod portable;
@@ -29,6 +30,7 @@ mod vectors;
 #[cfg(all(test, target_arch = "x86_64"))]
 pub(crate) use dispatch::on_every_path;
 pub(crate) use dispatch::{Kernel, dispatch};
+pub(crate) use lane::{set_lane, vector_in_lane};
 pub(crate) use vectors::Vectors;
 
 use super::Vector3;

@@ -43,14 +43,20 @@ impl<T: Scalar> PacketHits<T> {
 }
 
 impl<T: Scalar> PacketHits<T> {
-    /// The hit of one ray.
+    /// The hit of one ray, if it has one.
     pub(crate) fn get(&self, lane: usize) -> Option<Hit<T>> {
-        (self.found >> lane & 1 == 1).then(|| Hit {
+        (self.found >> lane & 1 == 1).then(|| self.hit(lane))
+    }
+
+    /// The hit of a ray that has one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn hit(&self, lane: usize) -> Hit<T> {
+        Hit {
             triangle: self.triangle[lane],
             t: self.t[lane],
             weights: [0, 1, 2].map(|corner| self.weights[corner][lane]),
             is_exit: self.exits >> lane & 1 == 1,
-        })
+        }
     }
 
     pub(crate) fn set(&mut self, lane: usize, hit: &Hit<T>) {

@@ -1,0 +1,42 @@
+//! Rays of bodies that overlap themselves: what a hit means when there are several folds, by the winding number.
+
+use super::winding::{leaves_body_before_end, way_out_past_folds};
+use crate::math::{LANE_COUNT, Mask, Scalar};
+use crate::octree::{PacketHits, Tracer};
+use crate::ray::{Hit, RayPacket};
+
+/// A ray that starts inside the other body may enter another fold of it before it leaves: its hit is the way out then. Gives
+/// which do.
+pub(crate) fn follow<T: Scalar>(
+    other: &Tracer<'_, T>,
+    packet: &RayPacket<T>,
+    hits: &mut PacketHits<T>,
+    crossings: &mut Vec<Hit<T>>,
+) -> Mask {
+    let entries = hits.found & !hits.exits;
+    lanes(entries)
+        .filter_map(|lane| Some((lane, way_out_past_folds(other, &packet.ray(lane), crossings)?)))
+        .map(|(lane, way_out)| {
+            hits.set(lane, &way_out);
+            1 << lane
+        })
+        .fold(0, |followed, lane| followed | lane)
+}
+
+/// A ray that meets another fold of its own body has not left the body: which of the hidden rays do.
+pub(crate) fn uncovered<T: Scalar>(
+    own: &Tracer<'_, T>,
+    packet: &RayPacket<T>,
+    hidden: Mask,
+    end: &[T; LANE_COUNT],
+    touched: &[[u32; 3]; LANE_COUNT],
+    crossings: &mut Vec<Hit<T>>,
+) -> Mask {
+    lanes(hidden)
+        .filter(|&lane| !leaves_body_before_end(own, &packet.ray(lane).until(end[lane]), touched[lane], crossings))
+        .fold(0, |uncovered, lane| uncovered | 1 << lane)
+}
+
+fn lanes(mask: Mask) -> impl Iterator<Item = usize> {
+    (0..LANE_COUNT).filter(move |lane| mask >> lane & 1 == 1)
+}

@@ -1,0 +1,133 @@
+//! All contacts of a pair in one step: rays both ways, or else edges; and what they leave open.
+
+use super::contact::Contact;
+use super::list::ContactList;
+use super::pair::{Direction, Pair};
+use super::sample::Sampling;
+use super::statistics::Statistics;
+use super::weigh::shares::share_load;
+use crate::math::{Scalar, Vector3};
+use crate::memory;
+use crate::ray::Ray;
+
+/// What a step's contacts leave open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Contacts tell all, or there is no overlap.
+    Settled,
+    /// Points lie inside the other body without a way out through their own.
+    Targetless,
+}
+
+impl<T: Scalar> Pair<'_, T> {
+    /// Adds the contacts of the rays of both directions, or else those of the edges.
+    pub(crate) fn detect(&self, contacts: &mut ContactList<T>) -> Outcome {
+        let start = contacts.len();
+        let own_before = contacts.statistics.own_surface_hits;
+        self.cast_both_ways(contacts);
+        let settled = contacts.len() > start || contacts.statistics.own_surface_hits > own_before;
+        let mut stretches = 0;
+        if self.options.edges && !settled {
+            stretches = self.cast_edges(contacts);
+            contacts.statistics.edge_contacts += (contacts.len() - start) as u64;
+        }
+        let targetless =
+            contacts.statistics.own_surface_hits > own_before || (stretches > 0 && contacts.len() == start);
+        let nothing = contacts.len() == start && !targetless;
+        if targetless || (self.options.escape && nothing && self.one_contains_the_other(&mut contacts.statistics)) {
+            Outcome::Targetless
+        } else {
+            Outcome::Settled
+        }
+    }
+
+    pub(crate) fn cast_both_ways(&self, contacts: &mut ContactList<T>) {
+        for (tracer, groups) in self.tracers.iter().zip(&mut contacts.workspace.groups) {
+            tracer.groups_in(self.region, groups);
+        }
+        match self.options.sampling {
+            Sampling::Tolerance(tolerance) => self.cast_to_tolerance(tolerance, contacts),
+            _ => self.cast_samples(contacts),
+        }
+    }
+
+    /// Adds the contacts of the edges of both bodies; gives how many stretches of edges lie inside.
+    fn cast_edges(&self, contacts: &mut ContactList<T>) -> usize {
+        let start = contacts.len();
+        let mut middle = start;
+        let [first, second] = [0, 1].map(|side| {
+            middle = contacts.len();
+            Direction { pair: self, side }.cast_edges(contacts)
+        });
+        share_load(&[first.1, second.1], &mut contacts.contacts[start..], middle - start);
+        first.0 + second.0
+    }
+
+    /// Where no surface crosses the other, either body lies inside or outside the other as a whole, and one point of it
+    /// tells which.
+    fn one_contains_the_other(&self, statistics: &mut Statistics) -> bool {
+        [0, 1].into_iter().any(|side| {
+            let (inner, outer) = (self.tracers[side].mesh(), self.tracers[1 - side].mesh());
+            let vertex = inner.topology().surface_vertices()[0];
+            let ray = Ray::new(inner.position(vertex), Vector3::z());
+            let may_contain = outer.aabb().intersection(inner.aabb()) == *inner.aabb();
+            statistics.estimate_rays += u64::from(may_contain);
+            may_contain && self.tracers[1 - side].nearest_hit(&ray).is_some_and(|hit| hit.is_exit)
+        })
+    }
+
+    /// Whether any contact's ray leaves its own body before the other.
+    pub(crate) fn any_passes_its_own(&self, start: usize, contacts: &mut ContactList<T>) -> bool {
+        !self.hides_behind_own_surface && self.any_leaves_own(start, T::one(), contacts)
+    }
+
+    /// Whether any contact's ray leaves its own body within so many times its depth.
+    pub(crate) fn any_leaves_own(&self, start: usize, factor: T, contacts: &mut ContactList<T>) -> bool {
+        let ContactList { contacts, workspace, statistics, .. } = contacts;
+        let longer = |contact: &Contact<T>| Ray {
+            origin: contact.p1.position,
+            direction: contact.direction,
+            t_max: contact.depth * factor,
+        };
+        [0, 1].into_iter().any(|side| {
+            let own = || contacts[start..].iter().filter(|contact| contact.colliding == self.bodies[side]);
+            workspace.rays.clear();
+            memory::append(&mut workspace.rays, own().map(longer));
+            workspace.touched.clear();
+            memory::append(&mut workspace.touched, own().map(|contact| contact.p1.touched()));
+            statistics.estimate_rays += workspace.rays.len() as u64;
+            self.tracers[side].leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
+            workspace.hidden.contains(&true)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detection::DetectionOptions;
+    use crate::detection::test_contact::{self, boxes};
+    use crate::mesh::Mesh;
+
+    fn with_pair<R>(meshes: [&Mesh<f64>; 2], ask: impl FnOnce(&Pair<'_, f64>) -> R) -> R {
+        test_contact::with_pair(meshes, &DetectionOptions { edges: true, ..DetectionOptions::paper() }, ask)
+    }
+
+    /// Of either bar the two long edges that lie in the other, and the diagonal between them.
+    #[test]
+    fn stretches_of_edges_of_both_bodies_are_counted() {
+        let bars = [[[-1.0, -0.1, -0.1], [1.0, 0.1, 0.1]], [[-0.09, -1.0, 0.03], [0.13, 1.0, 0.27]]];
+        let [first, second] = bars.map(|bar| boxes(&[bar]));
+        let stretches = with_pair([&first, &second], |pair| pair.cast_edges(&mut ContactList::default()));
+        assert_eq!(stretches, 6);
+        // The contacts of all pairs in the list.
+        let mut contacts = ContactList::default();
+        for found in 1..=3 {
+            with_pair([&first, &second], |pair| {
+                assert_eq!(pair.detect(&mut contacts), Outcome::Settled);
+            });
+            let count = contacts.statistics.edge_contacts;
+            assert!(count > 0 && count == contacts.len() as u64 && count % found == 0, "{count}");
+        }
+    }
+}

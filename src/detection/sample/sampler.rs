@@ -1,0 +1,158 @@
+//! Samples of one body's surface, a packet at a time.
+
+use super::{CutPiece, Cutter, FaceSource, Sample, SamplePacket};
+use crate::detection::statistics::Statistics;
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar};
+use crate::memory::Room;
+use crate::mesh::Standing;
+use crate::octree::Tracer;
+
+/// Where rays start.
+#[derive(Clone, Copy)]
+pub(crate) enum Starts<'a, T: Scalar> {
+    /// From the vertices or triangles of these groups.
+    Groups(&'a [u32]),
+    /// From the triangles at these places, each for its patch.
+    Patches(&'a Standing, &'a [u32]),
+    /// From these.
+    Samples(&'a [Sample<T>]),
+}
+
+impl<T: Scalar> Starts<'_, T> {
+    /// In how many steps they are taken.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Groups(groups) => groups.len(),
+            Self::Patches(_, places) => places.len().div_ceil(LANE_COUNT),
+            Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
+        }
+    }
+}
+
+/// Parts of triangles that have yet to cast.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pieces<T: Scalar> {
+    /// Of one triangle, the last first.
+    pub(crate) cut: Vec<CutPiece<T>>,
+    /// The parts inside the other body of pieces that its surface crosses.
+    pub(crate) inside: Vec<Sample<T>>,
+}
+
+impl<T: Scalar> Pieces<T> {
+    pub(crate) fn clear(&mut self) {
+        self.cut.clear();
+        self.inside.clear();
+    }
+}
+
+/// What fills packets with the samples of one body inside a region.
+pub(crate) struct Sampler<'a, T: Scalar> {
+    own: &'a Tracer<'a, T>,
+    starts: Starts<'a, T>,
+    /// The next vertex, group or sixteen patches.
+    next: usize,
+    /// Instead of vertices, or of samples that are given.
+    faces: Option<FaceSource<'a, T>>,
+    /// Room for the pieces of a triangle; and what is found inside of those that the other body's surface crosses, which is
+    /// a sample too.
+    pub(crate) pieces: &'a mut Pieces<T>,
+    vertices: &'a mut Vec<u32>,
+    /// How many vertices in the region have no normal.
+    without_normal: u64,
+}
+
+impl<'a, T: Scalar> Sampler<'a, T> {
+    /// Without a cutter samples are vertices in `region`. `pieces` and `vertices` are room.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn new<L: Lanes<T>>(
+        own: &'a Tracer<'a, T>,
+        region: &Aabb<T>,
+        starts: Starts<'a, T>,
+        cutter: Option<Cutter<'a, T>>,
+        pieces: &'a mut Pieces<T>,
+        vertices: &'a mut Vec<u32>,
+    ) -> Self {
+        // Where memory ended on the way, some are left.
+        pieces.clear();
+        vertices.clear();
+        let faces = match starts {
+            Starts::Samples(_) => None,
+            Starts::Groups(_) | Starts::Patches(..) => cutter.map(FaceSource::new),
+        };
+        if let (Starts::Groups(groups), None) = (starts, &faces) {
+            // A closure would be compiled without the lanes' instructions.
+            for &group in groups {
+                own.add_vertices_in::<L>(group, region, vertices);
+            }
+        }
+        Self { own, starts, next: 0, faces, pieces, vertices, without_normal: 0 }
+    }
+
+    /// A packet for these samples.
+    pub(crate) fn packet(&self) -> SamplePacket<T> {
+        SamplePacket::new(self.faces.is_none() && !matches!(self.starts, Starts::Samples(_)))
+    }
+
+    /// Takes note of what has cast no ray, of pieces left larger than asked, and of patches.
+    pub(crate) fn count(&self, statistics: &mut Statistics) {
+        statistics.without_normal += self.without_normal;
+        if let Some(faces) = &self.faces {
+            statistics.without_normal += faces.without_normal;
+            statistics.uncut_pieces += faces.cutter.uncut;
+            statistics.patches += faces.patch_count;
+        }
+    }
+
+    /// The next packet of samples; false where there are no more.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn fill<L: Lanes<T>>(&mut self, packet: &mut SamplePacket<T>) -> bool {
+        if let Some(faces) = &mut self.faces {
+            return faces.fill::<L>(self.own, self.starts, &mut self.next, self.pieces, packet);
+        }
+        match self.starts {
+            Starts::Samples(samples) => packet.take(samples, &mut self.next),
+            Starts::Groups(_) | Starts::Patches(..) => self.fill_from_vertices::<L>(packet),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fill_from_vertices<L: Lanes<T>>(&mut self, packet: &mut SamplePacket<T>) -> bool {
+        let vertices = &self.vertices[self.next..self.vertices.len().min(self.next + LANE_COUNT)];
+        if vertices.is_empty() {
+            return false;
+        }
+        self.next += vertices.len();
+        packet.indices[..vertices.len()].copy_from_slice(vertices);
+        self.own.mesh().vertex_normals::<L>(vertices, &mut packet.lanes);
+        self.without_normal += u64::from(vertices.len() as u32 - packet.lanes.found.count_ones());
+        true
+    }
+}
+
+/// All samples at once, into `samples`.
+pub(crate) struct Collect<'a, T: Scalar> {
+    pub(crate) own: &'a Tracer<'a, T>,
+    pub(crate) region: &'a Aabb<T>,
+    pub(crate) cutter: Option<Cutter<'a, T>>,
+    pub(crate) groups: &'a [u32],
+    pub(crate) pieces: &'a mut Pieces<T>,
+    pub(crate) vertices: &'a mut Vec<u32>,
+    pub(crate) samples: &'a mut Vec<Sample<T>>,
+}
+
+impl<T: Scalar> Kernel<T> for Collect<'_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { own, region, cutter, groups, pieces, vertices, samples } = self;
+        samples.clear();
+        let mut sampler = Sampler::new::<L>(own, region, Starts::Groups(groups), cutter, pieces, vertices);
+        let mut packet = sampler.packet();
+        while sampler.fill::<L>(&mut packet) {
+            let found = packet.lanes.found;
+            let lanes = (0..LANE_COUNT).filter(|lane| found >> lane & 1 == 1);
+            samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! The pressure at surface points inside the other body: by their distance to its surface.
+
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
+use crate::octree::{PacketHits, PointDistances, Tracer};
+use crate::ray::RayPacket;
+
+/// m / depth of the rays in `asked`, m being the distance to the other body's surface; the others' numbers stay, and those
+/// of rays without a depth.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn distances_over_depths<T: Scalar, L: Lanes<T>>(
+    other: &Tracer<'_, T>,
+    packet: &RayPacket<T>,
+    asked: Mask,
+    hits: &PacketHits<T>,
+    room: &mut PointDistances<T>,
+    cosines: &mut [T; LANE_COUNT],
+) {
+    other.distances_of_packet::<L>(&packet.origin, asked, &hits.t, room);
+    for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+        cosines[lane] = ratio(room.distances[lane], hits.t[lane], cosines[lane]);
+    }
+}
+
+fn ratio<T: Scalar>(distance: T, depth: T, usual: T) -> T {
+    let ratio = distance / depth;
+    // The hit is a point of the surface: only roundings make it the nearer one. On the surface the quotient is none.
+    if ratio <= T::one() {
+        ratio
+    } else if depth > T::zero() {
+        T::one()
+    } else {
+        usual
+    }
+}

@@ -1,0 +1,209 @@
+use crate::detection::contact::Contact;
+use crate::detection::options::ContactLaw;
+use crate::math::{LANE_COUNT, Lanes, Scalar, Vector3, Vectors, length};
+use crate::mesh::NormalLanes;
+
+/// Unit vectors, each with a weight: the sum of the weights, and how much of it is left when the vectors cancel out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turning<T: Scalar> {
+    whole: T,
+    vector: Vector3<T>,
+}
+
+impl<T: Scalar> Default for Turning<T> {
+    fn default() -> Self {
+        Self { whole: T::zero(), vector: Vector3::zeros() }
+    }
+}
+
+impl<T: Scalar> Turning<T> {
+    pub(crate) fn add(&mut self, direction: &Vector3<T>, weight: T) {
+        self.whole += weight;
+        self.vector += direction * weight;
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.whole += other.whole;
+        self.vector += other.vector;
+    }
+
+    /// 0 where all vectors are one, 1 where they cancel out.
+    fn part_that_turns(&self) -> T {
+        T::one() - length(&self.vector) / self.whole
+    }
+}
+
+/// The surface that casts, in sixteen sums.
+#[repr(C, align(64))]
+pub(crate) struct CastSurfaceLanes<T: Scalar> {
+    area: [T; LANE_COUNT],
+    vector: [[T; LANE_COUNT]; 3],
+}
+
+impl<T: Scalar> CastSurfaceLanes<T> {
+    pub(crate) fn new() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { area: zeros, vector: [zeros; 3] }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn add<L: Lanes<T>>(&mut self, samples: &NormalLanes<T>) {
+        let zero = L::splat(T::zero());
+        let area = L::select(samples.found, L::load(&samples.area), zero);
+        // What has no area may have no normal either.
+        let normal = Vectors::select(samples.found, Vectors::load(&samples.normal), Vectors::zeros());
+        L::load(&self.area).add(area).store(&mut self.area);
+        Vectors::load(&self.vector).add(normal.scaled(area)).store(&mut self.vector);
+    }
+
+    pub(crate) fn total(&self) -> Turning<T> {
+        let sum = |lanes: &[T; LANE_COUNT]| lanes.iter().fold(T::zero(), |sum, &part| sum + part);
+        let [x, y, z] = &self.vector;
+        Turning { whole: sum(&self.area), vector: Vector3::new(sum(x), sum(y), sum(z)) }
+    }
+}
+
+/// What one direction of a pair casts from, and what its contacts carry.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CastLoad<T: Scalar> {
+    /// The normals of the surface that casts, by area.
+    pub(crate) surface: Turning<T>,
+    /// The contacts' directions, by area · depth, or by area · pressure.
+    pressure: Turning<T>,
+}
+
+impl<T: Scalar> CastLoad<T> {
+    pub(crate) fn add_contacts(&mut self, contacts: &[Contact<T>], law: ContactLaw) {
+        for contact in contacts {
+            let pressure = match law {
+                ContactLaw::Pressure => contact.depth * contact.cos_alpha,
+                ContactLaw::RayLength => contact.depth,
+            };
+            self.pressure.add(&contact.direction, contact.area * pressure);
+        }
+    }
+
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.surface.merge(&other.surface);
+        self.pressure.merge(&other.pressure);
+    }
+
+    /// How much of the pair's load this direction should carry, beside the other's number.
+    ///
+    /// Either direction alone integrates the pressure over the overlapped surface, but not equally well. Rays of a
+    /// curved body into a flat one give exactly the force of Archimedes, since depth · cos α is then the depth across
+    /// the face; the flat body's own rays are columns of that depth, lessened once more by cos α. So what counts first
+    /// is how much the overlapped surface turns, weighted by depth: 1 − |Σ a δ d| / Σ a δ. Then, between two flat faces,
+    /// the body whose edges lie in the overlap: its faces are summed exactly, while the other's rays only count points
+    /// beneath it. The last term leaves equal bodies equal shares. The factor Σ a δ makes all continuous: contacts
+    /// appear with δ = 0.
+    fn claim(&self) -> T {
+        if self.pressure.whole > T::zero() {
+            let little = T::of(1.0 / 256.0);
+            let turning = self.pressure.part_that_turns() + little * self.surface.part_that_turns();
+            self.pressure.whole * (turning + little * little)
+        } else {
+            T::zero()
+        }
+    }
+}
+
+/// By what the areas of each direction's contacts are scaled, so that the two together carry the load once, as they claim
+/// it. A direction whose rays see nothing, such as that of a coarse floor cast from its corners, leaves all to the other.
+pub(crate) fn shares<T: Scalar>(loads: &[CastLoad<T>; 2]) -> [T; 2] {
+    let claims = loads.each_ref().map(CastLoad::claim);
+    let sum = claims[0] + claims[1];
+    claims.map(|claim| if sum > T::zero() { claim / sum } else { T::of(0.5) })
+}
+
+/// Scales the contacts of both directions by what each carries.
+pub(crate) fn scale_contacts<T: Scalar>(shares: [T; 2], contacts: &mut [Contact<T>], middle: usize) {
+    let (first, second) = contacts.split_at_mut(middle);
+    for (share, contacts) in shares.into_iter().zip([first, second]) {
+        contacts.iter_mut().for_each(|contact| contact.area *= share);
+    }
+}
+
+/// Scales the contacts of both directions, of which the second's begin at `middle`.
+pub(crate) fn share_load<T: Scalar>(loads: &[CastLoad<T>; 2], contacts: &mut [Contact<T>], middle: usize) {
+    scale_contacts(shares(loads), contacts, middle);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detection::test_contact::contact;
+
+    fn turning(parts: &[([f64; 3], f64)]) -> Turning<f64> {
+        let mut turning = Turning::default();
+        parts.iter().for_each(|&(direction, weight)| turning.add(&Vector3::from(direction), weight));
+        turning
+    }
+
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const MINUS_X: [f64; 3] = [-1.0, 0.0, 0.0];
+
+    #[test]
+    fn what_turns_is_what_is_lost_of_the_sum() {
+        for (parts, expected) in [
+            (vec![(X, 3.0)], 0.0),
+            (vec![(X, 3.0), (X, 0.5)], 0.0),
+            (vec![(X, 2.0), (MINUS_X, 2.0)], 1.0),
+            (vec![(X, 3.0), (MINUS_X, 1.0)], 0.5),
+            (vec![(X, 3.0), (Y, 4.0)], 1.0 - 5.0 / 7.0),
+        ] {
+            assert!((turning(&parts).part_that_turns() - expected).abs() < 1e-15, "{parts:?}");
+            let (first, rest) = parts.split_at(1);
+            let mut merged = turning(first);
+            merged.merge(&turning(rest));
+            assert_eq!(merged.part_that_turns(), turning(&parts).part_that_turns());
+        }
+    }
+
+    /// Shares go by the load, times how much it turns, and a little of how much the surface does.
+    #[test]
+    fn shares_follow_what_turns() {
+        let load = |pressure: &[([f64; 3], f64)], surface: &[([f64; 3], f64)]| CastLoad {
+            pressure: turning(pressure),
+            surface: turning(surface),
+        };
+        let little = 1.0 / 256.0;
+        let flat = load(&[(X, 2.0)], &[(X, 5.0)]);
+        let curved = load(&[(X, 1.5), (Y, 2.0)], &[(X, 1.0), (MINUS_X, 1.0)]);
+        let edged = load(&[(X, 2.0)], &[(X, 3.0), (MINUS_X, 1.0)]);
+        let nothing = CastLoad::default();
+        let claims = [
+            (flat, 2.0 * little * little),
+            (curved, 3.5 * (1.0 - 2.5 / 3.5 + little + little * little)),
+            (edged, 2.0 * (0.5 * little + little * little)),
+            (nothing, 0.0),
+        ];
+        for (first, claim) in claims {
+            for (second, other) in claims {
+                let expected = if claim + other > 0.0 { claim / (claim + other) } else { 0.5 };
+                let [share, rest] = shares(&[first, second]);
+                assert!((share - expected).abs() < 1e-12 && (share + rest - 1.0).abs() < 1e-15, "{first:?} {second:?}");
+            }
+        }
+        let mut twice = flat;
+        twice.merge(&edged);
+        assert!((twice.claim() - 4.0 * little * (1.0 - 7.0 / 9.0 + little)).abs() < 1e-15);
+    }
+
+    /// Rays count by area · depth, whatever the angle, and pressure by area · distance.
+    #[test]
+    fn contacts_press_by_area_and_depth() {
+        let contacts = [contact(0, X, X, [3.0, 0.5, 0.1]), contact(0, Y, Y, [0.5, 4.0, 0.9])];
+        let mut by_distance = CastLoad::default();
+        by_distance.add_contacts(&contacts, ContactLaw::Pressure);
+        assert!((by_distance.pressure.whole - (0.15 + 1.8)).abs() < 1e-15);
+        let mut load = CastLoad::default();
+        load.surface.add(&Vector3::x(), 1.0);
+        load.add_contacts(&contacts, ContactLaw::RayLength);
+        assert_eq!((load.pressure.whole, load.pressure.vector), (3.5, Vector3::new(1.5, 2.0, 0.0)));
+        let mut contacts = [contact(0, X, X, [3.0, 0.5, 0.1]), contact(1, Y, Y, [2.0, 4.0, 0.9])];
+        share_load(&[load, CastLoad::default()], &mut contacts, 1);
+        assert_eq!(contacts.map(|contact| contact.area), [3.0, 0.0]);
+    }
+}

@@ -1,0 +1,174 @@
+//! Getting out of an overlap that contacts cannot resolve: all points inside are pushed along one direction, chosen
+//! once and kept until the bodies are apart. Contacts of swallowed or non-convex overlaps push against each other or
+//! back to the middle; what frees them is that one direction is kept.
+
+use crate::detection::{Contact, ContactKind, ContactList, EscapePush, Pair, Sample, Statistics, Workspace};
+use crate::detection::{contact, for_each_inside_stretch};
+use crate::math::{Scalar, Vector3, direction};
+use crate::memory::{self, Room};
+use crate::ray::Ray;
+
+/// So many rays are traced before it is asked whether a direction can still be the best.
+const RAYS_AT_ONCE: usize = 64;
+/// A way out below this part of another is shorter by more than the roundings of the points it is judged by.
+const CLEARLY_SHORTER: f64 = 0.99;
+
+/// Adds the contacts that push the pair apart along `away`, the direction of its first body, and gives how deep it is;
+/// adds none where the bodies are apart.
+pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, contacts: &mut ContactList<T>) -> Option<T> {
+    let start = contacts.len();
+    let ContactList { contacts, statistics, pushes, workspace } = contacts;
+    for side in [0, 1] {
+        inside_samples(pair, side, away, workspace, statistics);
+        add_contacts(pair, side, workspace, contacts);
+    }
+    if contacts.len() == start {
+        for side in [0, 1] {
+            inside_stretches(pair, side, away, workspace, statistics);
+            add_contacts(pair, side, workspace, contacts);
+        }
+    }
+    let added = &mut contacts[start..];
+    statistics.escape_contacts += added.len() as u64;
+    // All as deep as the deepest: so all come out together, and none pulls the body back or turns it on its way.
+    let depth = added.iter().fold(T::zero(), |depth, contact| depth.max(contact.depth));
+    added.iter_mut().for_each(|contact| contact.depth = depth);
+    if added.is_empty() {
+        return None;
+    }
+    pushes.room_for(1).push(EscapePush::new(pair.bodies, *away, depth, added));
+    Some(depth)
+}
+
+/// The direction in which the first body leaves the second on the shortest way: of a fixed set and the line of the
+/// boxes' centres, the one along which the point with the longest way out has the shortest. Of those that are hardly
+/// longer it is the first in a fixed order, the same for all pairs. Else rounding would decide between the two sides of
+/// a body in the same place as another, and the pairs of a pile would push one another round in a circle.
+pub(crate) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
+    let ContactList { workspace, statistics, .. } = contacts;
+    let mut judges = Judges::find(pair, workspace, statistics);
+    let mut best: Option<(T, Vector3<T>)> = None;
+    for candidate in candidates(pair) {
+        let limit = best.map_or(T::INFINITY, |(shortest, _)| shortest * T::of(CLEARLY_SHORTER));
+        let found = judges.longest_way_out(pair, &candidate, limit, workspace, statistics);
+        best = found.map(|longest| (longest, candidate)).or(best);
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+/// The points of either body inside the other, by which directions are judged.
+struct Judges<T: Scalar>([Vec<Vector3<T>>; 2]);
+
+impl<T: Scalar> Judges<T> {
+    fn find(pair: &Pair<'_, T>, workspace: &mut Workspace<T>, statistics: &mut Statistics) -> Self {
+        let mut judges = Self([Vec::new(), Vec::new()]);
+        for find in [inside_samples, inside_stretches] {
+            for (side, points) in judges.0.iter_mut().enumerate() {
+                let mut counts = Statistics::default();
+                find(pair, side, &Vector3::z(), workspace, &mut counts);
+                statistics.estimate_rays += counts.rays;
+                memory::append(points, workspace.samples.iter().map(|sample| sample.point.position));
+            }
+            if judges.0.iter().any(|points| !points.is_empty()) {
+                break;
+            }
+        }
+        judges
+    }
+
+    /// The longest of all ways out when the first body goes `away`; `None` where there is none, or one of at least `limit`.
+    fn longest_way_out(
+        &mut self,
+        pair: &Pair<'_, T>,
+        away: &Vector3<T>,
+        limit: T,
+        workspace: &mut Workspace<T>,
+        statistics: &mut Statistics,
+    ) -> Option<T> {
+        let mut longest = T::zero();
+        for (side, points) in self.0.iter_mut().enumerate() {
+            for start in (0..points.len()).step_by(RAYS_AT_ONCE) {
+                let end = points.len().min(start + RAYS_AT_ONCE);
+                workspace.rays.clear();
+                let rays = points[start..end].iter().map(|&point| pair.ray_out(side, point, away));
+                memory::append(&mut workspace.rays, rays);
+                statistics.estimate_rays += workspace.rays.len() as u64;
+                pair.tracers[1 - side].nearest_hits(&workspace.rays, &mut workspace.hits);
+                for (place, hit) in workspace.hits.iter().enumerate() {
+                    let way_out = hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t);
+                    if way_out >= limit {
+                        // It is likely to judge the next direction soonest too.
+                        points.swap(0, start + place);
+                        return None;
+                    }
+                    longest = longest.max(way_out);
+                }
+            }
+        }
+        (longest > T::zero()).then_some(longest)
+    }
+}
+
+/// The 26 directions to a cube's faces, edges and corners, before the line of centres, which differs from pair to pair; each
+/// as the first body's.
+fn candidates<T: Scalar>(pair: &Pair<'_, T>) -> impl Iterator<Item = Vector3<T>> {
+    let cube = (0..27).filter(|&i| i != 13).map(|i| {
+        let component = |divisor: i32| T::of(f64::from(i / divisor % 3 - 1));
+        Vector3::new(component(1), component(3), component(9))
+    });
+    let cube = cube.filter_map(|candidate| direction(&candidate)).map(|candidate| pair.of_first(candidate));
+    cube.chain([pair.line_of_centres()])
+}
+
+/// Leaves in the workspace the samples of one body inside the other, their rays out and where these end.
+fn inside_samples<T: Scalar>(
+    pair: &Pair<'_, T>,
+    side: usize,
+    away: &Vector3<T>,
+    workspace: &mut Workspace<T>,
+    statistics: &mut Statistics,
+) {
+    let Workspace { samples, rays, groups, vertices, pieces, .. } = workspace;
+    pair.collect(side, &mut groups[side], pieces, vertices, samples);
+    rays.clear();
+    memory::append(rays, samples.iter().map(|sample| pair.ray_out(side, sample.point.position, away)));
+    keep_inside(pair, side, workspace, statistics);
+}
+
+/// The same for the middles of edges that pierce the other body's surface.
+fn inside_stretches<T: Scalar>(
+    pair: &Pair<'_, T>,
+    side: usize,
+    away: &Vector3<T>,
+    workspace: &mut Workspace<T>,
+    statistics: &mut Statistics,
+) {
+    let Workspace { samples, rays, crossings, groups, vertices, .. } = workspace;
+    samples.clear();
+    rays.clear();
+    let tracers = [pair.tracers[side], pair.tracers[1 - side]];
+    for_each_inside_stretch(tracers, pair.region, [&mut groups[side], vertices], crossings, |sample: Sample<T>| {
+        rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
+        samples.room_for(1).push(sample);
+    });
+    keep_inside(pair, side, workspace, statistics);
+}
+
+/// A point is inside where its way out first meets the surface from inside.
+fn keep_inside<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &mut Workspace<T>, statistics: &mut Statistics) {
+    statistics.rays += workspace.rays.len() as u64;
+    pair.tracers[1 - side].nearest_hits(&workspace.rays, &mut workspace.hits);
+    workspace.keep_exits(statistics);
+}
+
+fn add_contacts<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &Workspace<T>, contacts: &mut Vec<Contact<T>>) {
+    let collided = pair.tracers[1 - side].mesh();
+    for (place, sample) in workspace.samples.iter().enumerate() {
+        let (Some(hit), ray): (_, &Ray<T>) = (&workspace.hits[place], &workspace.rays[place]) else { continue };
+        // Both bodies cast.
+        let sample = Sample { area: sample.area * T::of(0.5), ..*sample };
+        let (kind, bodies) = (ContactKind::Escape, [pair.bodies[side], pair.bodies[1 - side]]);
+        let made = contact(kind, bodies, &sample, ray.direction, collided, hit, T::one());
+        contacts.room_for(1).push(made);
+    }
+}

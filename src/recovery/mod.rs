@@ -1,0 +1,91 @@
+//! The contacts of two bodies, and recovery from what contacts cannot part: bodies that escape along one direction, and what
+//! a pair remembers of it from step to step.
+
+mod escape;
+mod memory;
+mod packed_memory;
+mod progress;
+
+pub use memory::{PairMemory, Record};
+pub(crate) use packed_memory::PACKED;
+
+use crate::detection::{ContactList, DetectionOptions, Pair, Sampling, overlap_region, part_of_rays};
+use crate::math::Scalar;
+use crate::mesh::Mesh;
+use crate::octree::{Octree, OctreeError, Tracer};
+
+/// Finds the contacts between two meshes, both ways; body 0 is `a`, body 1 is `b`. Replaces what `contacts` held.
+/// Nothing is remembered from query to query: a pair escapes only where it has no other contact, in a direction chosen
+/// anew by each query.
+///
+/// # Errors
+/// [`OctreeError`] where an octree is stale or another mesh's; `contacts` is then as before.
+pub fn query_pair<T: Scalar>(
+    a: &Mesh<T>,
+    octree_a: &Octree<T>,
+    b: &Mesh<T>,
+    octree_b: &Octree<T>,
+    options: &DetectionOptions<T>,
+    contacts: &mut ContactList<T>,
+) -> Result<(), OctreeError> {
+    let (a, b) = (octree_a.tracer(a)?, octree_b.tracer(b)?);
+    contacts.refill(|contacts| detect_pair([0, 1], [&a, &b], options, None, true, contacts));
+    Ok(())
+}
+
+/// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008, and
+/// what `options` add to it. `memory` is what the pair remembers from step to step; without it a pair escapes only where
+/// it has no other contact, in a direction chosen anew each time. A pair that may not escape is counted where it would.
+pub fn detect_pair<T: Scalar>(
+    bodies: [u32; 2],
+    tracers: [&Tracer<'_, T>; 2],
+    options: &DetectionOptions<T>,
+    memory: Option<&mut PairMemory<T>>,
+    may_escape: bool,
+    contacts: &mut ContactList<T>,
+) {
+    detect_pair_among(0, bodies, tracers, options, memory, may_escape, contacts);
+}
+
+/// [`detect_pair`] of two bodies that both meet at least `neighbours` others.
+pub(crate) fn detect_pair_among<T: Scalar>(
+    neighbours: u32,
+    bodies: [u32; 2],
+    tracers: [&Tracer<'_, T>; 2],
+    options: &DetectionOptions<T>,
+    memory: Option<&mut PairMemory<T>>,
+    may_escape: bool,
+    contacts: &mut ContactList<T>,
+) {
+    let meshes = tracers.map(|tracer| tracer.mesh());
+    let boxes = meshes.map(|mesh| mesh.aabb());
+    if boxes[0].intersection(boxes[1]).is_empty() {
+        return;
+    }
+    contacts.statistics.pairs += 1;
+    let is_open = meshes.map(Mesh::is_open);
+    contacts.statistics.open_pairs += u64::from(is_open != [false; 2]);
+    // What is behind a sheet lies outside its box: there a closed body's own box bounds all its contacts.
+    let (overlap, region) = match is_open {
+        [false, false] => overlap_region(boxes[0], boxes[1]),
+        [true, false] => overlap_region(boxes[1], boxes[1]),
+        [false, true] => overlap_region(boxes[0], boxes[0]),
+        [true, true] => return,
+    };
+    let part_of_rays = match options.sampling {
+        Sampling::Automatic | Sampling::Tolerance(_) => part_of_rays(neighbours),
+        Sampling::Spacing(_) | Sampling::Vertices => T::one(),
+    };
+    contacts.statistics.crowded_pairs += u64::from(part_of_rays < T::one());
+    let (overlap, region) = (&overlap, &region);
+    let pair = Pair { may_escape, part_of_rays, ..Pair::new(bodies, tracers, [overlap, region], options) };
+    match memory {
+        _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
+        Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
+        memory => {
+            // What was remembered may long be over when escapes are switched on again.
+            memory.into_iter().for_each(|memory| *memory = PairMemory::default());
+            pair.detect_without_memory(contacts);
+        }
+    }
+}

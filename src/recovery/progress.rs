@@ -1,0 +1,78 @@
+//! What contacts cannot part: when a pair begins to escape, and how it goes on.
+
+use super::escape::{choose_direction, push_apart};
+use super::memory::{PairMemory, Progress};
+use crate::detection::{ContactKind, ContactList, Outcome, Pair};
+use crate::math::{Scalar, Vector3};
+
+impl<T: Scalar> Pair<'_, T> {
+    /// Overlaps that give no contact otherwise are still reported, by the escape of this step.
+    pub(crate) fn detect_without_memory(&self, contacts: &mut ContactList<T>) {
+        let start = contacts.len();
+        let outcome = self.detect(contacts);
+        let unreported = outcome == Outcome::Targetless && contacts.len() == start;
+        if unreported && self.options.escape {
+            self.start_to_escape(start, contacts);
+        }
+    }
+
+    pub(crate) fn detect_or_escape(&self, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
+        if let Some(away) = memory.escape.filter(|_| self.may_escape) {
+            self.go_on_escaping(away, memory, contacts);
+            return;
+        }
+        memory.escape = None;
+        let start = contacts.len();
+        let outcome = self.detect(contacts);
+        if outcome == Outcome::Settled && contacts.len() == start {
+            *memory = PairMemory::default();
+            return;
+        }
+        // So that the step in which their depth is asked for allocates no more than others.
+        contacts.workspace.reserve(contacts.len() - start);
+        // Near edges, points without a target belong to ordinary contact: alone they tell nothing.
+        let targetless = outcome == Outcome::Targetless;
+        let stuck = match memory.observe(self.bodies[0], &contacts.contacts[start..]) {
+            _ if contacts.len() == start => targetless,
+            Progress::OneWay => false,
+            Progress::Balanced => targetless || self.any_passes_its_own(start, contacts),
+            Progress::Slow => targetless || self.any_leaves_own(start, T::of(2.0), contacts),
+            Progress::Jammed => true,
+        };
+        if stuck && let Some(away) = self.start_to_escape(start, contacts) {
+            memory.start_to_escape(away);
+        }
+    }
+
+    /// A direction is kept until the pair is apart. Where others hold it fast, it turns to the line of centres: all that
+    /// do can go their ways at once, since spreading all bodies from one point satisfies them all.
+    fn go_on_escaping(&self, away: Vector3<T>, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
+        let Some(depth) = push_apart(self, &away, contacts) else {
+            *memory = PairMemory::default();
+            return;
+        };
+        contacts.statistics.escaping_pairs += 1;
+        if memory.observe_escape(depth) {
+            memory.start_to_escape(self.line_of_centres());
+            contacts.statistics.escapes_turned += 1;
+        }
+    }
+
+    /// Replaces the pair's contacts, those from `start` on, by the first of its escape.
+    fn start_to_escape(&self, start: usize, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
+        if !self.may_escape {
+            contacts.statistics.escapes_forbidden += 1;
+            return None;
+        }
+        let away = choose_direction(self, contacts)?;
+        let ContactList { contacts: found, statistics, .. } = &mut *contacts;
+        let edges = found[start..].iter().filter(|contact| contact.kind == ContactKind::Edge).count();
+        statistics.edge_contacts -= edges as u64;
+        statistics.replaced += (found.len() - start) as u64;
+        found.truncate(start);
+        contacts.statistics.escapes_started += 1;
+        contacts.statistics.escaping_pairs += 1;
+        push_apart(self, &away, contacts);
+        Some(away)
+    }
+}
