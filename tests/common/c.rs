@@ -90,7 +90,7 @@ impl Octree {
     pub fn new(mesh: &Mesh) -> Result<Self, rayc_status> {
         let mut handle = null_mut();
         // SAFETY: the place is writable.
-        made(unsafe { rayc_octree_create(std::ptr::null(), mesh.0, &mut handle) }, handle, Self)
+        made(unsafe { rayc_octree_create(null(), mesh.0, &mut handle) }, handle, Self)
     }
 
     pub fn update(&mut self, mesh: &Mesh) -> rayc_status {
