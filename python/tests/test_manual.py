@@ -21,12 +21,12 @@ def listings():
             yield pytest.param(*found.groups(), id=f"{page}: {heading}")
 
 
-@pytest.mark.parametrize("text", PAGES.values(), ids=PAGES)
+@pytest.mark.parametrize("text", list(PAGES.values()), ids=list(PAGES))
 def test_every_listing_has_its_output(text):
     assert len(LISTING.findall(text)) == text.count("```python") > 0
 
 
-@pytest.mark.parametrize("program, output", listings())
+@pytest.mark.parametrize("program, output", list(listings()))
 def test_listing(program, output):
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert (ended.returncode, ended.stderr, ended.stdout) == (0, "", output)
