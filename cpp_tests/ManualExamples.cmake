@@ -1,7 +1,7 @@
 # Programs that stand in the manual: built as they stand there, they print what stands below them.
 
 # raycontact_add_listings(<page> <target to link>...) takes every C and C++ listing of the page. Its output is the block of
-# text that comes next. Tests are named by page, heading and language.
+# text that comes next. Tests are named by page, heading and language, and run by the command `launcher` where that is set.
 function(raycontact_add_listings page)
     set(file "${PROJECT_SOURCE_DIR}/${page}")
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
@@ -26,7 +26,7 @@ function(raycontact_add_listings page)
         add_executable(${name} "${CMAKE_CURRENT_BINARY_DIR}/${name}.${language}")
         target_link_libraries(${name} PRIVATE raycontact::raycontact ${ARGN})
         add_test(NAME ${name}
-                 COMMAND "${CMAKE_COMMAND}" -D "PROGRAM=$<TARGET_FILE:${name}>" -D
+                 COMMAND "${CMAKE_COMMAND}" -D "PROGRAM=${launcher};$<TARGET_FILE:${name}>" -D
                          "OUTPUT=${CMAKE_CURRENT_BINARY_DIR}/${name}.txt" -P
                          "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/listing_output.cmake")
         set_tests_properties(${name} PROPERTIES TIMEOUT 120)
