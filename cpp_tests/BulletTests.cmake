@@ -36,6 +36,15 @@ foreach(package IN ITEMS bullet bullet-float64)
     endforeach()
 endforeach()
 
+# The listing of the page.
+if(TARGET PkgConfig::bullet)
+    raycontact_add_listings(docs/bullet.md PkgConfig::bullet)
+    foreach(listing IN LISTS listings)
+        target_compile_options(${listing} PRIVATE -Wno-maybe-uninitialized)
+        target_compile_definitions(${listing} PRIVATE RAYCONTACT_BULLET_PRECISION=32)
+    endforeach()
+endif()
+
 # Once more in float with the address and the undefined-behaviour sanitizer: the adapter is all in headers, so it is
 # instrumented although Bullet is not.
 if(TARGET PkgConfig::bullet AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")

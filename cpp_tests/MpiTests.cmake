@@ -35,3 +35,10 @@ raycontact_add_mpi_test(distributed_bad_input 3 distributed_bad_input)
 raycontact_add_mpi_test(distributed_bad_input_alone 1 distributed_bad_input)
 raycontact_add_mpi_test(distributed_system_bad_input 3 distributed_system_bad_input)
 raycontact_add_mpi_test(distributed_system_bad_input_alone 1 distributed_system_bad_input)
+
+# The listing of the page, on two ranks.
+set(launcher "${MPIEXEC_EXECUTABLE}" --oversubscribe ${MPIEXEC_NUMPROC_FLAG} 2)
+raycontact_add_listings(docs/distributed.md raycontact::mpi)
+unset(launcher)
+set_tests_properties(${listings} PROPERTIES PROCESSORS 2 ENVIRONMENT
+                     "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_mpi_yield_when_idle=1")

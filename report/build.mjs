@@ -1,27 +1,42 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // Makes docs/report/index.html from the measurements under docs/: one file that needs no network.
 import { build } from "esbuild";
+import { createHash } from "node:crypto";
 import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const docs = join(here, "../docs");
 const output = join(docs, "report/index.html");
 
-/** Rows as objects; numbers as numbers, empty fields as null. The measuring programs write no quotes. */
+/** What the page is made from: a hash for each file, by which cpp_tests/page_sources.cmake knows whether it is up to date. */
+const sources = [];
+
+function read(name) {
+  const bytes = readFileSync(join(docs, name));
+  sources.push(`${name}=${createHash("sha256").update(bytes).digest("hex")}`);
+  return bytes;
+}
+
+/** The fields of a line; those in quotes may hold commas. */
+function fields(line) {
+  return Array.from(line.matchAll(/("(?:[^"]|"")*"|[^,]*)(?:,|$)/g), ([, field]) =>
+    field.startsWith('"') ? field.slice(1, -1).replaceAll('""', '"') : field).slice(0, -1);
+}
+
+/** Rows as objects; numbers as numbers, empty fields as null. */
 function readCsv(name) {
-  const path = join(docs, name);
-  if (!existsSync(path)) return null;
-  const [head, ...lines] = readFileSync(path, "utf8").trim().split("\n").map((line) => line.split(","));
+  if (!existsSync(join(docs, name))) return null;
+  const [head, ...lines] = read(name).toString().trim().split("\n").map(fields);
   const value = (text) => (text === "" ? null : Number.isNaN(Number(text)) ? text : Number(text));
   return lines.map((line) => Object.fromEntries(head.map((name, i) => [name, value(line[i])])));
 }
 
 /** The table of failures in docs/stability.md, with its pictures. */
 function readFailures() {
-  const text = readFileSync(join(docs, "stability.md"), "utf8");
-  const lines = text.split("\n");
+  const lines = readFileSync(join(docs, "stability.md"), "utf8").split("\n");
   const first = lines.findIndex((line) => line.startsWith("| failure |"));
   if (first < 0) return null;
   const last = lines.findIndex((line, i) => i > first && !line.startsWith("|"));
@@ -29,7 +44,7 @@ function readFailures() {
   const rows = lines.slice(first + 2, last).map((line) => {
     const [name, ...counts] = cells(line);
     const link = /^\[(.*)\]\((.*)\)$/.exec(name);
-    const picture = link && readFileSync(join(docs, link[2]), "utf8");
+    const picture = link && read(link[2]).toString();
     return { name: link ? link[1] : name, counts, picture };
   });
   return { modes: cells(lines[first]).slice(1), rows };
@@ -41,8 +56,13 @@ function readRecordings() {
   const path = ({ name }) => join(docs, `report/recordings/${name}.gz`);
   return known.filter((recording) => existsSync(path(recording))).map((recording) => {
     const { name, title, floor = false } = recording;
-    return { name, title, floor, packed: readFileSync(path(recording)).toString("base64") };
+    return { name, title, floor, packed: read(`report/recordings/${name}.gz`).toString("base64") };
   });
+}
+
+/** Text that the page unpacks by itself. */
+function packed(text) {
+  return gzipSync(text, { level: 9 }).toString("base64");
 }
 
 const data = {
@@ -51,8 +71,14 @@ const data = {
   detect: readCsv("performance/detect.csv"),
   figure8: readCsv("accuracy/figure8.csv"),
   failures: readFailures(),
-  recordings: readRecordings(),
+  deep: {
+    detect: readCsv("penetration/detect.csv"),
+    measure: readCsv("penetration/measure.csv"),
+    free: readCsv("penetration/free.csv"),
+  },
+  scaling: read("distributed/scaling.svg").toString(),
 };
+const recordings = readRecordings();
 
 const bundle = await build({
   entryPoints: [join(here, "source/main.js")],
@@ -63,11 +89,12 @@ const bundle = await build({
   legalComments: "none",
   target: "es2022",
 });
-const script = bundle.outputFiles[0].text.replaceAll("</script", "<\\/script");
 const replacements = {
   "/* style */": readFileSync(join(here, "source/style.css"), "utf8"),
-  "/* data */": JSON.stringify(data).replaceAll("<", "\\u003c"),
-  "/* script */": script,
+  "/* sources */": sources.join(" "),
+  "/* recordings */": JSON.stringify(recordings).replaceAll("<", "\\u003c"),
+  "/* data */": packed(JSON.stringify(data)),
+  "/* program */": packed(bundle.outputFiles[0].text),
 };
 let page = readFileSync(join(here, "source/index.html"), "utf8");
 for (const [place, text] of Object.entries(replacements)) page = page.replace(place, () => text);

@@ -36,7 +36,8 @@ try {
   page.on("pageerror", (error) => faults.push(error.message));
   page.on("requestfailed", (request) => faults.push(request.url()));
   await page.goto(pathToFileURL(page_path).href);
-  const data = await page.$eval("#data", (script) => JSON.parse(script.textContent));
+  await page.waitForFunction(() => window.measured && document.querySelector('[data-plot="figure8"] svg'));
+  const data = await page.evaluate(() => window.measured);
   const count = (name) => page.$$eval(`[data-plot="${name}"] .points > *`, (marks) => marks.length);
   const folder = process.argv[2];
   const shootStage = async (name, frame) => {
@@ -89,8 +90,24 @@ try {
   });
   await check("the stability maps draw their cells, or say that they were not measured", async () => {
     if (!data.stability) return assert(await isAbsent("stability"));
-    const scene = await page.$eval("#map-scene", (select) => select.value);
-    assert.equal(await count("stability"), data.stability.filter((row) => row.scene === scene).length);
+    assert.equal(data.stability.length, 1890);
+    const [methods, steps] = ["method", "dt"].map((key) => new Set(data.stability.map((row) => row[key])).size);
+    assert.equal(await count("stability"), methods * steps);
+    for (const scene of new Set(data.stability.map((row) => row.scene))) {
+      await page.select("#map-scene", scene);
+      assert.equal(await count("stability"), data.stability.filter((row) => row.scene === scene).length, scene);
+    }
+    await page.select("#map-scene", "all");
+  });
+  await check("the benchmark of deep contact ranks every library, in a table and in bars", async () => {
+    const libraries = new Set(data.deep.free.map((row) => row.library));
+    const asked = new Set(data.deep.free.filter((row) => row.refused < row.poses).map((row) => row.library));
+    assert.equal(await count("deep"), asked.size);
+    const rows = await page.$$eval("#deep-table tr", (rows) => rows.slice(1).map((row) => row.cells[0].textContent));
+    assert.deepEqual(new Set(rows), libraries);
+    assert.equal(rows[0], "raycontact");
+    const best = await page.$$eval("#deep-table .best", (cells) => cells.length);
+    assert(best >= 6, `${best} best cells`);
   });
   await check("growth, threads and Figure 8 draw their points", async () => {
     for (const name of ["triangles", "bodies", "parallel"]) assert((await count(name)) > 10, name);
@@ -165,6 +182,7 @@ try {
     }
     for (const id of ["wireframe", "lines"]) await page.click(`#${id}`);
   });
+  await page.select("#labels", "front");
   const shoot = async (name, height) => {
     if (!folder) return;
     await page.evaluate(() => document.activeElement.blur());
@@ -184,12 +202,12 @@ try {
     await page.keyboard.press("Enter");
   });
   await check("on a narrow screen nothing runs out of the page, and charts are drawn anew", async () => {
-    await page.setViewport({ width: 390, height: 844 });
+    await page.setViewport({ width: 320, height: 844 });
     await page.waitForFunction(() => {
       const wide = [...document.querySelectorAll(".plot svg")].filter((svg) => !svg.closest("#stability"));
       return wide.every((svg) => svg.getBoundingClientRect().right <= innerWidth);
     });
-    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 320);
     assert((await count("choose")) > 50);
     await shoot("report_narrow", 1700);
   });

@@ -24,6 +24,8 @@ start_measuring out/chart/chart.csv docs/chart "$@"
 
 if [[ $measures == false ]]; then
     "$bench" chart --draw --out docs/chart --document docs/choosing.md
+    install_packages python3-matplotlib
+    /usr/bin/python3 scripts/draw_choices.py docs/chart || fail 'the chart of choices could not be drawn, see above'
     say "Renewed: $root/docs/choosing.md; 'scripts/report.sh' renews the page"
     exit 0
 fi

@@ -8,7 +8,7 @@ usage: scripts/python.sh [--help]
 
 Builds the wheel in target/python/wheel around cargo's release build, installs it in a virtual environment of its own in
 target/python, where it stays, and runs python/tests against it from outside of the sources, the listings of
-docs/tutorial.md included. Tools and numpy come from PyPI, in fixed versions.
+docs/tutorial.md and docs/recipes.md included. Tools and numpy come from PyPI, in fixed versions.
 Exit status: 0 when all tests pass, 1 when something fails, 2 for a wrong command line.
 END
 }

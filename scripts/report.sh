@@ -6,7 +6,7 @@ usage() {
     cat <<END
 usage: scripts/report.sh [--record] [--test]
 
-Writes docs/report/index.html, one file that needs no network, from docs/*/*.csv, the table of failures in
+Writes docs/report/index.html, one file that needs no network, from the CSV files under docs, the table of failures in
 docs/stability.md and the recorded demos. Needs Node.js 20 or newer with npm; their packages, as report/package-lock.json
 names them, are installed into report/node_modules first.
 --record: builds and runs the demos that report/recordings.json lists first and renews docs/report/recordings from their

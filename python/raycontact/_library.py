@@ -17,7 +17,7 @@ FLAGS = ffi.RTLD_NOW | getattr(ffi, "RTLD_NODELETE", 0)
 library: Any = ffi.dlopen(os.path.join(os.path.dirname(os.path.abspath(__file__)), _header.LIBRARY), FLAGS)
 
 NULL: Any = ffi.NULL
-NUMBERS = {"double": np.float64, "int32_t": np.int32, "uint32_t": np.uint32, "uint64_t": np.uint64}
+NUMBERS = {"double": np.float64, "int32_t": np.int32, "uint8_t": np.uint8, "uint32_t": np.uint32, "uint64_t": np.uint64}
 
 
 class Error(RuntimeError):

@@ -10,14 +10,23 @@ import pytest
 
 ROOT = pathlib.Path(__file__).parents[2]
 LISTING = re.compile(r"```python\n(.*?)```(?:(?!```).)*```text\n(.*?)```", re.DOTALL)
-TUTORIAL = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
+HEADING = re.compile(r"^##+ (.*)$", re.MULTILINE)
+PAGES = {page: (ROOT / "docs" / page).read_text(encoding="utf-8") for page in ("tutorial.md", "recipes.md")}
 
 
-def test_every_listing_has_its_output():
-    assert len(LISTING.findall(TUTORIAL)) == TUTORIAL.count("```python") > 0
+def listings():
+    for page, text in PAGES.items():
+        for found in LISTING.finditer(text):
+            heading = HEADING.findall(text[: found.start()])[-1]
+            yield pytest.param(*found.groups(), id=f"{page}: {heading}")
 
 
-@pytest.mark.parametrize("program, output", LISTING.findall(TUTORIAL))
+@pytest.mark.parametrize("text", list(PAGES.values()), ids=list(PAGES))
+def test_every_listing_has_its_output(text):
+    assert len(LISTING.findall(text)) == text.count("```python") > 0
+
+
+@pytest.mark.parametrize("program, output", list(listings()))
 def test_listing(program, output):
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert (ended.returncode, ended.stderr, ended.stdout) == (0, "", output)

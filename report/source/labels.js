@@ -1,9 +1,9 @@
 // Names beside points: none on another, and a line to the point where there was no room beside it.
 import * as Plot from "@observablehq/plot";
 
-const height = 13;
-const font = "10.5px system-ui, sans-serif";
-const boldFont = `600 ${font}`;
+const height = 14;
+const font = "11px system-ui, sans-serif";
+const boldFont = "600 12px system-ui, sans-serif";
 /** From the point to the label's near side: first close by, then farther. */
 const distances = [9, 16, 26, 38, 52, 68, 86, 106, 128, 152, 178];
 const directions = Array.from({ length: 16 }, (_, i) => (i * Math.PI) / 8);

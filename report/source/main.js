@@ -1,9 +1,10 @@
 // The page: charts, tables and the player, from the data in the page itself.
 import * as plots from "./plots.js";
 import { code, front, isDefault, measures, short, variants } from "./settings.js";
+import { head, ranking } from "./deep.js";
 import { start } from "./player.js";
 
-const data = JSON.parse(document.getElementById("data").textContent);
+const data = window.measured;
 const at = (id) => document.getElementById(id);
 
 function element(name, text, className) {
@@ -99,15 +100,28 @@ function failures() {
   }
 }
 
+function deep() {
+  const table = at("deep-table");
+  const line = (cells, name) => {
+    const made = element("tr");
+    made.append(...cells.map(({ text, isBest }, i) => element(name, text, [i > 0 && "number", isBest && "best"].filter(Boolean).join(" "))));
+    return made;
+  };
+  const rows = ranking(data.deep).map((cells) => line(cells, "td"));
+  table.replaceChildren(line(head.map((text) => ({ text })), "th"), ...rows);
+}
+
 function stability() {
-  const rows = data.stability?.filter((row) => row.scene === at("map-scene").value);
-  plots.show("stability", rows, plots.stability);
+  const scene = at("map-scene").value;
+  if (scene === "all") plots.show("stability", data.stability, plots.everyScene);
+  else plots.show("stability", data.stability?.filter((row) => row.scene === scene), plots.stability);
 }
 
 fill(at("scene"), [...new Set((data.chart ?? []).map((row) => row.scene))].map((scene) => [scene, scene]));
 fill(at("measure"), measures.map((measure) => [measure.key, measure.name]));
+fill(at("map-scene"), [["all", "all scenes"]]);
 fill(at("map-scene"), [...new Set((data.stability ?? []).map((row) => row.scene))].map((s) => [s, s.replaceAll("_", " ")]));
-if (data.stability?.some((row) => row.scene === "two_tori")) at("map-scene").value = "two_tori";
+at("runs").textContent = data.stability?.length ?? 0;
 for (const { key, name, isShown } of variants) {
   const box = element("input");
   Object.assign(box, { type: "checkbox", id: `with-${key}`, checked: isShown });
@@ -116,8 +130,6 @@ for (const { key, name, isShown } of variants) {
   label.append(box, ` ${name}`);
   at("variants").append(label);
 }
-// Narrow screens have no room for all.
-if (matchMedia("(max-width: 40rem)").matches) at("labels").value = "front";
 for (const id of ["scene", "measure", "labels"]) at(id).addEventListener("change", choose);
 at("map-scene").addEventListener("change", stability);
 at("theme").addEventListener("click", () => {
@@ -128,6 +140,7 @@ at("theme").addEventListener("click", () => {
 function drawAll() {
   choose();
   stability();
+  plots.show("deep", data.deep.free, plots.freed);
   plots.show("triangles", data.detect, plots.byTriangles);
   plots.show("bodies", data.detect, plots.byBodies);
   plots.show("parallel", data.detect, plots.parallel);
@@ -136,6 +149,11 @@ function drawAll() {
 
 start(data.recordings);
 failures();
+deep();
+const scaling = element("img");
+scaling.alt = "Time of a step by the number of ranks";
+scaling.src = `data:image/svg+xml,${encodeURIComponent(data.scaling)}`;
+at("scaling-picture").append(scaling);
 let width = 0;
 new ResizeObserver(([{ contentRect }]) => {
   if (contentRect.width === width) return;

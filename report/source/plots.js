@@ -1,6 +1,7 @@
 // The charts, drawn with Observable Plot from the rows.
 import * as Plot from "@observablehq/plot";
 import { labels } from "./labels.js";
+import { names, shareFreed } from "./deep.js";
 import { families, family, front, isDefault, short } from "./settings.js";
 
 const style = { background: "transparent", fontSize: "13px" };
@@ -52,19 +53,20 @@ export function figures(row) {
 }
 
 /** Verdicts, good to bad. */
-const verdicts = ["ok", "unfinished", "overlapping", "passed_through", "inverted", "exploded"];
-const verdictColours = ["#3a9d5d", "#c9b037", "#e08a2c", "#b05fb5", "#7a5c3e", "#c22f3c"];
+const verdicts = ["ok", "unfinished", "drifting", "overlapping", "passed_through", "inverted", "exploded"];
+const verdictColours = ["#3a9d5d", "#c9b037", "#6aa7c9", "#e08a2c", "#b05fb5", "#7a5c3e", "#c22f3c"];
 
 /** As the scenes call them, and as people do. */
 const contactMethods = {
-  ours: "raycontact", paper: "the paper's mode", classic: "raycontact, classic", vf_dd_implicit: "Bullet VF, implicit",
-  vf_dd_explicit: "Bullet VF, explicit", vf_ss: "Bullet VF, classic", cl_ss: "Bullet CL, classic",
+  ours: "raycontact", paper: "raycontact, paper's mode", classic: "raycontact, classic bodies",
+  vf_dd_implicit: "Bullet VF, implicit", vf_dd_explicit: "Bullet VF, explicit", vf_ss: "Bullet VF, classic bodies",
+  cl_ss: "Bullet CL, classic bodies",
 };
 
 export function stability(rows, width) {
   const known = [...new Set([...verdicts, ...rows.map((row) => row.verdict)])];
   return Plot.plot({
-    style, width: Math.max(width, 640), height: 400, marginLeft: 140, marginTop: 40, marginBottom: 70, padding: 0.06,
+    style, width: Math.max(width, 700), height: 400, marginLeft: 190, marginTop: 40, marginBottom: 70, padding: 0.06,
     x: { label: "time step, s", type: "band", tickRotate: -45, labelOffset: 60 },
     y: { label: null, type: "band", domain: Object.keys(contactMethods), tickFormat: (method) => contactMethods[method] },
     fx: { label: "stiffness of the contact, N/m for each vertex" },
@@ -78,12 +80,54 @@ export function stability(rows, width) {
   });
 }
 
+/** How many runs end well, by method and time step, of all scenes and stiffnesses. */
+export function everyScene(rows, width) {
+  const cells = new Map();
+  for (const { method, dt, verdict } of rows) {
+    const key = `${method} ${dt}`;
+    const cell = cells.get(key) ?? { method, dt, ok: 0, runs: 0 };
+    cell.runs += 1;
+    if (verdict === "ok") cell.ok += 1;
+    cells.set(key, cell);
+  }
+  const marks = { x: "dt", y: "method" };
+  return Plot.plot({
+    style, width: Math.max(width, 700), height: 340, marginLeft: 190, marginTop: 10, marginBottom: 60, padding: 0.06,
+    x: { label: "time step, s", type: "band", labelOffset: 44 },
+    y: { label: null, type: "band", domain: Object.keys(contactMethods), tickFormat: (method) => contactMethods[method] },
+    color: { legend: true, label: "part of the runs that end well", domain: [0, 1], range: ["#b8434e", "#3a9d5d"], tickFormat: "%" },
+    marks: [
+      Plot.cell([...cells.values()], { ...marks, fill: ({ ok, runs }) => ok / runs, className: "points" }),
+      Plot.text([...cells.values()], { ...marks, text: ({ ok, runs }) => `${ok}/${runs}`, fill: "white", fontWeight: 600 }),
+    ],
+  });
+}
+
+/** The part of the overlapping poses of the open benchmark that each library's contacts part. */
+export function freed(rows, width) {
+  const shares = names(rows).map((library) => ({ library, ...shareFreed(rows, library) })).filter(({ of }) => of > 0);
+  shares.sort((a, b) => b.share - a.share);
+  return Plot.plot({
+    style, width, height: 34 * shares.length + 60, marginLeft: Math.min(190, width / 3), marginRight: 90, marginBottom: 44,
+    x: { label: "overlapping poses that come apart, % →", domain: [0, 100], labelOffset: 38 },
+    y: { label: null, domain: shares.map(({ library }) => library) },
+    marks: [
+      Plot.barX(shares, { x: "share", y: "library", className: "points",
+        fill: ({ library }) => (library.startsWith("raycontact") ? "#2b7fd4" : "#808890") }),
+      Plot.text(shares, { x: "share", y: "library", dx: 6, textAnchor: "start", text: ({ freed, of }) => `${freed} of ${of}` }),
+      Plot.ruleX([0]),
+    ],
+  });
+}
+
 function describe(row) {
   return Object.entries(row).filter(([, value]) => value !== null).map(([name, value]) => `${name}: ${value}`).join("\n");
 }
 
+/** The measuring program's `raycontact` does the paper's work. */
 function label(row) {
-  return row.method + (row.precision === "f64" ? " f64" : "") + (row.threads > 1 ? `, ${row.threads} threads` : "");
+  const method = row.method === "raycontact" ? "raycontact, paper's work" : row.method.replace("raycontact-default", "raycontact, default");
+  return method + (row.precision === "f64" ? " f64" : "") + (row.threads > 1 ? `, ${row.threads} threads` : "");
 }
 
 /** Other instructions than the processor's best are left to the tables. */
@@ -94,7 +138,7 @@ const lineColours = ["#2b7fd4", "#7fb2e5", "#17a398", "#dd4422", "#c2489c", "#ee
 function growth(rows, size, unit, width) {
   const sized = rows.filter(isDrawn).map((row) => ({ ...row, size: size(row), label: label(row) }));
   const known = sized.filter((row) => row.size > 0).sort((a, b) => a.size - b.size);
-  const own = ["raycontact", "raycontact f64", "raycontact-default"];
+  const own = ["raycontact, default", "raycontact, paper's work", "raycontact, paper's work f64"];
   const labels = [...new Set([...own, ...known.map((row) => row.label).sort()])];
   const marks = { x: "size", y: "total_us", stroke: "label" };
   return Plot.plot({
@@ -103,7 +147,7 @@ function growth(rows, size, unit, width) {
     y: { type: "log", label: "↑ µs per step", tickFormat: "~s" },
     color: { domain: labels, range: labels.map((_, i) => lineColours[i % lineColours.length]), legend: true },
     marks: [
-      Plot.line(known, { ...marks, strokeWidth: (row) => (row.label === "raycontact" ? 3 : 1.5) }),
+      Plot.line(known, { ...marks, strokeWidth: (row) => (row.method.startsWith("raycontact") ? 2.5 : 1.5) }),
       Plot.dot(known, { ...marks, fill: "label", r: 3, className: "points" }),
       Plot.tip(known, Plot.pointer({ x: "size", y: "total_us", title: (row) => `${row.label}\n${row.workload}\n${row.total_us} µs` })),
     ],
@@ -123,7 +167,7 @@ export function parallel(rows, width) {
   const of = (row, threads) => rows.find((other) => other.workload === row.workload && other.method === row.method &&
     other.precision === row.precision && other.threads === threads);
   const pairs = rows.filter((row) => row.threads === 2 && of(row, 1))
-    .map((row) => ({ workload: row.workload, method: row.method, speedup: of(row, 1).total_us / row.total_us }));
+    .map((row) => ({ workload: row.workload, method: label({ ...row, threads: 1 }), speedup: of(row, 1).total_us / row.total_us }));
   return Plot.plot({
     style, width, height: 340, marginBottom: 60,
     x: { axis: null }, y: { label: "↑ times as fast as one thread", grid: true, domain: [0, 2.1] },
@@ -138,7 +182,8 @@ export function parallel(rows, width) {
 }
 
 export function figure8(rows, width) {
-  const known = rows.map((row) => ({ ...row, percent: row.worst * 100 }));
+  // Nothing at all has no place on a logarithmic axis: it stands at the lower end.
+  const known = rows.map((row) => ({ ...row, percent: Math.max(row.worst * 100, 0.001) }));
   const marks = { x: "sides", y: "percent", stroke: "mode" };
   return Plot.plot({
     style, width, height: 400, marginLeft: 60, marginBottom: 48, marginRight: 30, grid: true,

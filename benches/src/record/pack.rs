@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::io::Write;
 
 /// Units along the longest side of the box around all frames.
-const UNITS: f64 = 16383.0;
+const UNITS: f64 = 2047.0;
 
 #[derive(Serialize)]
 struct Header {

@@ -1,0 +1,16 @@
+# The page of all measurements is made from the files as they are now. DOCS: the folder docs. The page holds the name and the
+# hash of each file that it was made from.
+file(STRINGS "${DOCS}/report/index.html" line REGEX "<meta name=\"sources\"" LIMIT_COUNT 1)
+if(NOT line MATCHES "content=\"([^\"]+)\"")
+    message(FATAL_ERROR "docs/report/index.html does not say what it was made from: run scripts/report.sh")
+endif()
+string(REPLACE " " ";" sources "${CMAKE_MATCH_1}")
+foreach(source IN LISTS sources)
+    string(REPLACE "=" ";" source "${source}")
+    list(GET source 0 name)
+    list(GET source 1 hash)
+    file(SHA256 "${DOCS}/${name}" now)
+    if(NOT now STREQUAL hash)
+        message(FATAL_ERROR "docs/${name} has changed since docs/report/index.html was made: run scripts/report.sh")
+    endif()
+endforeach()
