@@ -12,7 +12,8 @@
 //! | [`system`] | a step's contact on the unknowns of a host: materials, friction, rigid bodies |
 //! | [`scene`] | broad phase and parallel narrow phase over many meshes |
 //! | [`response`] | penalty law: forces, differential, energy |
-//! | [`contact`] | the detection between two meshes, [`contact::Contact`], [`contact::ContactList`] |
+//! | `recovery` | the contacts of a pair, and a way apart where contacts alone cannot find it |
+//! | `detection` | the contacts of two meshes, or of one with itself; what hosts need of it is in [`contact`] |
 //! | [`octree`] | the search structure over one mesh's triangles |
 //! | [`mesh`] | topology, positions, normals, areas, boxes |
 //! | [`closest`] | the nearest point of a triangle |

@@ -47,8 +47,8 @@ pub struct rayc_statistics {
     pub escapes_forbidden: u64,
     /// Of the rays, those that stand for a patch of several triangles.
     pub patches: u64,
-    /// Rays beside those, traced only to find out how fine the sampling has to be (force_tolerance in
-    /// rayc_detection_options), or whether and which way a pair is to escape.
+    /// Rays beside those, traced only to find out how fine the sampling has to be (RAYC_SAMPLING_TOLERANCE),
+    /// or whether and which way a pair is to escape.
     pub estimate_rays: u64,
     /// Contacts found and replaced by those of an escape that began in the same query.
     pub replaced: u64,
@@ -58,7 +58,7 @@ pub struct rayc_statistics {
     /// folds over around one vertex in 64 and the boxes of triangles overlap those of more than 16 others each; or with more
     /// than 64 pairs of near parts, of up to 16 triangles, for each triangle.
     pub tangled_bodies: u64,
-    /// Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
+    /// Pairs of a crowd, whose triangles are cut into fewer pieces: see RAYC_SAMPLING_AUTOMATIC.
     pub crowded_pairs: u64,
     /// Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead, from its
     /// own middle. Only under RAYC_LAW_PRESSURE between closed bodies.
