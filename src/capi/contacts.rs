@@ -15,9 +15,10 @@ use crate::recovery::query_pair;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
-/// Threads: calls with const contacts may run at once. The caller frees it with rayc_contacts_destroy(); it stays
-/// valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory. A destroyed one
-/// must not be used: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
+/// Threads: several threads may make calls with const contacts at the same time. The caller frees the list with
+/// rayc_contacts_destroy(). It stays valid when meshes, octrees and scenes are gone. Each query replaces its contents
+/// and reuses its memory. Do not use a list after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE
+/// where it can tell, but does not promise to.
 pub struct rayc_contacts {
     pub(super) list: AnyContacts,
     pub(super) pair_forces: AnyForcesByPair,

@@ -65,9 +65,9 @@ pub unsafe extern "C" fn rayc_contacts_escape_push_count(
     })
 }
 
-/// Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
-/// `count`. They stand in the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes
-/// no more of each than the caller knows.
+/// Copies the pushes first … first + count − 1 to `out`, which has room for `count`: one for each escaping pair, in
+/// the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes no more of each
+/// than the caller knows.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]

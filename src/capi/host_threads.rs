@@ -11,9 +11,10 @@ pub type rayc_task = unsafe extern "C" fn(data: *mut c_void, index: usize);
 /// The host's threads: calls task(data, index) once for each index below `count`, on any threads and in any order, and
 /// returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
 ///
-/// The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
-/// cannot nest will do. It must not call the scene, nor use the contacts of the query: both say RAYC_STATUS_BUSY. An exception that leaves it ends the process: lend_threads() of
-/// raycontact.hpp carries it past the library instead. Indices that it leaves out or calls twice do no harm.
+/// The library calls it only from the thread that called rayc_scene_query(), and never from within a task, so a pool
+/// that cannot nest is enough. It must not call the scene or use the contacts of the query: both return
+/// RAYC_STATUS_BUSY. An exception that leaves it ends the process; lend_threads() of raycontact.hpp carries
+/// exceptions past the library instead. Indices that it leaves out or calls twice do no harm.
 // "C-unwind": so that the exception meets guard(), which ends the process, and no undefined behaviour on the way.
 pub type rayc_parallel_for =
     Option<unsafe extern "C-unwind" fn(context: *mut c_void, count: usize, task: rayc_task, data: *mut c_void)>;

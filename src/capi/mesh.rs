@@ -14,12 +14,14 @@ use libc::c_char;
 use std::ffi::CStr;
 use std::path::Path;
 
-/// One triangle surface, closed unless the options say otherwise, counter-clockwise seen from outside: its topology is fixed, its positions are renewed
-/// each step. Vertices that no triangle uses are allowed (the inner nodes of a volume mesh).
+/// One triangle surface. Its topology is fixed; its positions are renewed each step. The surface is closed unless the
+/// options allow a border, and its triangles are counter-clockwise seen from outside. Vertices that no triangle uses
+/// are allowed, such as the inner nodes of a volume mesh.
 ///
-/// Threads: calls with a const mesh may run at once; no other call may run beside one that changes it. The caller
-/// frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay. After that it must not be used:
-/// RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
+/// Threads: several threads may make calls with a const mesh at the same time. A call that changes the mesh must run
+/// alone. The caller frees the mesh with rayc_mesh_destroy(); octrees and scenes made from it do not need it any
+/// more. Do not use a mesh after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell,
+/// but does not promise to.
 pub struct rayc_mesh {
     pub(super) mesh: AnyMesh,
 }

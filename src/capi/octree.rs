@@ -17,9 +17,10 @@ pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
 
 /// The search structure over one mesh's triangles, for one state of its positions.
 ///
-/// Threads: calls with a const octree may run at once. The caller frees it with rayc_octree_destroy(), before or after
-/// its mesh, and must not use it any more: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise. After
-/// rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
+/// Threads: several threads may make calls with a const octree at the same time. The caller frees the octree with
+/// rayc_octree_destroy(), before or after its mesh, and must not use it after that: the library returns
+/// RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to. rayc_mesh_set_positions() makes an octree
+/// stale. Every use of a stale octree is refused until rayc_octree_update().
 pub struct rayc_octree {
     pub(super) octree: AnyOctree,
 }
@@ -109,10 +110,10 @@ pub unsafe extern "C" fn rayc_octree_update(octree: *mut rayc_octree, mesh: *con
     })
 }
 
-/// Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
-/// Benthin, Wald 2013): a ray through a shared edge or vertex hits. So that many threads may trace rays one by one
-/// without waiting for each other, they are not counted: a call that changes the octree or the mesh meanwhile does not
-/// say RAYC_STATUS_BUSY, and must not be made.
+/// Traces one ray. *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
+/// Benthin, Wald 2013): a ray through a shared edge or vertex hits. Many threads may trace single rays at once
+/// without waiting for each other, because these calls are not counted as users of the handles. So a call that
+/// changes the octree or the mesh at the same time is not refused with RAYC_STATUS_BUSY. Do not make one.
 ///
 /// Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
 /// RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE and RAYC_STATUS_INVALID_OPTION for the ray.
@@ -130,8 +131,8 @@ pub unsafe extern "C" fn rayc_octree_trace_ray(
     })
 }
 
-/// Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray(). Fastest where each
-/// sixteen rays are neighbours.
+/// Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray(). It is fastest
+/// where every sixteen rays in a row are neighbours.
 ///
 /// Errors: as there; the message names the ray, and no hit is written.
 #[unsafe(no_mangle)]

@@ -18,12 +18,12 @@ pub struct rayc_mesh_options {
     pub struct_size: usize,
     /// Arithmetic of detection, a rayc_scalar. Default RAYC_SCALAR_F64.
     pub precision: u32,
-    /// 1: the surface may be open, with edges that belong to one triangle only: a floor, a wall, a piece of cloth. It is
-    /// solid behind its triangles. A point of a closed body behind it whose inward ray leaves through it gives a contact,
-    /// and so does a point of it inside a closed body. Not promised: a body more than half behind it is pushed less and
-    /// less, and not at all when it is through or beyond the border; no edges are traced and the pair never escapes; two
-    /// open meshes do not collide. Such pairs are counted as open_pairs in rayc_statistics. 0: an open surface is refused.
-    /// Default 0.
+    /// 1: the surface may be open, with edges that belong to one triangle only: a floor, a wall, a piece of
+    /// cloth. It is solid behind its triangles. A point of a closed body that lies behind it, and whose inward
+    /// ray leaves through it, gives a contact; so does a point of it inside a closed body. Limits: a body that is
+    /// more than half behind the surface is pushed less and less, and not at all once it is through or beyond the
+    /// border; no edges are traced, and the pair never escapes; two open meshes do not collide. Such pairs are
+    /// counted as open_pairs in rayc_statistics. 0: an open surface is refused. Default 0.
     pub open: u32,
 }
 
@@ -43,10 +43,10 @@ pub struct rayc_detection_options {
     /// 1: in a scene, a pair whose contacts cannot part it (one body swallowed, or held in the other's folds) is pushed
     /// along one direction until it is apart; 0: not. Default 1.
     pub escape: u32,
-    /// 1: rays go past other folds of either body, as the winding number tells: a ray that meets its own body first is
-    /// refused only where it has left the body altogether, and one that enters another fold of the other body on its way
-    /// out of it is not taken for one from outside. 0: not. For bodies that overlap themselves; a scene does so by itself
-    /// for those whose self-collision is switched on. Default 0.
+    /// 1: rays look past other folds of either body, by the winding number. A ray that meets its own body first
+    /// is refused only where it has left the body altogether. A ray that enters another fold of the other body on
+    /// its way out is not taken for one from outside. 0: they do not. For bodies that overlap themselves; a scene
+    /// does this by itself for bodies whose self-collision is switched on. Default 0.
     pub past_folds: u32,
     /// What forces grow with, a rayc_law. Default RAYC_LAW_PRESSURE.
     pub law: u32,
@@ -123,16 +123,17 @@ pub struct rayc_scene_options {
     pub struct_size: usize,
     /// Arithmetic of detection, a rayc_scalar; all meshes added must have the same. Default RAYC_SCALAR_F64.
     pub precision: u32,
-    /// 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
-    /// destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. A
-    /// step of fewer than about 1000 rays is done by the calling thread alone.
+    /// 1: only the calling thread works. n: the scene owns a pool of n threads, which have ended when the scene
+    /// is destroyed. 0: such a pool with one thread for each core. At most 1024. Results do not depend on it. The
+    /// calling thread does a step of fewer than about 1000 rays alone.
     ///
-    /// After fork() a scene may be used and destroyed in the child too, by copies of its handles: its pool's threads are
-    /// started anew with the first query that needs them, or where the system gives none the calling thread works alone;
-    /// what the old ones held, some KiB each, is not given back. Not promised: anything for a scene or contacts that a
-    /// call of another thread was using at the fork (they stay RAYC_STATUS_BUSY in the child), and what the system's
-    /// own libraries do not promise: a child of a process with several threads may have to call exec() first. The host
-    /// looks after the threads of a parallel_for itself. Default 1.
+    /// After fork() the child may use and destroy a scene too, through its copies of the handles. The pool's
+    /// threads are started again with the first query that needs them; where the system gives none, the calling
+    /// thread works alone. What the old threads held, a few KiB each, is not freed. Nothing is promised for a
+    /// scene or contacts that a call of another thread was using at the fork: they stay RAYC_STATUS_BUSY in the
+    /// child. Nor can the library promise what the system's own libraries do not: a child of a process with
+    /// several threads may have to call exec() first. The host looks after the threads of its parallel_for
+    /// itself. Default 1.
     pub threads: u32,
     /// The host's threads, to be used instead; `threads` must then be 1. Results do not depend on it either. Default NULL.
     pub parallel_for: rayc_parallel_for,

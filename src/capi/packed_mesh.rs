@@ -20,12 +20,13 @@ pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length:
     })
 }
 
-/// Writes the mesh as it was created to `bytes`: its triangles and the positions of then, not the present ones; length must
-/// be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
+/// Writes the mesh as it was created to `bytes`: its triangles, and the positions at creation instead of the present
+/// ones. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
+/// same on every machine.
 ///
-/// Patches, tiles and the order of contacts are settled by the positions at creation. So what rayc_mesh_unpack() makes
-/// of the bytes in another process, given the same positions, has the same contacts in the same order, to the bit; a mesh
-/// created anew from the present positions has not.
+/// The positions at creation decide patches, tiles and the order of contacts. So a mesh that rayc_mesh_unpack() makes
+/// of the bytes in another process has, at the same positions, the same contacts in the same order, to the bit. A
+/// mesh created anew from the present positions does not.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT.
 #[unsafe(no_mangle)]
@@ -47,7 +48,8 @@ pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, b
     })
 }
 
-/// Makes the mesh that was packed, of the same precision, at the positions of its creation. *mesh: the new handle.
+/// Makes a mesh from packed bytes, with the same precision and at the positions of its creation. *mesh: the new
+/// handle.
 ///
 /// Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
 /// and those of rayc_mesh_create() where bytes fit their checksum and are no mesh all the same.

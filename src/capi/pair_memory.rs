@@ -51,9 +51,10 @@ impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
     }
 }
 
-/// Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body
-/// meant to stay inside another. An escape that is under way ends. It holds until it is set otherwise or one of the
-/// bodies is removed; rayc_statistics counts in escapes_forbidden where the pair would have begun to escape.
+/// Allows two bodies to escape from one another (allowed = 1, the default), or forbids it (0), as for a press fit or
+/// a body that is meant to stay inside another. Forbidding ends an escape that is under way. It holds until it is set
+/// again or one of the bodies is removed. rayc_statistics counts in escapes_forbidden where the pair would have begun
+/// to escape.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
 #[unsafe(no_mangle)]

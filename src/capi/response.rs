@@ -43,13 +43,14 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
     })
 }
 
-/// Adds the contact forces to `forces`, in N: for each contact stiffness · weight · cos α · depth along the ray at p1 and the
-/// opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
+/// Adds the contact forces to `forces`, in N. Each contact gives stiffness · weight · cos α · depth along the ray at
+/// p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
 ///
-/// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one per body, in the order
-/// of the bodies' numbers; bodies without contact may have an array of count 0. positions NULL: as at detection.
-/// velocities NULL: no damping. Contacts are held: each stays at its points and along its direction, whatever the
-/// positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
+/// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
+/// order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions
+/// at detection. velocities NULL: no damping. Contacts are held: each keeps its two points and its direction,
+/// whatever the positions. Where the points have moved apart, the force pulls, because an implicit integrator's
+/// linear step needs that.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
 /// what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's

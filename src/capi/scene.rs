@@ -17,10 +17,10 @@ use std::sync::Arc;
 /// Many bodies, and all contacts among them. Bodies are numbered from 0, and keep their numbers; a scene holds copies of the
 /// meshes it is given.
 ///
-/// Threads: one call at a time for one scene, from any thread; different scenes may be used at once, and calls with a const
-/// scene beside each other. Others say RAYC_STATUS_BUSY. Whose threads work is for rayc_scene_options to say. The caller
-/// frees it with rayc_scene_destroy(), which also ends its threads; after that it must not be used:
-/// RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
+/// Threads: only one call at a time may use a scene, from any thread; calls with a const scene may run at the same
+/// time. Other calls return RAYC_STATUS_BUSY. Different scenes may be used at once. rayc_scene_options says whose
+/// threads do the work. The caller frees the scene with rayc_scene_destroy(), which also ends its threads. Do not use
+/// a scene after that: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to.
 pub struct rayc_scene {
     pub(super) scene: AnyScene,
 }
@@ -111,10 +111,11 @@ pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_stat
 
 /// Adds a copy of `mesh` with its present positions. *body: its number.
 ///
-/// Without removals the n-th body has the number n − 1. The number of a removed body rests: it is given again after more
-/// than 65536 numbers are without a body, the one that has been so for longest first, and until then
-/// RAYC_STATUS_UNKNOWN_BODY tells whoever still uses it. So arrays by number need never be longer than the most bodies that
-/// were in the scene at once, and 65536 more. Numbers follow from the order of additions and removals alone.
+/// Without removals the n-th body gets the number n − 1. The number of a removed body is not given again until more
+/// than 65536 numbers are without a body; then the one that has been free the longest comes first. Until then any
+/// call that still uses it gets RAYC_STATUS_UNKNOWN_BODY. An array indexed by body number therefore never has to be
+/// longer than 65536 plus the largest number of bodies that were in the scene at once. Numbers depend on the order of
+/// additions and removals alone.
 ///
 /// Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
@@ -139,10 +140,10 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
     })
 }
 
-/// The same with a key of the host's. Pairs, contacts and sums come in the order of the bodies' keys, and of equal ones by
-/// number; the first body of a pair is the first in this order. A body added without one has its number for a key. So
-/// scenes whose bodies have the same keys find the same contacts in the same order, whatever the numbers, which depend on
-/// who was there before.
+/// The same with a key that the host chooses. Pairs, contacts and sums are ordered by the bodies' keys, and by number
+/// where keys are equal; the first body of a pair is the first in this order. A body added without a key has its
+/// number as key. So scenes whose bodies have the same keys find the same contacts in the same order, whatever
+/// numbers the bodies have.
 ///
 /// Errors: RAYC_STATUS_KEY_TAKEN, and those of rayc_scene_add_mesh().
 #[unsafe(no_mangle)]
@@ -207,15 +208,15 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
     })
 }
 
-/// Moves a body that keeps its shape, instead of rayc_scene_set_positions(). Its own coordinates are those of the positions
-/// with which its rayc_mesh was created; what positions the mesh or the body were given since does not count, nor does the
-/// last pose: poses are not added up. Any body may be moved so, and by positions again at any time; one that has been
-/// deformed has its first shape back.
+/// Moves a body that keeps its shape, instead of rayc_scene_set_positions(). The pose is applied to the positions
+/// with which the rayc_mesh was created. Later positions of the mesh or the body do not count, nor does the last
+/// pose: poses are not added up. Any body may be moved by a pose, and by positions again at any time; a body that was
+/// deformed gets its first shape back.
 ///
-/// No vertex is copied: the body's tree stays as it is, and a query moves only what lies where the body meets others. So a
-/// step costs what the overlap costs, however many vertices there are. What it takes once, at a body's first pose, is the
-/// time of a few copies. Bodies that are given neither pose nor positions, and those that get the same pose again, cost
-/// nothing; a body whose contacts with itself are switched on is moved as a whole, as by positions.
+/// No vertex is copied. The search tree stays as it is, and a query moves only what lies where the body meets others.
+/// So a step costs what the overlap costs, however many vertices the body has. The first pose of a body takes the
+/// time of a few copies. A body that gets neither pose nor positions, or the same pose again, costs nothing. A body
+/// whose contacts with itself are switched on is moved as a whole, as with positions.
 ///
 /// Contacts are the same, to the bit, as with rayc_scene_set_positions() where coordinate k of each vertex is
 /// `rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k]`, in double precision, each product and sum
@@ -260,9 +261,9 @@ pub unsafe extern "C" fn rayc_scene_set_detection_options(
     })
 }
 
-/// Switches contacts of a body with itself on (is_on = 1) or off (0) from the next query on; off for a new body. What they
-/// are says rayc_query_self(). Where they are on, contacts with other bodies are also found past the body's own folds, as
-/// with past_folds in rayc_detection_options.
+/// Switches contacts of a body with itself on (is_on = 1) or off (0), from the next query on; they are off for a new
+/// body. rayc_query_self() says what they are. Where they are on, contacts with other bodies are also found past the
+/// body's own folds, as with past_folds in rayc_detection_options.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
 #[unsafe(no_mangle)]
@@ -280,8 +281,9 @@ pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, b
     })
 }
 
-/// Switches contacts between two bodies off (is_on = 0) or on again (1) from the next query on: collision groups, parts of
-/// one machine. On for new bodies. While it is off, the pair costs nothing, is not counted, and forgets what it remembered.
+/// Switches contacts between two bodies off (is_on = 0) or on again (1), from the next query on; they are on for new
+/// bodies. Use it for collision groups, or for parts of one machine. While it is off, the pair costs nothing, is not
+/// counted, and forgets what it remembered.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or is_on is neither 0 nor 1.
 #[unsafe(no_mangle)]
@@ -304,13 +306,15 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
     })
 }
 
-/// Ends a step of `seconds` seconds, ≥ 0: what the step's last query found goes into what pairs remember, by which they
-/// escape where contacts cannot part them. Call it once a step, after the last rayc_scene_query() of it; a host that queries
-/// several times a step, to look ahead or to detect anew, thus escapes no sooner.
+/// Ends a step of `seconds` seconds, ≥ 0. What the last query of the step found goes into the memory of the pairs,
+/// which decides when a pair that contacts cannot part begins to escape. Call it once a step, after the step's last
+/// rayc_scene_query(). A host that queries several times a step, to look ahead or to detect again, then escapes no
+/// sooner.
 ///
-/// The rules count steps; those shorter than 1/60 s count as the part of it that they are. From the first call on, this
-/// alone ends a step: a host that queries several times in its first step calls it before, with 0. A scene for which it is
-/// never called ends a step, of 1/60 s or more, at each query before which any body was given positions since the last.
+/// The rules count steps; a step shorter than 1/60 s counts as the fraction of 1/60 s that it is. From the first call
+/// on, only this function ends a step: a host that queries several times in its first step calls it once before them,
+/// with 0. A scene for which it is never called ends a step, of 1/60 s or more, at each query before which any body
+/// was given positions since the last query.
 ///
 /// Errors: RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite.
 #[unsafe(no_mangle)]
@@ -325,10 +329,11 @@ pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64
     })
 }
 
-/// Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
-/// for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
-/// need to be. Replaces what `contacts` held; the order is by pair (the body that comes first by key, and so by number where none has a key, then
-/// the other; a body with itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+/// Finds all contacts between different bodies at their present positions: first which boxes overlap, then, for each
+/// such pair, rays both ways. It also finds the contacts of bodies with themselves where that is switched on. Search
+/// trees are renewed where they need to be. The call replaces what `contacts` held. Contacts are ordered by pair (the
+/// body that comes first by key, or by number where none has a key, then the other; a body with itself before its
+/// pairs), then by the colliding body, then along its surface. The order does not depend on the number of threads.
 ///
 /// With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
 #[unsafe(no_mangle)]

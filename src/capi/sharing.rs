@@ -38,14 +38,16 @@ impl Growing for rayc_body_state {
     const SMALLEST: usize = size_of::<Self>();
 }
 
-/// Says how a body is shared between scenes of several processes, each of which has some bodies of its own and ghosts of
-/// those of others that meet them. From the next query on; a new body is not shared.
+/// Says how a body is shared between scenes of several processes. Each scene has some bodies of its own, and ghosts:
+/// copies of bodies of other scenes that meet its own. The call takes effect from the next query on; a new body is
+/// not shared.
 ///
-/// is_ghost: 1 for another scene's body. It has no contacts with itself here and none with other ghosts. Of a pair of it and
-/// a body of this scene's own the contacts are found by one of the two scenes alone, which follows from the two keys
-/// (rayc_scene_add_mesh_with_key()) and is about as often the one as the other. 0 for a body of this scene's own.
-/// neighbours: how many bodies' boxes overlap its own in all scenes together, by which crowds are known, or
-/// RAYC_NEIGHBOURS_COUNTED. overlaps_itself: of a ghost, what rayc_scene_body_state() says in its own scene; otherwise 0.
+/// is_ghost: 1 for a body that belongs to another scene. A ghost has no contacts with itself here, and none with
+/// other ghosts. The contacts of a ghost and a body of this scene are found by only one of the two scenes. The two
+/// keys (rayc_scene_add_mesh_with_key()) decide which one; each of the two is about as likely. 0 for a body of this
+/// scene. neighbours: how many bodies' boxes overlap its own in all scenes together, by which crowds are known, or
+/// RAYC_NEIGHBOURS_COUNTED. overlaps_itself: for a ghost, what rayc_scene_body_state() says in its own scene;
+/// otherwise 0.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a flag is neither 0 nor 1.
 #[unsafe(no_mangle)]
@@ -72,8 +74,8 @@ pub unsafe extern "C" fn rayc_scene_share_body(
     })
 }
 
-/// Whether the scene that has the body of key `own` finds the contacts with a ghost of key `ghost` (*found: 1) or that which
-/// has them the other way round does (0): see rayc_scene_share_body().
+/// Whether the scene that has the body of key `own` finds the contacts with a ghost of key `ghost` (*found: 1), or
+/// the scene that has the ghost's body does (0): see rayc_scene_share_body().
 ///
 /// Errors: RAYC_STATUS_INVALID_OPTION where the keys are the same.
 #[unsafe(no_mangle)]
@@ -90,8 +92,9 @@ pub unsafe extern "C" fn rayc_finds_pair(own: u64, ghost: u64, found: *mut u32) 
     })
 }
 
-/// Finds the contacts of bodies with themselves, where that is switched on, as the next rayc_scene_query() would, which does
-/// not do it again at the same positions: so that rayc_body_state says overlaps_itself before it.
+/// Finds the contacts of bodies with themselves where that is switched on, as the next rayc_scene_query() would. That
+/// query does not find them again if the positions stay the same. Use it to know overlaps_itself of rayc_body_state
+/// before the query.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_find_self_contacts(scene: *mut rayc_scene) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
@@ -132,9 +135,9 @@ pub unsafe extern "C" fn rayc_scene_body_state(
     })
 }
 
-/// Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, of this scene or of another: for bodies
-/// that change from one process to another. The pair's bodies by their numbers in this scene, the one that comes first in
-/// their order first. It is forgotten by a query at which the two boxes do not overlap. struct_size:
+/// Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, for this scene or for another: for
+/// bodies that move from one process to another. Give the pair's bodies by their numbers in this scene, the one that
+/// comes first in their order first. A query forgets it if the two boxes do not overlap then. struct_size:
 /// sizeof(rayc_pair_memory).
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where both are the same body,

@@ -17,19 +17,19 @@ pub(crate) fn margin<T: Scalar>(units: f64) -> T {
 ///
 /// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues (`examples/oracle/judge.rs`; 6.1 is
 /// the largest it has met). The distance to a face takes 3 more: a difference, a quotient and a product. Held by the oracle
-/// and by `tests/library/octree.rs`, which compare with testing every triangle.
+/// and by `tests/library/octree/layouts.rs`, which compare with testing every triangle.
 pub(crate) const BOX_FACE: f64 = 16.0;
 
 /// Where a ray leaves a box that its origin lies in; times the reach. A hit on the box's own face may lie 32 units behind the
 /// face, since hits are known to within as much, and the distance to the face is rounded by 3. Held by
-/// `tests/library/metamorphic.rs` and `tests/library/completeness.rs`.
+/// `tests/library/whole/metamorphic.rs` and `tests/library/recovery/completeness.rs`.
 pub(crate) const RAY_END: f64 = 64.0;
 
 /// A ray's end as a point; times the largest coordinate: one product and one sum. Held by `src/octree/wide/packet/tests.rs`.
 pub(crate) const END_POINT: f64 = 4.0;
 
 /// The faces of the overlap box; times its largest coordinate. A sample on such a face is a sum of three corners by weights
-/// that are themselves rounded: 3 products, 2 sums, 2 for the weights. Held by `tests/library/metamorphic.rs`.
+/// that are themselves rounded: 3 products, 2 sums, 2 for the weights. Held by `tests/library/whole/metamorphic.rs`.
 pub(crate) const SAMPLE_IN_BOX: f64 = 8.0;
 
 /// A distance to a triangle; times the reach r.
@@ -38,7 +38,7 @@ pub(crate) const SAMPLE_IN_BOX: f64 = 8.0;
 /// 2 √3 r long, so that makes √3 r · (1 for the corner's difference, 3 for the part along the first edge, 1 for their sum, 8
 /// for what the second edge is across the first, 2 for the part along that, 1 for the sum, 6 for the weights), 38 r in all;
 /// squares and their sums, those of distances to boxes too, take another 12 r. Held by the oracle (8 at most) and
-/// `tests/library/closest_points.rs`.
+/// `tests/library/octree/closest_points.rs`.
 pub(crate) const DISTANCE: f64 = 64.0;
 
 /// The square of a bound, held against sums of three squares; times itself: 1 for the square, 3 for the sums.
@@ -48,7 +48,7 @@ pub(crate) const SQUARE_OF_BOUND: f64 = 8.0;
 pub(crate) const SQUARE_OF_LIMIT: f64 = 16.0;
 
 /// The flat round volume around a tile; times the longest side of the tile's box. Heights are dot products of differences with
-/// a unit vector: 1 + 3 + 3, times √3; radii take such a height off again. Held by `tests/library/closest_points.rs`.
+/// a unit vector: 1 + 3 + 3, times √3; radii take such a height off again. Held by `tests/library/octree/closest_points.rs`.
 pub(crate) const SLAB: f64 = 32.0;
 
 /// Whether rays may leave a tile at all; times its side plus the reach, squared in effect. A normal takes 7 (differences, products, their

@@ -64,6 +64,17 @@ pub(crate) struct Sample<T: Scalar> {
     pub(crate) piece: u32,
 }
 
+impl<T: Scalar> Sample<T> {
+    /// By what samples of one kind can be ordered: the vertex or triangle, and where on the triangle the piece lies.
+    fn place(&self) -> (u32, u32) {
+        match self.piece {
+            VERTEX => (self.point.vertices[0], 0),
+            // Halves of halves stand between the halves.
+            piece => (self.point.triangle, piece << piece.leading_zeros()),
+        }
+    }
+}
+
 /// The piece of a vertex.
 pub(crate) const VERTEX: u32 = 0;
 /// The piece that is a whole triangle.

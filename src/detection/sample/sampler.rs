@@ -129,7 +129,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
     }
 }
 
-/// All samples at once, into `samples`.
+/// All samples at once, into `samples`: by vertex or triangle, and of a triangle the first half before the second.
 pub(crate) struct Collect<'a, T: Scalar> {
     pub(crate) own: &'a Tracer<'a, T>,
     pub(crate) region: &'a Aabb<T>,
@@ -154,5 +154,7 @@ impl<T: Scalar> Kernel<T> for Collect<'_, T> {
             let lanes = (0..LANE_COUNT).filter(|lane| found >> lane & 1 == 1);
             samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
         }
+        // In an order that does not depend on the layout of the tree.
+        samples.sort_unstable_by_key(Sample::place);
     }
 }

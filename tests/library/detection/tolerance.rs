@@ -1,6 +1,6 @@
 //! Net force and torque keep within the tolerance asked for, whatever the bodies.
 
-use crate::coarse_sampling::{detect, errors, scenes};
+use super::coarse_sampling::{detect, errors, scenes};
 use crate::common::shapes::{self, Shape};
 use raycontact::contact::{Sampling, Statistics};
 use raycontact::math::Scalar;

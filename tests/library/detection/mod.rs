@@ -1,0 +1,11 @@
+//! Contacts of two bodies and of a body with itself.
+
+mod algorithm;
+mod coarse_sampling;
+mod contact_lists;
+mod counts;
+mod open_meshes;
+mod pressure;
+mod self_and_others;
+mod self_collision;
+mod tolerance;

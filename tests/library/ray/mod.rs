@@ -1,0 +1,3 @@
+//! Single rays.
+
+mod single_rays;

@@ -1,0 +1,3 @@
+//! Forces, derivative and energy.
+
+mod laws;

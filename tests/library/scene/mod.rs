@@ -1,0 +1,9 @@
+//! Many bodies, and what a scene remembers of them.
+
+mod body_numbers;
+mod crowds;
+mod pair_memory;
+mod poses;
+mod shared_bodies;
+mod sharing;
+mod steps;

@@ -1,0 +1,8 @@
+//! The library as a whole: bad input, invariances, closed forms.
+
+mod bad_geometry;
+mod faults;
+mod figures;
+mod metamorphic;
+mod number_range;
+mod numbering;
