@@ -24,7 +24,7 @@
  * - the contact system, with friction, rigid bodies and cages: rayc_contact_system_…
  * - pairs that escape, and what the scene remembers of pairs: rayc_contacts_…escape_push…, rayc_scene_…escape, …memor…
  * - bodies shared by several processes: rayc_scene_share_body() to rayc_mesh_unpack()
- * - a search tree of one's own: rays, nearest points, winding numbers: rayc_octree_…
+ * - a search tree of one's own: rays, nearest points, winding numbers: rayc_default_octree_options(), rayc_octree_…
  */
 
 #ifndef RAYCONTACT_H
@@ -315,6 +315,22 @@ typedef enum rayc_law {
    */
   RAYC_LAW_RAY_LENGTH = 1,
 } rayc_law;
+
+/**
+ * How an octree's cells are laid out. Every answer is the same, bit for bit; only contacts come in another order.
+ */
+typedef enum rayc_octree_layout {
+  /**
+   * A bounding volume hierarchy of up to sixteen children a node, over leaves of up to sixteen adjacent triangles, which
+   * are kept when positions change: the fast one, and that of scenes.
+   */
+  RAYC_OCTREE_LAYOUT_WIDE = 1,
+  /**
+   * The paper's octree (Hermann, Faure, Raffin 2008, section 3): eight equal cells a node, built anew for new positions,
+   * and traversed after Revelles, Ureña, Lastra 2000. To compare with.
+   */
+  RAYC_OCTREE_LAYOUT_CLASSIC = 2,
+} rayc_octree_layout;
 
 /**
  * Where on a surface rays start.
@@ -677,7 +693,8 @@ typedef struct rayc_contact {
   uint32_t collided;
   /**
    * Which part of p1's triangle the ray stands for: 1 the whole, and of piece n the halves are 2 n and 2 n + 1; 0 for a
-   * vertex. Of an edge, which of the stretches that lie inside, from 0 on.
+   * vertex. Of the n-th stretch of an edge that lies inside, from 0 on,
+   * 3 n + k, where the edge lies across from corner k.
    */
   uint32_t piece;
   /**
@@ -801,8 +818,8 @@ typedef struct rayc_statistics {
    */
   uint64_t patches;
   /**
-   * Rays beside those, traced only to find out how fine the sampling has to be (force_tolerance in
-   * rayc_detection_options), or whether and which way a pair is to escape.
+   * Rays beside those, traced only to find out how fine the sampling has to be (RAYC_SAMPLING_TOLERANCE),
+   * or whether and which way a pair is to escape.
    */
   uint64_t estimate_rays;
   /**
@@ -818,7 +835,7 @@ typedef struct rayc_statistics {
    */
   uint64_t tangled_bodies;
   /**
-   * Pairs of a crowd, whose triangles are cut into fewer pieces: sample_spacing in rayc_detection_options.
+   * Pairs of a crowd, whose triangles are cut into fewer pieces: see RAYC_SAMPLING_AUTOMATIC.
    */
   uint64_t crowded_pairs;
   /**
@@ -846,6 +863,14 @@ typedef struct rayc_contact_system_options {
    * result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
    */
   uint32_t keeps_rigid_unknowns;
+  /**
+   * 1: contacts are looked for where bodies will be at the end of the step; 0: where they are at its start. Default 1.
+   */
+  uint32_t look_ahead;
+  /**
+   * Always 0.
+   */
+  uint32_t reserved;
 } rayc_contact_system_options;
 
 /**
@@ -1095,6 +1120,24 @@ typedef struct rayc_vertex_force {
    */
   double force[3];
 } rayc_vertex_force;
+
+/**
+ * How an octree is built. Fill with rayc_default_octree_options(), then change what you need.
+ */
+typedef struct rayc_octree_options {
+  /**
+   * sizeof(rayc_octree_options).
+   */
+  size_t struct_size;
+  /**
+   * How its cells are laid out, a rayc_octree_layout. Default RAYC_OCTREE_LAYOUT_WIDE.
+   */
+  uint32_t layout;
+  /**
+   * Always 0.
+   */
+  uint32_t reserved;
+} rayc_octree_options;
 
 /**
  * A half line, cut at t_max.
@@ -1459,7 +1502,7 @@ enum rayc_status rayc_query_pair(const struct rayc_detection_options *options,
  * Finds the contacts between parts of one mesh, body 0: points of its surface that lie inside another part of the body,
  * where the surface winds around more than once, and the points through which they leave that part. Replaces what
  * `contacts` held; each contact has colliding = collided = 0, and stands for half its surface, as both parts cast rays.
- * options: NULL for the defaults; of them only sample_spacing counts, automatic being one ray for each triangle.
+ * options: NULL for the defaults; of them only the sampling counts, automatic being one ray for each triangle.
  *
  * Where the surface touches nothing of itself, no ray is traced; a scene also remembers that from step to step. An open
  * mesh has no inside, and so no contacts with itself; it is counted in open_bodies.
@@ -1859,6 +1902,50 @@ enum rayc_status rayc_contact_system_explicit_step(struct rayc_contact_system *s
                                                    double *longest_step);
 
 /**
+ * Gives a body and a half-space a material of their own in place of the combined one. half_space: their number, in the order
+ * they were added, from 0. material: NULL takes it back.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT where there is no such half-space, RAYC_STATUS_INVALID_MATERIAL,
+ * RAYC_STATUS_OUT_OF_ORDER within a step.
+ */
+enum rayc_status rayc_contact_system_set_half_space_material(struct rayc_contact_system *system,
+                                                             uint32_t body,
+                                                             uint32_t half_space,
+                                                             const struct rayc_material *material);
+
+/**
+ * Copies the contacts of the last detection, with its statistics: positions are where bodies were looked for. Replaces what
+ * `contacts` held.
+ */
+enum rayc_status rayc_contact_system_copy_contacts(const struct rayc_contact_system *system,
+                                                   struct rayc_contacts *contacts);
+
+/**
+ * The part of all force, 0 to 1, that would prove to be predicted wrongly at these velocities: what
+ * rayc_contact_system_linearise() gives, but the rows are held as before. A host whose last solve is right keeps the forces
+ * that it solved with.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+ */
+enum rayc_status rayc_contact_system_misjudged(struct rayc_contact_system *system,
+                                               size_t count,
+                                               const double *velocities,
+                                               double *wrong);
+
+/**
+ * The net force with which `other` acted on a body in the last finished step: three numbers, in N; zero for a body and itself.
+ * other: a body, or where is_half_space is 1 the number of a half-space.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT where there is no such half-space, RAYC_STATUS_INVALID_OPTION
+ * where is_half_space is neither 0 nor 1.
+ */
+enum rayc_status rayc_contact_system_pair_force(const struct rayc_contact_system *system,
+                                                uint32_t body,
+                                                uint32_t other,
+                                                uint32_t is_half_space,
+                                                double *force);
+
+/**
  * Puts the scene's bodies, but ghosts, where rayc_contact_system_begin() with the same numbers would look for contacts, and
  * does no more: by where bodies will be it is known of which others the scene needs ghosts. Those are then put there by
  * rayc_contact_system_begin(), once the system knows them and their nodes.
@@ -2153,11 +2240,20 @@ enum rayc_status rayc_mesh_unpack(size_t length,
                                   struct rayc_mesh **mesh);
 
 /**
- * Builds the octree of `mesh` for its present positions. *octree: the new handle.
+ * Fills `options` with the defaults. struct_size: sizeof(rayc_octree_options).
  *
- * Errors: RAYC_STATUS_OUT_OF_MEMORY.
+ * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
-enum rayc_status rayc_octree_create(const struct rayc_mesh *mesh, struct rayc_octree **octree);
+enum rayc_status rayc_default_octree_options(size_t struct_size, struct rayc_octree_options *options);
+
+/**
+ * Builds the octree of `mesh` for its present positions. options: NULL for the defaults. *octree: the new handle.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_MEMORY, RAYC_STATUS_INVALID_STRUCT_SIZE, RAYC_STATUS_UNKNOWN_ENUM.
+ */
+enum rayc_status rayc_octree_create(const struct rayc_octree_options *options,
+                                    const struct rayc_mesh *mesh,
+                                    struct rayc_octree **octree);
 
 /**
  * Frees an octree; NULL does nothing.

@@ -2,14 +2,13 @@ use super::contact_system_options::{rayc_contact_system_options, rayc_material, 
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
-use super::numbers::flag;
 use super::pointers::{Output, reference, slice};
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::read_options;
 use super::vectors::{rayc_scalar, scalar_from};
 use crate::math::Scalar;
 use crate::scene::Scene;
-use crate::system::{Carriers, ContactSystem, Material, Motion, RigidUnknowns, SystemError};
+use crate::system::{Carriers, ContactSystem, Material, Motion, SystemError};
 
 /// A step's contact on the unknowns that a simulator solves for: what carries each body of a scene, materials, friction,
 /// rigid bodies. It looks where bodies will be at the end of the step, makes each contact a row (a spring that only pushes,
@@ -73,11 +72,9 @@ pub unsafe extern "C" fn rayc_contact_system_create(
     guard(|| unsafe {
         let options = read_options(options)?;
         let place = Output::new(system, "system")?;
-        let kept = flag("keeps_rigid_unknowns", options.keeps_rigid_unknowns)?;
-        let rigid = if kept { RigidUnknowns::Kept } else { RigidUnknowns::Eliminated };
         let system = match scalar_from(options.precision, "precision")? {
-            rayc_scalar::RAYC_SCALAR_F32 => AnySystem::F32(ContactSystem::new(rigid)),
-            rayc_scalar::RAYC_SCALAR_F64 => AnySystem::F64(ContactSystem::new(rigid)),
+            rayc_scalar::RAYC_SCALAR_F32 => AnySystem::F32(options.system()?),
+            rayc_scalar::RAYC_SCALAR_F64 => AnySystem::F64(options.system()?),
         };
         give(place, rayc_contact_system { system });
         Ok(())
