@@ -40,6 +40,9 @@ static void options_are_refused(void) {
   options.keeps_rigid_unknowns = 2;
   CHECK_STATUS(rayc_contact_system_create(&options, &other), RAYC_STATUS_INVALID_OPTION, "keeps_rigid_unknowns is 2");
   options.keeps_rigid_unknowns = 0;
+  options.look_ahead = 2;
+  CHECK_STATUS(rayc_contact_system_create(&options, &other), RAYC_STATUS_INVALID_OPTION, "look_ahead is 2");
+  options.look_ahead = 0;
   options.precision = 7;
   CHECK_STATUS(rayc_contact_system_create(&options, &other), RAYC_STATUS_UNKNOWN_ENUM, "precision");
   options.struct_size = 4;
@@ -80,8 +83,7 @@ static void bodies_are_refused(void) {
   double weights[NODES];
   for (uint32_t k = 0; k <= NODES; ++k) offsets[k] = k;
   for (uint32_t k = 0; k < NODES; ++k) nodes[k] = k, weights[k] = 1;
-#define ADD(count, n, w) \
-  rayc_contact_system_add_deformable(contacts, scene, 0, 0, NODES, offsets, count, n, w, &fine)
+#define ADD(count, n, w) rayc_contact_system_add_deformable(contacts, scene, 0, 0, NODES, offsets, count, n, w, &fine)
   weights[2] = 0.5;
   CHECK_STATUS(ADD(NODES, nodes, weights), RAYC_STATUS_INVALID_WEIGHTS, "vertex 2 sum to 0.5");
   weights[2] = NAN;
@@ -118,6 +120,15 @@ static void bodies_are_refused(void) {
   CHECK_STATUS(rayc_contact_system_set_pair_material(contacts, 0, 1, &wrong), RAYC_STATUS_INVALID_MATERIAL, "friction");
   CHECK_OK(rayc_contact_system_set_pair_material(contacts, 0, 1, &fine));
   CHECK_OK(rayc_contact_system_set_pair_material(contacts, 0, 1, NULL));
+  CHECK_STATUS(rayc_contact_system_set_half_space_material(contacts, 0, 0, &fine), RAYC_STATUS_WRONG_COUNT,
+               "no half-space 0");
+  double force[3] = {42, 42, 42};
+  CHECK_STATUS(rayc_contact_system_pair_force(contacts, 9, 0, 0, force), RAYC_STATUS_UNKNOWN_BODY, "9");
+  CHECK_STATUS(rayc_contact_system_pair_force(contacts, 0, 0, 1, force), RAYC_STATUS_WRONG_COUNT, "no half-space 0");
+  CHECK_STATUS(rayc_contact_system_pair_force(contacts, 0, 1, 2, force), RAYC_STATUS_INVALID_OPTION, "is_half_space");
+  CHECK(force[0] == 42);
+  CHECK_OK(rayc_contact_system_pair_force(contacts, 0, 1, 0, force));
+  CHECK(force[0] == 0 && force[1] == 0 && force[2] == 0);
 }
 
 static rayc_status begin(double dt, size_t count) {
@@ -130,6 +141,7 @@ static void calls_out_of_order_are_refused(void) {
   uint32_t is_more = 42;
   const rayc_status none = RAYC_STATUS_OUT_OF_ORDER;
   CHECK_STATUS(rayc_contact_system_add_forces(contacts, UNKNOWNS, v, out), none, "begin");
+  CHECK_STATUS(rayc_contact_system_misjudged(contacts, UNKNOWNS, v, &number), none, "begin");
   CHECK_STATUS(rayc_contact_system_add_product(contacts, 1, UNKNOWNS, v, out), none, "begin");
   CHECK_STATUS(rayc_contact_system_block_count(contacts, &count), none, "begin");
   CHECK_STATUS(rayc_contact_system_copy_blocks(contacts, 1, 0, NULL, NULL, NULL), none, "begin");
@@ -178,8 +190,7 @@ static void a_step_keeps_momentum(void) {
   for (int k = 0; k < UNKNOWNS; ++k) change[k] = sin(k + 1.0);
   CHECK_OK(rayc_contact_system_add_product(contacts, 1, UNKNOWNS, change, product));
   for (size_t b = 0; b < count; ++b)
-    for (size_t k = 0; k < 9; ++k)
-      product[3 * rows[b] + k / 3] -= blocks[9 * b + k] * change[3 * columns[b] + k % 3];
+    for (size_t k = 0; k < 9; ++k) product[3 * rows[b] + k / 3] -= blocks[9 * b + k] * change[3 * columns[b] + k % 3];
   for (int k = 0; k < UNKNOWNS; ++k) CHECK_NEAR(product[k], 0, 1e-9 * size);
 
   double wrong = 42;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "expect.hpp"
+#include "inside_test.hpp"
 #include "raycontact/bullet.hpp"
-#include "raycontact/bullet/inside_test.hpp"
 #include "shapes.hpp"
 #include "soft_world.hpp"
 
@@ -295,8 +295,8 @@ void bad_bodies() {
   expect_refusal([&] { bullet::make_cage(positions, torus.triangles); }, "a number too many", said);
   expect_refusal([&] { bullet::make_cage(torus.positions, triangles); }, "a number too few", said);
   expect_refusal([&] { bullet::make_cage(torus.positions, triangles, {{2, 2, 2}}); }, "a number too few", said);
-  expect_refusal([&] { bullet::InsideTest(positions, torus.triangles); }, "a number too many", said);
-  expect_refusal([&] { bullet::InsideTest(torus.positions, triangles); }, "a number too few", said);
+  expect_refusal([&] { demo::InsideTest(positions, torus.triangles); }, "a number too many", said);
+  expect_refusal([&] { demo::InsideTest(torus.positions, triangles); }, "a number too few", said);
   bullet::ContactOptions options;
   options.damping_time = -1;
   expect_refusal([&] { bullet::ContactForce contact(options); }, "options", "damping_time");

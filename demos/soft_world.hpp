@@ -49,7 +49,7 @@ class SoftWorld {
 
   btSoftBody& add(const raycontact::bullet::Cage& cage, double mass,
                   const raycontact::bullet::BodyOptions& options = {}) {
-    bodies_.push_back(make_soft_body(world_.getWorldInfo(), cage, static_cast<btScalar>(mass)));
+    bodies_.push_back(raycontact::bullet::make_soft_body(world_.getWorldInfo(), cage, static_cast<btScalar>(mass)));
     btSoftBody& body = *bodies_.back();
     world_.addSoftBody(&body);
     world_.addForce(&body, &elasticity_);

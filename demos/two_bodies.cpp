@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "inside_test.hpp"
 #include "raycontact/bullet.hpp"
-#include "raycontact/bullet/inside_test.hpp"
 #include "shapes.hpp"
 #include "soft_world.hpp"
 #include "terminal.hpp"
@@ -62,7 +62,7 @@ std::size_t mark_inside(std::vector<Body>& bodies) {
   for (std::size_t i = 0; i < 2; ++i) {
     Body& body = bodies[i];
     const Surface& other = bodies[1 - i].surface;
-    const rb::InsideTest test(other.positions, other.triangles);
+    const demo::InsideTest test(other.positions, other.triangles);
     body.inside.assign(body.surface.vertex_count(), 0);
     for (std::size_t v = 0; v < body.inside.size(); ++v) {
       body.inside[v] = test.contains(&body.surface.positions[3 * v]) ? 1 : 0;
@@ -100,7 +100,7 @@ double median(std::vector<double> values) {
 
 struct Result {
   std::size_t vertices = 0, inside_start = 0, inside_end = 0, contacts_start = 0, contacts_end = 0, contacts_most = 0;
-  int steps = 0;           // until no vertex was inside any more
+  int steps = 0;  // until no vertex was inside any more
   int steps_in_all = 0;
   int inverted_start = 0, inverted = 0, inverted_most = 0;
   double detect_ms = 0, solve_ms = 0, step_ms = 0, contacts = 0;  // medians over the steps with contact
@@ -142,8 +142,10 @@ Result run(const Options& options, std::vector<Body>& bodies, demo::SoftWorld& w
     if (inside > 0) result.steps = step + 1;
     if ((step + 1) % every == 0) series.add((step + 1) * options.dt, frame(bodies));
     char note[96];
-    std::snprintf(note, sizeof note, "step %d, %.1f%% inside, %zu contacts", step + 1, result.percent(inside), contacts);
-    progress.show(1 - static_cast<double>(inside) / static_cast<double>(std::max<std::size_t>(1, result.inside_start)), note);
+    std::snprintf(note, sizeof note, "step %d, %.1f%% inside, %zu contacts", step + 1, result.percent(inside),
+                  contacts);
+    progress.show(1 - static_cast<double>(inside) / static_cast<double>(std::max<std::size_t>(1, result.inside_start)),
+                  note);
   }
   if (step % every != 0) series.add(step * options.dt, frame(bodies));
   // The vertices were last inside after that many steps; one more brought them out.
@@ -161,7 +163,8 @@ void print_table(const Options& options, const std::vector<Body>& bodies, const 
                  const demo::PvdSeries& series) {
   std::printf("%-22s %12s %12s\n", "body", bodies[0].surface.name.c_str(), bodies[1].surface.name.c_str());
   const auto row = [&](const char* label, auto value) {
-    std::printf("%-22s %12zu %12zu\n", label, static_cast<std::size_t>(value(bodies[0])), static_cast<std::size_t>(value(bodies[1])));
+    std::printf("%-22s %12zu %12zu\n", label, static_cast<std::size_t>(value(bodies[0])),
+                static_cast<std::size_t>(value(bodies[1])));
   };
   row("skin vertices", [](const Body& b) { return b.surface.vertex_count(); });
   row("skin triangles", [](const Body& b) { return b.surface.triangles.size() / 3; });
@@ -170,13 +173,18 @@ void print_table(const Options& options, const std::vector<Body>& bodies, const 
   std::printf("%-22s %12.3g %12.3g\n\n", "mass / kg", bodies[0].mass, bodies[1].mass);
 
   std::printf("%-22s %12s %12s\n", "", "start", "end");
-  std::printf("%-22s %11.1f%% %11.1f%%\n", "vertices inside", result.percent(result.inside_start), result.percent(result.inside_end));
-  std::printf("%-22s %12zu %12zu   (most %zu)\n", "contacts", result.contacts_start, result.contacts_end, result.contacts_most);
-  std::printf("%-22s %12d %12d   (most %d)\n\n", "inverted tetrahedra", result.inverted_start, result.inverted, result.inverted_most);
+  std::printf("%-22s %11.1f%% %11.1f%%\n", "vertices inside", result.percent(result.inside_start),
+              result.percent(result.inside_end));
+  std::printf("%-22s %12zu %12zu   (most %zu)\n", "contacts", result.contacts_start, result.contacts_end,
+              result.contacts_most);
+  std::printf("%-22s %12d %12d   (most %d)\n\n", "inverted tetrahedra", result.inverted_start, result.inverted,
+              result.inverted_most);
 
   std::printf("Young's modulus %g Pa, contact %.4g N/m^3 with %g s of damping, time step %g s, Bullet in %s\n",
-              options.youngs_modulus, stiffness, options.damping, options.dt, rb::double_precision ? "double" : "float");
-  std::printf("ran %d steps; wrote %zu frames, listed in %s\n", result.steps_in_all, series.count(), series.path().c_str());
+              options.youngs_modulus, stiffness, options.damping, options.dt,
+              rb::double_precision ? "double" : "float");
+  std::printf("ran %d steps; wrote %zu frames, listed in %s\n", result.steps_in_all, series.count(),
+              series.path().c_str());
 }
 
 int simulate(const Options& options) {

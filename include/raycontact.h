@@ -863,6 +863,14 @@ typedef struct rayc_contact_system_options {
    * result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
    */
   uint32_t keeps_rigid_unknowns;
+  /**
+   * 1: contacts are looked for where bodies will be at the end of the step; 0: where they are at its start. Default 1.
+   */
+  uint32_t look_ahead;
+  /**
+   * Always 0.
+   */
+  uint32_t reserved;
 } rayc_contact_system_options;
 
 /**
@@ -1892,6 +1900,50 @@ enum rayc_status rayc_contact_system_explicit_step(struct rayc_contact_system *s
                                                    size_t unknown_count,
                                                    double *forces,
                                                    double *longest_step);
+
+/**
+ * Gives a body and a half-space a material of their own in place of the combined one. half_space: their number, in the order
+ * they were added, from 0. material: NULL takes it back.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT where there is no such half-space, RAYC_STATUS_INVALID_MATERIAL,
+ * RAYC_STATUS_OUT_OF_ORDER within a step.
+ */
+enum rayc_status rayc_contact_system_set_half_space_material(struct rayc_contact_system *system,
+                                                             uint32_t body,
+                                                             uint32_t half_space,
+                                                             const struct rayc_material *material);
+
+/**
+ * Copies the contacts of the last detection, with its statistics: positions are where bodies were looked for. Replaces what
+ * `contacts` held.
+ */
+enum rayc_status rayc_contact_system_copy_contacts(const struct rayc_contact_system *system,
+                                                   struct rayc_contacts *contacts);
+
+/**
+ * The part of all force, 0 to 1, that would prove to be predicted wrongly at these velocities: what
+ * rayc_contact_system_linearise() gives, but the rows are held as before. A host whose last solve is right keeps the forces
+ * that it solved with.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+ */
+enum rayc_status rayc_contact_system_misjudged(struct rayc_contact_system *system,
+                                               size_t count,
+                                               const double *velocities,
+                                               double *wrong);
+
+/**
+ * The net force with which `other` acted on a body in the last finished step: three numbers, in N; zero for a body and itself.
+ * other: a body, or where is_half_space is 1 the number of a half-space.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT where there is no such half-space, RAYC_STATUS_INVALID_OPTION
+ * where is_half_space is neither 0 nor 1.
+ */
+enum rayc_status rayc_contact_system_pair_force(const struct rayc_contact_system *system,
+                                                uint32_t body,
+                                                uint32_t other,
+                                                uint32_t is_half_space,
+                                                double *force);
 
 /**
  * Puts the scene's bodies, but ghosts, where rayc_contact_system_begin() with the same numbers would look for contacts, and

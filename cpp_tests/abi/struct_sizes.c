@@ -93,18 +93,22 @@ static void arrays_are_written_in_steps_of_the_callers_size(void) {
 
 /* An options struct of the first version: shorter, with garbage behind it that must not be read. */
 static void older_options_are_read_as_far_as_they_go(void) {
-  rayc_detection_options options;
+  rayc_contact_system_options options;
   memset(&options, 0xFF, sizeof options);
-  CHECK_OK(rayc_default_detection_options(END_OF(rayc_detection_options, escape), &options));
-  CHECK(options.struct_size == END_OF(rayc_detection_options, escape));
+  CHECK_OK(rayc_default_contact_system_options(END_OF(rayc_contact_system_options, keeps_rigid_unknowns), &options));
+  CHECK(options.struct_size == END_OF(rayc_contact_system_options, keeps_rigid_unknowns));
+  rayc_contact_system* system = NULL;
+  CHECK_OK(rayc_contact_system_create(&options, &system));
+  CHECK_OK(rayc_contact_system_destroy(system));
+  options.struct_size = sizeof options;
+  CHECK_STATUS(rayc_contact_system_create(&options, &system), RAYC_STATUS_INVALID_OPTION, "look_ahead");
+
+  rayc_detection_options detection;
   rayc_scene* other = NULL;
   CHECK_OK(rayc_scene_create(NULL, &other));
-  CHECK_OK(rayc_scene_set_detection_options(other, &options));
-  options.struct_size = sizeof options;
-  CHECK_STATUS(rayc_scene_set_detection_options(other, &options), RAYC_STATUS_INVALID_OPTION, "");
-  CHECK_OK(rayc_default_detection_options(sizeof options, &options));
-  options.law = 3;
-  CHECK_STATUS(rayc_scene_set_detection_options(other, &options), RAYC_STATUS_UNKNOWN_ENUM, "rayc_law");
+  CHECK_OK(rayc_default_detection_options(sizeof detection, &detection));
+  detection.law = 3;
+  CHECK_STATUS(rayc_scene_set_detection_options(other, &detection), RAYC_STATUS_UNKNOWN_ENUM, "rayc_law");
   CHECK_OK(rayc_scene_destroy(other));
 }
 
@@ -114,7 +118,7 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_detection_options, reserved) == sizeof(rayc_detection_options));
   CHECK(END_OF(rayc_response_options, reserved) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
-  CHECK(END_OF(rayc_contact_system_options, keeps_rigid_unknowns) == sizeof(rayc_contact_system_options));
+  CHECK(END_OF(rayc_contact_system_options, reserved) == sizeof(rayc_contact_system_options));
   CHECK(END_OF(rayc_material, depth_cap) == sizeof(rayc_material));
   CHECK(END_OF(rayc_statistics, border_pieces) == sizeof(rayc_statistics));
   CHECK(END_OF(rayc_pair_memory, state) == sizeof(rayc_pair_memory));

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "../inside_test.hpp"
 #include "raycontact/bullet/body_check.hpp"
-#include "raycontact/bullet/inside_test.hpp"
 
 namespace demo {
 
@@ -96,7 +96,7 @@ Positions skin_positions(const Scene& scene, const Engine& engine) {
 
 std::vector<std::vector<uint8_t>> inside_flags(const Scene& scene, const Positions& positions, double tolerance) {
   const std::size_t count = positions.size();
-  std::vector<rb::InsideTest> tests;
+  std::vector<InsideTest> tests;
   std::vector<std::array<double, 6>> boxes(count);
   for (std::size_t b = 0; b < count; ++b) {
     tests.emplace_back(positions[b], scene.bodies[b].cage.skin.triangles);

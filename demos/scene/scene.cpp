@@ -2,6 +2,7 @@
 #include "scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "raycontact/bullet/options.hpp"
@@ -21,6 +22,11 @@ double six_volumes(const Point& a, const Point& b, const Point& c, const Point& 
   }
   return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
+double area_of(const Point& a, const Point& b, const Point& c) {
+  const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  return std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
 }
 
 // +1 or -1 when the segment p q passes through the triangle a b c from its back or from its front.
@@ -50,14 +56,17 @@ double Scene::edge() const {
 double Scene::area_per_vertex() const {
   double area = 0, count = 0;
   for (const SceneBody& body : bodies) {
-    std::vector<btScalar> positions;
+    std::vector<Point> positions;
     for (const auto& point : body.cage.skin.points) {
-      btVector3 x(0, 0, 0);
+      Point x{};
       for (std::size_t k = 0; k < 4; ++k)
-        x += point.weights[k] * body.cage.nodes[static_cast<std::size_t>(point.nodes[k])];
-      positions.insert(positions.end(), {x.x(), x.y(), x.z()});
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          x[axis] += point.weights[k] * body.cage.nodes[static_cast<std::size_t>(point.nodes[k])][axis];
+      positions.push_back(x);
     }
-    for (btScalar a : raycontact::bullet::skin_areas(positions, body.cage.skin.triangles)) area += double(a);
+    const std::vector<uint32_t>& triangles = body.cage.skin.triangles;
+    for (std::size_t t = 0; t + 2 < triangles.size(); t += 3)
+      area += area_of(positions[triangles[t]], positions[triangles[t + 1]], positions[triangles[t + 2]]);
     count += static_cast<double>(body.cage.skin.points.size());
   }
   return area / count;

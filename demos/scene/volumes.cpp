@@ -102,22 +102,24 @@ void rotate(Surface& surface, const std::array<double, 3>& axis, double angle) {
 
 Cage filled_torus(const Surface& torus, uint32_t around, uint32_t across) {
   Cage cage;
-  const auto vector = [](const double* x) { return btVector3(btScalar(x[0]), btScalar(x[1]), btScalar(x[2])); };
-  for (std::size_t v = 0; v < torus.vertex_count(); ++v) cage.nodes.push_back(vector(&torus.positions[3 * v]));
+  const auto point = [](const double* x) { return std::array<double, 3>{{x[0], x[1], x[2]}}; };
+  for (std::size_t v = 0; v < torus.vertex_count(); ++v) cage.nodes.push_back(point(&torus.positions[3 * v]));
   for (uint32_t i = 0; i < around; ++i) {
-    btVector3 middle(0, 0, 0);
-    for (uint32_t j = 0; j < across; ++j) middle += cage.nodes[i * across + j] / btScalar(across);
+    std::array<double, 3> middle{};
+    for (uint32_t j = 0; j < across; ++j)
+      for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] += cage.nodes[i * across + j][axis] / across;
     cage.nodes.push_back(middle);
   }
   cage.fill.assign(cage.nodes.size(), 0);
   const auto add = [&](uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
     std::array<int, 4> t{{int(a), int(b), int(c), int(d)}};
     const auto six = [&] {
-      return rb::six_volumes(cage.nodes[std::size_t(t[0])], cage.nodes[std::size_t(t[1])],
-                             cage.nodes[std::size_t(t[2])], cage.nodes[std::size_t(t[3])]);
+      const auto& nodes = cage.nodes;
+      return rb::six_volumes(nodes[std::size_t(t[0])], nodes[std::size_t(t[1])], nodes[std::size_t(t[2])],
+                             nodes[std::size_t(t[3])]);
     };
     if (six() < 0) std::swap(t[1], t[2]);
-    for (int n : t) cage.fill[static_cast<std::size_t>(n)] += static_cast<btScalar>(six() / 24);
+    for (int n : t) cage.fill[static_cast<std::size_t>(n)] += six() / 24;
     cage.tetrahedra.push_back(t);
   };
   for (uint32_t i = 0; i < around; ++i)

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "../shapes.hpp"
-#include "raycontact/bullet/cage.hpp"
+#include "raycontact/bullet/soft_body.hpp"
 
 namespace demo {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
+#include <cmath>
+
 #include "../scene/program.hpp"
 
 int main(int argc, char** argv) {
@@ -13,7 +15,7 @@ int main(int argc, char** argv) {
                              folding.self_collision = true;
                              // Its middle is held below, and gravity points the ends' way.
                              for (std::size_t n = 0; n < folding.cage.nodes.size(); ++n)
-                               if (btFabs(folding.cage.nodes[n].x()) < btScalar(0.15))
+                               if (std::fabs(folding.cage.nodes[n][0]) < 0.15)
                                  folding.pinned.push_back(static_cast<int>(n));
                              scene.bodies.push_back(folding);
                              scene.bodies.push_back({"ball", demo::caged(ball, 3), 30 * demo::volume(ball)});

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
         }
         const auto& nodes = scene.bodies[0].cage.nodes;
         for (std::size_t n = 0; n < nodes.size(); ++n)
-          if (nodes[n].y() > btScalar(1.1)) scene.bodies[0].pinned.push_back(static_cast<int>(n));
+          if (nodes[n][1] > 1.1) scene.bodies[0].pinned.push_back(static_cast<int>(n));
         scene.links_kept = [](const demo::State& state) {
           int kept = 0;
           for (std::size_t i = 0; i + 1 < state.now.size(); ++i)

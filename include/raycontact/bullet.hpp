@@ -19,9 +19,9 @@
 #define RAYCONTACT_BULLET_HPP
 
 #include "raycontact.hpp"
-#include "raycontact/bullet/cage.hpp"
 #include "raycontact/bullet/classic_contact.hpp"
 #include "raycontact/bullet/contact_force.hpp"
 #include "raycontact/bullet/render_skin.hpp"
+#include "raycontact/bullet/soft_body.hpp"
 
 #endif  // RAYCONTACT_BULLET_HPP

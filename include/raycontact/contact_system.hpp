@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "contacts.hpp"
 #include "result.hpp"
 #include "scene.hpp"
 #include "span.hpp"
@@ -54,7 +55,7 @@ struct Blocks {
 /** What each pair's rows do to each of its bodies: which unknowns, in blocks of three. */
 struct Parts {
   std::vector<rayc_contact_part> parts;  ///< one for each pair and each of its bodies
-  std::vector<uint32_t> blocks;  ///< of all parts, one after the other
+  std::vector<uint32_t> blocks;          ///< of all parts, one after the other
 };
 
 /** Owns an rayc_contact_system, whose text says what it does and what a step is. Moves, does not copy. */
@@ -118,6 +119,11 @@ class ContactSystem {
     return check(rayc_contact_system_set_pair_material(get(), a, b, material));
   }
 
+  /** A material of a body and a half-space, counted in the order they were added; NULL takes it back. */
+  Outcome<void> set_half_space_material(uint32_t body, uint32_t half_space, const rayc_material* material) {
+    return check(rayc_contact_system_set_half_space_material(get(), body, half_space, material));
+  }
+
   /** Where a rigid or moved body is, and how it moves; before each step. */
   Outcome<void> set_motion(uint32_t body, const rayc_motion& motion) {
     return check(rayc_contact_system_set_motion(get(), body, &motion));
@@ -178,6 +184,13 @@ class ContactSystem {
     return detail::outcome(status, wrong);
   }
 
+  /** What linearise() would give, but the rows are held as before. */
+  Outcome<double> misjudged(Span<const double> velocities) {
+    double wrong = 0;
+    const rayc_status status = rayc_contact_system_misjudged(get(), velocities.size(), velocities.data(), &wrong);
+    return detail::outcome(status, wrong);
+  }
+
   /** Looks for contacts where bodies end with these velocities; whether another solve is due. */
   Outcome<bool> detect_again(Scene& scene, Span<const double> velocities) {
     uint32_t is_more = 0;
@@ -224,6 +237,25 @@ class ContactSystem {
     return detail::outcome(status, velocity);
   }
 
+  /** The net force of another body on a body in the last finished step, N. */
+  Outcome<std::array<double, 3>> pair_force(uint32_t body, uint32_t other) const {
+    std::array<double, 3> force{};
+    const rayc_status status = rayc_contact_system_pair_force(get(), body, other, 0, force.data());
+    return detail::outcome(status, force);
+  }
+
+  /** The same of a half-space, counted in the order they were added. */
+  Outcome<std::array<double, 3>> half_space_force(uint32_t body, uint32_t half_space) const {
+    std::array<double, 3> force{};
+    const rayc_status status = rayc_contact_system_pair_force(get(), body, half_space, 1, force.data());
+    return detail::outcome(status, force);
+  }
+
+  /** The contacts of the last detection; replaces what `contacts` held. */
+  Outcome<void> copy_contacts_to(Contacts& contacts) const {
+    return check(rayc_contact_system_copy_contacts(get(), contacts.get()));
+  }
+
   /** A whole step for a host that integrates explicitly; the longest stable step, s. */
   Outcome<double> explicit_step(Scene& scene, double dt, Span<const double> positions, Span<const double> velocities,
                                 Span<double> forces) {
@@ -231,8 +263,8 @@ class ContactSystem {
       return detail::failure<double>(Error(RAYC_STATUS_WRONG_COUNT, "positions and velocities are not equally many"));
     double longest = 0;
     const rayc_status status =
-        rayc_contact_system_explicit_step(get(), scene.get(), dt, positions.size(), positions.data(),
-                                          velocities.data(), forces.size(), forces.data(), &longest);
+        rayc_contact_system_explicit_step(get(), scene.get(), dt, positions.size(), positions.data(), velocities.data(),
+                                          forces.size(), forces.data(), &longest);
     return detail::outcome(status, longest);
   }
 

@@ -12,6 +12,7 @@ from ._arrays import numbers, pointer
 from ._ffi import ffi
 from ._header import ContactSystemOptions
 from ._library import NULL, answer, check, create, library, options
+from .contacts import Contacts
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -107,6 +108,11 @@ class ContactSystem:
         given = NULL if material is None else material.given()
         check(library.rayc_contact_system_set_pair_material(self._handle, a, b, given))
 
+    def set_half_space_material(self, body: int, half_space: int, material: Optional[Material]) -> None:
+        """The same for a body and a half-space, counted in the order they were added."""
+        given = NULL if material is None else material.given()
+        check(library.rayc_contact_system_set_half_space_material(self._handle, body, half_space, given))
+
     def set_motion(
         self, body: int, position: ArrayLike, rotation: ArrayLike, velocity: ArrayLike, free_velocity: ArrayLike
     ) -> None:
@@ -162,6 +168,11 @@ class ContactSystem:
         v = numbers(velocities, "velocities")
         return float(answer("double", library.rayc_contact_system_linearise, self._handle, v.size, pointer(v)))
 
+    def misjudged(self, velocities: ArrayLike) -> float:
+        """What linearise() would return; the rows stay as they are."""
+        v = numbers(velocities, "velocities")
+        return float(answer("double", library.rayc_contact_system_misjudged, self._handle, v.size, pointer(v)))
+
     def detect_again(self, scene: Scene, velocities: ArrayLike) -> bool:
         """Looks whether bodies that were stopped are in the way of others; True: another solve is due."""
         v = numbers(velocities, "velocities")
@@ -176,6 +187,18 @@ class ContactSystem:
     def cancel(self) -> None:
         """Ends the step as if it had not begun, but for the positions of the scene's bodies."""
         check(library.rayc_contact_system_cancel(self._handle))
+
+    def contacts(self) -> Contacts:
+        """A copy of the contacts of the last detection."""
+        found = Contacts()
+        check(library.rayc_contact_system_copy_contacts(self._handle, found._handle))
+        return found
+
+    def pair_force(self, body: int, other: int, is_half_space: bool = False) -> NDArray[np.float64]:
+        """The net force, in N, of another body or a half-space on a body in the last finished step: (3,)."""
+        found = np.empty(3)
+        check(library.rayc_contact_system_pair_force(self._handle, body, other, is_half_space, pointer(found)))
+        return found
 
     def rigid_velocity(self, body: int) -> NDArray[np.float64]:
         """Linear and angular velocity of a rigid body at the end of the last finished step: (6,)."""

@@ -2,18 +2,18 @@ use super::contact_system_options::{rayc_contact_system_options, rayc_material, 
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
-use super::numbers::flag;
 use super::pointers::{Output, reference, slice};
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::read_options;
 use super::vectors::{rayc_scalar, scalar_from};
 use crate::math::Scalar;
 use crate::scene::Scene;
-use crate::system::{Carriers, ContactSystem, Material, Motion, RigidUnknowns, SystemError};
+use crate::system::{Carriers, ContactSystem, Material, Motion, SystemError};
 
-/// A step's contact on the unknowns that a simulator solves for: what carries each body of a scene, materials, friction,
-/// rigid bodies. It looks where bodies will be at the end of the step, makes each contact a row (a spring that only pushes,
-/// with friction) over the host's nodes and rigid bodies, and gives a solver forces and products with their derivative.
+/// Contact on the unknowns that a simulator solves for. It knows what carries each body of a scene, its material, its
+/// friction, and which bodies are rigid. It looks where bodies will be at the end of the step, turns each contact
+/// into a row (a spring that only pushes, with friction) on the host's nodes and rigid bodies, and gives a solver the
+/// forces and the products with their derivative.
 ///
 /// One step: rayc_contact_system_set_motion() for bodies that are not deformable, rayc_contact_system_begin(); as often as
 /// needed a solve with rayc_contact_system_add_forces() and rayc_contact_system_add_product(), then
@@ -73,11 +73,9 @@ pub unsafe extern "C" fn rayc_contact_system_create(
     guard(|| unsafe {
         let options = read_options(options)?;
         let place = Output::new(system, "system")?;
-        let kept = flag("keeps_rigid_unknowns", options.keeps_rigid_unknowns)?;
-        let rigid = if kept { RigidUnknowns::Kept } else { RigidUnknowns::Eliminated };
         let system = match scalar_from(options.precision, "precision")? {
-            rayc_scalar::RAYC_SCALAR_F32 => AnySystem::F32(ContactSystem::new(rigid)),
-            rayc_scalar::RAYC_SCALAR_F64 => AnySystem::F64(ContactSystem::new(rigid)),
+            rayc_scalar::RAYC_SCALAR_F32 => AnySystem::F32(options.system()?),
+            rayc_scalar::RAYC_SCALAR_F64 => AnySystem::F64(options.system()?),
         };
         give(place, rayc_contact_system { system });
         Ok(())
@@ -93,8 +91,8 @@ pub unsafe extern "C" fn rayc_contact_system_destroy(system: *mut rayc_contact_s
     })
 }
 
-/// Says how many nodes the host has, and their masses in kg: > 0, infinity for a node that is held fast. Before bodies that
-/// have these nodes are added.
+/// Sets how many nodes the host has, and their masses in kg: > 0, or infinity for a node that is held fast. Call it
+/// before adding bodies that have these nodes.
 ///
 /// Errors: RAYC_STATUS_INVALID_MASS, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_WRONG_COUNT where a body's nodes
 /// lie beyond.
@@ -203,8 +201,8 @@ pub unsafe extern "C" fn rayc_contact_system_add_rigid(
     })
 }
 
-/// Adds a body that stands still or that the host moves: number `body` of the scene, whose mesh was created in the body's own
-/// coordinates. It is where those say until rayc_contact_system_set_motion().
+/// Adds a body that stands still or that the host moves: number `body` of the scene, whose mesh was created in the
+/// body's own coordinates. Until rayc_contact_system_set_motion() it is where its own coordinates say.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY where the scene has no such body, RAYC_STATUS_BODY_TWICE, RAYC_STATUS_INVALID_MATERIAL,
 /// RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_PRECISION_MISMATCH.
@@ -248,8 +246,8 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
     })
 }
 
-/// Removes a body from the system; to be removed from the scene too. Rigid bodies added after it move up by one place, and
-/// with a rigid body the velocities of the last step are gone.
+/// Removes a body from the system. Remove it from the scene too. Rigid bodies added after it move up by one place.
+/// Removing a rigid body also discards the velocities of the last step.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step.
 #[unsafe(no_mangle)]
@@ -261,8 +259,8 @@ pub unsafe extern "C" fn rayc_contact_system_remove_body(system: *mut rayc_conta
     })
 }
 
-/// Gives two bodies, or a body with itself, a material of their own in place of the combined one. material: NULL takes it
-/// back.
+/// Gives two bodies, or a body with itself, a material of their own instead of the combined one. material: NULL
+/// restores the combined one.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step.
 #[unsafe(no_mangle)]
@@ -281,7 +279,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_pair_material(
     })
 }
 
-/// Says where a rigid or moved body is, and how it moves. Before each step.
+/// Sets where a rigid or moved body is, and how it moves. Call it before each step.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY also for a deformable body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_DIRECTION where
 /// the rotation is no rotation matrix, RAYC_STATUS_OUT_OF_ORDER within a step.

@@ -1,9 +1,11 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
+use super::numbers::flag;
 use super::pointers::reference;
 use super::sized_structs::{Growing, Options, read_options, write_defaults, write_options};
 use super::vectors::rayc_scalar;
-use crate::system::Material;
+use crate::math::Scalar;
+use crate::system::{ContactSystem, Material, RigidUnknowns};
 
 /// How a contact system works. Fill with rayc_default_contact_system_options(), then change what you need.
 #[repr(C)]
@@ -17,6 +19,10 @@ pub struct rayc_contact_system_options {
     /// alone, and rigid bodies give way exactly as if they were solved for; rayc_contact_system_rigid_velocity() has the
     /// result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
     pub keeps_rigid_unknowns: u32,
+    /// 1: contacts are looked for where bodies will be at the end of the step; 0: where they are at its start. Default 1.
+    pub look_ahead: u32,
+    /// Always 0.
+    pub reserved: u32,
 }
 
 impl Growing for rayc_contact_system_options {
@@ -27,7 +33,16 @@ impl Growing for rayc_contact_system_options {
 impl Options for rayc_contact_system_options {
     fn defaults() -> Self {
         let precision = rayc_scalar::RAYC_SCALAR_F64 as u32;
-        Self { struct_size: size_of::<Self>(), precision, keeps_rigid_unknowns: 0 }
+        Self { struct_size: size_of::<Self>(), precision, keeps_rigid_unknowns: 0, look_ahead: 1, reserved: 0 }
+    }
+}
+
+impl rayc_contact_system_options {
+    /// The system that these ask for.
+    pub(super) fn system<T: Scalar>(&self) -> Result<ContactSystem<T>, Failure> {
+        let kept = flag("keeps_rigid_unknowns", self.keeps_rigid_unknowns)?;
+        let system = ContactSystem::new(if kept { RigidUnknowns::Kept } else { RigidUnknowns::Eliminated });
+        Ok(if flag("look_ahead", self.look_ahead)? { system } else { system.looking_at_the_start() })
     }
 }
 

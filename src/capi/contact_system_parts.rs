@@ -43,9 +43,9 @@ pub struct rayc_contact_memory {
     pub length: usize,
 }
 
-/// Puts the scene's bodies, but ghosts, where rayc_contact_system_begin() with the same numbers would look for contacts, and
-/// does no more: by where bodies will be it is known of which others the scene needs ghosts. Those are then put there by
-/// rayc_contact_system_begin(), once the system knows them and their nodes.
+/// Puts the scene's own bodies where rayc_contact_system_begin() with the same numbers would look for contacts, and
+/// does no more. These places show which ghosts the scene needs. rayc_contact_system_begin() puts the ghosts in
+/// place, once the system knows them and their nodes.
 ///
 /// Errors: those of rayc_contact_system_begin().
 #[unsafe(no_mangle)]
@@ -71,13 +71,13 @@ pub unsafe extern "C" fn rayc_contact_system_look_ahead(
     })
 }
 
-/// How many parts the rows of the step under way have, one for each pair and body of it that has unknowns, and how many
-/// blocks of three unknowns these act on together. They stay until the step ends or rayc_contact_system_detect_again() finds
-/// more.
+/// How many parts the rows of the step under way have, and how many blocks of three unknowns these act on together.
+/// There is one part for each pair and each body of it that has unknowns. They stay until the step ends or
+/// rayc_contact_system_detect_again() finds more.
 ///
-/// What a pair does to its bodies does not depend on other pairs. So it may be found in another process, and forces that are
-/// added part by part in one order have the same bits wherever the pairs were found: those of
-/// rayc_contact_system_add_forces() but for the order of summation.
+/// What a pair does to its bodies does not depend on other pairs, so another process may compute it. Forces that are
+/// added part by part in one order have the same bits, whichever process found the pairs. They are those of
+/// rayc_contact_system_add_forces(), except for the order of summation.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept.
 #[unsafe(no_mangle)]

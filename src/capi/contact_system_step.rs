@@ -6,10 +6,10 @@ use super::pointers::{Output, slice, slice_mut};
 use super::scene::{AnyScene, rayc_scene};
 use crate::memory::text;
 
-/// Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in m;
-/// velocities: at the start, in m/s; free_velocities: what they would be at the end if nothing touched the nodes. The scene's
-/// bodies are put where they would then be, their contacts found, and made rows; pairs that contacts cannot part escape as
-/// rayc_scene_advance() says, which this calls.
+/// Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in
+/// m; velocities: at the start, in m/s; free_velocities: the velocities at the end if nothing touched the nodes. The
+/// call puts the scene's bodies where they would then be, finds their contacts, and makes rows of them. It calls
+/// rayc_scene_advance(), so pairs that contacts cannot part escape as described there.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
 /// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
@@ -37,8 +37,9 @@ pub unsafe extern "C" fn rayc_contact_system_begin(
     })
 }
 
-/// Adds to `forces` the contact forces on the unknowns, in N and N m, where `velocities` are those at the end of the step, as
-/// the rows are held: they are linear in the velocities. count: that of the unknowns. The two arrays are not the same.
+/// Adds the contact forces on the unknowns to `forces`, in N and N m. `velocities` are those at the end of the step.
+/// The rows are held, so the forces are linear in the velocities. count: the number of unknowns. The two arrays must
+/// not overlap.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
 /// RAYC_STATUS_INVALID_OPTION where the arrays overlap.
@@ -160,8 +161,9 @@ pub unsafe extern "C" fn rayc_contact_system_energy(
     })
 }
 
-/// Holds the rows anew, at these velocities: which of them push, and how much they rub, is decided there. To be called after
-/// a solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly; above 0.05 or so another solve is due.
+/// Holds the rows anew at these velocities: this decides which rows push and how much they rub. Call it after a
+/// solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly. If it is above about 0.05, solve
+/// again.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
 #[unsafe(no_mangle)]
@@ -181,10 +183,10 @@ pub unsafe extern "C" fn rayc_contact_system_linearise(
     })
 }
 
-/// Looks for contacts where bodies end with these velocities, after a solve: one that is stopped may be in the way of
-/// another, which detection took to be moving on. *is_more: 1 where there are contacts of pairs that had none, or less than
-/// half as many, and another solve is due. Looks only where an unknown ends further than the smallest depth cap from where it
-/// was sought.
+/// Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped
+/// may be in the way of another one, although detection took it to be moving on. *is_more: 1 where pairs have
+/// contacts that had none, or less than half as many; then solve again. It looks only if some unknown ends farther
+/// than the smallest depth cap from where it was looked for.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
 /// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH.
@@ -208,7 +210,8 @@ pub unsafe extern "C" fn rayc_contact_system_detect_again(
     })
 }
 
-/// Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next.
+/// Ends a step, given its velocities at the end. The loads, and what friction holds on to, are remembered for the
+/// next step.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step; RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE: the step is then still
 /// under way.
@@ -227,7 +230,8 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
     })
 }
 
-/// Ends a step as if it had not begun, but for the positions of the scene's bodies; does nothing where none is under way.
+/// Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies. Does nothing where
+/// no step is under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_cancel(system: *mut rayc_contact_system) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.

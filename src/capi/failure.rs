@@ -244,7 +244,7 @@ impl From<SystemError> for Failure {
         let status = match &error {
             SystemError::NotInScene { .. } | SystemError::UnknownBody { .. } => RAYC_STATUS_UNKNOWN_BODY,
             SystemError::BodyTwice { .. } => RAYC_STATUS_BODY_TWICE,
-            SystemError::WrongCount { .. } => RAYC_STATUS_WRONG_COUNT,
+            SystemError::WrongCount { .. } | SystemError::UnknownHalfSpace { .. } => RAYC_STATUS_WRONG_COUNT,
             SystemError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
             SystemError::StepLength { .. } => RAYC_STATUS_INVALID_STEP,
             SystemError::Mass { .. } => RAYC_STATUS_INVALID_MASS,

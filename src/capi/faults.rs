@@ -108,6 +108,10 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contact_system_copy_memories(null(), 0, null_mut());
         rayc_contact_system_pack_memory(null(), null(), null_mut());
         rayc_contact_system_put_memory(null_mut(), null(), null());
+        rayc_contact_system_set_half_space_material(null_mut(), 0, 0, null());
+        rayc_contact_system_copy_contacts(null(), null_mut());
+        rayc_contact_system_misjudged(null_mut(), 0, null(), null_mut());
+        rayc_contact_system_pair_force(null(), 0, 0, 0, null_mut());
         rayc_mesh_create(null(), null(), null(), 0, null_mut());
         rayc_mesh_create_from_obj(null(), null(), null_mut());
         rayc_mesh_packed_length(null(), null_mut());

@@ -6,6 +6,7 @@
 mod closest;
 mod contact_system;
 mod contact_system_options;
+mod contact_system_pairs;
 mod contact_system_parts;
 mod contact_system_step;
 mod contacts;
@@ -43,6 +44,7 @@ pub use contact_system::{
     rayc_contact_system_set_node_masses, rayc_contact_system_set_pair_material, rayc_contact_system_unknown_count,
 };
 pub use contact_system_options::*;
+pub use contact_system_pairs::*;
 pub use contact_system_parts::*;
 pub use contact_system_step::*;
 pub use contacts::*;

@@ -86,6 +86,13 @@ pub enum SystemError {
         /// The vertex whose part is wrong.
         vertex: usize,
     },
+    /// There is no half-space of this number.
+    UnknownHalfSpace {
+        /// The number.
+        half_space: u32,
+        /// How many there are.
+        count: usize,
+    },
     /// A half-space's normal is no unit vector.
     Normal {
         /// Its length.
@@ -152,6 +159,9 @@ impl fmt::Display for SystemError {
             }
             Self::Offsets { vertex } => {
                 write!(f, "the offsets of surface vertex {vertex} are wrong; they rise from 0 to the table's length")
+            }
+            Self::UnknownHalfSpace { half_space, count } => {
+                write!(f, "there is no half-space {half_space}; {count} were added, and they count from 0")
             }
             Self::Normal { length } => write!(f, "the half-space's normal has length {length}; normalise it"),
             Self::NoStep => f.write_str("no step is under way; begin one first"),

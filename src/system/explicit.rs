@@ -27,7 +27,7 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Eliminated);
         }
         // No look-ahead: where bodies are, at the velocities they have.
-        self.start(scene, [dt, 0.0], positions, velocities, velocities)?;
+        self.start(scene, [dt, 0.0, 0.0], positions, velocities, velocities)?;
         let Some(step) = self.step else { return Err(SystemError::NoStep) };
         let mut unknowns = std::mem::take(&mut self.buffers.unknowns);
         unknowns.clear();

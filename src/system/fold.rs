@@ -3,7 +3,7 @@
 use super::Material;
 use super::anchors::{Anchors, Corners, Hold, in_plane, sorted};
 use super::body::{Body, Course, Mover, weights_of};
-use super::loads::{Key, PairLoads, Surface};
+use super::loads::{Key, PairLoads, Surface, in_order};
 use super::row::{Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
@@ -22,7 +22,7 @@ pub(super) struct HalfSpace {
 }
 
 /// Materials of pairs that have one of their own, in order.
-pub(super) type PairMaterials = Vec<([u32; 2], Material)>;
+pub(super) type PairMaterials = Vec<(Key, Material)>;
 
 /// Folds one detection.
 pub(super) struct Folding<'a, T: Scalar> {
@@ -108,8 +108,11 @@ impl<T: Scalar> Folding<'_, T> {
         let direction: V3 = contact.direction.map(T::to_f64);
         let from = sorted(p1.vertices, weights_of(p1));
         let point = first.point(&from.vertices, &from.weights, &course);
+        let key = (contact.colliding, Surface::Body(contact.collided));
+        let pair = self.pair(key, None);
+        let rubs = self.loads.now[pair].material.friction > 0.0;
         let spring = Spring {
-            key: (contact.colliding, Surface::Body(contact.collided)),
+            key,
             direction,
             depth: contact.depth.to_f64(),
             cos_alpha: contact.cos_alpha.to_f64(),
@@ -119,10 +122,10 @@ impl<T: Scalar> Folding<'_, T> {
         let mut ends = Ends::default();
         self.add_end(&mut ends, 0, first.number, &from, None, &point);
         let own = Corners { vertices: p2.vertices, weights: weights_of(p2) };
-        let held = self.held_inside(second.number, &own, &point);
+        let held = if rubs { self.held_inside(second.number, &own, &point) } else { None };
         self.add_end(&mut ends, 1, second.number, &own, held, &point);
-        let to = in_plane(second, &p2.vertices, &point, &direction, &course);
-        self.finish(spring, None, ends, Some((p1.triangle, from, Hold::Material(to))));
+        let hold = || Hold::Material(in_plane(second, &p2.vertices, &point, &direction, &course));
+        self.finish(spring, None, ends, rubs.then(|| (p1.triangle, from, hold())));
     }
 
     /// Escaping pairs: one spring between the two centres of mass, so that every node gets the same acceleration.
@@ -203,18 +206,13 @@ impl<T: Scalar> Folding<'_, T> {
         loads.place(key, || {
             let find = |number: u32| &bodies[place_of(bodies, number)];
             let first = find(key.0);
-            match (key.1, floor) {
-                (Surface::Body(number), _) => {
-                    let second = find(number);
-                    let numbers = [key.0.min(number), key.0.max(number)];
-                    let own = pair_materials.binary_search_by_key(&numbers, |(pair, _)| *pair).ok();
-                    let combined = || first.material.combined(&second.material);
-                    let material = own.map_or_else(combined, |place| pair_materials[place].1);
-                    (material, 1.0 / first.mass + 1.0 / second.mass)
-                }
-                (_, Some(floor)) => (first.material.combined(&floor.material), 1.0 / first.mass),
-                _ => (first.material, 1.0 / first.mass),
-            }
+            let (other, inverse_mass) = match (key.1, floor) {
+                (Surface::Body(number), _) => (find(number).material, 1.0 / find(number).mass),
+                (_, floor) => (floor.map_or(first.material, |floor| floor.material), 0.0),
+            };
+            let own = pair_materials.binary_search_by_key(&in_order(key).0, |(pair, _)| *pair).ok();
+            let material = own.map_or_else(|| first.material.combined(&other), |place| pair_materials[place].1);
+            (material, 1.0 / first.mass + inverse_mass)
         })
     }
 
@@ -334,7 +332,8 @@ impl<T: Scalar> Folding<'_, T> {
         self.rows.rows.room_for(1).push(row);
         let place = self.rows.rows.len() - 1;
         let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
-        let slip = self.rows.slip_at(place, ahead);
+        // Detection has moved nothing on where it did not look ahead.
+        let slip = if self.course.time > 0.0 { self.rows.slip_at(place, ahead) } else { Slip::default() };
         let sliding = self.rows.slip(place, self.before, &ends.given_before).across;
         if let Some((triangle, from, hold)) = hold {
             let (anchor, old) = self.anchors.find(key, triangle, from, hold);

@@ -36,6 +36,8 @@ pub(super) struct Pair {
     predicted: f64,
     normal: f64,
     solved: f64,
+    /// On the first body, in N.
+    force: V3,
     /// Of the step before: predicted and left.
     then: Option<(f64, f64)>,
     /// Of the friction springs at the end of this step, and of the one before.
@@ -85,6 +87,13 @@ impl PairLoads {
         Some([predicted, solved, coefficient, pull.x, pull.y, pull.z])
     }
 
+    /// The net force on the first of the pair in the step before.
+    pub(super) fn force(&self, key: Key) -> V3 {
+        let (key, turned) = in_order(key);
+        let place = self.before.binary_search_by_key(&key, |pair| pair.key);
+        place.map_or_else(|_| V3::zeros(), |place| self.before[place].force) * if turned { -1.0 } else { 1.0 }
+    }
+
     /// Replaces it; the two bodies in either order.
     pub(super) fn put(&mut self, key: Key, [predicted, solved, coefficient, x, y, z]: [f64; 6]) {
         let (key, turned) = in_order(key);
@@ -114,7 +123,7 @@ impl PairLoads {
 }
 
 /// The smaller number first, and whether that turns the pair around.
-fn in_order(key: Key) -> (Key, bool) {
+pub(super) fn in_order(key: Key) -> (Key, bool) {
     match key {
         (first, Surface::Body(second)) if second < first => ((second, Surface::Body(first)), true),
         key => (key, false),
@@ -130,6 +139,7 @@ impl Pair {
             predicted: 0.0,
             normal: 0.0,
             solved: 0.0,
+            force: V3::zeros(),
             then: before.map(|pair| (pair.predicted, pair.solved)),
             springs: Springs::default(),
             springs_then: before.map(|pair| pair.springs).unwrap_or_default(),
@@ -143,8 +153,9 @@ impl Pair {
         self.normal += normal;
     }
 
-    pub(super) fn add_solved(&mut self, push: f64) {
+    pub(super) fn add_solved(&mut self, push: f64, force: &V3) {
         self.solved += push;
+        self.force += force;
     }
 
     /// A friction spring as it is at the end of the step.

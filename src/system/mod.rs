@@ -19,6 +19,7 @@
 mod anchors;
 mod body;
 mod carried;
+mod conduct;
 mod error;
 mod explicit;
 mod fold;
@@ -69,6 +70,7 @@ pub enum RigidUnknowns {
 #[derive(Debug)]
 pub struct ContactSystem<T: Scalar> {
     rigid_unknowns: RigidUnknowns,
+    looks_ahead: bool,
     node_masses: Vec<f64>,
     /// In ascending order of their numbers.
     bodies: Vec<Body<T>>,
@@ -85,10 +87,11 @@ pub struct ContactSystem<T: Scalar> {
 }
 
 impl<T: Scalar> ContactSystem<T> {
-    /// A system without bodies. Escaping pairs are pushed as whole bodies, so that soft ones are moved and not drawn out.
+    /// A system without bodies.
     pub fn new(rigid_unknowns: RigidUnknowns) -> Self {
         Self {
             rigid_unknowns,
+            looks_ahead: true,
             node_masses: Vec::new(),
             bodies: Vec::new(),
             rigid_count: 0,
@@ -251,27 +254,7 @@ impl<T: Scalar> ContactSystem<T> {
         let is_gone = |key: &Key| key.0 == body || key.1 == Surface::Body(body);
         self.anchors.forget(is_gone);
         self.loads.forget(is_gone);
-        self.pair_materials.retain(|(pair, _)| !pair.contains(&body));
-        Ok(())
-    }
-
-    /// Gives two bodies, or a body with itself, a material of their own in place of the
-    /// [combined](Material::combined) one; `None` takes it back.
-    ///
-    /// # Errors
-    /// [`SystemError::UnknownBody`], [`SystemError::Material`], [`SystemError::StepUnderWay`].
-    pub fn set_pair_material(&mut self, a: u32, b: u32, material: Option<Material>) -> Result<(), SystemError> {
-        self.check_no_step()?;
-        self.place(a)?;
-        self.place(b)?;
-        material.as_ref().map_or(Ok(()), Material::check)?;
-        let pair = [a.min(b), a.max(b)];
-        match (self.pair_materials.binary_search_by_key(&pair, |(pair, _)| *pair), material) {
-            (Ok(place), Some(material)) => self.pair_materials[place].1 = material,
-            (Ok(place), None) => drop(self.pair_materials.remove(place)),
-            (Err(place), Some(material)) => self.pair_materials.room_for(1).insert(place, (pair, material)),
-            (Err(_), None) => {}
-        }
+        self.pair_materials.retain(|(pair, _)| !is_gone(pair));
         Ok(())
     }
 

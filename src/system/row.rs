@@ -149,7 +149,7 @@ impl Row {
             return expected;
         }
         let time = dt + self.damping_time;
-        expected.max(start + time * (self.ahead.across.norm() - self.friction * lost))
+        expected.max(start + time * (self.held.at.across.norm() - self.friction * lost))
     }
 
     /// The force on the first body at a slip, as the row is held.

@@ -6,6 +6,7 @@ use super::loads::Surface;
 use super::row::Row;
 use super::rows::Velocities;
 use super::step::Step;
+use super::twist::V3;
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::Scalar;
 
@@ -126,9 +127,13 @@ impl<T: Scalar> ContactSystem<T> {
     pub(super) fn hold_predicted(&mut self) {
         let Some(Step { dt, .. }) = self.step else { return };
         let pairs = &mut self.loads.now;
-        for row in &mut self.rows.rows {
+        let free = Velocities { nodes: &self.buffers.ahead, twists: &self.buffers.free_twists };
+        for place in 0..self.rows.rows.len() {
+            let looked_ahead = self.looks_ahead.then_some(self.rows.rows[place].ahead);
+            let predicted = looked_ahead.unwrap_or_else(|| self.rows.slip_at(place, free));
+            let row = &mut self.rows.rows[place];
             let pair = &mut pairs[row.pair];
-            row.hold_normal(row.ahead, dt);
+            row.hold_normal(predicted, dt);
             if pair.is_loaded() {
                 row.hold_loaded(dt);
             }
@@ -147,24 +152,35 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Holds the rows at velocities, with the twists last found; gives the part of the force that was predicted wrongly.
     pub(super) fn hold_at(&mut self, velocities: &[f64], step: Step) -> f64 {
-        let (mut right, mut wrong) = (0.0, 0.0);
+        let mut sums = [0.0; 2];
         for place in 0..self.rows.rows.len() {
-            let slip = self.rows.slip_at(place, self.velocities(velocities));
-            let row = &mut self.rows.rows[place];
-            let before = row.held;
-            let was = if before.pushes { row.force_at(&slip) } else { Default::default() };
-            row.hold_normal(slip, step.dt);
-            let expected = row.spring_at(&slip.across, step.dt).norm();
-            row.hold_friction(row.held.push, expected, step.dt);
-            if row.held.pushes {
-                let is = row.force_at(&slip);
-                (right, wrong) = (right + is.norm(), wrong + (is - was).norm());
-            } else {
-                wrong += was.norm();
-            }
+            self.rows.rows[place] = self.held_anew(place, velocities, step, &mut sums);
         }
         self.factor(step.dt);
-        if wrong > 0.0 { wrong / (right + wrong) } else { 0.0 }
+        part_of(sums)
+    }
+
+    /// The part of the force that was predicted wrongly, with the twists last found.
+    pub(super) fn misjudged_at(&self, velocities: &[f64], step: Step) -> f64 {
+        let mut sums = [0.0; 2];
+        for place in 0..self.rows.rows.len() {
+            self.held_anew(place, velocities, step, &mut sums);
+        }
+        part_of(sums)
+    }
+
+    /// A row held at velocities; adds to what was predicted rightly and wrongly.
+    fn held_anew(&self, place: usize, velocities: &[f64], step: Step, [right, wrong]: &mut [f64; 2]) -> Row {
+        let slip = self.rows.slip_at(place, self.velocities(velocities));
+        let mut row = self.rows.rows[place];
+        let was = if row.held.pushes { row.force_at(&slip) } else { V3::zeros() };
+        row.hold_normal(slip, step.dt);
+        let expected = row.spring_at(&slip.across, step.dt).norm();
+        row.hold_friction(row.held.push, expected, step.dt);
+        let is = if row.held.pushes { row.force_at(&slip) } else { V3::zeros() };
+        *right += is.norm();
+        *wrong += (is - was).norm();
+        row
     }
 
     fn factor(&mut self, dt: f64) {
@@ -181,8 +197,9 @@ impl<T: Scalar> ContactSystem<T> {
             if !row.held.pushes {
                 continue;
             }
-            let load = row.direction.dot(&row.force_at(&slip)).max(0.0);
-            self.loads.now[row.pair].add_solved(load);
+            let force = row.force_at(&slip);
+            let load = row.direction.dot(&force).max(0.0);
+            self.loads.now[row.pair].add_solved(load, &(force * row.order));
             let Some(anchor) = row.anchor.filter(|_| load > 0.0) else { continue };
             let stretch = row.stretch_at(&slip.across, step.dt);
             let most = row.friction * load / row.coefficient;
@@ -215,6 +232,10 @@ impl<T: Scalar> ContactSystem<T> {
         self.anchors.finish_step();
         self.loads.finish_step();
     }
+}
+
+fn part_of([right, wrong]: [f64; 2]) -> f64 {
+    if wrong > 0.0 { wrong / (right + wrong) } else { 0.0 }
 }
 
 pub(super) fn check_count(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), SystemError> {

@@ -63,16 +63,17 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
-        self.start(scene, [dt, dt], positions, velocities, free_velocities)?;
+        let ahead = if self.looks_ahead { dt } else { 0.0 };
+        self.start(scene, [dt, ahead, dt], positions, velocities, free_velocities)?;
         self.hold_predicted();
         Ok(())
     }
 
-    /// The same with a time of its own for looking ahead and for the rows.
+    /// The same with times of their own for looking ahead and for the rows.
     pub(super) fn start(
         &mut self,
         scene: &mut Scene<T>,
-        [dt, ahead]: [f64; 2],
+        [dt, ahead, rows]: [f64; 3],
         positions: &[f64],
         velocities: &[f64],
         free_velocities: &[f64],
@@ -86,7 +87,7 @@ impl<T: Scalar> ContactSystem<T> {
         self.loads.start_step();
         self.fold(ahead, |_, _| true, Some(scene));
         self.hand_over();
-        self.step = Some(Step { dt: ahead, unknowns: self.unknown_count() });
+        self.step = Some(Step { dt: rows, unknowns: self.unknown_count() });
         Ok(())
     }
 
@@ -163,7 +164,7 @@ impl<T: Scalar> ContactSystem<T> {
         self.check_bodies(scene)?;
         self.find_twists(velocities, step);
         let nodes = &velocities[..3 * self.node_masses.len()];
-        if !self.ends_elsewhere(nodes, step.dt) {
+        if !self.looks_ahead || !self.ends_elsewhere(nodes, step.dt) {
             return Ok(false);
         }
         let buffers = &mut self.buffers;

@@ -16,11 +16,12 @@
 namespace raycontact::bullet {
 
 /** Six times the signed volume, in double: float gets the sign of flat tetrahedra wrong. */
-inline double six_volumes(const btVector3& a, const btVector3& b, const btVector3& c, const btVector3& d) {
+template <class Point>
+double six_volumes(const Point& a, const Point& b, const Point& c, const Point& d) {
   double e[3][3];
-  const btVector3* ends[3] = {&b, &c, &d};
+  const Point* ends[3] = {&b, &c, &d};
   for (int i = 0; i < 3; ++i)
-    for (int axis = 0; axis < 3; ++axis) e[i][axis] = double((*ends[i])[axis]) - double(a[axis]);
+    for (unsigned axis = 0; axis < 3; ++axis) e[i][axis] = double((*ends[i])[axis]) - double(a[axis]);
   return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
 }

@@ -103,7 +103,7 @@ class ContactFolding {
   void add_skin_point(const ContactBody& body, std::size_t p, btScalar weight) {
     const SkinPoint& point = body.skin.points[p];
     for (std::size_t k = 0; k < 4; ++k)
-      if (point.weights[k] != 0) rows_.add(body.first_node + point.nodes[k], weight * point.weights[k]);
+      if (point.weights[k] != 0) rows_.add(body.first_node + point.nodes[k], weight * btScalar(point.weights[k]));
   }
 
   void add_whole_body(const ContactBody& body, btScalar sign) {

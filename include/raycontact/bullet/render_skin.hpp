@@ -32,7 +32,7 @@ inline Skin skin_from_render_mesh(const btSoftBody& body) {
     SkinPoint& point = skin.points[static_cast<std::size_t>(i)];
     for (int k = 0; k < 4; ++k) {
       point.nodes[static_cast<std::size_t>(k)] = static_cast<int>(parents[k] - &body.m_nodes[0]);
-      point.weights[static_cast<std::size_t>(k)] = body.m_renderNodesInterpolationWeights[i][k];
+      point.weights[static_cast<std::size_t>(k)] = double(body.m_renderNodesInterpolationWeights[i][k]);
     }
   }
   skin.triangles.reserve(3 * static_cast<std::size_t>(body.m_renderFaces.size()));

@@ -11,21 +11,12 @@
 #include <vector>
 
 #include "raycontact/bullet/precision.hpp"
-#include "raycontact/bullet/threes.hpp"
+#include "raycontact/cage.hpp"
 
 namespace raycontact::bullet {
 
-/** A point of the skin: a weighted mean of at most four nodes of the soft body that carries it. */
-struct SkinPoint {
-  std::array<int, 4> nodes{{0, 0, 0, 0}};         ///< their numbers in the body
-  std::array<btScalar, 4> weights{{1, 0, 0, 0}};  ///< sum 1; barycentric in one tetrahedron, or one node alone
-};
-
-/** A closed, outward-oriented surface over such points. */
-struct Skin {
-  std::vector<SkinPoint> points;    ///< the surface's vertices
-  std::vector<uint32_t> triangles;  ///< three point numbers each
-};
+using raycontact::Skin;
+using raycontact::SkinPoint;
 
 /** The body's own faces as its skin. Nodes no face uses stay in the list and do not matter. */
 inline Skin skin_from_faces(const btSoftBody& body) {
@@ -59,7 +50,7 @@ inline void skin_positions(const btSoftBody& body, const Skin& skin, std::vector
     btVector3 x(0, 0, 0);
     for (std::size_t k = 0; k < 4; ++k) {
       const btSoftBody::Node& node = body.m_nodes[point.nodes[k]];
-      x += point.weights[k] * (node.m_x + ahead.time * ahead.velocity(node));
+      x += btScalar(point.weights[k]) * (node.m_x + ahead.time * ahead.velocity(node));
     }
     for (int axis = 0; axis < 3; ++axis) *out++ = x[axis];
   }
@@ -79,8 +70,8 @@ inline std::vector<btScalar> skin_areas(const std::vector<btScalar>& positions,
 }
 
 /**
- * Throws std::invalid_argument when a point refers to a node the body does not have, or a triangle to no point, or where
- * the triangles' numbers are no multiple of three.
+ * Throws std::invalid_argument when a point refers to a node the body does not have, or a triangle to no point, or
+ * where the triangles' numbers are no multiple of three.
  */
 inline void check_skin(const btSoftBody& body, const Skin& skin) {
   for (std::size_t i = 0; i < skin.points.size(); ++i)
@@ -88,7 +79,7 @@ inline void check_skin(const btSoftBody& body, const Skin& skin) {
       if (node < 0 || node >= body.m_nodes.size())
         throw std::invalid_argument("skin point " + std::to_string(i) + " is carried by node " + std::to_string(node) +
                                     ", but the body has " + std::to_string(body.m_nodes.size()) + " nodes");
-  detail::check_threes(skin.triangles.size(), "skin.triangles", "triangle");
+  raycontact::detail::check_threes(skin.triangles.size(), "skin.triangles", "triangle");
   for (std::size_t i = 0; i < skin.triangles.size(); ++i)
     if (skin.triangles[i] >= skin.points.size())
       throw std::invalid_argument("skin triangle " + std::to_string(i / 3) + " refers to point " +

@@ -74,7 +74,7 @@ class SurfaceSet {
 
   void add_rigid(btRigidBody& body, RigidSurface surface) {
     refuse_twice(&body);
-    detail::check_threes(surface.triangles.size(), "surface.triangles", "triangle");
+    raycontact::detail::check_threes(surface.triangles.size(), "surface.triangles", "triangle");
     ContactBody added{nullptr, &body, {}, std::move(surface), 0, true, 0, {}, {}};
     place(added, {});
     // A triangle mesh may be a piece of terrain; a moving one must be closed to have an inside.
@@ -115,7 +115,8 @@ class SurfaceSet {
     detection_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   }
 
-  /** Ends the step, after its first detection: what is found from now on in the same step changes nothing for the next. */
+  /** Ends the step, after its first detection: what is found from now on in the same step changes nothing for the next.
+   */
   void advance(double seconds) { scene_.advance(seconds); }
 
   /** Positions as they are now, for restore_positions() after another detection in the same step. */

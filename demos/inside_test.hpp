@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-/** Is a point inside a closed surface? By winding number along one ray; needs neither Bullet nor the library. */
-#ifndef RAYCONTACT_BULLET_INSIDE_TEST_HPP
-#define RAYCONTACT_BULLET_INSIDE_TEST_HPP
+/** Is a point inside a closed surface? By winding number along one ray; a judge that does not ask the library. */
+#ifndef RAYCONTACT_DEMOS_INSIDE_TEST_HPP
+#define RAYCONTACT_DEMOS_INSIDE_TEST_HPP
 
 #include <algorithm>
 #include <array>
@@ -11,9 +11,9 @@
 #include <limits>
 #include <vector>
 
-#include "raycontact/bullet/threes.hpp"
+#include "raycontact/cage.hpp"
 
-namespace raycontact::bullet {
+namespace demo {
 
 /**
  * Turns the surface by a fixed, arbitrary rotation, sorts its triangles into the squares of a grid in the plane, and
@@ -23,12 +23,12 @@ namespace raycontact::bullet {
 class InsideTest {
  public:
   /**
-   * `positions`: x, y, z packed. `triangles`: three vertex numbers each, outward. Throws std::invalid_argument where either
-   * is no multiple of three numbers.
+   * `positions`: x, y, z packed. `triangles`: three vertex numbers each, outward. Throws std::invalid_argument where
+   * either is no multiple of three numbers.
    */
   InsideTest(const std::vector<double>& positions, const std::vector<uint32_t>& triangles) : triangles_(triangles) {
-    detail::check_threes(positions.size(), "positions", "vertex");
-    detail::check_threes(triangles.size(), "triangles", "triangle");
+    raycontact::detail::check_threes(positions.size(), "positions", "vertex");
+    raycontact::detail::check_threes(triangles.size(), "triangles", "triangle");
     points_.resize(positions.size() / 3);
     low_.fill(std::numeric_limits<double>::infinity());
     high_.fill(-std::numeric_limits<double>::infinity());
@@ -136,6 +136,6 @@ class InsideTest {
   std::vector<std::size_t> first_, sorted_;
 };
 
-}  // namespace raycontact::bullet
+}  // namespace demo
 
-#endif  // RAYCONTACT_BULLET_INSIDE_TEST_HPP
+#endif  // RAYCONTACT_DEMOS_INSIDE_TEST_HPP

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-/** A coarse lattice of tetrahedra around a closed surface, and the soft body made of it. */
-#ifndef RAYCONTACT_BULLET_CAGE_HPP
-#define RAYCONTACT_BULLET_CAGE_HPP
-
-#include <BulletSoftBody/btSoftBody.h>
+/**
+ * @file
+ * A coarse lattice of tetrahedra around a closed surface, which carries it: for simulations of fine surfaces, in
+ * whatever engine. Refuses with exceptions.
+ */
+#ifndef RAYCONTACT_CAGE_HPP
+#define RAYCONTACT_CAGE_HPP
 
 #include <algorithm>
 #include <array>
@@ -11,28 +13,45 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "raycontact/bullet/inside_test.hpp"
-#include "raycontact/bullet/skin.hpp"
+#include "mesh.hpp"
+#include "span.hpp"
 
-namespace raycontact::bullet {
+namespace raycontact {
+
+/** A point of a skin: a weighted mean of at most four nodes of the body that carries it. */
+struct SkinPoint {
+  std::array<int, 4> nodes{{0, 0, 0, 0}};       ///< their numbers in the body
+  std::array<double, 4> weights{{1, 0, 0, 0}};  ///< sum 1; barycentric in one tetrahedron, or one node alone
+};
+
+/** A closed, outward-oriented surface over such points. */
+struct Skin {
+  std::vector<SkinPoint> points;    ///< the surface's vertices
+  std::vector<uint32_t> triangles;  ///< three point numbers each
+};
 
 /** Tetrahedra and the surface that they carry. */
 struct Cage {
-  std::vector<btVector3> nodes;  ///< at rest, m
-  std::vector<btScalar> fill;    ///< for each node, its part of the volume inside the skin, m^3; masses follow it
+  std::vector<std::array<double, 3>> nodes;  ///< at rest, m
+  std::vector<double> fill;  ///< for each node, its part of the volume inside the skin, m^3; masses follow it
   std::vector<std::array<int, 4>> tetrahedra;  ///< positive volume
   Skin skin;                                   ///< the surface, over those nodes
   double cell_edge = 0;                        ///< the shortest edge of a cell, m
 };
 
 namespace detail {
+
+/** Throws std::invalid_argument where one or two numbers are left over. */
+inline void check_threes(std::size_t size, const std::string& name, const std::string& each) {
+  if (size % 3 != 0)
+    throw std::invalid_argument(name + " has " + std::to_string(size) +
+                                " numbers, which is no multiple of three; give three for each " + each);
+}
 
 /** The cells of a box lattice that touch a surface or lie inside it. */
 class Lattice {
@@ -104,19 +123,23 @@ class Lattice {
 
   void mark_inside() {
     constexpr int samples = 4;  // along each edge of a cell
-    const InsideTest inside(positions_, triangles_);
+    constexpr std::size_t in_cell = samples * samples * samples;
+    const Mesh mesh(vectors(positions_), triangles_);
+    const Octree octree(mesh);
+    std::vector<double> points(3 * in_cell);
+    std::vector<int32_t> windings(in_cell);
     Cell c;
     for (c[2] = 0; c[2] < cells_[2]; ++c[2])
       for (c[1] = 0; c[1] < cells_[1]; ++c[1])
         for (c[0] = 0; c[0] < cells_[0]; ++c[0]) {
-          int hits = 0;
-          for (int s = 0; s < samples * samples * samples; ++s) {
-            const int offset[3] = {s % samples, s / samples % samples, s / samples / samples};
-            double x[3];
-            for (std::size_t a = 0; a < 3; ++a) x[a] = origin_[a] + edges_[a] * (c[a] + (offset[a] + 0.5) / samples);
-            hits += inside.contains(x) ? 1 : 0;
+          for (std::size_t s = 0; s < in_cell; ++s) {
+            const std::size_t offset[3] = {s % samples, s / samples % samples, s / samples / samples};
+            for (std::size_t a = 0; a < 3; ++a)
+              points[3 * s + a] = origin_[a] + edges_[a] * (c[a] + (double(offset[a]) + 0.5) / samples);
           }
-          fill_[number(c)] = double(hits) / (samples * samples * samples);
+          octree.winding_numbers(mesh, vectors(points), windings);
+          const auto hits = std::count_if(windings.begin(), windings.end(), [](int32_t number) { return number > 0; });
+          fill_[number(c)] = double(hits) / double(in_cell);
           if (hits > 0) used_[number(c)] = 1;
         }
   }
@@ -126,9 +149,8 @@ class Lattice {
     if (found != node_of_corner_.end()) return found->second;
     const int fresh = static_cast<int>(cage.nodes.size());
     node_of_corner_[corner] = fresh;
-    btVector3 x(0, 0, 0);
-    for (std::size_t a = 0; a < 3; ++a)
-      x[static_cast<int>(a)] = static_cast<btScalar>(origin_[a] + edges_[a] * corner[a]);
+    std::array<double, 3> x{};
+    for (std::size_t a = 0; a < 3; ++a) x[a] = origin_[a] + edges_[a] * corner[a];
     cage.nodes.push_back(x);
     cage.fill.push_back(0);
     return fresh;
@@ -165,7 +187,7 @@ class Lattice {
     const double volume = edges_[0] * edges_[1] * edges_[2] * std::max(0.2, fill_[number(c)]);
     for (int k = 0; k < 8; ++k)
       cage.fill[static_cast<std::size_t>(node({{c[0] + (k & 1), c[1] + (k >> 1 & 1), c[2] + (k >> 2)}}, cage))] +=
-          static_cast<btScalar>(volume / 8);
+          volume / 8;
   }
 
   // In the tetrahedron whose walk takes the axes by falling local coordinate, the weights are their differences.
@@ -181,7 +203,7 @@ class Lattice {
     SkinPoint point;
     for (std::size_t k = 0; k < 4; ++k) {
       point.nodes[k] = node_of_corner_.at(corners[k]);
-      point.weights[k] = static_cast<btScalar>(steps[k] - steps[k + 1]);
+      point.weights[k] = steps[k] - steps[k + 1];
     }
     return point;
   }
@@ -245,37 +267,6 @@ inline Cage make_cage(const std::vector<double>& positions, const std::vector<ui
   return detail::Lattice(positions, triangles, counts, origin, {{edge, edge, edge}}).cage();
 }
 
-/** A soft body made of the cage, with everything Bullet's deformable world needs of one; `mass` in kg, spread by fill.
- */
-inline std::unique_ptr<btSoftBody> make_soft_body(btSoftBodyWorldInfo& info, const Cage& cage, btScalar mass) {
-  auto body =
-      std::make_unique<btSoftBody>(&info, static_cast<int>(cage.nodes.size()), cage.nodes.data(), cage.fill.data());
-  std::set<std::pair<int, int>> edges;
-  std::map<std::array<int, 3>, std::array<int, 3>> boundary;  // sorted corners -> outward order
-  for (const std::array<int, 4>& t : cage.tetrahedra) {
-    body->appendTetra(t[0], t[1], t[2], t[3]);
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j) edges.insert(std::minmax(t[i], t[j]));
-    const std::array<int, 3> faces[4] = {
-        {{t[0], t[2], t[1]}}, {{t[0], t[1], t[3]}}, {{t[0], t[3], t[2]}}, {{t[1], t[2], t[3]}}};
-    for (const std::array<int, 3>& face : faces) {
-      std::array<int, 3> corners = face;
-      std::sort(corners.begin(), corners.end());
-      if (boundary.erase(corners) == 0) boundary[corners] = face;  // a face seen twice is between two tetrahedra
-    }
-  }
-  for (const std::pair<int, int>& edge : edges) body->appendLink(edge.first, edge.second);
-  for (const auto& face : boundary) body->appendFace(face.second[0], face.second[1], face.second[2]);
-  body->initializeDmInverse();
-  body->m_tetraScratches.resize(body->m_tetras.size());
-  body->m_tetraScratchesTn.resize(body->m_tetras.size());
-  body->setTotalMass(mass);
-  body->getCollisionShape()->setMargin(btScalar(0.03));
-  body->m_cfg.collisions = 0;
-  body->setActivationState(DISABLE_DEACTIVATION);
-  return body;
-}
+}  // namespace raycontact
 
-}  // namespace raycontact::bullet
-
-#endif  // RAYCONTACT_BULLET_CAGE_HPP
+#endif  // RAYCONTACT_CAGE_HPP

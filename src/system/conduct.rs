@@ -1,0 +1,88 @@
+//! What differs from host to host, and what they may ask of a pair.
+
+use super::loads::{Key, Surface, in_order};
+use super::{ContactSystem, Material, SystemError};
+use crate::math::Scalar;
+use crate::memory::Room;
+
+impl<T: Scalar> ContactSystem<T> {
+    /// Contacts are looked for where bodies are at the start of a step, not where they will be: bodies that meet in a step have
+    /// none yet.
+    #[must_use]
+    pub fn looking_at_the_start(mut self) -> Self {
+        self.looks_ahead = false;
+        self
+    }
+
+    /// Gives two bodies, or a body with itself, a material of their own in place of the
+    /// [combined](Material::combined) one; `None` takes it back.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`], [`SystemError::Material`], [`SystemError::StepUnderWay`].
+    pub fn set_pair_material(&mut self, a: u32, b: u32, material: Option<Material>) -> Result<(), SystemError> {
+        self.check_no_step()?;
+        self.place(b)?;
+        self.set_material((a, Surface::Body(b)), material)
+    }
+
+    /// The same for a body and a half-space.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`], [`SystemError::UnknownHalfSpace`], [`SystemError::Material`],
+    /// [`SystemError::StepUnderWay`].
+    pub fn set_half_space_material(
+        &mut self,
+        body: u32,
+        half_space: u32,
+        material: Option<Material>,
+    ) -> Result<(), SystemError> {
+        self.check_no_step()?;
+        self.check_half_space(half_space)?;
+        self.set_material((body, Surface::HalfSpace(half_space)), material)
+    }
+
+    fn set_material(&mut self, key: Key, material: Option<Material>) -> Result<(), SystemError> {
+        self.place(key.0)?;
+        material.as_ref().map_or(Ok(()), Material::check)?;
+        let (key, _) = in_order(key);
+        match (self.pair_materials.binary_search_by_key(&key, |(pair, _)| *pair), material) {
+            (Ok(place), Some(material)) => self.pair_materials[place].1 = material,
+            (Ok(place), None) => drop(self.pair_materials.remove(place)),
+            (Err(place), Some(material)) => self.pair_materials.room_for(1).insert(place, (key, material)),
+            (Err(_), None) => {}
+        }
+        Ok(())
+    }
+
+    /// The part of the force, from 0 to 1, that would prove to be predicted wrongly at these velocities: what
+    /// [`linearise`](Self::linearise) gives, but rows are held as before.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    pub fn misjudged(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
+        let step = self.check_velocities("velocities", velocities)?;
+        self.find_twists(velocities, step);
+        Ok(self.misjudged_at(velocities, step))
+    }
+
+    /// The net force in N with which `other` acted on a body in the last finished step; zero for a body and itself.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`], [`SystemError::UnknownHalfSpace`].
+    pub fn pair_force(&self, body: u32, other: Surface) -> Result<[f64; 3], SystemError> {
+        self.place(body)?;
+        match other {
+            Surface::Body(other) if other == body => return Ok([0.0; 3]),
+            Surface::Body(other) => drop(self.place(other)?),
+            Surface::HalfSpace(number) => self.check_half_space(number)?,
+        }
+        Ok(self.loads.force((body, other)).into())
+    }
+
+    fn check_half_space(&self, half_space: u32) -> Result<(), SystemError> {
+        match self.half_spaces.len() {
+            count if (half_space as usize) < count => Ok(()),
+            count => Err(SystemError::UnknownHalfSpace { half_space, count }),
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! What hosts may ask for: materials of a pair's own, contacts where bodies are; and what they may
+//! know: the force of a pair, and whether a solve was right.
+
+use super::bodies::{add_box, add_soft};
+use crate::common::host::{Host, at};
+use crate::common::shapes;
+use nalgebra::{Matrix3, Vector3};
+use raycontact::system::{ContactSystem, Material, RigidUnknowns, Surface};
+
+type V3 = Vector3<f64>;
+
+fn material(stiffness: f64) -> Material {
+    Material { stiffness, damping_time: 0.02, friction: 0.0, depth_cap: f64::INFINITY }
+}
+
+fn net(forces: &[f64]) -> V3 {
+    (0..forces.len() / 3).fold(V3::zeros(), |sum, node| sum + at(forces, node))
+}
+
+/// Two soft cubes of 0.4 m, the second 0.05 m into the first along x.
+fn two_soft_cubes(system: ContactSystem<f64>) -> Host {
+    let mut host = Host::new(RigidUnknowns::Eliminated);
+    host.system = system;
+    let cube = shapes::cube(2).scaled(0.2);
+    add_soft(&mut host, &cube, material(1e5), Matrix3::identity());
+    add_soft(&mut host, &cube.map(|[x, y, z]| [x + 0.35, y + 0.01, z + 0.02]), material(1e5), Matrix3::identity());
+    host
+}
+
+fn begin(host: &mut Host, dt: f64, free: &[f64]) {
+    let still = vec![0.0; host.x.len()];
+    host.system.begin(&mut host.scene, dt, &host.x, &still, free).expect("a step");
+}
+
+fn forces(host: &mut Host, velocities: &[f64]) -> Vec<f64> {
+    let mut forces = vec![0.0; velocities.len()];
+    host.system.add_forces(velocities, &mut forces).expect("a step is under way");
+    forces
+}
+
+/// A floor may be as stiff for one body as the host says, and goes back to the rule for all.
+#[test]
+fn a_body_and_a_half_space_may_have_a_material_of_their_own() {
+    let mut host = Host::new(RigidUnknowns::Eliminated);
+    add_soft(&mut host, &shapes::cube(2).scaled(0.2), material(1e5), Matrix3::identity());
+    // 0.02 m of the cube lie below: that depth times its face.
+    let floor = host.system.add_half_space([0.0, 0.0, 1.0], -0.18, material(3e5)).expect("a floor");
+    let mut lift = |own: Option<Material>| {
+        host.system.set_half_space_material(0, floor, own).expect("both are there");
+        let still = vec![0.0; host.x.len()];
+        begin(&mut host, 0.01, &still);
+        let force = net(&forces(&mut host, &still));
+        host.system.cancel();
+        force.z
+    };
+    for (own, stiffness) in [(Some(material(7e5)), 7e5), (None, 7.5e4), (Some(material(0.0)), 0.0)] {
+        let (found, expected) = (lift(own), stiffness * 0.02 * 0.16);
+        assert!((found - expected).abs() <= 1e-9 * expected, "{found} N, not {expected}");
+    }
+}
+
+/// By Newton's laws: what a body gains in a step comes from the other, and from the floor.
+#[test]
+fn the_force_of_a_pair_is_the_momentum_that_it_exchanges() {
+    let mut host = Host::new(RigidUnknowns::Eliminated);
+    for side in [-1.0, 1.0] {
+        add_box(&mut host, material(1e5), V3::new(0.19 * side, 0.02 * side, 0.19), Matrix3::identity());
+        host.rigids.last_mut().expect("it was added").velocity[0] = -side;
+    }
+    let floor = host.system.add_half_space([0.0, 0.0, 1.0], 0.0, material(1e5)).expect("a floor");
+    let (dt, mass) = (0.01, 10.0);
+    let mut most: f64 = 0.0;
+    for _ in 0..20 {
+        let before: Vec<V3> = host.rigids.iter().map(|rigid| V3::from_column_slice(&rigid.velocity[..3])).collect();
+        host.step(dt);
+        let force = |body, other| V3::from(host.system.pair_force(body, other).expect("they are there"));
+        let pair = force(0, Surface::Body(1));
+        assert!((pair + force(1, Surface::Body(0))).norm() <= 1e-12 * pair.norm());
+        for (body, before) in [0, 1].into_iter().zip(before) {
+            let other = Surface::Body(1 - body);
+            let gained = V3::from_column_slice(&host.rigids[body as usize].velocity[..3]) - before;
+            let given = (force(body, other) + force(body, Surface::HalfSpace(floor))) * (dt / mass);
+            assert!((gained - given).norm() < 1e-9 * (1.0 + gained.norm()), "{gained:?}, not {given:?}");
+        }
+        most = most.max(pair.norm());
+        assert_eq!(force(0, Surface::Body(0)), V3::zeros());
+    }
+    assert!(most > 100.0, "they have met: {most} N");
+}
+
+/// At the start of a step two cubes that will pass through each other do not touch yet; those that overlap have the law that
+/// they have ahead, in whatever direction they are thought to go.
+#[test]
+fn a_system_may_look_where_bodies_are() {
+    let dt = 0.02;
+    let system = || ContactSystem::new(RigidUnknowns::Eliminated);
+    for (makes, contacts) in [(system(), true), (system().looking_at_the_start(), false)] {
+        let mut host = two_soft_cubes(makes);
+        let nodes = host.x.len() / 2;
+        host.x[nodes..].iter_mut().step_by(3).for_each(|x| *x += 0.1);
+        let mut free = vec![0.0; host.x.len()];
+        free[nodes..].iter_mut().step_by(3).for_each(|v| *v = -10.0);
+        begin(&mut host, dt, &free);
+        assert_eq!(!host.system.contacts().is_empty(), contacts);
+    }
+    let (mut ahead, mut start) = (two_soft_cubes(system()), two_soft_cubes(system().looking_at_the_start()));
+    let still = vec![0.0; ahead.x.len()];
+    let half = still.len() / 2;
+    let closing: Vec<f64> = (0..still.len()).map(|k| if k >= half && k % 3 == 0 { -0.3 } else { 0.1 }).collect();
+    begin(&mut ahead, dt, &still);
+    begin(&mut start, dt, &closing);
+    let (one, other) = (forces(&mut ahead, &closing), forces(&mut start, &closing));
+    let size: f64 = one.iter().map(|f| f * f).sum::<f64>().sqrt();
+    let apart: f64 = one.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    assert!(size > 100.0 && apart < 1e-9 * size, "{apart} of {size} N");
+}
+
+/// It is known how wrong a solve was without another law than it was solved with.
+#[test]
+fn a_solve_may_be_judged_and_left_as_it_is() {
+    let mut host = two_soft_cubes(ContactSystem::new(RigidUnknowns::Eliminated));
+    let still = vec![0.0; host.x.len()];
+    begin(&mut host, 0.01, &still);
+    assert!(host.system.misjudged(&still).expect("a step is under way") < 1e-12);
+    // The second cube goes off so fast that hardly anything would push.
+    let half = still.len() / 2;
+    let parting: Vec<f64> = (0..still.len()).map(|k| if k >= half && k % 3 == 0 { 20.0 } else { 0.0 }).collect();
+    let before = forces(&mut host, &parting);
+    let judged = host.system.misjudged(&parting).expect("a step is under way");
+    assert_eq!(forces(&mut host, &parting), before);
+    assert!((0.9..1.0).contains(&judged), "{judged}");
+    assert_eq!(host.system.linearise(&parting).expect("a step is under way").to_bits(), judged.to_bits());
+    let pull = net(&before[half..]).norm();
+    let left = net(&forces(&mut host, &parting)[half..]).norm();
+    assert!(left < 0.05 * pull, "{left} of {pull} N");
+}
+
+#[test]
+fn what_is_not_there_has_no_material_and_no_force() {
+    let mut host = two_soft_cubes(ContactSystem::new(RigidUnknowns::Eliminated));
+    let material = Some(material(1e5));
+    for message in [
+        host.system.set_half_space_material(0, 0, material).expect_err("no half-space").to_string(),
+        host.system.pair_force(0, Surface::HalfSpace(0)).expect_err("no half-space").to_string(),
+    ] {
+        assert!(message.contains("no half-space 0; 0 were added"), "{message}");
+    }
+    host.system
+        .add_half_space([0.0, 0.0, 1.0], 0.0, Material::bearing(1e3, 0.1).expect("a material"))
+        .expect("a floor");
+    host.system.set_half_space_material(9, 0, material).expect_err("no body 9");
+    host.system.pair_force(0, Surface::Body(9)).expect_err("no body 9");
+    host.system.misjudged(&[]).expect_err("no step");
+    assert_eq!(host.system.pair_force(1, Surface::Body(0)).expect("both are there"), [0.0; 3]);
+}
