@@ -27,8 +27,10 @@ int main(void) {
   octahedron_shifted(far_away, positions);
   const rayc_vectors vectors = packed(positions, OCTAHEDRON_VERTICES);
   CHECK_OK(rayc_mesh_set_positions(a, &vectors));
-  CHECK_STATUS(rayc_query_pair(&detection, a, octree_a, b, octree_b, contacts), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
-  CHECK_STATUS(rayc_query_pair(&detection, b, octree_b, a, octree_a, contacts), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
+  CHECK_STATUS(rayc_query_pair(&detection, a, octree_a, b, octree_b, contacts), RAYC_STATUS_OCTREE_STALE,
+               "older than its mesh");
+  CHECK_STATUS(rayc_query_pair(&detection, b, octree_b, a, octree_a, contacts), RAYC_STATUS_OCTREE_STALE,
+               "older than its mesh");
   CHECK_STATUS(rayc_octree_trace_ray(octree_a, a, &ray, &hit), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
   CHECK_STATUS(rayc_octree_trace_rays(octree_a, a, &ray, 1, &hit), RAYC_STATUS_OCTREE_STALE, "older than its mesh");
   CHECK(hit.triangle == 42 && hit.is_exit == 42 && hit.t == 42);
@@ -43,7 +45,8 @@ int main(void) {
   CHECK(count == 0);
 
   /* Another mesh's octree. */
-  CHECK_STATUS(rayc_query_pair(&detection, a, octree_b, b, octree_a, contacts), RAYC_STATUS_OCTREE_OF_OTHER_MESH, "octree");
+  CHECK_STATUS(rayc_query_pair(&detection, a, octree_b, b, octree_a, contacts), RAYC_STATUS_OCTREE_OF_OTHER_MESH,
+               "octree");
   CHECK_STATUS(rayc_octree_trace_ray(octree_b, a, &ray, &hit), RAYC_STATUS_OCTREE_OF_OTHER_MESH, "octree");
   CHECK_STATUS(rayc_octree_update(octree_b, a), RAYC_STATUS_OCTREE_OF_OTHER_MESH, "octree");
 
@@ -55,16 +58,18 @@ int main(void) {
   rayc_octree* octree_single = NULL;
   CHECK_OK(rayc_mesh_create(&options, &vectors, octahedron_triangles, OCTAHEDRON_TRIANGLES, &single));
   CHECK_OK(rayc_octree_create(NULL, single, &octree_single));
-  CHECK_STATUS(rayc_query_pair(&detection, a, octree_a, single, octree_single, contacts), RAYC_STATUS_PRECISION_MISMATCH,
-               "precision");
+  CHECK_STATUS(rayc_query_pair(&detection, a, octree_a, single, octree_single, contacts),
+               RAYC_STATUS_PRECISION_MISMATCH, "precision");
 
   /* Rays of doubles that are no floats: their numbers end beyond all floats, or their directions at zero. */
-  const rayc_ray wide[] = {{{-2, 0.1, 0.1}, {1, 0, 0}, 1e300}, {{-2, 0.1, -1e39}, {1, 0, 0}, 10}, {{-2, 0, 0}, {1e39, 0, 0}, 10},
+  const rayc_ray wide[] = {{{-2, 0.1, 0.1}, {1, 0, 0}, 1e300},
+                           {{-2, 0.1, -1e39}, {1, 0, 0}, 10},
+                           {{-2, 0, 0}, {1e39, 0, 0}, 10},
                            {{-2, 0, 0}, {1e-60, 0, 1e-80}, 10}};
   const uint32_t refused[] = {RAYC_STATUS_OK, RAYC_STATUS_MESH_BEYOND_RANGE, RAYC_STATUS_MESH_BEYOND_RANGE,
                               RAYC_STATUS_INVALID_OPTION};
-  const char* const parts[] = {NULL, "ray 1: its origin has -1e39, beyond 3.4", "ray 1: its direction has 1e39, beyond 3.4",
-                               "ray 1: its direction is zero"};
+  const char* const parts[] = {NULL, "ray 1: its origin has -1e39, beyond 3.4",
+                               "ray 1: its direction has 1e39, beyond 3.4", "ray 1: its direction is zero"};
   for (int i = 0; i < 4; ++i) {
     const rayc_ray both[] = {ray, wide[i]};
     rayc_hit hits[2] = {hit, hit};

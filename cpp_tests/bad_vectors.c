@@ -1,5 +1,5 @@
-/* NaN and infinity in positions, velocities and displacements: where a contact reads them, the call says in which array,
-   body and vertex, and adds nothing; where none does, they do no harm. */
+/* NaN and infinity in positions, velocities and displacements: where a contact reads them, the call says in which
+   array, body and vertex, and adds nothing; where none does, they do no harm. */
 #include "check.h"
 #include "shapes.h"
 

@@ -8,11 +8,10 @@
 static const double no_shift[3] = {0, 0, 0};
 
 /* Inside; in the middle; outside before a face, an edge and a vertex; on a vertex; on an edge; very far away. */
-static const double points[3 * POINTS] = {0.1, 0.2, 0.3,  0,    0, 0, 1,   1, 1, 2, 2,    0,
-                                          3,   0,   0,    -1,   0, 0, 0.5, 0.5, 0, 1e6, 0, 0};
-static const double distances[POINTS] = {0.4 / 1.7320508075688772, 1 / 1.7320508075688772, 2 / 1.7320508075688772,
-                                         3 / 1.4142135623730951,   2,                      0,
-                                         0,                        999999};
+static const double points[3 * POINTS] = {0.1, 0.2, 0.3, 0,  0, 0, 1,   1,   1, 2,   2, 0,
+                                          3,   0,   0,   -1, 0, 0, 0.5, 0.5, 0, 1e6, 0, 0};
+static const double distances[POINTS] = {
+    0.4 / 1.7320508075688772, 1 / 1.7320508075688772, 2 / 1.7320508075688772, 3 / 1.4142135623730951, 2, 0, 0, 999999};
 /* That of the middle is not told: all faces are as far. */
 static const double nearest[3 * POINTS] = {0.7 / 3, 1.0 / 3, 1.3 / 3, 0,  0, 0, 1.0 / 3, 1.0 / 3, 1.0 / 3, 0.5, 0.5, 0,
                                            1,       0,       0,       -1, 0, 0, 0.5,     0.5,     0,       1,   0,   0};

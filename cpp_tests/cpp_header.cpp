@@ -133,7 +133,8 @@ void closest_points_and_winding_numbers() {
 void a_scene_answers_as_the_c_functions_do() {
   std::vector<Point> a = corners, b = shifted(0.2);
   Scene scene(default_scene_options());
-  scene.set_sampling(RAYC_SAMPLING_SPACING, 0.005);  // an eightieth of the overlap: the pressure in the middle stands for a whole piece
+  scene.set_sampling(RAYC_SAMPLING_SPACING,
+                     0.005);  // an eightieth of the overlap: the pressure in the middle stands for a whole piece
   scene.add(Mesh(vectors(a), faces));
   scene.add(Mesh(vectors(corners), faces));
   scene.set_positions(1, vectors(b));
@@ -167,8 +168,8 @@ void a_scene_answers_as_the_c_functions_do() {
       CHECK_NEAR(force_there_b[vertex][axis], force_b[vertex][axis], 1e-15);
     }
   }
-  // Half of b's three faces inside a, by the distance to a's slanted face, or in the corner to its other faces; half of a's
-  // slanted face inside b, by the distance to the nearest of b's three.
+  // Half of b's three faces inside a, by the distance to a's slanted face, or in the corner to its other faces; half of
+  // a's slanted face inside b, by the distance to the nearest of b's three.
   const double corner = 0.4 - 0.2 * std::sqrt(3.0);
   const double of_b = (std::pow(0.4, 3) - std::pow(corner, 3)) / 6 / std::sqrt(3.0), of_a = std::pow(0.4, 3) / 18;
   CHECK_NEAR(along_x, (of_a + of_b) / 2, 2e-6);

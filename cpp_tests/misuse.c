@@ -1,5 +1,5 @@
-/* What a host must not do, and what a cheap mark can tell: a handle of another type, one that is none, one that has been
-   destroyed; a scene that is called again from within its own query, or from another thread meanwhile. */
+/* What a host must not do, and what a cheap mark can tell: a handle of another type, one that is none, one that has
+   been destroyed; a scene that is called again from within its own query, or from another thread meanwhile. */
 #define _POSIX_C_SOURCE 200809L
 #include <pthread.h>
 

@@ -1,5 +1,5 @@
-/* Both layouts of an octree give the same hits, nearest points and contacts, byte by byte, and ids tell contacts apart, from
-   step to step too. */
+/* Both layouts of an octree give the same hits, nearest points and contacts, byte by byte, and ids tell contacts apart,
+   from step to step too. */
 #include <stdlib.h>
 
 #include "check.h"

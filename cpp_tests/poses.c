@@ -1,5 +1,5 @@
-/* Bodies moved by poses: the contacts and forces are those of the same bodies moved by positions, to the bit, and what is no
-   pose is refused and changes nothing. */
+/* Bodies moved by poses: the contacts and forces are those of the same bodies moved by positions, to the bit, and what
+   is no pose is refused and changes nothing. */
 #include <math.h>
 
 #include "check.h"

@@ -57,7 +57,8 @@ static void check_contact(const rayc_contact* contact, uint32_t colliding, uint3
   CHECK_NEAR(contact->p1.weights[0], 1, tolerance);
   CHECK_NEAR(contact->depth, SHIFTED_DEPTH, tolerance);
   CHECK_NEAR(contact->cos_alpha, RSQRT3, tolerance);
-  CHECK_NEAR(contact->area, RSQRT3, tolerance); /* four triangles of sqrt(3)/2: a third, and half as the load is shared */
+  CHECK_NEAR(contact->area, RSQRT3,
+             tolerance); /* four triangles of sqrt(3)/2: a third, and half as the load is shared */
   for (int i = 0; i < 3; ++i) {
     const double along = i == 0 ? sign : 0;
     CHECK_NEAR(contact->direction[i], along, tolerance);

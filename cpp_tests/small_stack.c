@@ -1,6 +1,6 @@
-/* What calls need of the stack of the thread that makes them: every kind of query, in both precisions and with each kind of
-   instructions, in threads that have RAYC_STACK_SIZE and the system's own part. A stack filled with a pattern beforehand
-   tells how much is used; one with a guard behind it shows that it is enough. */
+/* What calls need of the stack of the thread that makes them: every kind of query, in both precisions and with each
+   kind of instructions, in threads that have RAYC_STACK_SIZE and the system's own part. A stack filled with a pattern
+   beforehand tells how much is used; one with a guard behind it shows that it is enough. */
 #define _DEFAULT_SOURCE
 #include <pthread.h>
 #include <stdlib.h>

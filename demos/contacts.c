@@ -165,7 +165,8 @@ static int detect(const arguments* arguments, run* run) {
     detection.sampling_value = arguments->spacing;
   }
   return succeeded(rayc_contacts_create(&run->contacts), "making the list") &&
-         succeeded(rayc_query_pair(&detection, run->meshes[0], run->octrees[0], run->meshes[1], run->octrees[1], run->contacts),
+         succeeded(rayc_query_pair(&detection, run->meshes[0], run->octrees[0], run->meshes[1], run->octrees[1],
+                                   run->contacts),
                    "finding contacts") &&
          succeeded(rayc_default_response_options(sizeof run->response, &run->response), "default options") &&
          succeeded(rayc_contacts_count(run->contacts, &run->count), "counting contacts");

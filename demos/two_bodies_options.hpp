@@ -15,19 +15,19 @@ namespace demo {
 struct Options {
   std::vector<std::string> surfaces;  // none or two .obj files
   std::string out = "out";
-  double dt = 0.02;          // s
-  double steps = 500;        // at most
-  double stiffness = 1;      // in units of E / h
-  double damping = 0.05;     // s
-  double depth_cap = 0.25;   // in units of h
+  double dt = 0.02;              // s
+  double steps = 500;            // at most
+  double stiffness = 1;          // in units of E / h
+  double damping = 0.05;         // s
+  double depth_cap = 0.25;       // in units of h
   double youngs_modulus = 2000;  // Pa
-  double density = 30;       // kg/m^3
-  double cells = 5;          // along the longest side
-  double around = 40;        // quads around each torus
-  double spacing = 0;        // of the rays, m; 0 = at the vertices, -1 = automatic
-  double tolerance = 0;      // of the net force; 0 = no triangles are joined
+  double density = 30;           // kg/m^3
+  double cells = 5;              // along the longest side
+  double around = 40;            // quads around each torus
+  double spacing = 0;            // of the rays, m; 0 = at the vertices, -1 = automatic
+  double tolerance = 0;          // of the net force; 0 = no triangles are joined
   double threads = 1;
-  double every = 2;          // steps between frames
+  double every = 2;  // steps between frames
   bool help = false;
 };
 
@@ -64,7 +64,8 @@ class UsageError : public std::runtime_error {
 inline double parse_number(const std::string& option, const std::string& text, bool whole, double low) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value) || value < low || (whole && (value != std::floor(value) || value > 1e6)))
+  if (text.empty() || *end != '\0' || !std::isfinite(value) || value < low ||
+      (whole && (value != std::floor(value) || value > 1e6)))
     throw UsageError(option + " needs a " + (whole ? "whole number" : "number") + " of at least " +
                      std::to_string(low).substr(0, whole ? 1 : 6) + ", not \"" + text + "\"");
   return value;
@@ -79,12 +80,18 @@ inline Options parse_options(int argc, char** argv) {
   Options options;
   const double tiny = 1e-4;
   const std::map<std::string, Number> numbers = {
-      {"--dt", {&options.dt, false, tiny}},         {"--steps", {&options.steps, true, 1}},
-      {"--every", {&options.every, true, 1}},       {"--stiffness", {&options.stiffness, false, 0}},
-      {"--damping", {&options.damping, false, 0}},  {"--depth-cap", {&options.depth_cap, false, tiny}},
-      {"--young", {&options.youngs_modulus, false, tiny}}, {"--density", {&options.density, false, tiny}},
-      {"--cells", {&options.cells, true, 1}},       {"--threads", {&options.threads, true, 0}},
-      {"--around", {&options.around, true, 6}},     {"--spacing", {&options.spacing, false, -1}},
+      {"--dt", {&options.dt, false, tiny}},
+      {"--steps", {&options.steps, true, 1}},
+      {"--every", {&options.every, true, 1}},
+      {"--stiffness", {&options.stiffness, false, 0}},
+      {"--damping", {&options.damping, false, 0}},
+      {"--depth-cap", {&options.depth_cap, false, tiny}},
+      {"--young", {&options.youngs_modulus, false, tiny}},
+      {"--density", {&options.density, false, tiny}},
+      {"--cells", {&options.cells, true, 1}},
+      {"--threads", {&options.threads, true, 0}},
+      {"--around", {&options.around, true, 6}},
+      {"--spacing", {&options.spacing, false, -1}},
       {"--tolerance", {&options.tolerance, false, 0}},
   };
   // Whatever else is asked for.
@@ -97,8 +104,10 @@ inline Options parse_options(int argc, char** argv) {
     if (number != numbers.end() || argument == "--out") {
       if (i + 1 == argc) throw UsageError(argument + " needs a value");
       const std::string value = argv[++i];
-      if (argument == "--out") options.out = value;
-      else *number->second.value = parse_number(argument, value, number->second.whole, number->second.low);
+      if (argument == "--out")
+        options.out = value;
+      else
+        *number->second.value = parse_number(argument, value, number->second.whole, number->second.low);
     } else if (!argument.empty() && argument[0] == '-') {
       throw UsageError("unknown option " + argument);
     } else {

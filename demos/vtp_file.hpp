@@ -23,7 +23,8 @@ struct VtpSurface {
 
 inline std::ofstream open_for_writing(const std::filesystem::path& path) {
   std::ofstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("cannot write " + path.string() + ": check that the folder exists and is writable");
+  if (!file)
+    throw std::runtime_error("cannot write " + path.string() + ": check that the folder exists and is writable");
   return file;
 }
 
@@ -86,7 +87,8 @@ class PvdSeries {
     VtpWriter::write(folder_ / file_name, surface);
     entries_ += "<DataSet timestep=\"" + std::to_string(time) + "\" part=\"0\" file=\"" + file_name + "\"/>\n";
     std::ofstream list = open_for_writing(path());
-    list << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n"
+    list << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+            "byte_order=\"LittleEndian\">\n<Collection>\n"
          << entries_ << "</Collection>\n</VTKFile>\n";
     close_checked(list, path());
   }

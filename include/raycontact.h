@@ -390,9 +390,10 @@ typedef enum rayc_weighting {
 } rayc_weighting;
 
 /**
- * A step's contact on the unknowns that a simulator solves for: what carries each body of a scene, materials, friction,
- * rigid bodies. It looks where bodies will be at the end of the step, makes each contact a row (a spring that only pushes,
- * with friction) over the host's nodes and rigid bodies, and gives a solver forces and products with their derivative.
+ * Contact on the unknowns that a simulator solves for. It knows what carries each body of a scene, its material, its
+ * friction, and which bodies are rigid. It looks where bodies will be at the end of the step, turns each contact
+ * into a row (a spring that only pushes, with friction) on the host's nodes and rigid bodies, and gives a solver the
+ * forces and the products with their derivative.
  *
  * One step: rayc_contact_system_set_motion() for bodies that are not deformable, rayc_contact_system_begin(); as often as
  * needed a solve with rayc_contact_system_add_forces() and rayc_contact_system_add_product(), then
@@ -409,28 +410,32 @@ typedef struct rayc_contact_system rayc_contact_system;
 /**
  * The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
  *
- * Threads: calls with const contacts may run at once. The caller frees it with rayc_contacts_destroy(); it stays
- * valid when meshes, octrees and scenes are gone. Each query replaces its contents and reuses its memory. A destroyed one
- * must not be used: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
+ * Threads: several threads may make calls with const contacts at the same time. The caller frees the list with
+ * rayc_contacts_destroy(). It stays valid when meshes, octrees and scenes are gone. Each query replaces its contents
+ * and reuses its memory. Do not use a list after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE
+ * where it can tell, but does not promise to.
  */
 typedef struct rayc_contacts rayc_contacts;
 
 /**
- * One triangle surface, closed unless the options say otherwise, counter-clockwise seen from outside: its topology is fixed, its positions are renewed
- * each step. Vertices that no triangle uses are allowed (the inner nodes of a volume mesh).
+ * One triangle surface. Its topology is fixed; its positions are renewed each step. The surface is closed unless the
+ * options allow a border, and its triangles are counter-clockwise seen from outside. Vertices that no triangle uses
+ * are allowed, such as the inner nodes of a volume mesh.
  *
- * Threads: calls with a const mesh may run at once; no other call may run beside one that changes it. The caller
- * frees it with rayc_mesh_destroy(); octrees and scenes made from it do not need it to stay. After that it must not be used:
- * RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
+ * Threads: several threads may make calls with a const mesh at the same time. A call that changes the mesh must run
+ * alone. The caller frees the mesh with rayc_mesh_destroy(); octrees and scenes made from it do not need it any
+ * more. Do not use a mesh after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell,
+ * but does not promise to.
  */
 typedef struct rayc_mesh rayc_mesh;
 
 /**
  * The search structure over one mesh's triangles, for one state of its positions.
  *
- * Threads: calls with a const octree may run at once. The caller frees it with rayc_octree_destroy(), before or after
- * its mesh, and must not use it any more: RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise. After
- * rayc_mesh_set_positions() it is stale, and every use says so, until rayc_octree_update().
+ * Threads: several threads may make calls with a const octree at the same time. The caller frees the octree with
+ * rayc_octree_destroy(), before or after its mesh, and must not use it after that: the library returns
+ * RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to. rayc_mesh_set_positions() makes an octree
+ * stale. Every use of a stale octree is refused until rayc_octree_update().
  */
 typedef struct rayc_octree rayc_octree;
 
@@ -438,10 +443,10 @@ typedef struct rayc_octree rayc_octree;
  * Many bodies, and all contacts among them. Bodies are numbered from 0, and keep their numbers; a scene holds copies of the
  * meshes it is given.
  *
- * Threads: one call at a time for one scene, from any thread; different scenes may be used at once, and calls with a const
- * scene beside each other. Others say RAYC_STATUS_BUSY. Whose threads work is for rayc_scene_options to say. The caller
- * frees it with rayc_scene_destroy(), which also ends its threads; after that it must not be used:
- * RAYC_STATUS_INVALID_HANDLE says so where it can, which is no promise.
+ * Threads: only one call at a time may use a scene, from any thread; calls with a const scene may run at the same
+ * time. Other calls return RAYC_STATUS_BUSY. Different scenes may be used at once. rayc_scene_options says whose
+ * threads do the work. The caller frees the scene with rayc_scene_destroy(), which also ends its threads. Do not use
+ * a scene after that: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to.
  */
 typedef struct rayc_scene rayc_scene;
 
@@ -458,12 +463,12 @@ typedef struct rayc_mesh_options {
    */
   uint32_t precision;
   /**
-   * 1: the surface may be open, with edges that belong to one triangle only: a floor, a wall, a piece of cloth. It is
-   * solid behind its triangles. A point of a closed body behind it whose inward ray leaves through it gives a contact,
-   * and so does a point of it inside a closed body. Not promised: a body more than half behind it is pushed less and
-   * less, and not at all when it is through or beyond the border; no edges are traced and the pair never escapes; two
-   * open meshes do not collide. Such pairs are counted as open_pairs in rayc_statistics. 0: an open surface is refused.
-   * Default 0.
+   * 1: the surface may be open, with edges that belong to one triangle only: a floor, a wall, a piece of
+   * cloth. It is solid behind its triangles. A point of a closed body that lies behind it, and whose inward
+   * ray leaves through it, gives a contact; so does a point of it inside a closed body. Limits: a body that is
+   * more than half behind the surface is pushed less and less, and not at all once it is through or beyond the
+   * border; no edges are traced, and the pair never escapes; two open meshes do not collide. Such pairs are
+   * counted as open_pairs in rayc_statistics. 0: an open surface is refused. Default 0.
    */
   uint32_t open;
 } rayc_mesh_options;
@@ -495,10 +500,10 @@ typedef struct rayc_detection_options {
    */
   uint32_t escape;
   /**
-   * 1: rays go past other folds of either body, as the winding number tells: a ray that meets its own body first is
-   * refused only where it has left the body altogether, and one that enters another fold of the other body on its way
-   * out of it is not taken for one from outside. 0: not. For bodies that overlap themselves; a scene does so by itself
-   * for those whose self-collision is switched on. Default 0.
+   * 1: rays look past other folds of either body, by the winding number. A ray that meets its own body first
+   * is refused only where it has left the body altogether. A ray that enters another fold of the other body on
+   * its way out is not taken for one from outside. 0: they do not. For bodies that overlap themselves; a scene
+   * does this by itself for bodies whose self-collision is switched on. Default 0.
    */
   uint32_t past_folds;
   /**
@@ -546,9 +551,10 @@ typedef void (*rayc_task)(void *data, size_t index);
  * The host's threads: calls task(data, index) once for each index below `count`, on any threads and in any order, and
  * returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
  *
- * The library calls it only from the thread that called rayc_scene_query(), and never from within a task: a pool that
- * cannot nest will do. It must not call the scene, nor use the contacts of the query: both say RAYC_STATUS_BUSY. An exception that leaves it ends the process: lend_threads() of
- * raycontact.hpp carries it past the library instead. Indices that it leaves out or calls twice do no harm.
+ * The library calls it only from the thread that called rayc_scene_query(), and never from within a task, so a pool
+ * that cannot nest is enough. It must not call the scene or use the contacts of the query: both return
+ * RAYC_STATUS_BUSY. An exception that leaves it ends the process; lend_threads() of raycontact.hpp carries
+ * exceptions past the library instead. Indices that it leaves out or calls twice do no harm.
  */
 typedef void (*rayc_parallel_for)(void *context, size_t count, rayc_task task, void *data);
 
@@ -565,16 +571,17 @@ typedef struct rayc_scene_options {
    */
   uint32_t precision;
   /**
-   * 1: the caller's own thread only; n: a pool of n threads that the scene owns and that have ended when it is
-   * destroyed; 0: such a pool of one thread for each core. At most 1024. Results do not depend on it. A
-   * step of fewer than about 1000 rays is done by the calling thread alone.
+   * 1: only the calling thread works. n: the scene owns a pool of n threads, which have ended when the scene
+   * is destroyed. 0: such a pool with one thread for each core. At most 1024. Results do not depend on it. The
+   * calling thread does a step of fewer than about 1000 rays alone.
    *
-   * After fork() a scene may be used and destroyed in the child too, by copies of its handles: its pool's threads are
-   * started anew with the first query that needs them, or where the system gives none the calling thread works alone;
-   * what the old ones held, some KiB each, is not given back. Not promised: anything for a scene or contacts that a
-   * call of another thread was using at the fork (they stay RAYC_STATUS_BUSY in the child), and what the system's
-   * own libraries do not promise: a child of a process with several threads may have to call exec() first. The host
-   * looks after the threads of a parallel_for itself. Default 1.
+   * After fork() the child may use and destroy a scene too, through its copies of the handles. The pool's
+   * threads are started again with the first query that needs them; where the system gives none, the calling
+   * thread works alone. What the old threads held, a few KiB each, is not freed. Nothing is promised for a
+   * scene or contacts that a call of another thread was using at the fork: they stay RAYC_STATUS_BUSY in the
+   * child. Nor can the library promise what the system's own libraries do not: a child of a process with
+   * several threads may have to call exec() first. The host looks after the threads of its parallel_for
+   * itself. Default 1.
    */
   uint32_t threads;
   /**
@@ -1353,22 +1360,21 @@ enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
 /**
  * Adds a copy of `mesh` with its present positions. *body: its number.
  *
- * Without removals the n-th body has the number n − 1. The number of a removed body rests: it is given again after more
- * than 65536 numbers are without a body, the one that has been so for longest first, and until then
- * RAYC_STATUS_UNKNOWN_BODY tells whoever still uses it. So arrays by number need never be longer than the most bodies that
- * were in the scene at once, and 65536 more. Numbers follow from the order of additions and removals alone.
+ * Without removals the n-th body gets the number n − 1. The number of a removed body is not given again until more
+ * than 65536 numbers are without a body; then the one that has been free the longest comes first. Until then any
+ * call that still uses it gets RAYC_STATUS_UNKNOWN_BODY. An array indexed by body number therefore never has to be
+ * longer than 65536 plus the largest number of bodies that were in the scene at once. Numbers depend on the order of
+ * additions and removals alone.
  *
  * Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
  */
-enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene,
-                                     const struct rayc_mesh *mesh,
-                                     uint32_t *body);
+enum rayc_status rayc_scene_add_mesh(struct rayc_scene *scene, const struct rayc_mesh *mesh, uint32_t *body);
 
 /**
- * The same with a key of the host's. Pairs, contacts and sums come in the order of the bodies' keys, and of equal ones by
- * number; the first body of a pair is the first in this order. A body added without one has its number for a key. So
- * scenes whose bodies have the same keys find the same contacts in the same order, whatever the numbers, which depend on
- * who was there before.
+ * The same with a key that the host chooses. Pairs, contacts and sums are ordered by the bodies' keys, and by number
+ * where keys are equal; the first body of a pair is the first in this order. A body added without a key has its
+ * number as key. So scenes whose bodies have the same keys find the same contacts in the same order, whatever
+ * numbers the bodies have.
  *
  * Errors: RAYC_STATUS_KEY_TAKEN, and those of rayc_scene_add_mesh().
  */
@@ -1395,15 +1401,15 @@ enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
                                           const struct rayc_vectors *positions);
 
 /**
- * Moves a body that keeps its shape, instead of rayc_scene_set_positions(). Its own coordinates are those of the positions
- * with which its rayc_mesh was created; what positions the mesh or the body were given since does not count, nor does the
- * last pose: poses are not added up. Any body may be moved so, and by positions again at any time; one that has been
- * deformed has its first shape back.
+ * Moves a body that keeps its shape, instead of rayc_scene_set_positions(). The pose is applied to the positions
+ * with which the rayc_mesh was created. Later positions of the mesh or the body do not count, nor does the last
+ * pose: poses are not added up. Any body may be moved by a pose, and by positions again at any time; a body that was
+ * deformed gets its first shape back.
  *
- * No vertex is copied: the body's tree stays as it is, and a query moves only what lies where the body meets others. So a
- * step costs what the overlap costs, however many vertices there are. What it takes once, at a body's first pose, is the
- * time of a few copies. Bodies that are given neither pose nor positions, and those that get the same pose again, cost
- * nothing; a body whose contacts with itself are switched on is moved as a whole, as by positions.
+ * No vertex is copied. The search tree stays as it is, and a query moves only what lies where the body meets others.
+ * So a step costs what the overlap costs, however many vertices the body has. The first pose of a body takes the
+ * time of a few copies. A body that gets neither pose nor positions, or the same pose again, costs nothing. A body
+ * whose contacts with itself are switched on is moved as a whole, as with positions.
  *
  * Contacts are the same, to the bit, as with rayc_scene_set_positions() where coordinate k of each vertex is
  * `rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k]`, in double precision, each product and sum
@@ -1428,46 +1434,44 @@ enum rayc_status rayc_scene_set_detection_options(struct rayc_scene *scene,
                                                   const struct rayc_detection_options *options);
 
 /**
- * Switches contacts of a body with itself on (is_on = 1) or off (0) from the next query on; off for a new body. What they
- * are says rayc_query_self(). Where they are on, contacts with other bodies are also found past the body's own folds, as
- * with past_folds in rayc_detection_options.
+ * Switches contacts of a body with itself on (is_on = 1) or off (0), from the next query on; they are off for a new
+ * body. rayc_query_self() says what they are. Where they are on, contacts with other bodies are also found past the
+ * body's own folds, as with past_folds in rayc_detection_options.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
  */
-enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene,
-                                               uint32_t body,
-                                               uint32_t is_on);
+enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene, uint32_t body, uint32_t is_on);
 
 /**
- * Switches contacts between two bodies off (is_on = 0) or on again (1) from the next query on: collision groups, parts of
- * one machine. On for new bodies. While it is off, the pair costs nothing, is not counted, and forgets what it remembered.
+ * Switches contacts between two bodies off (is_on = 0) or on again (1), from the next query on; they are on for new
+ * bodies. Use it for collision groups, or for parts of one machine. While it is off, the pair costs nothing, is not
+ * counted, and forgets what it remembered.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or is_on is neither 0 nor 1.
  */
-enum rayc_status rayc_scene_set_pair_collision(struct rayc_scene *scene,
-                                               uint32_t a,
-                                               uint32_t b,
-                                               uint32_t is_on);
+enum rayc_status rayc_scene_set_pair_collision(struct rayc_scene *scene, uint32_t a, uint32_t b, uint32_t is_on);
 
 /**
- * Ends a step of `seconds` seconds, ≥ 0: what the step's last query found goes into what pairs remember, by which they
- * escape where contacts cannot part them. Call it once a step, after the last rayc_scene_query() of it; a host that queries
- * several times a step, to look ahead or to detect anew, thus escapes no sooner.
+ * Ends a step of `seconds` seconds, ≥ 0. What the last query of the step found goes into the memory of the pairs,
+ * which decides when a pair that contacts cannot part begins to escape. Call it once a step, after the step's last
+ * rayc_scene_query(). A host that queries several times a step, to look ahead or to detect again, then escapes no
+ * sooner.
  *
- * The rules count steps; those shorter than 1/60 s count as the part of it that they are. From the first call on, this
- * alone ends a step: a host that queries several times in its first step calls it before, with 0. A scene for which it is
- * never called ends a step, of 1/60 s or more, at each query before which any body was given positions since the last.
+ * The rules count steps; a step shorter than 1/60 s counts as the fraction of 1/60 s that it is. From the first call
+ * on, only this function ends a step: a host that queries several times in its first step calls it once before them,
+ * with 0. A scene for which it is never called ends a step, of 1/60 s or more, at each query before which any body
+ * was given positions since the last query.
  *
  * Errors: RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite.
  */
-enum rayc_status rayc_scene_advance(struct rayc_scene *scene,
-                                    double seconds);
+enum rayc_status rayc_scene_advance(struct rayc_scene *scene, double seconds);
 
 /**
- * Finds all contacts between different bodies at their present positions: which boxes overlap, then rays both ways
- * for each such pair; and of those bodies with themselves for which that is switched on. Octrees are renewed where they
- * need to be. Replaces what `contacts` held; the order is by pair (the body that comes first by key, and so by number where none has a key, then
- * the other; a body with itself before its pairs), then the colliding body, then along its surface, whatever the number of threads.
+ * Finds all contacts between different bodies at their present positions: first which boxes overlap, then, for each
+ * such pair, rays both ways. It also finds the contacts of bodies with themselves where that is switched on. Search
+ * trees are renewed where they need to be. The call replaces what `contacts` held. Contacts are ordered by pair (the
+ * body that comes first by key, or by number where none has a key, then the other; a body with itself before its
+ * pairs), then by the colliding body, then along its surface. The order does not depend on the number of threads.
  *
  * With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
  */
@@ -1554,13 +1558,14 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
                                                  double *coefficients);
 
 /**
- * Adds the contact forces to `forces`, in N: for each contact stiffness · weight · cos α · depth along the ray at p1 and the
- * opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
+ * Adds the contact forces to `forces`, in N. Each contact gives stiffness · weight · cos α · depth along the ray at
+ * p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
  *
- * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one per body, in the order
- * of the bodies' numbers; bodies without contact may have an array of count 0. positions NULL: as at detection.
- * velocities NULL: no damping. Contacts are held: each stays at its points and along its direction, whatever the
- * positions; where they have parted, the force is attractive, as an implicit integrator's linear step needs it.
+ * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
+ * order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions
+ * at detection. velocities NULL: no damping. Contacts are held: each keeps its two points and its direction,
+ * whatever the positions. Where the points have moved apart, the force pulls, because an implicit integrator's
+ * linear step needs that.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
  * what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
@@ -1645,8 +1650,8 @@ enum rayc_status rayc_contact_system_create(const struct rayc_contact_system_opt
 enum rayc_status rayc_contact_system_destroy(struct rayc_contact_system *system);
 
 /**
- * Says how many nodes the host has, and their masses in kg: > 0, infinity for a node that is held fast. Before bodies that
- * have these nodes are added.
+ * Sets how many nodes the host has, and their masses in kg: > 0, or infinity for a node that is held fast. Call it
+ * before adding bodies that have these nodes.
  *
  * Errors: RAYC_STATUS_INVALID_MASS, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_WRONG_COUNT where a body's nodes
  * lie beyond.
@@ -1695,8 +1700,8 @@ enum rayc_status rayc_contact_system_add_rigid(struct rayc_contact_system *syste
                                                const struct rayc_material *material);
 
 /**
- * Adds a body that stands still or that the host moves: number `body` of the scene, whose mesh was created in the body's own
- * coordinates. It is where those say until rayc_contact_system_set_motion().
+ * Adds a body that stands still or that the host moves: number `body` of the scene, whose mesh was created in the
+ * body's own coordinates. Until rayc_contact_system_set_motion() it is where its own coordinates say.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY where the scene has no such body, RAYC_STATUS_BODY_TWICE, RAYC_STATUS_INVALID_MATERIAL,
  * RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_PRECISION_MISMATCH.
@@ -1719,17 +1724,16 @@ enum rayc_status rayc_contact_system_add_half_space(struct rayc_contact_system *
                                                     const struct rayc_material *material);
 
 /**
- * Removes a body from the system; to be removed from the scene too. Rigid bodies added after it move up by one place, and
- * with a rigid body the velocities of the last step are gone.
+ * Removes a body from the system. Remove it from the scene too. Rigid bodies added after it move up by one place.
+ * Removing a rigid body also discards the velocities of the last step.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step.
  */
-enum rayc_status rayc_contact_system_remove_body(struct rayc_contact_system *system,
-                                                 uint32_t body);
+enum rayc_status rayc_contact_system_remove_body(struct rayc_contact_system *system, uint32_t body);
 
 /**
- * Gives two bodies, or a body with itself, a material of their own in place of the combined one. material: NULL takes it
- * back.
+ * Gives two bodies, or a body with itself, a material of their own instead of the combined one. material: NULL
+ * restores the combined one.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step.
  */
@@ -1739,7 +1743,7 @@ enum rayc_status rayc_contact_system_set_pair_material(struct rayc_contact_syste
                                                        const struct rayc_material *material);
 
 /**
- * Says where a rigid or moved body is, and how it moves. Before each step.
+ * Sets where a rigid or moved body is, and how it moves. Call it before each step.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY also for a deformable body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_DIRECTION where
  * the rotation is no rotation matrix, RAYC_STATUS_OUT_OF_ORDER within a step.
@@ -1754,10 +1758,10 @@ enum rayc_status rayc_contact_system_set_motion(struct rayc_contact_system *syst
 enum rayc_status rayc_contact_system_unknown_count(const struct rayc_contact_system *system, size_t *count);
 
 /**
- * Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in m;
- * velocities: at the start, in m/s; free_velocities: what they would be at the end if nothing touched the nodes. The scene's
- * bodies are put where they would then be, their contacts found, and made rows; pairs that contacts cannot part escape as
- * rayc_scene_advance() says, which this calls.
+ * Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in
+ * m; velocities: at the start, in m/s; free_velocities: the velocities at the end if nothing touched the nodes. The
+ * call puts the scene's bodies where they would then be, finds their contacts, and makes rows of them. It calls
+ * rayc_scene_advance(), so pairs that contacts cannot part escape as described there.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
  * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
@@ -1772,8 +1776,9 @@ enum rayc_status rayc_contact_system_begin(struct rayc_contact_system *system,
                                            const double *free_velocities);
 
 /**
- * Adds to `forces` the contact forces on the unknowns, in N and N m, where `velocities` are those at the end of the step, as
- * the rows are held: they are linear in the velocities. count: that of the unknowns. The two arrays are not the same.
+ * Adds the contact forces on the unknowns to `forces`, in N and N m. `velocities` are those at the end of the step.
+ * The rows are held, so the forces are linear in the velocities. count: the number of unknowns. The two arrays must
+ * not overlap.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
  * RAYC_STATUS_INVALID_OPTION where the arrays overlap.
@@ -1832,8 +1837,9 @@ enum rayc_status rayc_contact_system_energy(struct rayc_contact_system *system,
                                             double *joules);
 
 /**
- * Holds the rows anew, at these velocities: which of them push, and how much they rub, is decided there. To be called after
- * a solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly; above 0.05 or so another solve is due.
+ * Holds the rows anew at these velocities: this decides which rows push and how much they rub. Call it after a
+ * solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly. If it is above about 0.05, solve
+ * again.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
  */
@@ -1843,10 +1849,10 @@ enum rayc_status rayc_contact_system_linearise(struct rayc_contact_system *syste
                                                double *wrong);
 
 /**
- * Looks for contacts where bodies end with these velocities, after a solve: one that is stopped may be in the way of
- * another, which detection took to be moving on. *is_more: 1 where there are contacts of pairs that had none, or less than
- * half as many, and another solve is due. Looks only where an unknown ends further than the smallest depth cap from where it
- * was sought.
+ * Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped
+ * may be in the way of another one, although detection took it to be moving on. *is_more: 1 where pairs have
+ * contacts that had none, or less than half as many; then solve again. It looks only if some unknown ends farther
+ * than the smallest depth cap from where it was looked for.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
  * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH.
@@ -1858,7 +1864,8 @@ enum rayc_status rayc_contact_system_detect_again(struct rayc_contact_system *sy
                                                   uint32_t *is_more);
 
 /**
- * Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next.
+ * Ends a step, given its velocities at the end. The loads, and what friction holds on to, are remembered for the
+ * next step.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step; RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE: the step is then still
  * under way.
@@ -1868,7 +1875,8 @@ enum rayc_status rayc_contact_system_finish(struct rayc_contact_system *system,
                                             const double *velocities);
 
 /**
- * Ends a step as if it had not begun, but for the positions of the scene's bodies; does nothing where none is under way.
+ * Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies. Does nothing where
+ * no step is under way.
  */
 enum rayc_status rayc_contact_system_cancel(struct rayc_contact_system *system);
 
@@ -1946,9 +1954,9 @@ enum rayc_status rayc_contact_system_pair_force(const struct rayc_contact_system
                                                 double *force);
 
 /**
- * Puts the scene's bodies, but ghosts, where rayc_contact_system_begin() with the same numbers would look for contacts, and
- * does no more: by where bodies will be it is known of which others the scene needs ghosts. Those are then put there by
- * rayc_contact_system_begin(), once the system knows them and their nodes.
+ * Puts the scene's own bodies where rayc_contact_system_begin() with the same numbers would look for contacts, and
+ * does no more. These places show which ghosts the scene needs. rayc_contact_system_begin() puts the ghosts in
+ * place, once the system knows them and their nodes.
  *
  * Errors: those of rayc_contact_system_begin().
  */
@@ -1961,13 +1969,13 @@ enum rayc_status rayc_contact_system_look_ahead(struct rayc_contact_system *syst
                                                 const double *free_velocities);
 
 /**
- * How many parts the rows of the step under way have, one for each pair and body of it that has unknowns, and how many
- * blocks of three unknowns these act on together. They stay until the step ends or rayc_contact_system_detect_again() finds
- * more.
+ * How many parts the rows of the step under way have, and how many blocks of three unknowns these act on together.
+ * There is one part for each pair and each body of it that has unknowns. They stay until the step ends or
+ * rayc_contact_system_detect_again() finds more.
  *
- * What a pair does to its bodies does not depend on other pairs. So it may be found in another process, and forces that are
- * added part by part in one order have the same bits wherever the pairs were found: those of
- * rayc_contact_system_add_forces() but for the order of summation.
+ * What a pair does to its bodies does not depend on other pairs, so another process may compute it. Forces that are
+ * added part by part in one order have the same bits, whichever process found the pairs. They are those of
+ * rayc_contact_system_add_forces(), except for the order of summation.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept.
  */
@@ -2055,9 +2063,9 @@ enum rayc_status rayc_contact_system_put_memory(struct rayc_contact_system *syst
 enum rayc_status rayc_contacts_escape_push_count(const struct rayc_contacts *contacts, size_t *count);
 
 /**
- * Copies how pairs first … first + count − 1 of those that are escaping are pushed to `out`, which has room for
- * `count`. They stand in the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes
- * no more of each than the caller knows.
+ * Copies the pushes first … first + count − 1 to `out`, which has room for `count`: one for each escaping pair, in
+ * the order of the contacts. struct_size: sizeof(rayc_escape_push), so that a later library writes no more of each
+ * than the caller knows.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
@@ -2068,9 +2076,10 @@ enum rayc_status rayc_contacts_copy_escape_pushes(const struct rayc_contacts *co
                                                   struct rayc_escape_push *out);
 
 /**
- * Lets two bodies escape from one another (allowed: 1, as they may by default), or forbids it (0): a press fit, a body
- * meant to stay inside another. An escape that is under way ends. It holds until it is set otherwise or one of the
- * bodies is removed; rayc_statistics counts in escapes_forbidden where the pair would have begun to escape.
+ * Allows two bodies to escape from one another (allowed = 1, the default), or forbids it (0), as for a press fit or
+ * a body that is meant to stay inside another. Forbidding ends an escape that is under way. It holds until it is set
+ * again or one of the bodies is removed. rayc_statistics counts in escapes_forbidden where the pair would have begun
+ * to escape.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
  */
@@ -2125,14 +2134,16 @@ enum rayc_status rayc_scene_save_pair_memories(const struct rayc_scene *scene, s
 enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size_t length, const uint8_t *bytes);
 
 /**
- * Says how a body is shared between scenes of several processes, each of which has some bodies of its own and ghosts of
- * those of others that meet them. From the next query on; a new body is not shared.
+ * Says how a body is shared between scenes of several processes. Each scene has some bodies of its own, and ghosts:
+ * copies of bodies of other scenes that meet its own. The call takes effect from the next query on; a new body is
+ * not shared.
  *
- * is_ghost: 1 for another scene's body. It has no contacts with itself here and none with other ghosts. Of a pair of it and
- * a body of this scene's own the contacts are found by one of the two scenes alone, which follows from the two keys
- * (rayc_scene_add_mesh_with_key()) and is about as often the one as the other. 0 for a body of this scene's own.
- * neighbours: how many bodies' boxes overlap its own in all scenes together, by which crowds are known, or
- * RAYC_NEIGHBOURS_COUNTED. overlaps_itself: of a ghost, what rayc_scene_body_state() says in its own scene; otherwise 0.
+ * is_ghost: 1 for a body that belongs to another scene. A ghost has no contacts with itself here, and none with
+ * other ghosts. The contacts of a ghost and a body of this scene are found by only one of the two scenes. The two
+ * keys (rayc_scene_add_mesh_with_key()) decide which one; each of the two is about as likely. 0 for a body of this
+ * scene. neighbours: how many bodies' boxes overlap its own in all scenes together, by which crowds are known, or
+ * RAYC_NEIGHBOURS_COUNTED. overlaps_itself: for a ghost, what rayc_scene_body_state() says in its own scene;
+ * otherwise 0.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a flag is neither 0 nor 1.
  */
@@ -2143,18 +2154,17 @@ enum rayc_status rayc_scene_share_body(struct rayc_scene *scene,
                                        uint32_t overlaps_itself);
 
 /**
- * Whether the scene that has the body of key `own` finds the contacts with a ghost of key `ghost` (*found: 1) or that which
- * has them the other way round does (0): see rayc_scene_share_body().
+ * Whether the scene that has the body of key `own` finds the contacts with a ghost of key `ghost` (*found: 1), or
+ * the scene that has the ghost's body does (0): see rayc_scene_share_body().
  *
  * Errors: RAYC_STATUS_INVALID_OPTION where the keys are the same.
  */
-enum rayc_status rayc_finds_pair(uint64_t own,
-                                 uint64_t ghost,
-                                 uint32_t *found);
+enum rayc_status rayc_finds_pair(uint64_t own, uint64_t ghost, uint32_t *found);
 
 /**
- * Finds the contacts of bodies with themselves, where that is switched on, as the next rayc_scene_query() would, which does
- * not do it again at the same positions: so that rayc_body_state says overlaps_itself before it.
+ * Finds the contacts of bodies with themselves where that is switched on, as the next rayc_scene_query() would. That
+ * query does not find them again if the positions stay the same. Use it to know overlaps_itself of rayc_body_state
+ * before the query.
  */
 enum rayc_status rayc_scene_find_self_contacts(struct rayc_scene *scene);
 
@@ -2169,9 +2179,9 @@ enum rayc_status rayc_scene_body_state(const struct rayc_scene *scene,
                                        struct rayc_body_state *state);
 
 /**
- * Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, of this scene or of another: for bodies
- * that change from one process to another. The pair's bodies by their numbers in this scene, the one that comes first in
- * their order first. It is forgotten by a query at which the two boxes do not overlap. struct_size:
+ * Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, for this scene or for another: for
+ * bodies that move from one process to another. Give the pair's bodies by their numbers in this scene, the one that
+ * comes first in their order first. A query forgets it if the two boxes do not overlap then. struct_size:
  * sizeof(rayc_pair_memory).
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where both are the same body,
@@ -2216,21 +2226,21 @@ enum rayc_status rayc_contacts_copy_pair_forces(const struct rayc_contacts *cont
 enum rayc_status rayc_mesh_packed_length(const struct rayc_mesh *mesh, size_t *length);
 
 /**
- * Writes the mesh as it was created to `bytes`: its triangles and the positions of then, not the present ones; length must
- * be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
+ * Writes the mesh as it was created to `bytes`: its triangles, and the positions at creation instead of the present
+ * ones. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
+ * same on every machine.
  *
- * Patches, tiles and the order of contacts are settled by the positions at creation. So what rayc_mesh_unpack() makes
- * of the bytes in another process, given the same positions, has the same contacts in the same order, to the bit; a mesh
- * created anew from the present positions has not.
+ * The positions at creation decide patches, tiles and the order of contacts. So a mesh that rayc_mesh_unpack() makes
+ * of the bytes in another process has, at the same positions, the same contacts in the same order, to the bit. A
+ * mesh created anew from the present positions does not.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT.
  */
-enum rayc_status rayc_mesh_pack(const struct rayc_mesh *mesh,
-                                size_t length,
-                                uint8_t *bytes);
+enum rayc_status rayc_mesh_pack(const struct rayc_mesh *mesh, size_t length, uint8_t *bytes);
 
 /**
- * Makes the mesh that was packed, of the same precision, at the positions of its creation. *mesh: the new handle.
+ * Makes a mesh from packed bytes, with the same precision and at the positions of its creation. *mesh: the new
+ * handle.
  *
  * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
  * and those of rayc_mesh_create() where bytes fit their checksum and are no mesh all the same.
@@ -2268,10 +2278,10 @@ enum rayc_status rayc_octree_destroy(struct rayc_octree *octree);
 enum rayc_status rayc_octree_update(struct rayc_octree *octree, const struct rayc_mesh *mesh);
 
 /**
- * Traces one ray: *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
- * Benthin, Wald 2013): a ray through a shared edge or vertex hits. So that many threads may trace rays one by one
- * without waiting for each other, they are not counted: a call that changes the octree or the mesh meanwhile does not
- * say RAYC_STATUS_BUSY, and must not be made.
+ * Traces one ray. *hit is where it first meets the mesh, from either side. The triangle test is watertight (Woop,
+ * Benthin, Wald 2013): a ray through a shared edge or vertex hits. Many threads may trace single rays at once
+ * without waiting for each other, because these calls are not counted as users of the handles. So a call that
+ * changes the octree or the mesh at the same time is not refused with RAYC_STATUS_BUSY. Do not make one.
  *
  * Errors: RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH,
  * RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE and RAYC_STATUS_INVALID_OPTION for the ray.
@@ -2282,8 +2292,8 @@ enum rayc_status rayc_octree_trace_ray(const struct rayc_octree *octree,
                                        struct rayc_hit *hit);
 
 /**
- * Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray(). Fastest where each
- * sixteen rays are neighbours.
+ * Traces `count` rays; `hits[i]` is where `rays[i]` first meets the mesh. See rayc_octree_trace_ray(). It is fastest
+ * where every sixteen rays in a row are neighbours.
  *
  * Errors: as there; the message names the ray, and no hit is written.
  */

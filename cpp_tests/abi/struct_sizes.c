@@ -129,7 +129,8 @@ static void structs_have_no_padding_at_the_end(void) {
 /* Nor a hole within, whose bytes would be whatever they were. */
 static void arrays_elements_have_no_holes(void) {
   CHECK(END_OF(rayc_pair_memory, reserved) == offsetof(rayc_pair_memory, direction));
-  CHECK(sizeof(rayc_pair_memory) == 4 * sizeof(uint32_t) + 3 * sizeof(double) + sizeof(((rayc_pair_memory*)NULL)->state));
+  CHECK(sizeof(rayc_pair_memory) ==
+        4 * sizeof(uint32_t) + 3 * sizeof(double) + sizeof(((rayc_pair_memory*)NULL)->state));
   CHECK(END_OF(rayc_escape_push, reserved) == offsetof(rayc_escape_push, direction));
   CHECK(sizeof(rayc_escape_push) == 4 * sizeof(uint32_t) + 5 * sizeof(double));
   CHECK(sizeof(rayc_contact) ==

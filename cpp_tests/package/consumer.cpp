@@ -1,6 +1,5 @@
-#include <raycontact.hpp>
-
 #include <cstdio>
+#include <raycontact.hpp>
 
 int main() {
   try {

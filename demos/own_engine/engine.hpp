@@ -30,9 +30,7 @@ class Engine {
   Vector gravity{{0, 0, 0}};
   int solves = 6;  // in a step at most
 
-  void add_floor(const Vector& normal, const rayc_material& material) {
-    contacts_.add_half_space(normal, 0, material);
-  }
+  void add_floor(const Vector& normal, const rayc_material& material) { contacts_.add_half_space(normal, 0, material); }
 
   void add(const Body& body, double mass, double spring_stiffness, const rayc_material& material) {
     const std::size_t first = masses_.size();

@@ -28,8 +28,8 @@ own::Body box(const std::array<std::size_t, 3>& cells, double edge, const own::V
   // The surface's nodes first.
   for (const bool outside : {true, false}) {
     for (std::size_t i = 0; i < (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1); ++i) {
-      const std::array<std::size_t, 3> at{{i % (cells[0] + 1), i / (cells[0] + 1) % (cells[1] + 1),
-                                           i / (cells[0] + 1) / (cells[1] + 1)}};
+      const std::array<std::size_t, 3> at{
+          {i % (cells[0] + 1), i / (cells[0] + 1) % (cells[1] + 1), i / (cells[0] + 1) / (cells[1] + 1)}};
       if (is_outside(at) != outside) continue;
       numbers[at] = body.nodes.size();
       own::Vector x = middle;

@@ -105,8 +105,7 @@ class Contacts {
    * `pairs` and `forces` held. `velocities`: one array for each body; an empty span stands for none.
    */
   Outcome<void> sum_pair_forces_to(const rayc_response_options& options, std::vector<rayc_pair_forces>& pairs,
-                                   std::vector<rayc_vertex_force>& forces,
-                                   Span<const rayc_vectors> velocities = {}) {
+                                   std::vector<rayc_vertex_force>& forces, Span<const rayc_vectors> velocities = {}) {
     std::size_t pair_count = 0, force_count = 0;
     rayc_status status = rayc_contacts_sum_pair_forces(get(), &options, velocities.size(), nullptr, given(velocities),
                                                        &pair_count, &force_count);

@@ -200,8 +200,8 @@ class Octree {
   Outcome<void> closest_points(const Mesh& mesh, const rayc_vectors& points, Span<rayc_closest_point> closest,
                                Span<const double> bounds = {}) const {
     if (closest.size() != points.count || (bounds.size() != 0 && bounds.size() != points.count))
-      return detail::failure<void>(Error(RAYC_STATUS_WRONG_COUNT,
-                                         std::to_string(points.count) + " points, but room for " +
+      return detail::failure<void>(
+          Error(RAYC_STATUS_WRONG_COUNT, std::to_string(points.count) + " points, but room for " +
                                              std::to_string(closest.size()) + " closest ones and " +
                                              std::to_string(bounds.size()) + " bounds; give as many, or no bounds"));
     const double* bound = bounds.size() == 0 ? nullptr : bounds.data();
@@ -211,10 +211,9 @@ class Octree {
   /** How often the surface winds around each point; `numbers` has room for as many: rayc_octree_winding_numbers(). */
   Outcome<void> winding_numbers(const Mesh& mesh, const rayc_vectors& points, Span<int32_t> numbers) const {
     if (numbers.size() != points.count)
-      return detail::failure<void>(Error(RAYC_STATUS_WRONG_COUNT, std::to_string(points.count) +
-                                                                      " points, but room for " +
-                                                                      std::to_string(numbers.size()) +
-                                                                      " winding numbers; give as many"));
+      return detail::failure<void>(
+          Error(RAYC_STATUS_WRONG_COUNT, std::to_string(points.count) + " points, but room for " +
+                                             std::to_string(numbers.size()) + " winding numbers; give as many"));
     return check(rayc_octree_winding_numbers(get(), mesh.get(), &points, numbers.data()));
   }
 

@@ -4,8 +4,8 @@
  * How raycontact.hpp reports errors: as exceptions, or as results for builds without them.
  *
  * Define RAYCONTACT_NO_EXCEPTIONS before the first include to have every function that can fail return a
- * raycontact::Result instead of throwing a raycontact::Error. It defines itself where the compiler has exceptions switched
- * off. Files of one program may differ.
+ * raycontact::Result instead of throwing a raycontact::Error. It defines itself where the compiler has exceptions
+ * switched off. Files of one program may differ.
  */
 #ifndef RAYCONTACT_RESULT_HPP
 #define RAYCONTACT_RESULT_HPP

@@ -128,7 +128,7 @@ class Scene {
     return detail::outcome(status, state);
   }
 
-  /** Removes a body; its number is refused until, over a thousand removals later, another body gets it. */
+  /** Removes a body. Its number is refused until another body gets it, more than 65536 removals later. */
   Outcome<void> remove(uint32_t body) { return check(rayc_scene_remove_body(get(), body)); }
 
   /** Renews the positions of a body's vertices. */
@@ -137,7 +137,9 @@ class Scene {
   }
 
   /** Moves a body that keeps its shape, by a pose from its mesh's first positions: rayc_scene_set_pose(). */
-  Outcome<void> set_pose(uint32_t body, const rayc_pose& pose) { return check(rayc_scene_set_pose(get(), body, &pose)); }
+  Outcome<void> set_pose(uint32_t body, const rayc_pose& pose) {
+    return check(rayc_scene_set_pose(get(), body, &pose));
+  }
 
   /** Switches contacts of a body with itself on or off; they have colliding = collided. Off for a new body. */
   Outcome<void> set_self_collision(uint32_t body, bool is_on) {

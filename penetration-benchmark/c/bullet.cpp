@@ -2,9 +2,9 @@
 // Bullet 3.24: btConvexHullShape where both shapes are convex, else btGImpactMeshShape, its shape for concave bodies
 // that move.
 // c++ -std=c++17 -O3 -shared -fPIC -isystem /usr/include/bullet bullet.cpp -o bullet.so -lBulletCollision -lLinearMath
-#include <btBulletCollisionCommon.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <btBulletCollisionCommon.h>
 
 #include <memory>
 #include <vector>

@@ -11,7 +11,7 @@
 
 typedef struct {
   size_t vertex_count, triangle_count;
-  uint32_t *triangles;
+  uint32_t* triangles;
   float *positions, *normals;
   float low[3], high[3];
   RTCScene scene;
@@ -20,7 +20,7 @@ typedef struct {
 
 typedef struct {
   struct RTCIntersectContext embree;
-  const uint32_t *triangles;
+  const uint32_t* triangles;
   uint32_t vertex;
 } context;
 
@@ -28,13 +28,13 @@ static RTCDevice device;
 static body bodies[2];
 
 /* Refuses the triangles around the vertex that the ray starts from. Single rays only, so there is one hit. */
-static void refuse_touched(const struct RTCFilterFunctionNArguments *arguments) {
-  const context *c = (const context *)arguments->context;
-  const uint32_t *corner = c->triangles + 3 * (size_t)((const struct RTCHit *)arguments->hit)->primID;
+static void refuse_touched(const struct RTCFilterFunctionNArguments* arguments) {
+  const context* c = (const context*)arguments->context;
+  const uint32_t* corner = c->triangles + 3 * (size_t)((const struct RTCHit*)arguments->hit)->primID;
   if (corner[0] == c->vertex || corner[1] == c->vertex || corner[2] == c->vertex) arguments->valid[0] = 0;
 }
 
-static void release(body *b) {
+static void release(body* b) {
   if (b->scene) {
     rtcReleaseGeometry(b->geometry);
     rtcReleaseScene(b->scene);
@@ -45,7 +45,7 @@ static void release(body *b) {
   memset(b, 0, sizeof *b);
 }
 
-static int make(body *b, const penetration_surface *surface) {
+static int make(body* b, const penetration_surface* surface) {
   release(b);
   b->vertex_count = surface->vertex_count;
   b->triangle_count = surface->triangle_count;
@@ -71,10 +71,10 @@ static int make(body *b, const penetration_surface *surface) {
   return rtcGetDeviceError(device) == RTC_ERROR_NONE ? PENETRATION_OK : PENETRATION_FAILED;
 }
 
-static void find_normals(body *b) {
+static void find_normals(body* b) {
   memset(b->normals, 0, 3 * b->vertex_count * sizeof(float));
   for (size_t t = 0; t < b->triangle_count; ++t) {
-    const uint32_t *v = b->triangles + 3 * t;
+    const uint32_t* v = b->triangles + 3 * t;
     const float *p = b->positions + 3 * (size_t)v[0], *q = b->positions + 3 * (size_t)v[1],
                 *r = b->positions + 3 * (size_t)v[2];
     float u[3], w[3];
@@ -86,7 +86,7 @@ static void find_normals(body *b) {
   }
 }
 
-static struct RTCRayHit trace(const body *b, const float *origin, const float *direction, context *c, float reach) {
+static struct RTCRayHit trace(const body* b, const float* origin, const float* direction, context* c, float reach) {
   struct RTCRayHit ray;
   memset(&ray, 0, sizeof ray);
   ray.ray.org_x = origin[0], ray.ray.org_y = origin[1], ray.ray.org_z = origin[2];
@@ -103,7 +103,7 @@ typedef struct {
 } found;
 
 /* Whether vertex v of body i has a contact: then where its ray leads, how far it runs, and the cosine there. */
-static int find_contact(int i, uint32_t v, found *out) {
+static int find_contact(int i, uint32_t v, found* out) {
   const body *own = &bodies[i], *other = &bodies[1 - i];
   const float *p = own->positions + 3 * (size_t)v, *n = own->normals + 3 * (size_t)v;
   const float size = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
@@ -128,7 +128,7 @@ static int find_contact(int i, uint32_t v, found *out) {
   return trace(own, p, direction, &c, out->length).hit.geomID == RTC_INVALID_GEOMETRY_ID;
 }
 
-int penetration_load(const penetration_surface *first, const penetration_surface *second) {
+int penetration_load(const penetration_surface* first, const penetration_surface* second) {
   int status;
   if (!device) device = rtcNewDevice("threads=1");
   if (!device) return PENETRATION_FAILED;
@@ -136,11 +136,11 @@ int penetration_load(const penetration_surface *first, const penetration_surface
   return status ? status : make(&bodies[1], second);
 }
 
-int penetration_move(const double poses[24], const double *first_positions, const double *second_positions) {
-  const double *positions[2] = {first_positions, second_positions};
+int penetration_move(const double poses[24], const double* first_positions, const double* second_positions) {
+  const double* positions[2] = {first_positions, second_positions};
   (void)poses;
   for (int i = 0; i < 2; ++i) {
-    body *b = &bodies[i];
+    body* b = &bodies[i];
     for (int k = 0; k < 3; ++k) b->low[k] = HUGE_VALF, b->high[k] = -HUGE_VALF;
     for (size_t v = 0; v < b->vertex_count; ++v)
       for (int k = 0; k < 3; ++k) {
@@ -163,8 +163,8 @@ static void refit(void) {
 }
 
 /* Its own opinion: the vertices that have a contact. */
-int penetration_inside(uint8_t *first, uint8_t *second) {
-  uint8_t *marks[2] = {first, second};
+int penetration_inside(uint8_t* first, uint8_t* second) {
+  uint8_t* marks[2] = {first, second};
   refit();
   for (int i = 0; i < 2; ++i)
     for (uint32_t v = 0; v < bodies[i].vertex_count; ++v) {
@@ -174,7 +174,7 @@ int penetration_inside(uint8_t *first, uint8_t *second) {
   return PENETRATION_OK;
 }
 
-ptrdiff_t penetration_contacts(penetration_contact *contacts, size_t capacity) {
+ptrdiff_t penetration_contacts(penetration_contact* contacts, size_t capacity) {
   size_t count = 0;
   refit();
   for (int i = 0; i < 2; ++i)
@@ -182,7 +182,7 @@ ptrdiff_t penetration_contacts(penetration_contact *contacts, size_t capacity) {
       found ray;
       if (!find_contact(i, v, &ray)) continue;
       if (count < capacity) {
-        penetration_contact *contact = contacts + count;
+        penetration_contact* contact = contacts + count;
         for (int k = 0; k < 3; ++k) {
           const double p = bodies[i].positions[3 * (size_t)v + k];
           (i ? contact->second : contact->first)[k] = p;

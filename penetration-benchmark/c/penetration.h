@@ -16,8 +16,8 @@ enum { PENETRATION_OK = 0, PENETRATION_NOT_SUPPORTED = 1, PENETRATION_FAILED = 2
 
 /* A closed surface, triangles counter-clockwise seen from outside. */
 typedef struct penetration_surface {
-  const double *positions;   /* vertex_count times x, y, z */
-  const uint32_t *triangles; /* triangle_count times three vertex numbers from 0 */
+  const double* positions;   /* vertex_count times x, y, z */
+  const uint32_t* triangles; /* triangle_count times three vertex numbers from 0 */
   size_t vertex_count;
   size_t triangle_count;
   int is_convex; /* 1 or 0 */
@@ -33,17 +33,17 @@ typedef struct penetration_contact {
 } penetration_contact;
 
 /* Takes a pair of bodies in place of the one before, which is freed; copies what it needs. Not timed. */
-int penetration_load(const penetration_surface *first, const penetration_surface *second);
+int penetration_load(const penetration_surface* first, const penetration_surface* second);
 
 /* Moves both: a step begins. poses: for each body three rows of rotation and translation, r r r t; positions: the
  * vertices so placed, which stay until the next call. Take which you need. */
-int penetration_move(const double poses[24], const double *first_positions, const double *second_positions);
+int penetration_move(const double poses[24], const double* first_positions, const double* second_positions);
 
 /* Sets 1 for each vertex inside the other body, 0 for the others. */
-int penetration_inside(uint8_t *first, uint8_t *second);
+int penetration_inside(uint8_t* first, uint8_t* second);
 
 /* Writes the first `capacity` contacts at most and returns how many there are. It is called again with room for all. */
-ptrdiff_t penetration_contacts(penetration_contact *contacts, size_t capacity);
+ptrdiff_t penetration_contacts(penetration_contact* contacts, size_t capacity);
 
 #ifdef __cplusplus
 }

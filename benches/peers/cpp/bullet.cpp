@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Bullet 3.24: its own soft-soft detection. Vertices near faces (VF_SS): it finds what lies within a margin of the other
-// surface, so its contacts are not the method's: nothing deeper than the margin is seen. Clusters (CL_SS): each body in
-// convex pieces, of which those that overlap are pushed apart.
+// Bullet 3.24: its own soft-soft detection. Vertices near faces (VF_SS): it finds what lies within a margin of the
+// other surface, so its contacts are not the method's: nothing deeper than the margin is seen. Clusters (CL_SS): each
+// body in convex pieces, of which those that overlap are pushed apart.
 #include <BulletSoftBody/btSoftBody.h>
 
 #include "clock.hpp"

@@ -17,7 +17,7 @@ struct BodyView {
   const uint32_t* triangles;
   uint32_t vertex_count;
   uint32_t triangle_count;
-  uint32_t rows;     // vertex (i, j) of the torus is i * columns + j
+  uint32_t rows;  // vertex (i, j) of the torus is i * columns + j
   uint32_t columns;
 };
 

@@ -25,11 +25,7 @@ inline float end_of_ray(const Box<float>& overlap, Vector4<float> origin, Vector
 }  // namespace
 
 RayStep::RayStep(const Bodies& bodies, std::vector<std::unique_ptr<Structure>> structures, unsigned threads)
-    : bodies_(bodies),
-      structures_(std::move(structures)),
-      pairs_(bodies),
-      workers_(threads),
-      threads_(threads) {
+    : bodies_(bodies), structures_(std::move(structures)), pairs_(bodies), workers_(threads), threads_(threads) {
   for (const auto& body : bodies) rings_.emplace_back(body);
   for (auto& worker : workers_) worker.rays.resize(vertices_per_task);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Rays against one body at rest with Embree 3.13: each by itself, or in streams. What is timed is tracing alone: the rays lie
-// ready as Embree wants them, and are written over by their hits.
+// Rays against one body at rest with Embree 3.13: each by itself, or in streams. What is timed is tracing alone: the
+// rays lie ready as Embree wants them, and are written over by their hits.
 #include <embree3/rtcore.h>
 
 #if defined(__SSE3__)

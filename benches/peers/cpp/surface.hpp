@@ -107,7 +107,8 @@ Box<T> box_of(const T* positions, uint32_t count) {
     boxes[0] = {lower(boxes[0].lower_corner, p), upper(boxes[0].upper_corner, p)};
   }
   for (int k = 1; k < 4; ++k) {
-    boxes[0] = {lower(boxes[0].lower_corner, boxes[k].lower_corner), upper(boxes[0].upper_corner, boxes[k].upper_corner)};
+    boxes[0] = {lower(boxes[0].lower_corner, boxes[k].lower_corner),
+                upper(boxes[0].upper_corner, boxes[k].upper_corner)};
   }
   return boxes[0];
 }

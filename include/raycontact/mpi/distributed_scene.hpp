@@ -228,15 +228,9 @@ class DistributedScene {
   static mpi_detail::Fault compare(const mpi_detail::Communicator& comm, const DistributedOptions& options) {
     const rayc_detection_options& detection = options.detection;
     const rayc_response_options& response = options.response;
-    const double own[] = {double(options.scene.precision),
-                          double(detection.sampling),
-                          detection.sampling_value,
-                          double(detection.edges),
-                          double(detection.escape),
-                          double(detection.past_folds),
-                          double(detection.law),
-                          response.stiffness,
-                          response.damping_time,
+    const double own[] = {double(options.scene.precision), double(detection.sampling), detection.sampling_value,
+                          double(detection.edges),         double(detection.escape),   double(detection.past_folds),
+                          double(detection.law),           response.stiffness,         response.damping_time,
                           double(response.weighting)};
     constexpr std::size_t count = sizeof own / sizeof *own;
     double firsts[count];

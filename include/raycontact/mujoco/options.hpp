@@ -25,9 +25,9 @@ struct ContactOptions {
   rayc_sampling sampling = RAYC_SAMPLING_SPACING;  ///< where rays start
   /// See rayc_sampling. 0 with RAYC_SAMPLING_SPACING: a quarter of the smallest flex's element's or cell's edge.
   double sampling_value = 0;
-  uint32_t threads = 1;        ///< for detection; 1: the caller's own, 0: one for each core
-  int solves = 4;              ///< >= 1: solves in a step at most; a solve follows where forces were predicted wrongly
-  double tolerance = 1e-3;     ///< 0 to 1: a solve ends where its residual is that part of what it was
+  uint32_t threads = 1;     ///< for detection; 1: the caller's own, 0: one for each core
+  int solves = 4;           ///< >= 1: solves in a step at most; a solve follows where forces were predicted wrongly
+  double tolerance = 1e-3;  ///< 0 to 1: a solve ends where its residual is that part of what it was
 };
 
 /** Throws std::invalid_argument naming the first option that is out of its range. */

@@ -21,8 +21,8 @@ constexpr const char* plugin_name = "raycontact.flex_contact";
 
 /** Its attributes: the numbers and names of ContactOptions. */
 constexpr std::array<const char*, 11> plugin_attributes{{"flexes", "pressure", "depth", "damping_time", "friction",
-                                                         "self_collision", "sampling", "sampling_value",
-                                                         "threads", "solves", "tolerance"}};
+                                                         "self_collision", "sampling", "sampling_value", "threads",
+                                                         "solves", "tolerance"}};
 
 namespace detail {
 

@@ -84,8 +84,7 @@ void RaycontactForceField::init() {
     msg_warning() << l_narrowPhase->getPathName() << " publishes its contacts, so SOFA's own response pushes too: set "
                   << "publishContacts to 0, or take this force field out.";
   // Rays from vertices at edges are oblique, and hold on where they should slide.
-  if (d_friction.getValue() > 0 && !l_narrowPhase->d_sampleSpacing.isSet())
-    l_narrowPhase->d_sampleSpacing.setValue(-1);
+  if (d_friction.getValue() > 0 && !l_narrowPhase->d_sampleSpacing.isSet()) l_narrowPhase->d_sampleSpacing.setValue(-1);
   // Matrix-based linear systems ask at the start which states a force field couples.
   for (Triangles* model : getContext()->getRootContext()->getObjects<Triangles>(BaseContext::SearchDown))
     if (model->isSimulated() && model->getMechanicalState() != nullptr)

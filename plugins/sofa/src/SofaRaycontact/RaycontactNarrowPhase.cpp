@@ -88,8 +88,8 @@ void RaycontactNarrowPhase::start() {
 void RaycontactNarrowPhase::setDetectionOptions() {
   rayc_detection_options options = raycontact::default_detection_options();
   const double spacing = d_sampleSpacing.getValue(), tolerance = d_forceTolerance.getValue();
-  options.sampling = spacing > 0    ? RAYC_SAMPLING_SPACING
-                     : spacing == 0 ? RAYC_SAMPLING_VERTICES
+  options.sampling = spacing > 0     ? RAYC_SAMPLING_SPACING
+                     : spacing == 0  ? RAYC_SAMPLING_VERTICES
                      : tolerance > 0 ? RAYC_SAMPLING_TOLERANCE
                                      : RAYC_SAMPLING_AUTOMATIC;
   options.sampling_value = std::max(spacing, spacing < 0 ? tolerance : 0.0);
