@@ -14,6 +14,7 @@
 //! | [`response`] | penalty law: forces, differential, energy |
 //! | `recovery` | the contacts of a pair, and a way apart where contacts alone cannot find it |
 //! | `detection` | the contacts of two meshes, or of one with itself; what hosts need of it is in [`contact`] |
+//! | `surface` | a mesh and its tree as one thing that refits itself |
 //! | [`octree`] | the search structure over one mesh's triangles |
 //! | [`mesh`] | topology, positions, normals, areas, boxes |
 //! | [`closest`] | the nearest point of a triangle |
@@ -59,6 +60,7 @@ pub mod ray;
 mod recovery;
 pub mod response;
 pub mod scene;
+mod surface;
 pub mod system;
 pub mod threads;
 

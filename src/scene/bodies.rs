@@ -3,7 +3,7 @@ use super::sharing::Sharing;
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::octree::Octree;
+use crate::surface::Surface;
 use std::collections::VecDeque;
 
 /// So many bodies are removed after one before its number is given to another: whoever still uses the number is told so
@@ -15,12 +15,9 @@ pub(super) struct Body<T: Scalar> {
     pub(super) number: u32,
     /// Where it comes among the bodies; of equal keys by the number.
     pub(super) key: u64,
-    pub(super) mesh: Mesh<T>,
-    pub(super) octree: Octree<T>,
+    pub(super) surface: Surface<T>,
     /// Room for where it meets other bodies.
     pub(super) regions: Vec<Aabb<T>>,
-    /// Room for a list of the octree's tiles.
-    pub(super) tiles: Vec<u32>,
     /// Where self-collision is switched on.
     pub(super) own: Option<OwnContacts<T>>,
     pub(super) sharing: Sharing,
@@ -60,9 +57,8 @@ impl<T: Scalar> Bodies<T> {
         let rested = self.free.len() > REMOVALS_BETWEEN;
         let number = if rested { self.free[0] } else { (self.list.len() + self.free.len()) as u32 };
         let key = key.unwrap_or_else(|| u64::from(number));
-        let octree = Octree::new(&mesh);
-        let (regions, tiles, sharing) = (Vec::new(), Vec::new(), Sharing::default());
-        let body = Body { number, key, mesh, octree, regions, tiles, own: None, sharing, given: 0, cost: 0.0 };
+        let (surface, regions, sharing) = (Surface::new(mesh), Vec::new(), Sharing::default());
+        let body = Body { number, key, surface, regions, own: None, sharing, given: 0, cost: 0.0 };
         let body = memory::boxed(body);
         // To remove one takes no memory then.
         self.free.room_for(self.list.len() + 1);

@@ -50,7 +50,7 @@ impl<T: Scalar> Scene<T> {
         let stamp = self.newest_stamp();
         let Self { bodies, broad_phase, pairs, .. } = self;
         let (list, ignored) = (bodies.list(), &pairs.ignored);
-        broad_phase.update(bodies.iter().map(|body| *body.mesh.aabb()), |pair| {
+        broad_phase.update(bodies.iter().map(|body| *body.surface.mesh().aabb()), |pair| {
             let [[first], [second]] = pair.map(|place| &*list[place as usize]);
             let is_ignored = !ignored.is_empty() && ignored.contains(&by_number([first.number, second.number]));
             !is_ignored && first.is_found_with(second)
@@ -192,7 +192,7 @@ impl<T: Scalar> NarrowPhase<'_, T> {
     /// Adds a pair's contacts.
     fn detect(&self, (pair, memory): &mut Remembered<T>, contacts: &mut ContactList<T>) {
         let bodies = pair.map(|number| self.bodies.get(number).expect("pairs name present bodies"));
-        let tracers = bodies.map(|body| body.octree.tracer(&body.mesh).expect("octrees are up to date"));
+        let tracers = bodies.map(|body| body.surface.tracer());
         let may_escape = self.forbidden.binary_search(&by_number(*pair)).is_err();
         let past_folds = self.options.past_folds || bodies.into_iter().any(Body::may_overlap_itself);
         let options = DetectionOptions { past_folds, ..*self.options };
@@ -206,25 +206,27 @@ impl<T: Scalar> NarrowPhase<'_, T> {
 
 impl<T: Scalar> Body<T> {
     fn triangle_count(&self) -> f64 {
-        self.mesh.topology().triangles().len() as f64
+        self.surface.mesh().topology().triangles().len() as f64
     }
 
     /// How many triangles the next query reads anew: none of a body that is where it was, or is moved by a pose.
     fn triangles_read(&self) -> f64 {
-        let is_read = self.mesh.pose().is_none() && !self.octree.is_settled(&self.mesh);
+        let is_read = self.surface.mesh().pose().is_none() && !self.surface.is_settled();
         if is_read { self.triangle_count() } else { 0.0 }
     }
 
     /// About how many rays take as long as to read the mesh and cast from it into another: one from each vertex, as far as
     /// the other's box reaches into its own.
     fn rays_expected_into(&self, other: &Self) -> f64 {
-        let (own, overlap) = (self.mesh.aabb(), self.mesh.aabb().intersection(other.mesh.aabb()));
+        let (own, overlap) =
+            (self.surface.mesh().aabb(), self.surface.mesh().aabb().intersection(other.surface.mesh().aabb()));
         let part = |axis: usize| {
             let [whole, part] = [own, &overlap].map(|aabb| (aabb.upper[axis] - aabb.lower[axis]).to_f64());
             if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 1.0 }
         };
         let inside = part(0) * part(1) * part(2);
-        inside * self.mesh.topology().surface_vertices().len() as f64 + self.triangles_read() / TRIANGLES_READ_PER_RAY
+        inside * self.surface.mesh().topology().surface_vertices().len() as f64
+            + self.triangles_read() / TRIANGLES_READ_PER_RAY
     }
 
     /// Whether the contacts of the two, first and second in their order, are to be found here.
@@ -243,28 +245,29 @@ impl<T: Scalar> Body<T> {
 
     /// What it costs to read it.
     fn start_cost(&mut self) {
-        let is_read = self.mesh.pose().is_none();
+        let is_read = self.surface.mesh().pose().is_none();
         self.cost = if is_read { self.triangle_count() / TRIANGLES_READ_PER_RAY } else { 0.0 };
     }
 
     /// Finds the body's contacts with itself, where they are asked for and not known already; gives whether the octree has
     /// followed the mesh for that.
     pub(super) fn find_own_contacts(&mut self, options: &DetectionOptions<T>) -> bool {
-        let Self { number, mesh, octree, own, .. } = self;
+        let Self { number, surface, own, .. } = self;
         let Some(own) = own else { return false };
-        if own.found_at == mesh.stamp() {
+        let stamp = surface.mesh().stamp();
+        if own.found_at == stamp {
             return false;
         }
         own.contacts.clear();
         own.may_overlap = false;
-        if own.memory.is_clear(mesh, octree) {
-            own.found_at = mesh.stamp();
+        if own.memory.is_clear(surface.mesh(), surface.octree()) {
+            own.found_at = stamp;
             return false;
         }
-        octree.update(mesh).expect("a body keeps its own octree");
-        let found = detect_self(*number, mesh, octree, options, Some(&mut own.memory), &mut own.contacts);
-        own.may_overlap = found.expect("the octree is up to date");
-        own.found_at = mesh.stamp();
+        surface.refit();
+        let (tracer, octree) = (surface.tracer(), surface.octree());
+        own.may_overlap = detect_self(*number, tracer, octree, options, Some(&mut own.memory), &mut own.contacts);
+        own.found_at = stamp;
         true
     }
 
@@ -273,14 +276,13 @@ impl<T: Scalar> Body<T> {
         if self.find_own_contacts(options) {
             return;
         }
-        let Self { mesh, octree, regions, tiles, .. } = self;
+        let Self { surface, regions, .. } = self;
         // Only bodies that meet another one need their octree.
         regions.clear();
-        memory::append(regions, others.map(|other| reach_region(mesh.aabb(), other, options.law)));
+        memory::append(regions, others.map(|other| reach_region(surface.mesh().aabb(), other, options.law)));
         if !regions.is_empty() {
             let for_distances = options.law == ContactLaw::Pressure;
-            let updated = octree.update_in(mesh, regions, options.sampling.patch_area(), for_distances, tiles);
-            updated.expect("a body keeps its own octree");
+            surface.refit_in(regions, options.sampling.patch_area(), for_distances);
         }
     }
 }

@@ -119,7 +119,8 @@ impl<T: Scalar> Scene<T> {
     /// [`SceneError::UnknownBody`].
     pub fn remove(&mut self, body: u32) -> Result<Mesh<T>, SceneError> {
         self.pairs.forget(body);
-        let mut mesh = self.bodies.remove(body).map(|body| body.mesh).ok_or(SceneError::UnknownBody { body })?;
+        let removed = self.bodies.remove(body).ok_or(SceneError::UnknownBody { body })?;
+        let mut mesh = removed.surface.into_mesh();
         mesh.settle();
         Ok(mesh)
     }
@@ -129,7 +130,7 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn mesh(&self, body: u32) -> Result<&Mesh<T>, SceneError> {
-        self.bodies.get(body).map(|body| &body.mesh).ok_or(SceneError::UnknownBody { body })
+        self.bodies.get(body).map(|body| body.surface.mesh()).ok_or(SceneError::UnknownBody { body })
     }
 
     /// The numbers of its bodies, in the bodies' order: ascending, where none has a key of the host's.
@@ -142,7 +143,7 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn mesh_mut(&mut self, body: u32) -> Result<&mut Mesh<T>, SceneError> {
-        self.bodies.get_mut(body).map(|body| &mut body.mesh).ok_or(SceneError::UnknownBody { body })
+        self.bodies.get_mut(body).map(|body| body.surface.mesh_mut()).ok_or(SceneError::UnknownBody { body })
     }
 
     /// Lets two bodies escape from one another, as they may by default, or forbids it: a press fit, a body meant to stay
@@ -234,7 +235,7 @@ impl<T: Scalar> Scene<T> {
 
     /// Of the bodies' positions the stamp of the newest; other positions have another.
     fn newest_stamp(&self) -> u64 {
-        self.bodies.iter().map(|body| body.mesh.stamp().max(body.given)).max().unwrap_or_default()
+        self.bodies.iter().map(|body| body.surface.mesh().stamp().max(body.given)).max().unwrap_or_default()
     }
 
     /// The pair by number.
@@ -249,11 +250,11 @@ impl<T: Scalar> Scene<T> {
     /// # Errors
     /// [`SceneError::UnknownBody`].
     pub fn set_self_collision(&mut self, body: u32, is_on: bool) -> Result<(), SceneError> {
-        let Body { own, mesh, .. } = self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?;
+        let Body { own, surface, .. } = self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?;
         match (is_on, own.is_some()) {
             (true, false) => {
                 *own = Some(OwnContacts::default());
-                mesh.settle();
+                surface.mesh_mut().settle();
             }
             (false, _) => *own = None,
             (true, true) => {}

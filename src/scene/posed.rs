@@ -23,7 +23,7 @@ impl<T: Scalar> Scene<T> {
 
     /// Whether [`follow`](Self::follow) will do it.
     pub(crate) fn may_follow(&mut self, body: u32, pose: &Pose) -> bool {
-        self.bodies.get_mut(body).is_some_and(|body| body.octree.may_move(&body.mesh, pose))
+        self.bodies.get_mut(body).is_some_and(|body| body.surface.may_move(pose))
     }
 
     /// [`set_pose`](Self::set_pose) of one that was checked before, or has been derived from one that was; false where the
@@ -36,16 +36,15 @@ impl<T: Scalar> Scene<T> {
 impl<T: Scalar> Body<T> {
     /// False where it would be beyond the precision.
     fn set_pose(&mut self, pose: &Pose) -> bool {
-        let Self { mesh, octree, own, given, .. } = self;
-        if mesh.pose() == Some(pose) {
+        let Self { surface, own, given, .. } = self;
+        if surface.mesh().pose() == Some(pose) {
             *given = next_stamp();
             return true;
         }
-        let Some(aabb) = octree.moved_box(mesh, pose) else { return false };
-        mesh.follow(pose, aabb);
-        if own.is_some() {
-            mesh.settle();
+        let is_moved = surface.set_pose(pose);
+        if is_moved && own.is_some() {
+            surface.mesh_mut().settle();
         }
-        true
+        is_moved
     }
 }

@@ -48,8 +48,9 @@ pub fn query_self<T: Scalar>(
     options: &DetectionOptions<T>,
     contacts: &mut ContactList<T>,
 ) -> Result<(), OctreeError> {
-    octree.tracer(mesh)?;
-    contacts.refill(|contacts| detect_self(0, mesh, octree, options, None, contacts).map(drop))
+    let tracer = octree.tracer(mesh)?;
+    contacts.refill(|contacts| detect_self(0, tracer, octree, options, None, contacts));
+    Ok(())
 }
 
 /// [`query_self`] by casting every ray: slow, and the standard it is held to. The contacts are the same to the bit, but for
@@ -79,27 +80,25 @@ pub fn query_self_with_all_rays<T: Scalar>(
 
 /// Adds the contacts between parts of one body to `contacts`; gives whether the body may overlap itself. `memory` is what
 /// the body remembers from step to step.
-///
-/// # Errors
-/// As [`query_self`].
+/// `tracer` is that of `octree`.
 pub(crate) fn detect_self<T: Scalar>(
     body: u32,
-    mesh: &Mesh<T>,
+    tracer: Tracer<'_, T>,
     octree: &Octree<T>,
     options: &DetectionOptions<T>,
     mut memory: Option<&mut SelfMemory<T>>,
     contacts: &mut ContactList<T>,
-) -> Result<bool, OctreeError> {
-    let tracer = octree.tracer(mesh)?;
+) -> bool {
+    let mesh = tracer.mesh();
     if mesh.is_open() {
         contacts.statistics.open_bodies += 1;
-        return Ok(false);
+        return false;
     }
     if memory.as_mut().is_some_and(|memory| memory.is_clear(mesh, octree)) {
-        return Ok(false);
+        return false;
     }
     if is_collapsed(mesh) {
-        return Ok(false);
+        return false;
     }
     let ContactList { statistics, workspace, .. } = &mut *contacts;
     let SelfWorkspace { touching, culling, .. } = &mut workspace.own;
@@ -109,7 +108,7 @@ pub(crate) fn detect_self<T: Scalar>(
     }
     if touching.is_tangled {
         statistics.tangled_bodies += 1;
-        return Ok(false);
+        return false;
     }
     let is_any_wanted = culling.choose(&tracer, touching, &mut workspace.crossings, statistics);
     if is_any_wanted {
@@ -117,7 +116,7 @@ pub(crate) fn detect_self<T: Scalar>(
         body.trace(true, contacts);
         body.add_contacts(contacts);
     }
-    Ok(is_any_wanted)
+    is_any_wanted
 }
 
 /// A body that may touch itself.

@@ -11,7 +11,8 @@ fn found(layout: Layout, place: &dyn Fn(usize, [f64; 3]) -> [f64; 3]) -> (Contac
     let positions: Vec<_> = torus_positions(SIDES, 0).into_iter().enumerate().map(|(i, p)| place(i, p)).collect();
     mesh.set_positions(&positions).expect("finite");
     let (octree, mut contacts) = (Octree::with_layout(&mesh, layout), ContactList::default());
-    detect_self(0, &mesh, &octree, &DetectionOptions::default(), None, &mut contacts).expect("it is new");
+    let tracer = octree.tracer(&mesh).expect("it is new");
+    detect_self(0, tracer, &octree, &DetectionOptions::default(), None, &mut contacts);
     let tried = contacts.workspace.own.touching.tried as f64 / mesh.topology().triangles().len() as f64;
     (contacts, tried)
 }
