@@ -26,6 +26,7 @@ mod fold;
 mod loads;
 mod material;
 mod parts;
+mod products;
 mod row;
 mod rows;
 mod solve;

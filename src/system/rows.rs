@@ -1,6 +1,7 @@
 //! One row for each contact, and the sums over all of them.
 
 use super::body::at;
+use super::products::Spring;
 use super::row::{RigidEnd, Row, Slip};
 use super::twist::{Factor, V3};
 use crate::memory::Room;
@@ -21,12 +22,14 @@ pub(super) struct Entry {
 pub(super) struct Rows {
     pub(super) rows: Vec<Row>,
     pub(super) entries: Vec<Entry>,
+    /// Of those that push as they are held, what products need.
+    pub(super) springs: Vec<Spring>,
     /// Mass and inertia in the world of each rigid body.
     pub(super) masses: Vec<(f64, Matrix3<f64>)>,
     /// Of the rigid bodies, where they are eliminated.
     system: Factor,
     /// Work arrays, one twist for each rigid body.
-    loads: Vec<f64>,
+    pub(super) loads: Vec<f64>,
     pub(super) response: Vec<f64>,
 }
 
@@ -50,6 +53,7 @@ impl Rows {
     pub(super) fn clear(&mut self) {
         self.rows.clear();
         self.entries.clear();
+        self.springs.clear();
     }
 
     /// Adds a node to the row under way; a node that is in it already gets the sum.
@@ -108,7 +112,7 @@ impl Rows {
         }
     }
 
-    fn scatter_rigid(ends: &[Option<RigidEnd>; 2], force: &V3, twists: &mut [f64]) {
+    pub(super) fn scatter_rigid(ends: &[Option<RigidEnd>; 2], force: &V3, twists: &mut [f64]) {
         ends.iter().flatten().for_each(|end| end.add_load(&-force, twists));
     }
 
@@ -123,43 +127,9 @@ impl Rows {
         }
     }
 
-    /// The same with the forces against a change of the velocities, turned around: those of `scale` · Jᵀ D J · change.
-    pub(super) fn for_each_product(
-        &self,
-        change: Velocities<'_>,
-        scale: f64,
-        mut use_force: impl FnMut(usize, RowForce),
-    ) {
-        for place in 0..self.rows.len() {
-            let row = &self.rows[place];
-            if row.held.pushes {
-                let slip = self.slip(place, change, &V3::zeros());
-                let along = -scale * row.held.normal * slip.along;
-                let across = slip.across * (-scale * row.held.tangential);
-                use_force(place, RowForce { along, across, whole: row.direction * along + across });
-            }
-        }
-    }
-
     /// Adds the forces that rows exert, as they are held; on rigid bodies too where `twists` has room for them.
     pub(super) fn add_forces(&self, of: Velocities<'_>, scale: f64, nodes: &mut [f64], mut twists: Option<&mut [f64]>) {
         self.for_each_force(of, scale, |place, force| {
-            self.scatter(place, &force, nodes);
-            if let Some(twists) = &mut twists {
-                Self::scatter_rigid(&self.rows[place].rigid, &force.whole, twists);
-            }
-        });
-    }
-
-    /// Adds `scale` · Jᵀ D J · change: the forces that rows exert against a change of the velocities, turned around.
-    pub(super) fn add_product(
-        &self,
-        change: Velocities<'_>,
-        scale: f64,
-        nodes: &mut [f64],
-        mut twists: Option<&mut [f64]>,
-    ) {
-        self.for_each_product(change, scale, |place, force| {
             self.scatter(place, &force, nodes);
             if let Some(twists) = &mut twists {
                 Self::scatter_rigid(&self.rows[place].rigid, &force.whole, twists);
@@ -210,26 +180,7 @@ impl Rows {
         self.finish_response(loads, Some(free));
     }
 
-    /// The same for a change of the nodes' velocities.
-    pub(super) fn respond_to_change(&mut self, nodes: &[f64], dt: f64) {
-        let count = 6 * self.masses.len();
-        let mut loads = std::mem::take(&mut self.loads);
-        loads.clear();
-        loads.room_for(count).resize(count, 0.0);
-        self.response.clear();
-        self.response.room_for(count).resize(count, 0.0);
-        for place in 0..self.rows.len() {
-            let row = &self.rows[place];
-            if row.held.pushes && row.rigid.iter().any(Option::is_some) {
-                let slip = self.slip(place, Velocities { nodes, twists: &self.response }, &V3::zeros());
-                let force = row.direction * (row.held.normal * slip.along) + slip.across * row.held.tangential;
-                Self::scatter_rigid(&row.rigid, &(force * dt), &mut loads);
-            }
-        }
-        self.finish_response(loads, None);
-    }
-
-    fn finish_response(&mut self, mut loads: Vec<f64>, free: Option<&[f64]>) {
+    pub(super) fn finish_response(&mut self, mut loads: Vec<f64>, free: Option<&[f64]>) {
         self.system.solve(&mut loads);
         if let Some(free) = free {
             loads.iter_mut().zip(free).for_each(|(load, free)| *load += free);

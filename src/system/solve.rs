@@ -183,7 +183,9 @@ impl<T: Scalar> ContactSystem<T> {
         row
     }
 
+    /// Makes ready for products and for the answer of eliminated rigid bodies.
     fn factor(&mut self, dt: f64) {
+        self.rows.gather_springs();
         if self.rigid_unknowns == RigidUnknowns::Eliminated {
             self.rows.factor_rigid(dt);
         }
