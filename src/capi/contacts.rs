@@ -4,7 +4,6 @@ use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
 use super::options::rayc_detection_options;
-use super::pair_forces::AnyForcesByPair;
 use super::pointers::Output;
 use super::sized_structs::{read_options, write_known};
 use super::statistics::rayc_statistics;
@@ -12,6 +11,7 @@ use crate::detection::{Contact, ContactKind, ContactList, SurfacePoint, query_se
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::recovery::query_pair;
+use crate::response::ForcesByPair;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
@@ -32,6 +32,13 @@ impl Handle for rayc_contacts {
 pub(super) enum AnyContacts {
     F32(ContactList<f32>),
     F64(ContactList<f64>),
+}
+
+/// Sums of either precision.
+#[derive(Default)]
+pub(super) struct AnyForcesByPair {
+    pub(super) f32: ForcesByPair<f32>,
+    pub(super) f64: ForcesByPair<f64>,
 }
 
 impl AnyContacts {

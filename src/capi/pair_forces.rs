@@ -40,13 +40,6 @@ pub struct rayc_vertex_force {
     pub force: [f64; 3],
 }
 
-/// Sums of either precision.
-#[derive(Default)]
-pub(super) struct AnyForcesByPair {
-    f32: ForcesByPair<f32>,
-    f64: ForcesByPair<f64>,
-}
-
 /// Sums the contact forces pair by pair, for rayc_contacts_copy_pair_forces(): first the contacts of each pair, in their
 /// order, at each vertex that they act on. Added in the order of the pairs they are the forces of rayc_contacts_add_forces()
 /// but for the order of summation. As a pair's sum does not depend on other pairs, it may be found in another process.

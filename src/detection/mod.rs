@@ -14,6 +14,7 @@ mod options;
 mod pair;
 mod sample;
 mod self_contact;
+mod self_search;
 mod statistics;
 #[cfg(test)]
 pub(crate) mod test_contact;
@@ -30,8 +31,9 @@ pub use options::{ContactLaw, DetectionOptions};
 pub(crate) use pair::{Pair, overlap_region, reach_region};
 pub use sample::Sampling;
 pub(crate) use sample::{Sample, for_each_inside_stretch, part_of_rays};
-pub(crate) use self_contact::{SelfMemory, detect_self};
+pub(crate) use self_contact::detect_self;
 pub use self_contact::{query_self, query_self_with_all_rays};
+pub(crate) use self_search::SelfMemory;
 pub use statistics::Statistics;
 pub(crate) use weigh::contact;
 pub(crate) use workspace::Workspace;

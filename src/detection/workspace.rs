@@ -1,6 +1,6 @@
 use super::contact::Contact;
 use super::sample::{Pieces, Sample};
-use super::self_contact::workspace::SelfWorkspace;
+use super::self_search::SelfWorkspace;
 use super::statistics::Statistics;
 use super::weigh::shares::CastLoad;
 use crate::math::Scalar;

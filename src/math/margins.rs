@@ -57,7 +57,7 @@ pub(crate) const SLAB: f64 = 32.0;
 pub(crate) const LEAVING: f64 = 256.0;
 
 /// Positions as rays see them; times the largest coordinate: projections 8.5, hits 32, the rays' origins 8. Held by
-/// `src/detection/self_contact/touching/tests.rs`.
+/// `src/detection/self_search/touching/tests.rs`.
 pub(crate) const SEEN_POSITION: f64 = 64.0;
 
 /// The lengths of the normals around a vertex, summed; times the sum: one for each triangle and some for each length.

@@ -1,5 +1,5 @@
 use super::OwnContacts;
-use super::sharing::Sharing;
+use super::shared_body::Sharing;
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;

@@ -1,7 +1,7 @@
 use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
 use super::pairs::{Remembered, by_number};
-use super::sharing::finds_pair;
+use super::shared_body::finds_pair;
 use super::{OwnContacts, Scene};
 use crate::detection::{ContactLaw, ContactList, DetectionOptions, Statistics, detect_self, reach_region};
 use crate::math::{Aabb, Scalar};

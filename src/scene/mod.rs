@@ -7,11 +7,12 @@ mod error;
 mod pairs;
 mod posed;
 mod saved;
+mod shared_body;
 mod sharing;
 
 pub use error::SceneError;
 pub use saved::SavedStateError;
-pub use sharing::{Sharing, finds_pair};
+pub use shared_body::{Sharing, finds_pair};
 
 use crate::detection::{ContactList, DetectionOptions, SelfMemory};
 use crate::math::Scalar;

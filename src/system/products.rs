@@ -2,24 +2,10 @@
 //! what they need lies side by side.
 
 use super::body::at;
-use super::row::{RigidEnd, Slip};
+use super::row::{RigidEnd, Slip, Spring};
 use super::rows::{Entry, RowForce, Rows, Velocities};
 use super::twist::V3;
 use crate::memory::Room;
-
-/// A row that pushes, as it is held: the derivative of its force.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spring {
-    direction: V3,
-    /// By the slip along the direction and across it, in N s/m.
-    normal: f64,
-    tangential: f64,
-    /// Its place among the rows, and those of its entries.
-    place: usize,
-    begin: usize,
-    end: usize,
-    has_rigid_ends: bool,
-}
 
 impl Rows {
     /// Takes note of how rows are held now, for the products until they are held anew.

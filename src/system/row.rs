@@ -78,6 +78,20 @@ pub(super) struct Row {
     pub(super) held: Held,
 }
 
+/// A row that pushes, as it is held: the derivative of its force.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spring {
+    pub(super) direction: V3,
+    /// By the slip along the direction and across it, in N s/m.
+    pub(super) normal: f64,
+    pub(super) tangential: f64,
+    /// Its place among the rows, and those of its entries.
+    pub(super) place: usize,
+    pub(super) begin: usize,
+    pub(super) end: usize,
+    pub(super) has_rigid_ends: bool,
+}
+
 impl Row {
     /// The depth that a step asks for: the cap is on the depth of the pressure, `depth` · `cos_alpha`, and is for what there
     /// was at the start of the step. What bodies close within it is met in full.

@@ -1,8 +1,7 @@
 //! One row for each contact, and the sums over all of them.
 
 use super::body::at;
-use super::products::Spring;
-use super::row::{RigidEnd, Row, Slip};
+use super::row::{RigidEnd, Row, Slip, Spring};
 use super::twist::{Factor, V3};
 use crate::memory::Room;
 use nalgebra::Matrix3;

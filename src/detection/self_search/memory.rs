@@ -68,7 +68,7 @@ impl<T: Scalar> SelfMemory<T> {
     }
 
     /// Looks at the whole surface but for what is known of it. [`is_clear`](Self::is_clear) has been asked before.
-    pub(super) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>, touching: &mut Touching<T>) {
+    pub(in crate::detection) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>, touching: &mut Touching<T>) {
         touching.reset(mesh);
         if self.lapsed <= MOST_LAPSED && !touching.any && !Touching::any_lapsed_touch(octree, mesh, &mut self.near) {
             return;

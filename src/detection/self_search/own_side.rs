@@ -13,7 +13,7 @@ use crate::mesh::Topology;
 
 /// The folds that overlap, by vertex.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Folds {
+pub(in crate::detection) struct Folds {
     /// Whether a vertex belongs to a triangle that lies inside another part of the body.
     is_inside: Vec<bool>,
     /// Connected parts of the surface that lie inside.
@@ -26,7 +26,7 @@ pub(super) struct Folds {
 
 impl Folds {
     /// Starts anew with a surface of which nothing lies inside.
-    pub(super) fn reset(&mut self, topology: &Topology) {
+    pub(in crate::detection) fn reset(&mut self, topology: &Topology) {
         let count = topology.vertex_count();
         self.is_inside.clear();
         self.is_inside.room_for(count).resize(count, false);
@@ -37,7 +37,7 @@ impl Folds {
     }
 
     /// Takes note that the surface between these vertices lies inside.
-    pub(super) fn add(&mut self, vertices: [u32; 3]) {
+    pub(in crate::detection) fn add(&mut self, vertices: [u32; 3]) {
         for vertex in vertices {
             self.is_inside[vertex as usize] = true;
             self.parts.join(vertices[0], vertex, false);
@@ -46,7 +46,7 @@ impl Folds {
     }
 
     /// Joins what lies inside along edges: for samples at vertices, which name no surface between them.
-    pub(super) fn join_along_edges(&mut self, topology: &Topology) {
+    pub(in crate::detection) fn join_along_edges(&mut self, topology: &Topology) {
         for edge in topology.edges() {
             if edge.vertices.iter().all(|&vertex| self.is_inside[vertex as usize]) {
                 self.add([edge.vertices[0], edge.vertices[1], edge.vertices[0]]);
@@ -55,7 +55,7 @@ impl Folds {
     }
 
     /// Joins what crosses.
-    pub(super) fn join<T: Scalar>(&mut self, topology: &Topology, touching: &Touching<T>) {
+    pub(in crate::detection) fn join<T: Scalar>(&mut self, topology: &Topology, touching: &Touching<T>) {
         for pair in &touching.pairs {
             let [a, b] = pair.map(|triangle| topology.triangles()[triangle as usize]);
             for (from, to) in a.into_iter().flat_map(|from| b.into_iter().map(move |to| (from, to))) {
@@ -75,7 +75,7 @@ impl Folds {
     }
 
     /// Whether a point between the first vertices, which lies inside, and one between the second belong to one fold.
-    pub(super) fn are_one(&mut self, inside: [u32; 3], other: [u32; 3]) -> bool {
+    pub(in crate::detection) fn are_one(&mut self, inside: [u32; 3], other: [u32; 3]) -> bool {
         let from = inside[0];
         let (part, (fold, side)) = (self.parts.find(from).0, self.folds.find(from));
         let is_mixed = self.is_mixed[fold as usize];

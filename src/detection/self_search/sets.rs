@@ -2,14 +2,14 @@ use crate::memory::{self, Room};
 
 /// Sets of numbers, joined two by two (Tarjan 1975), each with its parity in its set.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sets {
+pub(in crate::detection) struct Sets {
     parents: Vec<u32>,
     parities: Vec<bool>,
 }
 
 impl Sets {
     /// `count` sets of one number each.
-    pub(super) fn reset(&mut self, count: usize) {
+    pub(in crate::detection) fn reset(&mut self, count: usize) {
         self.parents.clear();
         memory::append(&mut self.parents, 0..count as u32);
         self.parities.clear();
@@ -17,7 +17,7 @@ impl Sets {
     }
 
     /// The number that stands for the set of `number`, and the parity of `number` beside it.
-    pub(super) fn find(&mut self, number: u32) -> (u32, bool) {
+    pub(in crate::detection) fn find(&mut self, number: u32) -> (u32, bool) {
         let (mut root, mut parity) = (number, false);
         while self.parents[root as usize] != root {
             parity ^= self.parities[root as usize];
@@ -35,7 +35,7 @@ impl Sets {
 
     /// Joins two sets so that the two numbers differ in parity where `differ` says so; gives whether that agrees with what
     /// was known.
-    pub(super) fn join(&mut self, a: u32, b: u32, differ: bool) -> bool {
+    pub(in crate::detection) fn join(&mut self, a: u32, b: u32, differ: bool) -> bool {
         let ((root_a, parity_a), (root_b, parity_b)) = (self.find(a), self.find(b));
         if root_a == root_b {
             return (parity_a ^ parity_b) == differ;

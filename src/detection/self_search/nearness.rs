@@ -6,18 +6,18 @@ use crate::octree::is_merged;
 
 /// By how much positions may be off in what rays see of them: projections, hits and the rays' origins are each rounded
 /// to a few units of the largest coordinate.
-pub(super) fn rounding<T: Scalar>(mesh: &Mesh<T>) -> T {
+pub(in crate::detection) fn rounding<T: Scalar>(mesh: &Mesh<T>) -> T {
     mesh.aabb().lower.amax().max(mesh.aabb().upper.amax()) * margins::margin(margins::SEEN_POSITION)
 }
 
 /// What is nearer touches.
-pub(super) fn touch_distance<T: Scalar>(mesh: &Mesh<T>) -> T {
+pub(in crate::detection) fn touch_distance<T: Scalar>(mesh: &Mesh<T>) -> T {
     rounding(mesh) * T::of(4.0)
 }
 
 /// How near two triangles without a common vertex are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Nearness {
+pub(in crate::detection) enum Nearness {
     Apart,
     /// Their boxes overlap.
     Close,
@@ -25,7 +25,7 @@ pub(super) enum Nearness {
 }
 
 /// How near two triangles are that may touch: others are apart.
-pub(super) fn nearness<T: Scalar>(mesh: &Mesh<T>, pair: [u32; 2]) -> Nearness {
+pub(in crate::detection) fn nearness<T: Scalar>(mesh: &Mesh<T>, pair: [u32; 2]) -> Nearness {
     let touch = touch_distance(mesh);
     let corners = pair.map(|triangle| mesh.corners(triangle));
     let [a, b] = corners.each_ref().map(Aabb::of_triangle);
@@ -43,7 +43,7 @@ pub(super) fn nearness<T: Scalar>(mesh: &Mesh<T>, pair: [u32; 2]) -> Nearness {
 /// A lower bound of the distance of two triangles, by planes between them; 0 where no plane parts them. The search
 /// ends where `enough` is found.
 #[inline]
-pub(super) fn separation<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], enough: T) -> T {
+pub(in crate::detection) fn separation<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], enough: T) -> T {
     let [a, b] = corners;
     // Nearly always the line of centres will do.
     let best = gap_along(corners, &((b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2])));
@@ -92,7 +92,7 @@ fn gap_along_either<T: Scalar>([a, b]: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>)
 
 /// How far the second triangle lies beyond the first, times the axis' length; 0 or less where it does not.
 #[inline]
-pub(super) fn projected_gap<T: Scalar>([a, b]: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T {
+pub(in crate::detection) fn projected_gap<T: Scalar>([a, b]: &[[Vector3<T>; 3]; 2], axis: &Vector3<T>) -> T {
     let along = |corner: &Vector3<T>| (corner - a[0]).dot(axis);
     let beyond = |x: T, y: T| if x > y { x } else { y };
     let end = beyond(beyond(along(&a[1]), along(&a[2])), T::zero());

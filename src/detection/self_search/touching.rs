@@ -10,14 +10,14 @@ use crate::octree::{NearParts, Octree, Reach};
 
 /// What the search found, and the memory it needs.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Touching<T: Scalar> {
+pub(in crate::detection) struct Touching<T: Scalar> {
     /// By triangle: whether it comes nearer to another than rounding tells apart, or its neighbourhood folds over.
-    pub(super) touched: Vec<bool>,
-    pub(super) any: bool,
+    pub(in crate::detection) touched: Vec<bool>,
+    pub(in crate::detection) any: bool,
     /// Triangles without a common vertex that touch.
-    pub(super) pairs: Vec<[u32; 2]>,
+    pub(in crate::detection) pairs: Vec<[u32; 2]>,
     /// The body is tangled, and nothing else is told.
-    pub(super) is_tangled: bool,
+    pub(in crate::detection) is_tangled: bool,
     limits: Limits,
     /// Vertices around which the surface folds over.
     folds: usize,
@@ -25,7 +25,7 @@ pub(super) struct Touching<T: Scalar> {
     near: NearParts<T>,
     /// Pairs of triangles held against each other.
     #[cfg(test)]
-    pub(super) tried: u64,
+    pub(in crate::detection) tried: u64,
 }
 
 /// A triangle as its fans see it.
@@ -37,11 +37,11 @@ struct Facet<T: Scalar> {
 
 /// What holds for the triangles around the vertices.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fans<T: Scalar> {
+pub(in crate::detection) struct Fans<T: Scalar> {
     /// They touch none of each other while the two ends of no edge move against each other by more.
-    pub(super) strain: T,
+    pub(in crate::detection) strain: T,
     /// The mean altitude of the triangles.
-    pub(super) fineness: T,
+    pub(in crate::detection) fineness: T,
 }
 
 /// A body is tangled, too, where more pairs of its parts are near each other than so many for each triangle: their list
@@ -51,7 +51,7 @@ const MOST_PAIRS_OF_PARTS: usize = 64;
 impl<T: Scalar> Touching<T> {
     /// Starts anew with a surface that touches itself nowhere. Lengths whose squares underflow or overflow tell
     /// nothing: it touches itself everywhere then.
-    pub(super) fn reset(&mut self, mesh: &Mesh<T>) {
+    pub(in crate::detection) fn reset(&mut self, mesh: &Mesh<T>) {
         let rounding = rounding(mesh);
         self.pairs.clear();
         (self.is_tangled, self.folds) = (false, 0);
@@ -64,7 +64,7 @@ impl<T: Scalar> Touching<T> {
     }
 
     /// Looks at the whole surface, but for a tangled one.
-    pub(super) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
+    pub(in crate::detection) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
         self.reset(mesh);
         self.is_tangled = is_tangled(mesh);
         if !self.is_tangled {
@@ -78,7 +78,7 @@ impl<T: Scalar> Touching<T> {
     }
 
     /// Looks at the whole surface, however long it takes.
-    pub(super) fn search_all(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
+    pub(in crate::detection) fn search_all(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
         self.reset(mesh);
         self.limits = Limits::NONE;
         self.search_fans(mesh);
@@ -89,7 +89,7 @@ impl<T: Scalar> Touching<T> {
     }
 
     /// That of what touches.
-    pub(super) fn reach(mesh: &Mesh<T>) -> Reach<T> {
+    pub(in crate::detection) fn reach(mesh: &Mesh<T>) -> Reach<T> {
         let pairs = MOST_PAIRS_OF_PARTS * mesh.topology().triangles().len();
         Reach { touch: touch_distance(mesh), margin: T::zero(), part_margin: T::zero(), most_pairs: pairs }
     }
@@ -101,7 +101,7 @@ impl<T: Scalar> Touching<T> {
 
     /// Looks at the triangles around each vertex: those with a common vertex. Where nothing but folds is found, the body is
     /// tangled.
-    pub(super) fn search_fans(&mut self, mesh: &Mesh<T>) -> Fans<T> {
+    pub(in crate::detection) fn search_fans(&mut self, mesh: &Mesh<T>) -> Fans<T> {
         let count = mesh.topology().triangles().len();
         self.facets.clear();
         memory::append(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
@@ -155,7 +155,7 @@ impl<T: Scalar> Touching<T> {
     /// Looks at the triangles without a common vertex; a margin of 0 is quickest. Where more touch, or are close beside
     /// many folds, than a body has that is not tangled, or parts are near each other beyond all bounds, it is. The first two
     /// do not depend on the order in which pairs are looked at, nor on the margins.
-    pub(super) fn search_pairs(
+    pub(in crate::detection) fn search_pairs(
         &mut self,
         octree: &Octree<T>,
         mesh: &Mesh<T>,
@@ -192,7 +192,7 @@ impl<T: Scalar> Touching<T> {
     }
 
     /// Whether any triangles touch among the parts that have lapsed.
-    pub(super) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearParts<T>) -> bool {
+    pub(in crate::detection) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearParts<T>) -> bool {
         let touch = touch_distance(mesh);
         let mut any = false;
         octree.search_lapsed(mesh, touch, near, |a, b| {

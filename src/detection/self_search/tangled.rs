@@ -30,11 +30,11 @@ const MOST_TOUCHING: usize = 3;
 
 /// What a body has at most that is not tangled; where there is more, the search for it can end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
+pub(in crate::detection) struct Limits {
     /// Vertices around which the surface folds over: where it does around more than every fourth, it has no side.
-    pub(super) folds: usize,
+    pub(in crate::detection) folds: usize,
     /// Pairs of triangles that touch.
-    pub(super) touching: usize,
+    pub(in crate::detection) touching: usize,
     /// Pairs of triangles whose boxes overlap, beside many folds.
     close: usize,
     /// So many folds are few.
@@ -42,10 +42,10 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    pub(super) const NONE: Self =
+    pub(in crate::detection) const NONE: Self =
         Self { folds: usize::MAX, touching: usize::MAX, close: usize::MAX, few_folds: usize::MAX };
 
-    pub(super) fn of<T: Scalar>(mesh: &Mesh<T>) -> Self {
+    pub(in crate::detection) fn of<T: Scalar>(mesh: &Mesh<T>) -> Self {
         let topology = mesh.topology();
         let (triangles, vertices) = (topology.triangles().len(), topology.surface_vertices().len());
         if triangles < FEWEST_TRIANGLES {
@@ -56,7 +56,7 @@ impl Limits {
     }
 
     /// How many pairs may be close in a body with so many folds.
-    pub(super) fn close(&self, folds: usize) -> usize {
+    pub(in crate::detection) fn close(&self, folds: usize) -> usize {
         if folds > self.few_folds { self.close } else { usize::MAX }
     }
 }
@@ -69,7 +69,7 @@ impl Default for Limits {
 
 /// Whether a body is tangled, by pairs of its triangles thrown together; it depends on nothing but the mesh and its numbering. A body in
 /// order takes a pair for every two triangles, one that is all tangled few pairs in all.
-pub(super) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
+pub(in crate::detection) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
     let count = mesh.topology().triangles().len();
     if count < FEWEST_TRIANGLES {
         return false;
@@ -97,7 +97,7 @@ pub(super) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
 }
 
 /// Whether no triangle is left that casts a ray or is met by one.
-pub(super) fn is_collapsed<T: Scalar>(mesh: &Mesh<T>) -> bool {
+pub(in crate::detection) fn is_collapsed<T: Scalar>(mesh: &Mesh<T>) -> bool {
     (0..mesh.topology().triangles().len() as u32).all(|triangle| is_merged(&mesh.corners(triangle)))
 }
 

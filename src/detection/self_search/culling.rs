@@ -12,15 +12,15 @@ use crate::ray::Hit;
 
 /// The triangles whose samples are traced.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Culling {
+pub(in crate::detection) struct Culling {
     regions: Sets,
-    pub(super) is_wanted: Vec<bool>,
+    pub(in crate::detection) is_wanted: Vec<bool>,
 }
 
 impl Culling {
     /// Wants the triangles that touch others, and the connected parts of the rest that lie inside another part of the
     /// body. Gives false where there is none.
-    pub(super) fn choose<T: Scalar>(
+    pub(in crate::detection) fn choose<T: Scalar>(
         &mut self,
         tracer: &Tracer<'_, T>,
         touching: &Touching<T>,

@@ -2,25 +2,15 @@
 //!
 //! A point of the surface overlaps another part of its body where the surface winds around more than once just under it:
 //! once is its own body. The first exit along the inward ray is then the way out, as it is for two bodies; but one through
-//! the far side of the point's own fold is refused ([`own_side`]), as it is for two bodies. So two lobes have the contacts
+//! the far side of the point's own fold is refused (`self_search/own_side.rs`), as it is for two bodies. So two lobes have the contacts
 //! that they would have as two bodies; only the load is shared half and half.
-
-mod culling;
-mod memory;
-mod nearness;
-mod own_side;
-mod sets;
-mod tangled;
-mod touching;
-pub(crate) mod workspace;
-
-pub(crate) use memory::SelfMemory;
 
 use super::classify::winding::{inward_ray, way_out, winding_number};
 use super::contact::{Contact, ContactKind};
 use super::list::ContactList;
 use super::options::DetectionOptions;
 use super::sample::{Collect, Cutter, Sample, Sampling};
+use super::self_search::{SelfMemory, SelfWorkspace, is_collapsed};
 use super::weigh::{contact, cos_alpha};
 use super::workspace::Workspace;
 use crate::math::{Aabb, Scalar, dispatch, margins};
@@ -28,8 +18,6 @@ use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
 use crate::ray::{Hit, Ray};
-use tangled::is_collapsed;
-use workspace::SelfWorkspace;
 
 /// Finds the contacts between parts of one mesh, body 0; replaces what `contacts` held. Of the options only the sampling
 /// counts; automatic is one ray for each triangle.

@@ -1,0 +1,15 @@
+//! Where a body's surface may touch itself: which of its triangles come near each other, whether they are too many to tell
+//! inside from outside, which samples need a ray, and which fold a point belongs to.
+
+mod culling;
+mod memory;
+mod nearness;
+mod own_side;
+mod sets;
+mod tangled;
+mod touching;
+mod workspace;
+
+pub(crate) use memory::SelfMemory;
+pub(in crate::detection) use tangled::is_collapsed;
+pub(in crate::detection) use workspace::SelfWorkspace;
