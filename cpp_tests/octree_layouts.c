@@ -48,7 +48,7 @@ static void rays_and_points_agree(const rayc_mesh* mesh) {
     rays[i].t_max = INFINITY;
     for (int axis = 0; axis < 3; ++axis) {
       rays[i].origin[axis] = points[3 * i + axis] = 1.5 * sin(1.0 + 7.3 * i + 2.1 * axis);
-      rays[i].direction[axis] = cos(3.0 + 5.9 * i + 1.7 * axis);
+      rays[i].direction[axis] = 0.6 * cos(3.0 + 5.9 * i + 1.7 * axis) - points[3 * i + axis];
     }
   }
   const rayc_vectors asked = packed(points, RAYS);
@@ -60,7 +60,7 @@ static void rays_and_points_agree(const rayc_mesh* mesh) {
     CHECK_OK(rayc_octree_destroy(octree));
   }
   for (int i = 0; i < RAYS; ++i) found += hits[0][i].triangle != RAYC_NO_TRIANGLE;
-  CHECK(found > RAYS / 10);
+  CHECK(found > RAYS / 4 && found < RAYS);
   CHECK(memcmp(hits[0], hits[1], sizeof hits[0]) == 0);
   CHECK(memcmp(closest[0], closest[1], sizeof closest[0]) == 0);
 }
