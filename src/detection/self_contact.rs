@@ -145,6 +145,14 @@ impl<T: Scalar> Body<'_, T> {
         let region = &region.grown(largest * margins::margin(margins::SAMPLE_IN_BOX));
         let cutter = Cutter::new(self.options.sampling, &overlap, region);
         self.tracer.groups_in(region, groups);
+        if is_culled && self.options.sampling != Sampling::Vertices {
+            // Vertices may be wanted for a triangle of another group.
+            groups.retain(|&group| {
+                let mut is_any_wanted = false;
+                self.tracer.triangles_of(group, |triangle| is_any_wanted |= wanted[triangle as usize]);
+                is_any_wanted
+            });
+        }
         dispatch::<T, _>(Collect { own: &self.tracer, region, cutter, groups, pieces, vertices, samples });
         samples.retain(|sample| {
             if !is_wanted(sample) {
