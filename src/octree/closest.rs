@@ -244,7 +244,7 @@ mod tests {
         fn run<L: Lanes<T>>(self) -> Self::Output {
             let Self { tracer, points, bounds } = self;
             let mut found = vec![None; points.len()];
-            ClosestPoints { tracer, points, bounds, found: &mut found }.run::<L>();
+            L::outlined(ClosestPoints { tracer, points, bounds, found: &mut found });
             let Cells::Wide(cells) = tracer.cells else { unreachable!("it is the default") };
             let one = |(point, &bound): (&Vector3<T>, &T)| {
                 let query = QueryPoint::new(point, &MeshScale::new(tracer.mesh().aabb()))?;

@@ -54,10 +54,10 @@ mod x86_64 {
     pub(crate) unsafe fn run_on<T: HasLanes, K: Kernel<T>>(path: Path, kernel: K) -> K::Output {
         match path {
             // SAFETY: the caller knows that the processor has what the function was compiled for.
-            Path::Avx512 => unsafe { run_avx512::<T, K>(kernel) },
+            Path::Avx512 => unsafe { outlined_avx512::<T, T::Avx512, K>(kernel) },
             // SAFETY: the caller knows that the processor has what the function was compiled for.
-            Path::Avx2 => unsafe { run_avx2::<T, K>(kernel) },
-            Path::Baseline => kernel.run::<T::Baseline>(),
+            Path::Avx2 => unsafe { outlined_avx2::<T, T::Avx2, K>(kernel) },
+            Path::Baseline => T::Baseline::outlined(kernel),
         }
     }
 
@@ -74,7 +74,7 @@ mod x86_64 {
     #[allow(unsafe_code)] // calling code for processors that may not be this one
     pub(crate) fn on_every_path<T: HasLanes, K: Kernel<T> + Copy>(kernel: K) -> Vec<K::Output> {
         let paths = [Path::Baseline, Path::Avx2, Path::Avx512].into_iter().filter(|&path| path <= best());
-        let portable = kernel.run::<crate::math::lanes::portable::Portable<T>>();
+        let portable = crate::math::lanes::portable::Portable::<T>::outlined(kernel);
         // SAFETY: it is none above the best.
         [portable].into_iter().chain(paths.map(|path| unsafe { run_on(path, kernel) })).collect()
     }
@@ -90,24 +90,15 @@ mod x86_64 {
         }
     }
 
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
-    fn run_avx2<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
-        kernel.run::<T::Avx2>()
-    }
-
-    /// For code that runs on AVX2 lanes already.
+    /// The kernel, on a processor that has AVX2. Like all of `outlined`, never inlined: such functions are compiled with
+    /// this library, and not again with every program that uses it.
     #[inline(never)]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     pub(crate) fn outlined_avx2<T: HasLanes, L: Lanes<T>, K: Kernel<T>>(kernel: K) -> K::Output {
         kernel.run::<L>()
     }
 
-    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
-    fn run_avx512<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
-        kernel.run::<T::Avx512>()
-    }
-
-    /// For code that runs on AVX-512 lanes already.
+    /// The kernel, on a processor that has AVX-512.
     #[inline(never)]
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
     pub(crate) fn outlined_avx512<T: HasLanes, L: Lanes<T>, K: Kernel<T>>(kernel: K) -> K::Output {

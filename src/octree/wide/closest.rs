@@ -128,21 +128,32 @@ impl<T: Scalar> Seeker<T> for One<'_, T> {
 /// about 1.
 const MOST_SPREAD: f64 = 64.0;
 
-/// Finds the nearest triangles of a packet's points.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn closest_of_packet<T: Scalar, L: Lanes<T>>(cells: &Wide<T>, mesh: &Mesh<T>, packet: &mut PointPacket<T>) {
-    let centre = packet.centre;
-    if packet.spread::<L>() * T::of(cells.tiles.len() as f64).sqrt() <= T::of(MOST_SPREAD) {
-        walk::<T, L, _>(cells, mesh, &centre, packet);
-    } else {
-        packet.centre_limit = -T::one();
-    }
-    if packet.centre_limit < T::zero() {
-        let present = packet.present;
-        for lane in (0..LANE_COUNT).filter(|lane| present >> lane & 1 == 1) {
-            let (query, mut nearest) = (packet.query(lane), nearest_of(packet, lane));
-            Closest { cells, mesh, query: &query, nearest: &mut nearest }.run::<L>();
-            keep(packet, lane, &nearest);
+/// The search for the triangles nearest to a packet's points.
+pub(super) struct ClosestOfPacket<'a, T: Scalar> {
+    pub(super) cells: &'a Wide<T>,
+    pub(super) mesh: &'a Mesh<T>,
+    pub(super) packet: &'a mut PointPacket<T>,
+}
+
+impl<T: Scalar> Kernel<T> for ClosestOfPacket<'_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { cells, mesh, packet } = self;
+        let centre = packet.centre;
+        if packet.spread::<L>() * T::of(cells.tiles.len() as f64).sqrt() <= T::of(MOST_SPREAD) {
+            walk::<T, L, _>(cells, mesh, &centre, packet);
+        } else {
+            packet.centre_limit = -T::one();
+        }
+        if packet.centre_limit < T::zero() {
+            let present = packet.present;
+            for lane in (0..LANE_COUNT).filter(|lane| present >> lane & 1 == 1) {
+                let (query, mut nearest) = (packet.query(lane), nearest_of(packet, lane));
+                L::outlined(Closest { cells, mesh, query: &query, nearest: &mut nearest });
+                keep(packet, lane, &nearest);
+            }
         }
     }
 }

@@ -141,13 +141,13 @@ impl<T: Scalar> Wide<T> {
         query: &QueryPoint<T>,
         nearest: &mut Nearest<T>,
     ) {
-        crate::math::Kernel::run::<L>(closest::Closest { cells: self, mesh, query, nearest });
+        L::outlined(closest::Closest { cells: self, mesh, query, nearest });
     }
 
     /// Finds the nearest triangles of a packet's points.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn find_closest_of_packet<L: Lanes<T>>(&self, mesh: &Mesh<T>, packet: &mut PointPacket<T>) {
-        closest::closest_of_packet::<T, L>(self, mesh, packet);
+        L::outlined(closest::ClosestOfPacket { cells: self, mesh, packet });
     }
 
     /// The nearest hit of each ray.

@@ -14,7 +14,7 @@ pub(crate) use candidates::Candidates;
 use super::Wide;
 use super::leaving::Directions;
 use super::node::BoxLanes;
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::mesh::Mesh;
 use crate::ray::{Hit, RayPacket};
 use answer::{Answer, Hidden, Nearest};
@@ -78,7 +78,7 @@ pub(super) fn nearest<T: Scalar, L: Lanes<T>>(
 ) {
     hits.found = 0;
     let answer = &mut Nearest { end: packet.t_max, hits };
-    search::<T, L, _>(cells, mesh, packet, packet.present, &packet.t_max, list, answer);
+    L::outlined(PacketSearch { cells, mesh, packet, asked: packet.present, end: &packet.t_max, list, answer });
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -92,7 +92,7 @@ pub(super) fn hidden<T: Scalar, L: Lanes<T>>(
     list: &mut Candidates<T>,
 ) -> Mask {
     let mut answer = Hidden { end, touched, hidden: 0 };
-    search::<T, L, _>(cells, mesh, packet, asked, end, list, &mut answer);
+    L::outlined(PacketSearch { cells, mesh, packet, asked, end, list, answer: &mut answer });
     answer.hidden & asked
 }
 
@@ -108,30 +108,38 @@ struct Search<'a, T: Scalar, L> {
     directions: Directions<T, L>,
 }
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
-    cells: &Wide<T>,
-    mesh: &Mesh<T>,
-    packet: &RayPacket<T>,
+/// The search of a packet's asked rays up to their ends.
+struct PacketSearch<'a, T: Scalar, A> {
+    cells: &'a Wide<T>,
+    mesh: &'a Mesh<T>,
+    packet: &'a RayPacket<T>,
     asked: Mask,
-    end: &[T; LANE_COUNT],
-    list: &mut Candidates<T>,
-    answer: &mut A,
-) {
-    if asked == 0 {
-        return;
-    }
-    let slabs = PacketSlabs::<T, L>::new(packet, mesh.aabb());
-    let mut around = slabs.box_around(packet, end, asked, mesh.aabb());
-    // Of rays of a host's, much may lie without, and then the box around them tells little.
-    if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
-        around = slabs.box_inside(packet, end, asked, mesh.aabb());
-    }
-    let directions = Directions::<T, L>::new(packet, asked, &around);
-    let around = BoxLanes::new(&around);
-    let search = Search { cells, mesh, packet, asked, slabs, around, directions };
-    if !lists::search(&search, list, answer) {
-        L::outlined(Walk { search: &search, list, answer });
+    end: &'a [T; LANE_COUNT],
+    list: &'a mut Candidates<T>,
+    answer: &'a mut A,
+}
+
+impl<T: Scalar, A: Answer<T>> Kernel<T> for PacketSearch<'_, T, A> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { cells, mesh, packet, asked, end, list, answer } = self;
+        if asked == 0 {
+            return;
+        }
+        let slabs = PacketSlabs::<T, L>::new(packet, mesh.aabb());
+        let mut around = slabs.box_around(packet, end, asked, mesh.aabb());
+        // Of rays of a host's, much may lie without, and then the box around them tells little.
+        if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
+            around = slabs.box_inside(packet, end, asked, mesh.aabb());
+        }
+        let directions = Directions::<T, L>::new(packet, asked, &around);
+        let around = BoxLanes::new(&around);
+        let search = Search { cells, mesh, packet, asked, slabs, around, directions };
+        if !lists::search(&search, list, answer) {
+            L::outlined(Walk { search: &search, list, answer });
+        }
     }
 }
 
