@@ -1,4 +1,4 @@
-//! What the library promises to callers in Rust, in one program: each of its own would compile the kernels anew. The folders
+//! What the library promises to callers in Rust, in one program: each of its own would be linked anew. The folders
 //! are those of `src/`.
 
 #[path = "../common/mod.rs"]

@@ -1,6 +1,7 @@
 use super::{CHILD_COUNT, Node, TILE_SIZE, Wide};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, margins};
 use crate::mesh::Mesh;
+use crate::octree::slabs::reaches_told_apart;
 use crate::ray::{Hit, Ray, ShearedRay};
 
 /// One ray's way to where it first meets the mesh: the nearest boxes first, none beyond the nearest hit known. So many nodes may
@@ -138,7 +139,7 @@ struct RaySlabs<T: Scalar> {
     inverse: Vector3<T>,
     /// For the lower and for the upper faces, each moved outward a little.
     offsets: [Vector3<T>; 2],
-    /// A ray so short that the above would overflow: taken to meet every box.
+    /// A ray for which the above would overflow or underflow: taken to meet every box.
     meets_all: bool,
 }
 
@@ -154,13 +155,15 @@ impl<T: Scalar> RaySlabs<T> {
         // Products with a coordinate are rounded as coarsely as it is far from zero.
         let moved = coordinates * margins::margin(margins::BOX_FACE);
         // Where a direction has no part along an axis, the face lies far behind every end; but finitely far.
-        let limit = T::LARGEST * T::of(0.5) / larger(coordinates, T::one());
+        let lengths = larger(coordinates, T::one());
+        let limit = T::LARGEST * T::of(0.5) / lengths;
         let inverse = ray.direction.map(|d| (T::one() / d).clamp(-limit, limit));
+        let (length, [least, most]) = (ray.direction.amax(), reaches_told_apart());
         let offset = |from: Vector3<T>| -from.component_mul(&inverse);
         Self {
             inverse,
             offsets: [offset(ray.origin.add_scalar(moved)), offset(ray.origin.add_scalar(-moved))],
-            meets_all: coordinates > ray.direction.amax() * T::LARGEST * T::of(0.25),
+            meets_all: coordinates < length * least || lengths > length * most,
         }
     }
 

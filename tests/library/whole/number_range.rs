@@ -1,10 +1,10 @@
 //! Lengths whose products leave the range of numbers.
 
 use crate::common::cuboid::CUBOID_FACES;
-use raycontact::math::Vector3;
+use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
 use raycontact::octree::{Layout, Octree};
-use raycontact::ray::{Ray, ShearedRay, moller_trumbore};
+use raycontact::ray::{Hit, Ray, ShearedRay, moller_trumbore};
 
 /// A ray from one vertex of a body of 10⁻⁹ that passes a triangle nearly along its edge: the edge functions are 10⁻³²,
 /// and a length times one of them is below the smallest normal number. Its `t` was off by 42 rounding units of the
@@ -74,4 +74,68 @@ fn octrees_and_all_triangles_agree_where_areas_overflow() {
         tracer.nearest_hits(&[ray], &mut hits);
         assert_eq!((tracer.nearest_hit(&ray), hits[0]), (expected, expected), "{layout:?}");
     }
+}
+
+/// What the octrees and all triangles find of a ray alone, and of it in a packet with others like it.
+fn assert_same_in_octrees<T: Scalar>(mesh: &Mesh<T>, ray: Ray<T>) -> Option<Hit<T>> {
+    let mut expected = None;
+    for layout in [Layout::Wide, Layout::Classic] {
+        let octree = Octree::with_layout(mesh, layout);
+        let tracer = octree.tracer(mesh).expect("the octree is fresh");
+        expected = tracer.nearest_hit_of_all(&ray);
+        assert_eq!(tracer.nearest_hit(&ray), expected, "{layout:?}, {ray:?}");
+        let mut hits = Vec::new();
+        tracer.nearest_hits(&[ray; 16], &mut hits);
+        assert_eq!(hits, [expected; 16], "{layout:?}, {ray:?}");
+    }
+    expected
+}
+
+/// A ray that lies in a face and comes from so far away, that where it leaves the face's box, a stand-in for infinity, was
+/// before where it meets the box. Found by the fuzz target `differential`.
+#[test]
+fn rays_in_a_face_are_not_lost_from_far_away() {
+    let mut start: Vec<_> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(f64::from)).collect();
+    start.extend((0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(f64::from)).map(|[x, y, z]| {
+        if [x, y, z] == [0.0, 1.0, 0.0] { [1.3125; 3] } else { [x - 0.09375, y + 1.3125, z + 1.3125] }
+    }));
+    let shifts = [
+        1.3125, -1.0625, -1.0625, -1.0625, -1.0625, 1.3125, 1.3125, 1.3125, 1.3125, -1.0625, -1.0625, 1.3125, 1.3125,
+        -0.46875, 1.3125, 1.3125,
+    ];
+    let triangles = [0, 8].map(|first| CUBOID_FACES.map(|corners| corners.map(|corner| corner + first))).concat();
+    let mut mesh = Mesh::new(&start, &triangles).expect("two cubes, one pulled about");
+    let moved: Vec<_> = start.iter().zip(shifts).map(|([x, y, z], shift)| [x + shift, *y, *z]).collect();
+    mesh.set_positions(&moved).expect("finite");
+    let origin = Vector3::new(-1.0378369609580543e294, 1.3125, 1.3125);
+    let hit = assert_same_in_octrees(&mesh, Ray::new(origin, Vector3::new(3.9375, 0.0, 0.0)));
+    assert_eq!(hit.expect("it meets a vertex").t, 2.63577640878236e293);
+}
+
+/// The same by the length of what a ray and a cube have in common: along a face from all distances, of all lengths.
+fn assert_rays_in_a_face_are_found<T: Scalar>(exponents: i32) {
+    let (mut met, mut asked) = (0, 0);
+    for size in (-exponents..=exponents).step_by(exponents as usize / 8) {
+        let size = 2.0_f64.powi(size);
+        let corner = |i: usize| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|x| T::of(x as f64 * size));
+        let Ok(mesh) = Mesh::new(&(0..8).map(corner).collect::<Vec<_>>(), &CUBOID_FACES) else { continue };
+        for length in (-exponents..=exponents).step_by(exponents as usize / 16) {
+            for distance in [0.5, 3.0, 2.0_f64.powi(exponents - 1) / size] {
+                let from = Vector3::new(-distance * size, 0.25 * size, size).map(T::of);
+                for height in [T::zero(), from.z] {
+                    let origin = Vector3::new(from.x, from.y, height);
+                    let direction = Vector3::x() * T::of(2.0_f64.powi(length));
+                    asked += 1;
+                    met += usize::from(assert_same_in_octrees(&mesh, Ray::new(origin, direction)).is_some());
+                }
+            }
+        }
+    }
+    assert!(asked > 500 && met > asked / 4, "{met} of {asked} rays met a cube");
+}
+
+#[test]
+fn rays_in_a_face_are_found_at_all_lengths() {
+    assert_rays_in_a_face_are_found::<f64>(1000);
+    assert_rays_in_a_face_are_found::<f32>(120);
 }

@@ -1,4 +1,5 @@
 use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, margins};
+use crate::octree::slabs::reaches_told_apart;
 use crate::ray::RayPacket;
 
 /// The planes of boxes as sixteen rays meet them: a face at `x` is met at t = x · inverse + offset.
@@ -9,7 +10,7 @@ pub(super) struct PacketSlabs<T: Scalar, L> {
     offsets: [Vectors<T, L>; 2],
     /// How coarsely distances from the origins to the mesh are rounded, and a little more.
     margin: L,
-    /// Rays so short that what follows would overflow: taken to meet every box.
+    /// Rays for which the above would overflow or underflow: taken to meet every box.
     pub(super) meet_all: Mask,
 }
 
@@ -26,13 +27,16 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         let moved = coordinates.mul(rounding);
         let moved = Vectors::new(moved, moved, moved);
         // Where a direction has no part along an axis, the face lies far behind every end; but finitely far.
-        let limit = L::splat(T::LARGEST * T::of(0.5)).div(coordinates.larger(L::splat(T::one())));
+        let lengths = coordinates.larger(L::splat(T::one()));
+        let limit = L::splat(T::LARGEST * T::of(0.5)).div(lengths);
         let limit = Vectors::new(limit, limit, limit);
         let inverse = inverse.smaller(limit).larger(limit.negate());
         let offsets = [origin.add(moved).times(inverse).negate(), origin.sub(moved).times(inverse).negate()];
         let longest = Vectors::<T, L>::load(&packet.direction).magnitude().largest();
-        let is_long = coordinates.is_at_most(longest.mul(L::splat(T::LARGEST * T::of(0.25))));
-        Self { origin, inverse, offsets, margin: reach.mul(rounding), meet_all: !is_long }
+        let [least, most] = reaches_told_apart();
+        let told_apart =
+            longest.mul(L::splat(least)).is_at_most(coordinates) & lengths.is_at_most(longest.mul(L::splat(most)));
+        Self { origin, inverse, offsets, margin: reach.mul(rounding), meet_all: !told_apart }
     }
 
     /// Bit i: ray i meets this box, not beyond its end.
@@ -93,7 +97,7 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         mesh_box: &Aabb<T>,
     ) -> Aabb<T> {
         let (enters, leaves) = self.passing(mesh_box, L::load(end));
-        let asked = asked & enters.is_at_most(leaves);
+        let asked = asked & (enters.is_at_most(leaves) | self.meet_all);
         if asked & self.meet_all != 0 {
             return *mesh_box;
         }
