@@ -4,13 +4,13 @@
 #define RAYCONTACT_DEMOS_SCENE_TUNED_SOLVER_HPP
 
 #include <BulletSoftBody/btDeformableBodySolver.h>
-#include <BulletSoftBody/btDeformableLinearElasticityForce.h>
 
 #include <array>
 #include <cstddef>
 #include <vector>
 
 #include "raycontact/bullet/contact_force.hpp"
+#include "raycontact/bullet/corotated_elasticity.hpp"
 #include "stiffness_matrix.hpp"
 
 namespace demo {
@@ -62,9 +62,10 @@ class TunedSolver : public btDeformableBodySolver {
  * Bullet's corotated elasticity with its matrix assembled once a solve: elastic and damping part in one product, where
  * Bullet goes through all elements twice in each iteration and turns each of them.
  */
-class MergedElasticity : public btDeformableLinearElasticityForce {
+class MergedElasticity : public raycontact::bullet::CorotatedElasticity {
  public:
   void addScaledForces(btScalar scale, TVStack& force) override {
+    find_rotations();
     assemble();
     addScaledDampingForce(scale, force);
     addScaledElasticForce(scale, force);

@@ -13,7 +13,7 @@
  *     contact.add_rigid_body(*rigid_body);                     // static or moving; reacts
  *
  * and step a btDeformableMultiBodyDynamicsWorld with setImplicit(true), setUseProjection(true), setLineSearch(false).
- * For Bullet's classic soft bodies: ClassicContact.
+ * For Bullet's classic soft bodies: ClassicContact. For bodies that roll over: CorotatedElasticity in place of Bullet's.
  */
 #ifndef RAYCONTACT_BULLET_HPP
 #define RAYCONTACT_BULLET_HPP
@@ -21,6 +21,7 @@
 #include "raycontact.hpp"
 #include "raycontact/bullet/classic_contact.hpp"
 #include "raycontact/bullet/contact_force.hpp"
+#include "raycontact/bullet/corotated_elasticity.hpp"
 #include "raycontact/bullet/render_skin.hpp"
 #include "raycontact/bullet/soft_body.hpp"
 
