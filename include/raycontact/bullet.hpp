@@ -13,7 +13,8 @@
  *     contact.add_rigid_body(*rigid_body);                     // static or moving; reacts
  *
  * and step a btDeformableMultiBodyDynamicsWorld with setImplicit(true), setUseProjection(true), setLineSearch(false).
- * For Bullet's classic soft bodies: ClassicContact. For bodies that roll over: CorotatedElasticity in place of Bullet's.
+ * For Bullet's classic soft bodies: ClassicContact. For bodies that roll over: CorotatedElasticity in place of
+ * Bullet's.
  */
 #ifndef RAYCONTACT_BULLET_HPP
 #define RAYCONTACT_BULLET_HPP

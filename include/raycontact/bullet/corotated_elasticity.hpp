@@ -13,9 +13,10 @@
 namespace raycontact::bullet {
 
 /**
- * To be used like btDeformableLinearElasticityForce, and in its place. Corotated elasticity measures an element's strain
- * against the rotation nearest to its deformation. In a body that has rolled over, Bullet's rotation of an element is at
- * times wrong by half a turn. The forces are then those of an element turned inside out, and its nodes jump.
+ * To be used like btDeformableLinearElasticityForce, and in its place. Corotated elasticity measures an element's
+ * strain against the rotation nearest to its deformation. In a body that has rolled over, Bullet's rotation of an
+ * element is at times wrong by half a turn. The forces are then those of an element turned inside out, and its nodes
+ * jump.
  */
 class CorotatedElasticity : public btDeformableLinearElasticityForce {
  public:

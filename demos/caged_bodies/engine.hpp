@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/** Fine skins in coarse cages and rigid bodies on the contact system: implicit Euler, conjugate gradients. */
+#ifndef RAYCONTACT_DEMOS_CAGED_BODIES_ENGINE_HPP
+#define RAYCONTACT_DEMOS_CAGED_BODIES_ENGINE_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "../shapes.hpp"
+#include "elasticity.hpp"
+#include "raycontact/cage.hpp"
+
+namespace caged {
+
+/** The fastest node of the last step. */
+struct Fastest {
+  double speed = 0;     // m/s
+  double mass = 0;      // kg
+  double elements = 0;  // their stiffness along its motion, N/m
+  double contacts = 0;  // that of the contacts
+};
+
+class Engine {
+ public:
+  Vector gravity{{0, -9.81, 0}};
+  int solves = 6;              // in a step at most
+  double damping_time = 0.01;  // s: of the elements, over their stiffness
+
+  void add_floor(const rayc_material& material) { contacts_.add_half_space({{0, 1, 0}}, 0, material); }
+
+  /**
+   * `held(position)`: whether a node stays where it is. `on_floor`: of this body and the floor, in place of the two
+   * materials in series; or nullptr.
+   */
+  template <class Held>
+  void add(const raycontact::Cage& cage, double mass, double youngs_modulus, const rayc_material& material,
+           const rayc_material* on_floor, const Held& held) {
+    const std::size_t first = masses_.size();
+    double fill = 0;
+    for (const double part : cage.fill) fill += part;
+    for (std::size_t n = 0; n < cage.nodes.size(); ++n) {
+      x_.insert(x_.end(), cage.nodes[n].begin(), cage.nodes[n].end());
+      masses_.push_back(held(cage.nodes[n]) ? std::numeric_limits<double>::infinity() : mass * cage.fill[n] / fill);
+    }
+    v_.resize(x_.size(), 0);
+    for (const auto& t : cage.tetrahedra) {
+      std::array<std::size_t, 4> nodes{};
+      for (std::size_t k = 0; k < 4; ++k) nodes[k] = first + static_cast<std::size_t>(t[k]);
+      elasticity_.add(x_, nodes, youngs_modulus, 0.3);
+    }
+    std::vector<uint32_t> offsets(1, 0), nodes;
+    std::vector<double> weights;
+    for (const raycontact::SkinPoint& point : cage.skin.points) {
+      for (std::size_t k = 0; k < 4; ++k)
+        if (point.weights[k] != 0) {
+          nodes.push_back(static_cast<uint32_t>(point.nodes[k]));
+          weights.push_back(point.weights[k]);
+        }
+      offsets.push_back(static_cast<uint32_t>(nodes.size()));
+    }
+    bodies_.push_back({cage, first});
+    const uint32_t number = scene_.add({raycontact::vectors(skin(bodies_.size() - 1)), cage.skin.triangles});
+    contacts_.set_node_masses(masses_);
+    contacts_.add_deformable(scene_, number, static_cast<uint32_t>(first), static_cast<uint32_t>(cage.nodes.size()),
+                             raycontact::Carriers{offsets, nodes, weights}, material);
+    if (on_floor != nullptr) contacts_.set_half_space_material(number, 0, on_floor);
+  }
+
+  void add_box(const demo::Surface& surface, const Vector& edges, double mass, const Vector& position,
+               const rayc_material& material) {
+    const uint32_t number = scene_.add({raycontact::vectors(surface.positions), surface.triangles});
+    std::array<double, 9> inertia{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double u = edges[(k + 1) % 3], v = edges[(k + 2) % 3];
+      inertia[4 * k] = mass / 12 * (u * u + v * v);
+    }
+    contacts_.add_rigid(scene_, number, mass, inertia, material);
+    rigids_.push_back({number, position, rotation({}), {}});
+  }
+
+  /** Implicit Euler: M (v' - v) = dt (elements + contact + gravity at the end of the step). */
+  void step(double dt) {
+    Numbers free = v_, v = v_, own(x_.size());
+    for (std::size_t k = 0; k < free.size(); ++k)
+      if (!is_held(k)) free[k] += dt * gravity[k % 3];
+    for (const Rigid& rigid : rigids_) contacts_.set_motion(rigid.number, motion(rigid, dt));
+    contacts_.begin(scene_, dt, x_, v_, free);
+    elasticity_.linearise(x_, own);
+    for (int solve = 1;; ++solve) {
+      Numbers right(x_.size());
+      contacts_.add_forces(v, right);
+      elasticity_.add_product(-dt - damping_time, v, right);
+      for (std::size_t k = 0; k < right.size(); ++k)
+        right[k] = is_held(k) ? 0 : dt * (right[k] + own[k]) - masses_[k / 3] * (v[k] - free[k]);
+      solve_for_change(dt, right, v);
+      const bool is_wrong = contacts_.linearise(v) > 0.01;
+      if (solve == solves) break;
+      if (!contacts_.detect_again(scene_, v) && !is_wrong) break;
+    }
+    find_fastest(dt, v);
+    contacts_.finish(v);
+    v_ = v;
+    for (std::size_t k = 0; k < x_.size(); ++k) x_[k] += dt * v_[k];
+    for (Rigid& rigid : rigids_) {
+      rigid.velocity = contacts_.rigid_velocity(rigid.number);
+      Vector angle{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        rigid.position[k] += dt * rigid.velocity[k];
+        angle[k] = dt * rigid.velocity[k + 3];
+      }
+      rigid.turned = product(rotation(angle), rigid.turned);
+    }
+  }
+
+  const Fastest& fastest() const { return fastest_; }
+
+  /** How deep the lowest point of all skins is in the floor, m. */
+  double depth() const {
+    double most = 0;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const Numbers positions = skin(b);
+      for (std::size_t k = 1; k < positions.size(); k += 3) most = std::max(most, -positions[k]);
+    }
+    return most;
+  }
+
+ private:
+  struct Caged {
+    raycontact::Cage cage;
+    std::size_t first;  // node
+  };
+
+  struct Rigid {
+    uint32_t number;
+    Vector position;
+    Matrix turned;
+    std::array<double, 6> velocity;
+  };
+
+  bool is_held(std::size_t unknown) const { return !std::isfinite(masses_[unknown / 3]); }
+
+  Numbers skin(std::size_t body) const {
+    Numbers positions;
+    for (const raycontact::SkinPoint& point : bodies_[body].cage.skin.points)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        double sum = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+          sum += point.weights[k] * x_[3 * (bodies_[body].first + static_cast<std::size_t>(point.nodes[k])) + axis];
+        positions.push_back(sum);
+      }
+    return positions;
+  }
+
+  rayc_motion motion(const Rigid& rigid, double dt) const {
+    rayc_motion m{};
+    for (std::size_t k = 0; k < 6; ++k) {
+      m.velocity[k] = rigid.velocity[k];
+      m.free_velocity[k] = rigid.velocity[k] + (k < 3 ? dt * gravity[k] : 0);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      m.position[k] = rigid.position[k];
+      for (std::size_t j = 0; j < 3; ++j) m.rotation[k][j] = rigid.turned[k][j];
+    }
+    return m;
+  }
+
+  void find_fastest(double dt, const Numbers& v) {
+    fastest_ = {};
+    std::size_t node = 0;
+    for (std::size_t n = 0; n < masses_.size(); ++n) {
+      const double speed = std::hypot(v[3 * n], v[3 * n + 1], v[3 * n + 2]);
+      if (speed > fastest_.speed) fastest_.speed = speed, node = n;
+    }
+    if (!(fastest_.speed > 0)) return;
+    fastest_.mass = masses_[node];
+    Numbers way(v.size()), elements(v.size()), contacts(v.size());
+    for (std::size_t k = 3 * node; k < 3 * node + 3; ++k) way[k] = v[k] / fastest_.speed;
+    elasticity_.add_product(1, way, elements);
+    contacts_.add_product(1 / dt, way, contacts);
+    fastest_.elements = dot(way, elements);
+    fastest_.contacts = dot(way, contacts);
+  }
+
+  // Conjugate gradients on (M + dt (dt + damping time) K + dt C) change = right, scaled by the diagonal but for
+  // contact.
+  void solve_for_change(double dt, Numbers& residual, Numbers& v) {
+    const double elastic = dt * (dt + damping_time);
+    Numbers inverse(v.size()), scaled(v.size());
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      if (!is_held(k)) inverse[k] = 1 / (masses_[k / 3] + elastic * elasticity_.diagonal(k));
+      scaled[k] = inverse[k] * residual[k];
+    }
+    Numbers direction = scaled;
+    double square = dot(residual, scaled);
+    const double goal = 1e-16 * square;
+    for (int iteration = 0; iteration < 5000 && square > goal; ++iteration) {
+      Numbers product(v.size());
+      elasticity_.add_product(elastic, direction, product);
+      contacts_.add_product(dt, direction, product);
+      for (std::size_t k = 0; k < product.size(); ++k)
+        product[k] = is_held(k) ? 0 : product[k] + masses_[k / 3] * direction[k];
+      const double alpha = square / dot(direction, product);
+      for (std::size_t k = 0; k < v.size(); ++k) {
+        v[k] += alpha * direction[k];
+        residual[k] -= alpha * product[k];
+        scaled[k] = inverse[k] * residual[k];
+      }
+      const double next = dot(residual, scaled);
+      for (std::size_t k = 0; k < v.size(); ++k) direction[k] = scaled[k] + next / square * direction[k];
+      square = next;
+    }
+  }
+
+  static double dot(const Numbers& a, const Numbers& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+    return sum;
+  }
+
+  raycontact::Scene scene_;
+  raycontact::ContactSystem contacts_;
+  Elasticity elasticity_;
+  Numbers x_, v_, masses_;
+  std::vector<Caged> bodies_;
+  std::vector<Rigid> rigids_;
+  Fastest fastest_;
+};
+
+}  // namespace caged
+
+#endif  // RAYCONTACT_DEMOS_CAGED_BODIES_ENGINE_HPP
