@@ -31,6 +31,13 @@ class Engine {
   int solves = 6;              // in a step at most
   double damping_time = 0.01;  // s: of the elements, over their stiffness
 
+  Engine() {
+    // Rays from the vertices are enough for skins finer than their cages.
+    rayc_detection_options options = raycontact::default_detection_options();
+    options.sampling = RAYC_SAMPLING_VERTICES;
+    scene_.set_detection_options(options);
+  }
+
   void add_floor(const rayc_material& material) { contacts_.add_half_space({{0, 1, 0}}, 0, material); }
 
   /**
@@ -197,7 +204,7 @@ class Engine {
     }
     Numbers direction = scaled;
     double square = dot(residual, scaled);
-    const double goal = 1e-16 * square;
+    const double goal = 1e-14 * square;
     for (int iteration = 0; iteration < 5000 && square > goal; ++iteration) {
       Numbers product(v.size());
       elasticity_.add_product(elastic, direction, product);
