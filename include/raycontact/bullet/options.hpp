@@ -81,7 +81,7 @@ struct BodyOptions {
 struct HalfSpace {
   btVector3 normal;    ///< unit, out of the solid
   btScalar offset;     ///< m
-  btScalar stiffness;  ///< N/m^3
+  btScalar stiffness;  ///< N/m^3: the pressure under what stands there over the depth to which it may sink in
 };
 
 /** Throws std::invalid_argument naming the first option that is out of its range. */
