@@ -31,13 +31,6 @@ class Engine {
   int solves = 6;              // in a step at most
   double damping_time = 0.01;  // s: of the elements, over their stiffness
 
-  Engine() {
-    // Rays from the vertices are enough for skins finer than their cages.
-    rayc_detection_options options = raycontact::default_detection_options();
-    options.sampling = RAYC_SAMPLING_VERTICES;
-    scene_.set_detection_options(options);
-  }
-
   void add_floor(const rayc_material& material) { contacts_.add_half_space({{0, 1, 0}}, 0, material); }
 
   /**
