@@ -36,7 +36,7 @@ struct Setting {
   int iterations = 0;          // of the linear solver at most; 0 = as the engine has it
   uint32_t threads = 1;
   int passes = 6;  // detections and solves in a step at most, where bodies stop far from where they were going
-  bool stock_elasticity = false;  // Bullet's own matrix product instead of the merged one
+  bool stock_elasticity = false;  // Bullet's own instead of CorotatedElasticity with the merged matrix product
 };
 
 class Engine {
