@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT OR Apache-2.0 */
-/* What a library has to answer: four functions. Build them into a shared library, and run
+/* What a library has to answer: four functions, and two for self-contact. Build them into a shared library, and run
  * python -m penetration_benchmark --c-library <file>. One thread calls, one pair at a time; lengths have no unit. */
 #ifndef PENETRATION_H
 #define PENETRATION_H
@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/* Returned by the first three functions; the fourth returns the last two as -1 and -2. */
+/* Returned by the functions; those that return a number give the last two as -1 and -2. */
 enum { PENETRATION_OK = 0, PENETRATION_NOT_SUPPORTED = 1, PENETRATION_FAILED = 2 };
 
 /* A closed surface, triangles counter-clockwise seen from outside. */
@@ -44,6 +44,30 @@ int penetration_inside(uint8_t* first, uint8_t* second);
 
 /* Writes the first `capacity` contacts at most and returns how many there are. It is called again with room for all. */
 ptrdiff_t penetration_contacts(penetration_contact* contacts, size_t capacity);
+
+/* For the task self. A library that has not got these two leaves them out. */
+
+/* A body that may overlap itself. */
+typedef struct penetration_body {
+  const double* positions;    /* vertex_count times x, y, z, those of the surface first */
+  const uint32_t* triangles;  /* of the surface, counter-clockwise seen from outside */
+  const uint32_t* tetrahedra; /* tetrahedron_count times four vertex numbers, none inside out */
+  size_t vertex_count;
+  size_t triangle_count;
+  size_t tetrahedron_count;
+} penetration_body;
+
+/* The shortest way out for a vertex of the surface that is inside another part of the body. */
+typedef struct penetration_exit {
+  uint32_t vertex;
+  double point[3]; /* where it leads out */
+} penetration_exit;
+
+/* Takes a body in place of all before; copies what it needs. Not timed. */
+int penetration_load_body(const penetration_body* body);
+
+/* Moves the body's vertices: a step begins. Then as penetration_contacts(). */
+ptrdiff_t penetration_exits(const double* positions, penetration_exit* exits, size_t capacity);
 
 #ifdef __cplusplus
 }

@@ -12,12 +12,14 @@ import sys
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
-from . import files, libraries, tasks  # noqa: E402, after the number of threads
+from . import files, libraries, self_contact, tasks  # noqa: E402, after the number of threads
 from .c_library import CLibrary  # noqa: E402
 from .generate import generate  # noqa: E402
 from .poses import FREE  # noqa: E402
 
-HEADS = {"detect": tasks.DETECT, "measure": tasks.MEASURE, "free": tasks.FREE, "intersecting": tasks.INTERSECTING}
+TASKS = {"detect": (tasks.detect, tasks.DETECT), "measure": (tasks.measure, tasks.MEASURE),
+         "free": (tasks.free, tasks.FREE), "intersecting": (tasks.intersecting, tasks.INTERSECTING),
+         "self": (self_contact.self_contact, self_contact.SELF)}
 ABOUT = ["library", "version", "settings", "documentation", "date", "seed", "share"]
 
 
@@ -44,7 +46,7 @@ def parse(arguments):
                         help="a shared library behind c/penetration.h; may be repeated")
     parser.add_argument("--python-library", action="append", default=[], metavar="MODULE:CLASS",
                         help="a Library of your own; may be repeated")
-    parser.add_argument("--tasks", default=",".join(HEADS), help=f"of {', '.join(HEADS)} (default: all)")
+    parser.add_argument("--tasks", default=",".join(TASKS), help=f"of {', '.join(TASKS)} (default: all)")
     parser.add_argument("--set", default="", metavar="FOLDER", help="shapes and poses (default: generated in OUT/set)")
     parser.add_argument("--seed", type=int, default=1, help="of what is generated (default: 1)")
     parser.add_argument("--share", type=float, default=1.0, help="of the full number of poses (default: 1)")
@@ -80,8 +82,8 @@ def write(path, head, rows):
 def main(arguments=None):
     parser, options = parse(arguments)
     chosen = options.tasks.split(",")
-    if any(task not in HEADS for task in chosen):
-        parser.error(f"the tasks are {', '.join(HEADS)}")
+    if any(task not in TASKS for task in chosen):
+        parser.error(f"the tasks are {', '.join(TASKS)}")
     unknown = [name for name in options.libraries.split(",") if name not in ("", "all", *libraries.KNOWN)]
     if unknown:
         parser.error(f"there is no library '{unknown[0]}'; there are {', '.join(libraries.KNOWN)}")
@@ -104,10 +106,13 @@ def main(arguments=None):
             shapes = {path.stem: files.read_shape(path) for path in (files.REFERENCES / "shapes").glob("*.obj")}
             every = max(1, round(1 / options.share))
             given = shapes, files.read_poses(files.REFERENCES / "poses.csv")[::every]
+        elif task == "self":
+            given = [[files.read_body(path) for path in sorted((folder / "bodies").glob("*.obj"))]]
         else:
             given = surfaces, poses if task == "detect" else deep
-        rows = list(getattr(tasks, task)(opened, *given, Progress(task)))
-        write(out / f"{task}.csv", HEADS[task], rows)
+        run, head = TASKS[task]
+        taking_part = [library for library in opened if task in library.tasks]
+        write(out / f"{task}.csv", head, list(run(taking_part, *given, Progress(task))))
     about = [[library.name, library.version, library.settings, library.documentation, str(datetime.date.today()),
               options.seed, options.share] for library in opened]
     write(out / "libraries.csv", ABOUT, about)

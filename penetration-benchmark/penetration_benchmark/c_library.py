@@ -5,7 +5,7 @@ import ctypes
 
 import numpy as np
 
-from .library import CONTACT, Library
+from .library import CONTACT, EXIT, Library
 
 NOT_SUPPORTED = 1
 
@@ -15,8 +15,13 @@ class SurfaceStruct(ctypes.Structure):
                 ("triangle_count", ctypes.c_size_t), ("is_convex", ctypes.c_int)]
 
 
+class BodyStruct(ctypes.Structure):
+    _fields_ = [*((name, ctypes.c_void_p) for name in ("positions", "triangles", "tetrahedra")),
+                *((name, ctypes.c_size_t) for name in ("vertex_count", "triangle_count", "tetrahedron_count"))]
+
+
 class CLibrary(Library):
-    """A shared library with the four functions."""
+    """A shared library with the four functions; load_body and exits may be left out."""
 
     settings = "as its authors have built it"
 
@@ -29,6 +34,10 @@ class CLibrary(Library):
         self.functions.penetration_move.argtypes = [ctypes.c_void_p] * 3
         self.functions.penetration_inside.argtypes = [ctypes.c_void_p] * 2
         self.array = np.zeros(1024, CONTACT)
+        self.exit_array = np.zeros(1024, np.dtype(EXIT.descr, align=True))
+        if hasattr(self.functions, "penetration_exits"):
+            self.functions.penetration_exits.restype = ctypes.c_ssize_t
+            self.functions.penetration_exits.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t]
 
     def check(self, status, function):
         if status == NOT_SUPPORTED:
@@ -65,3 +74,21 @@ class CLibrary(Library):
         if count < 0:
             self.check(-count, "contacts")
         return lambda: self.array[:count].copy()
+
+    def load_body(self, body):
+        if not hasattr(self.functions, "penetration_load_body"):
+            super().load_body(body)
+        arrays = [np.ascontiguousarray(body.positions, float), np.ascontiguousarray(body.triangles, np.uint32),
+                  np.ascontiguousarray(body.tetrahedra, np.uint32)]
+        struct = BodyStruct(*(array.ctypes.data for array in arrays), *map(len, arrays))
+        self.check(self.functions.penetration_load_body(ctypes.byref(struct)), "load_body")
+
+    def exits(self, positions):
+        at = np.ascontiguousarray(positions, float)
+        count = self.functions.penetration_exits(at.ctypes.data, self.exit_array.ctypes.data, len(self.exit_array))
+        if count > len(self.exit_array):
+            self.exit_array = np.zeros(2 * count, self.exit_array.dtype)
+            count = self.functions.penetration_exits(at.ctypes.data, self.exit_array.ctypes.data, len(self.exit_array))
+        if count < 0:
+            self.check(-count, "exits")
+        return lambda: self.exit_array[:count].copy()

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .library import Surface
+from .library import Body, Surface
 
 COLUMNS = ["id", "pair", "kind", *(f"quaternion_{c}" for c in "wxyz"), *(f"translation_{c}" for c in "xyz")]
 # The folder of the repository with forces from judges that are not ours; to be named where the package is installed.
@@ -42,14 +42,7 @@ def placed(surface, placement):
 
 
 def read_shape(path):
-    """The v and f lines of an .obj file."""
-    positions, triangles = [], []
-    for line in path.read_text(encoding="utf-8").splitlines():
-        if line.startswith("v "):
-            positions.append([float(x) for x in line.split()[1:4]])
-        elif line.startswith("f "):
-            triangles.append([int(x.split("/")[0]) - 1 for x in line.split()[1:4]])
-    positions, triangles = np.array(positions), np.array(triangles, np.uint32)
+    positions, triangles, _ = read_lines(path)
     corners = positions[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     heights = np.einsum("tj,tvj->tv", normals, positions[None] - corners[:, :1])
@@ -57,9 +50,26 @@ def read_shape(path):
     return Surface(path.stem, positions, triangles, is_convex)
 
 
-def write_shape(path, positions, triangles):
+def read_body(path):
+    return Body(path.stem, *read_lines(path))
+
+
+def read_lines(path):
+    """The v and f lines of an .obj file, and the t lines of tetrahedra beside them."""
+    positions, numbers = [], {"f": [], "t": []}
+    for line in path.read_text(encoding="utf-8").splitlines():
+        mark, *words = line.split() or [""]
+        if mark == "v":
+            positions.append([float(x) for x in words[:3]])
+        elif mark in numbers:
+            numbers[mark].append([int(x.split("/")[0]) - 1 for x in words[:3 if mark == "f" else 4]])
+    return np.array(positions), np.array(numbers["f"], np.uint32), np.array(numbers["t"], np.uint32)
+
+
+def write_shape(path, positions, triangles, tetrahedra=()):
     lines = ["v " + " ".join(f"{x:.9g}" for x in p) for p in positions]
-    lines += ["f " + " ".join(str(v + 1) for v in t) for t in triangles]
+    for mark, elements in (("f", triangles), ("t", tetrahedra)):
+        lines += [f"{mark} " + " ".join(str(v + 1) for v in element) for element in elements]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

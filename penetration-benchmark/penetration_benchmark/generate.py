@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Writes shapes/*.obj and poses.csv."""
+"""Writes shapes/*.obj, poses.csv and bodies/*.obj."""
 
 import pathlib
 
-from . import files, poses, shapes
+from . import bodies, files, poses, shapes
 
 
 def generate(folder, seed=1, share=1.0, progress=lambda done, of: None):
     """share: of the counts of a full set; each kind has at least two poses. Each kind of a smaller set is the beginning
     of that of a larger one."""
     folder = pathlib.Path(folder)
-    (folder / "shapes").mkdir(parents=True, exist_ok=True)
+    for kind in ("shapes", "bodies"):
+        (folder / kind).mkdir(parents=True, exist_ok=True)
     known = {}
 
     def shape(name):
@@ -21,9 +22,14 @@ def generate(folder, seed=1, share=1.0, progress=lambda done, of: None):
     for name in shapes.SHAPES:
         files.write_shape(folder / "shapes" / f"{name}.obj", *shapes.make(name))
     counts = {kind: max(2, round(share * count)) for kind, count in poses.COUNTS.items()}
+    body_counts = {kind: max(2, round(share * count)) for kind, count in bodies.COUNTS.items()}
     rows, of = [], sum(counts.values())
     for kind, count in counts.items():
         for number in range(count):
             rows.append(poses.draw(seed, kind, number, shape))
             progress(len(rows), of)
     files.write_poses(folder / "poses.csv", rows)
+    for kind, count in body_counts.items():
+        for number in range(count):
+            body = bodies.make(seed, kind, number)
+            files.write_shape(folder / "bodies" / f"{body.name}.obj", *body[1:])

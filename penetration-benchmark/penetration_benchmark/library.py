@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""What a library has to answer: four functions. The same in C: c/penetration.h."""
+"""What a library has to answer: four functions, and two for self-contact. The same in C: c/penetration.h."""
 
 from __future__ import annotations
 
@@ -44,6 +44,19 @@ class Surface(NamedTuple):
     is_convex: bool
 
 
+class Body(NamedTuple):
+    """A body of tetrahedra that may overlap itself: (n, 3) positions, those of the surface first; (m, 3) triangles of the
+    surface, counter-clockwise from outside; (k, 4) tetrahedra, none inside out."""
+
+    name: str
+    positions: Vectors
+    triangles: NDArray[np.uint32]
+    tetrahedra: NDArray[np.uint32]
+
+
+EXIT = np.dtype([("vertex", np.uint32), ("point", float, 3)])
+
+
 class Library(abc.ABC):
     """One library at one choice of settings. One thread. A function that the library has not got raises
     NotImplementedError, with the reason, and the task is listed as not done."""
@@ -52,6 +65,7 @@ class Library(abc.ABC):
     version: ClassVar[str] = ""
     settings: ClassVar[str] = ""
     documentation: ClassVar[str] = ""  # where its authors say that these settings are the ones to take
+    tasks: ClassVar[tuple[str, ...]] = ("detect", "measure", "free", "intersecting", "self")  # those to take part in
 
     @abc.abstractmethod
     def load(self, first: Surface, second: Surface) -> None:
@@ -71,6 +85,18 @@ class Library(abc.ABC):
     def contacts(self) -> NDArray | Callable[[], NDArray]:
         """The contacts at these poses: an array of Contacts.make(), or a function that makes it from what was found,
         which is not timed: putting objects of Python's into arrays is no work of the library's."""
+
+    # For the task self, which a library may leave out:
+
+    def load_body(self, body: Body) -> None:
+        """Takes a body in place of whatever it had before. Not timed. Raises ValueError as load() does."""
+        raise NotImplementedError("it has no contacts of a body with itself")
+
+    def exits(self, positions: Vectors) -> NDArray | Callable[[], NDArray]:
+        """Moves the body to `positions`, a step begins. Of each vertex of the surface that lies inside another part of the
+        body: where the shortest way from it through that part leads out. An array with the fields of EXIT, or a function
+        that makes it, which is not timed."""
+        raise NotImplementedError("it has no contacts of a body with itself")
 
 
 def found(contacts: Optional[NDArray | Callable[[], NDArray]]) -> NDArray:

@@ -9,6 +9,7 @@ KNOWN = {
     "raycontact-paper": ("raycontact_library", "RaycontactPaper"),
     "raycontact-no-escape": ("raycontact_library", "RaycontactNoEscape"),
     "embree": ("embree", "Embree"),
+    "shortest-path": ("shortest_path", "ShortestPath"),
     "trimesh": ("trimesh_library", "Trimesh"),
     "fcl": ("fcl_library", "Fcl"),
     "coal": ("coal_library", "Coal"),

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
+import numpy as np
 import raycontact
 
-from ..library import Contacts, Library
+from ..library import EXIT, Contacts, Library
 
 
 class Raycontact(Library):
@@ -43,9 +44,34 @@ class Raycontact(Library):
         direction[is_second] *= -1
         return Contacts.make(first, second, direction, array["depth"], weights)
 
+    def load_body(self, body):
+        # Vertices within the volume are nothing to a surface.
+        self.count = body.triangles.max() + 1
+        self.scene, self.found = raycontact.Scene(threads=1), raycontact.Contacts()
+        self.scene.set_detection_options(sampling=raycontact.Sampling.VERTICES)
+        self.body = self.scene.add(raycontact.Mesh(body.positions[:self.count], body.triangles))
+        self.scene.set_self_collision(self.body, True)
+
+    def exits(self, positions):
+        self.scene.set_positions(self.body, positions[:self.count])
+        self.scene.query(self.found)
+        return self.read_exits
+
+    def read_exits(self):
+        array = self.found.to_array()
+        exits = np.zeros(len(array), EXIT)
+        # A ray that starts from a vertex has it first.
+        exits["vertex"], exits["point"] = array["p1"]["vertices"][:, 0], array["p2"]["position"]
+        return exits
+
+
+# Self-contact has no areas, no edges and no escapes: it is the same for all three.
+PAIRS = ("detect", "measure", "free", "intersecting")
+
 
 class RaycontactPaper(Raycontact):
     name = "raycontact, paper"
+    tasks = PAIRS
     settings = "as in the paper: rays from vertices, its law, no areas, no edges, no escape"
     detection = raycontact.paper_detection_options()
     response = {"weighting": raycontact.Weighting.VERTEX}
@@ -53,5 +79,6 @@ class RaycontactPaper(Raycontact):
 
 class RaycontactNoEscape(Raycontact):
     name = "raycontact, no escape"
+    tasks = PAIRS
     settings = "default without escapes: contacts alone"
     detection = {"escape": 0}
