@@ -9,8 +9,8 @@ usage: scripts/penetration.sh [--quick|--full|--check]
 Runs penetration-benchmark/ in a virtual environment of its own in target/penetration, with this library as a wheel and
 its peers from PyPI and Debian, in fixed versions.
   --quick   (default) every tenth pose; the CSV files go to target/penetration/quick. A few minutes
-  --full    all poses; renews the CSV files in docs/penetration, the charts beside them and the tables of
-            docs/penetration.md. About half an hour
+  --full    installs the peers, runs all poses and bodies, and renews the CSV files in docs/penetration, the charts
+            beside them and the tables of docs/penetration.md. About three quarters of an hour on two quiet cores
   --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
             still answers as in docs/penetration/quick. Under a minute
 Exit status: 0 when done, 1 when something fails, 2 for a wrong command line.
@@ -49,6 +49,7 @@ export PENETRATION_BUILD="$folder/build"
 mkdir -p "$PENETRATION_BUILD"
 flags=(-Wall -Wextra -O3 -march=native -shared -fPIC)
 cc -std=c99 "${flags[@]}" c/embree.c -o "$PENETRATION_BUILD/embree.so" -lembree3 -lm &&
+    c++ -std=c++17 "${flags[@]}" c/shortest_path.cpp -o "$PENETRATION_BUILD/shortest_path.so" -lembree3 &&
     c++ -std=c++17 "${flags[@]}" -isystem /usr/include/bullet c/bullet.cpp -o "$PENETRATION_BUILD/bullet.so" \
         -lBulletCollision -lLinearMath || fail 'the peers behind c/penetration.h could not be built'
 
@@ -61,7 +62,7 @@ if [[ $size == --quick ]]; then
 fi
 run "$folder/full"
 # What --check asks again.
-run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper --tasks measure,free,detect
+run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper --tasks measure,free,detect,self
 docs="$root/docs/penetration"
 mkdir -p "$docs/quick"
 cp "$folder/full"/*.csv "$docs/"

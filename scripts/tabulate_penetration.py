@@ -16,6 +16,7 @@ import document_tables
 
 KINDS = ["shallow", "deep", "concentric", "coincident", "contained", "edges", "apart"]
 FREE_KINDS = KINDS[:-1]
+SELF_KINDS = ["ring", "eight", "pinch", "fold"]
 # Where times are compared: kind and shapes.
 TIMES = [("shallow", "convex"), ("deep", "convex"), ("deep", "concave"), ("fine", "convex"), ("fine", "concave")]
 FORCES = [("random", "convex", "overlap_volume"), ("random", "concave", "overlap_volume"),
@@ -178,6 +179,45 @@ def intersecting(rows):
     return table(["kind", "poses", "told to intersect", "median part of the way", "largest"], lines)
 
 
+def done(rows, column):
+    """(text, rank) of a part of the vertices inside, in per cent."""
+    inside = total(rows, "inside")
+    found = total(rows, column) / inside
+    return f"{100 * found:.4g}", -found
+
+
+def self_contact(rows):
+    rows = [row for row in rows if row["inside"]]
+    libraries = names(rows)
+    own = {library: only(rows, library=library) for library in libraries}
+    missed = {library: (f"{total(own[library], 'missed')} of {total(own[library], 'inside')}",
+                        total(own[library], "missed")) for library in libraries}
+    false = {library: (str(total(own[library], "false")), total(own[library], "false")) for library in libraries}
+    columns = [missed, false, {library: done(own[library], "shortest") for library in libraries}]
+    columns += [{library: done(only(rows, library=library, kind=kind), "shortest") for library in libraries}
+                for kind in SELF_KINDS]
+    head = ["library", "inside, missed", "outside, called inside", "shortest, all", *SELF_KINDS]
+    return ranked(head, libraries, columns, {library: rank for library, (_, rank) in columns[2].items()})
+
+
+def self_times(rows):
+    """By kind of body: times, and how long the ways out are in shortest ones, median and 90 %."""
+    rows = [row for row in rows if row["inside"]]
+    libraries = names(rows)
+    columns = []
+    for kind in SELF_KINDS:
+        cells = {}
+        for row in only(rows, kind=kind):
+            text = f"{float(row['exits_ratio']):.2g} ({float(row['exits_us']):.3g} µs)"
+            cells[row["library"]] = text, float(row["exits_ratio"])
+        columns.append(cells)
+    for kind in SELF_KINDS:
+        columns.append({row["library"]: (f"{float(row['length_median']):.3g} / {float(row['length_ninety']):.3g}",
+                                         float(row["length_median"])) for row in only(rows, kind=kind)})
+    head = ["library", *(f"time, {kind}" for kind in SELF_KINDS), *(f"length, {kind}" for kind in SELF_KINDS)]
+    return ranked(head, libraries, columns, {library: columns[0][library][1] for library in libraries})
+
+
 def read(folder, name):
     with open(os.path.join(folder, "penetration", f"{name}.csv"), newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -204,6 +244,8 @@ def main():
             "free": free(freed),
             "ways": shapes(freed),
             "intersecting": intersecting(read(folder, "intersecting")),
+            "self": self_contact(read(folder, "self")),
+            "self_times": self_times(read(folder, "self")),
             "date": f"Run on {about[0]['date']}, seed {about[0]['seed']}, "
                     f"{100 * float(about[0]['share']):.3g} % of the full number of poses.",
         }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", rebuilt from the paper on Embree
-// 3.13. Two queries for each vertex of the surface: in which tetrahedra elsewhere in the body does it lie, and which point
-// of the surface is the nearest that a straight path through the body leads to? Trees in single precision, refitted in each
-// step; the rest in double precision.
-// c++ -std=c++17 -O3 -march=native -shared -fPIC shortest_path.cpp -o shortest_path.so -lembree3
+// Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", rebuilt from the paper on
+// Embree 3.13. Two queries for each vertex of the surface: in which tetrahedra elsewhere in the body does it lie, and
+// which point of the surface is the nearest that a straight path through the body leads to? Trees in single precision,
+// refitted in each step; the rest in double precision. c++ -std=c++17 -O3 -march=native -shared -fPIC shortest_path.cpp
+// -o shortest_path.so -lembree3
 #include <embree3/rtcore.h>
 
 #include <algorithm>
@@ -62,9 +62,9 @@ struct Tree {
 
 struct Body {
   std::vector<Vector> positions;
-  std::vector<float> rounded;  // of the surface's vertices
-  std::vector<Triangle> triangles, across;  // the triangle beyond each edge
-  std::vector<Tetrahedron> tetrahedra, beside;  // the tetrahedron beyond each face
+  std::vector<float> rounded;                     // of the surface's vertices
+  std::vector<Triangle> triangles, across;        // the triangle beyond each edge
+  std::vector<Tetrahedron> tetrahedra, beside;    // the tetrahedron beyond each face
   std::vector<std::vector<uint32_t>> neighbours;  // along the surface's edges
   Tree volume, surface;
 };
@@ -89,7 +89,7 @@ bool has(const Tetrahedron& tetrahedron, uint32_t vertex) {
 
 Vector corner(uint32_t tetrahedron, int k) { return body.positions[body.tetrahedra[tetrahedron][k]]; }
 
-// How far a point is beyond a face's plane, and a direction leads outward, both in the length of the returned normal.
+// Outward, twice as long as the face is large.
 Vector normal_of(uint32_t tetrahedron, const int (&face)[3]) {
   const Vector a = corner(tetrahedron, face[0]);
   return cross(corner(tetrahedron, face[1]) - a, corner(tetrahedron, face[2]) - a);
@@ -194,7 +194,8 @@ struct Shortest {
   double square = INFINITY;
 };
 
-// The second query's: takes a triangle's nearest point if it has the shortest path so far, and shrinks the query to that.
+// The second query's: takes a triangle's nearest point if it has the shortest path so far, and shrinks the query to
+// that.
 bool shorten(RTCPointQueryFunctionArguments* arguments) {
   Shortest& best = *static_cast<Shortest*>(arguments->userPtr);
   const Nearest found = nearest(best.from, arguments->primID);
@@ -266,10 +267,10 @@ int penetration_load_body(const penetration_body* given) {
   rtcSetGeometryUserPrimitiveCount(body.volume.geometry, unsigned(body.tetrahedra.size()));
   rtcSetGeometryBoundsFunction(body.volume.geometry, bounds, nullptr);
   body.surface.make(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(body.surface.geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, body.rounded.data(), 0,
-                             3 * sizeof(float), body.neighbours.size());
-  rtcSetSharedGeometryBuffer(body.surface.geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, body.triangles.data(), 0,
-                             sizeof(Triangle), body.triangles.size());
+  rtcSetSharedGeometryBuffer(body.surface.geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, body.rounded.data(),
+                             0, 3 * sizeof(float), body.neighbours.size());
+  rtcSetSharedGeometryBuffer(body.surface.geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, body.triangles.data(),
+                             0, sizeof(Triangle), body.triangles.size());
   for (Tree* tree : {&body.volume, &body.surface}) {
     rtcCommitGeometry(tree->geometry);
     rtcAttachGeometry(tree->scene, tree->geometry);

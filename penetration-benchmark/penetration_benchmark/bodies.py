@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Bodies of tetrahedra that overlap themselves, drawn from a seed: bars and sheets bent along a curve that comes back to
-where it has been. No part is turned inside out, so each tetrahedron keeps its volume and its neighbours.
+"""Bodies of tetrahedra that overlap themselves, drawn from a seed: bars and sheets bent along a curve that comes back
+to where it has been. No tetrahedron is turned inside out.
 """
 
 import itertools

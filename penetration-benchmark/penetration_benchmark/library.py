@@ -45,8 +45,8 @@ class Surface(NamedTuple):
 
 
 class Body(NamedTuple):
-    """A body of tetrahedra that may overlap itself: (n, 3) positions, those of the surface first; (m, 3) triangles of the
-    surface, counter-clockwise from outside; (k, 4) tetrahedra, none inside out."""
+    """A body of tetrahedra that may overlap itself: (n, 3) positions, those of the surface first; (m, 3) triangles of
+    the surface, counter-clockwise from outside; (k, 4) tetrahedra, none inside out."""
 
     name: str
     positions: Vectors
@@ -93,9 +93,9 @@ class Library(abc.ABC):
         raise NotImplementedError("it has no contacts of a body with itself")
 
     def exits(self, positions: Vectors) -> NDArray | Callable[[], NDArray]:
-        """Moves the body to `positions`, a step begins. Of each vertex of the surface that lies inside another part of the
-        body: where the shortest way from it through that part leads out. An array with the fields of EXIT, or a function
-        that makes it, which is not timed."""
+        """Moves the body to `positions`: a step begins. Of each vertex of the surface that is inside another part of
+        the body: where the shortest way from it, through that part, leads out. An array with the fields of EXIT, or a
+        function that makes it, which is not timed."""
         raise NotImplementedError("it has no contacts of a body with itself")
 
 
