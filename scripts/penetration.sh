@@ -62,7 +62,8 @@ if [[ $size == --quick ]]; then
 fi
 run "$folder/full"
 # What --check asks again.
-run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper --tasks measure,free,detect,self
+run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper,raycontact-nearest \
+    --tasks measure,free,detect,self
 docs="$root/docs/penetration"
 mkdir -p "$docs/quick"
 cp "$folder/full"/*.csv "$docs/"

@@ -2,8 +2,9 @@
 // Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", rebuilt from the paper on
 // Embree 3.13. Two queries for each vertex of the surface: in which tetrahedra elsewhere in the body does it lie, and
 // which point of the surface is the nearest that a straight path through the body leads to? Trees in single precision,
-// refitted in each step; the rest in double precision. c++ -std=c++17 -O3 -march=native -shared -fPIC shortest_path.cpp
-// -o shortest_path.so -lembree3
+// refitted in each step; the rest in double precision.
+//
+// c++ -std=c++17 -O3 -march=native -shared -fPIC shortest_path.cpp -o shortest_path.so -lembree3
 #include <embree3/rtcore.h>
 
 #include <algorithm>

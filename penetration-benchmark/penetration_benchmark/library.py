@@ -90,13 +90,13 @@ class Library(abc.ABC):
 
     def load_body(self, body: Body) -> None:
         """Takes a body in place of whatever it had before. Not timed. Raises ValueError as load() does."""
-        raise NotImplementedError("it has no contacts of a body with itself")
+        raise NotImplementedError("no query tells the ways out of a body that overlaps itself")
 
     def exits(self, positions: Vectors) -> NDArray | Callable[[], NDArray]:
         """Moves the body to `positions`: a step begins. Of each vertex of the surface that is inside another part of
         the body: where the shortest way from it, through that part, leads out. An array with the fields of EXIT, or a
         function that makes it, which is not timed."""
-        raise NotImplementedError("it has no contacts of a body with itself")
+        raise NotImplementedError("no query tells the ways out of a body that overlaps itself")
 
 
 def found(contacts: Optional[NDArray | Callable[[], NDArray]]) -> NDArray:

@@ -93,8 +93,8 @@ def read(path):
 
 
 def test_own_rows_are_those_published(tmp_path):
-    command_line.main([str(tmp_path), "--share", "0.1", "--libraries", "raycontact,raycontact-paper", "--tasks",
-                       "detect,measure,free,self"])
+    command_line.main([str(tmp_path), "--share", "0.1", "--libraries",
+                       "raycontact,raycontact-paper,raycontact-nearest", "--tasks", "detect,measure,free,self"])
     for task in ("detect", "measure", "free", "self"):
         rows, published = read(tmp_path / f"{task}.csv"), read(PUBLISHED / "quick" / f"{task}.csv")
         assert len(rows) == len(published) > 0

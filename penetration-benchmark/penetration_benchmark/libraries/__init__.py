@@ -8,6 +8,7 @@ KNOWN = {
     "raycontact": ("raycontact_library", "Raycontact"),
     "raycontact-paper": ("raycontact_library", "RaycontactPaper"),
     "raycontact-no-escape": ("raycontact_library", "RaycontactNoEscape"),
+    "raycontact-nearest": ("raycontact_nearest", "RaycontactNearest"),
     "embree": ("embree", "Embree"),
     "shortest-path": ("shortest_path", "ShortestPath"),
     "trimesh": ("trimesh_library", "Trimesh"),
