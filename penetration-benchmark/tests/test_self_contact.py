@@ -2,13 +2,16 @@
 """Bodies that overlap themselves, the judge of their shortest ways out, and how answers are counted."""
 
 import collections
+import pathlib
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
 
 from penetration_benchmark import bodies, files, self_contact, shortest
 from penetration_benchmark.c_library import CLibrary
-from penetration_benchmark.library import EXIT, Library
+from penetration_benchmark.library import EXIT, Body, Library, found
 
 KINDS = tuple(bodies.COUNTS)
 
@@ -156,7 +159,38 @@ def test_a_library_without_the_task_is_listed():
     (row,) = self_contact.self_contact([Without()], [two_boxes()], lambda done, of: None)
     cell = dict(zip(self_contact.SELF, row))
     assert cell["refused"] == 1 and cell["shortest"] == "" and "itself" in cell["note"]
-    c_library = CLibrary.__new__(CLibrary)
-    c_library.functions = object()
+
+
+SOURCE = """
+#include "brute_force.c"
+static penetration_body kept;
+int penetration_load_body(const penetration_body* body) { kept = *body; return PENETRATION_OK; }
+/* For each vertex: a vertex number of an element, and that vertex's position. */
+ptrdiff_t penetration_exits(const double* positions, penetration_exit* exits, size_t capacity) {
+  for (size_t i = 0; i < kept.vertex_count && i < capacity; ++i) {
+    const size_t last = kept.tetrahedron_count - 1, end = kept.triangle_count - 1;
+    exits[i].vertex = i % 2 ? kept.tetrahedra[4 * last + i % 4] : kept.triangles[3 * end + i % 3];
+    for (int k = 0; k < 3; ++k) exits[i].point[k] = positions[3 * (size_t)exits[i].vertex + k];
+  }
+  return (ptrdiff_t)kept.vertex_count;
+}
+"""
+
+
+def test_bodies_and_exits_pass_through_the_c_interface(tmp_path):
+    folder = pathlib.Path(__file__).resolve().parents[1] / "c"
+    (tmp_path / "exits.c").write_text(SOURCE, encoding="utf-8")
+    libraries = []
+    for name, source in (("exits", tmp_path / "exits.c"), ("pairs", folder / "brute_force.c")):
+        flags = ["-std=c99", "-shared", "-fPIC", f"-I{folder}", str(source), "-o", str(tmp_path / f"{name}.so")]
+        subprocess.run([shutil.which("cc"), *flags, "-lm"], check=True)
+        libraries.append(CLibrary(tmp_path / f"{name}.so", name))
+    body = bodies.make(1, "ring", 1)  # more vertices than there is room for at first
+    moved = body.positions + [1, 2, 3]
     with pytest.raises(NotImplementedError, match="itself"):
-        c_library.load_body(two_boxes())
+        libraries[1].load_body(body)
+    kept = Body(body.name, *(np.ascontiguousarray(array) for array in body[1:]))
+    libraries[0].load_body(kept)
+    exits, i = found(libraries[0].exits(moved)), np.arange(len(moved))
+    vertices = np.where(i % 2, kept.tetrahedra[-1, i % 4], kept.triangles[-1, i % 3])
+    assert len(moved) > 1024 and (exits["vertex"] == vertices).all() and (exits["point"] == moved[vertices]).all()
