@@ -59,11 +59,11 @@ def note(cell):
     return "; ".join(cell["notes"])
 
 
-def clocked(call):
+def clocked(call, clock=time.perf_counter):
     """What a library answers, after the clock has stopped, and microseconds."""
-    start = time.perf_counter()
+    start = clock()
     answer = call()
-    end = time.perf_counter()
+    end = clock()
     return answer, 1e6 * (end - start)
 
 
