@@ -201,7 +201,8 @@ def self_contact(rows):
 
 
 def self_times(rows):
-    """By kind of body: times, and how long the ways out are in shortest ones, median and 90 %."""
+    """By kind of body: times, best among those whose exits are nearly all shortest, and how long the ways out are in
+    shortest ones, median and 90 %."""
     rows = [row for row in rows if row["inside"]]
     libraries = names(rows)
     columns = []
@@ -209,7 +210,8 @@ def self_times(rows):
         cells = {}
         for row in only(rows, kind=kind):
             text = f"{float(row['exits_ratio']):.2g} ({float(row['exits_us']):.3g} µs)"
-            cells[row["library"]] = text, float(row["exits_ratio"])
+            is_right = int(row["shortest"]) >= 0.95 * int(row["inside"])
+            cells[row["library"]] = text, float(row["exits_ratio"]) if is_right else None
         columns.append(cells)
     for kind in SELF_KINDS:
         columns.append({row["library"]: (f"{float(row['length_median']):.3g} / {float(row['length_ninety']):.3g}",
