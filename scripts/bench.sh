@@ -24,5 +24,5 @@ if [[ $measures == false ]]; then
     say "Renewed: $root/docs/performance.md"
     exit 0
 fi
-"$bench" "${size[@]}" --out out/bench --peers "$peers" "$@"
+"$bench" "${size[@]}" --out out/bench "${libraries[@]}" "$@"
 say "Times and charts: $root/out/bench"

@@ -35,5 +35,5 @@ for option in "$@"; do
     [[ -f "$caller_dir/$option" ]] && option="$(absolute_path "$option")"
     options+=("$option")
 done
-"$bench" chart "${size[@]}" --out out/chart --peers "$peers" "${options[@]}"
+"$bench" chart "${size[@]}" --out out/chart "${libraries[@]}" "${options[@]}"
 say "Figures and charts: $root/out/chart"

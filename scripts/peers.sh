@@ -19,7 +19,8 @@ read_size() {
     esac
 }
 
-# raycontact as its users build it, the peers for this very processor: two builds, so two folders.
+# raycontact as its users build it, from Rust and as the shared library for C; the peers for this very processor. Three
+# builds, so three folders.
 target="$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/bench"
 build_package() {
     cargo build --release --locked --manifest-path benches/Cargo.toml "$@" >&2 || fail 'the build failed, see above'
@@ -33,20 +34,28 @@ build_bench() {
     printf '%s\n' "$target/portable/release/bench"
 }
 
+# Prints where the shared library for C is.
+build_library() {
+    cargo build --release --locked --lib >&2 || fail 'the build failed, see above'
+    printf '%s\n' "$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/release/libraycontact.so"
+}
+
 # Prints where the shared library with the peers is.
 build_peers() {
     RUSTFLAGS='-C target-cpu=native' build_package --package raycontact-bench-peers --target-dir "$target/native"
     printf '%s\n' "$target/native/release/libraycontact_bench_peers.so"
 }
 
-# start_measuring <last CSV file> <its folder in docs> [quick, full or docs]: builds `bench`; then either `peers`, with `size`
-# set, or, for docs, copies the file there.
+# start_measuring <last CSV file> <its folder in docs> [quick, full or docs]: builds `bench`; then either what
+# `libraries` names, with `size` set, or, for docs, copies the file there.
 start_measuring() {
     read_size "${3:-quick}"
     scripts/setup.sh
     bench="$(build_bench)"
     if [[ $measures == true ]]; then
+        library="$(build_library)"
         peers="$(build_peers)"
+        libraries=(--library "$library" --peers "$peers")
         say 'Measuring'
         return
     fi

@@ -34,7 +34,7 @@ const SHOWN: [&str; 10] = [
     "parry3d-refit",
     "fcl-aabb",
     "bullet-vf",
-    "floor",
+    "lower-bound",
     "raycontact-avx2",
     "raycontact-classic",
 ];

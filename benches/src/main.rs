@@ -1,10 +1,12 @@
 //! Measures raycontact and its peers on the same workloads, interleaved in one run.
 
+mod c_library;
 mod chart;
 mod charts;
 mod clock;
 mod elsewhere;
 mod host;
+mod libraries;
 mod library;
 mod measure;
 mod method;
@@ -17,6 +19,7 @@ mod row;
 #[path = "../../examples/support/shapes.rs"]
 #[allow(dead_code)] // the examples use more of it
 mod shapes;
+mod shared_library;
 mod surfaces;
 mod workload;
 
@@ -26,7 +29,6 @@ type Vector = nalgebra::Vector3<f64>;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use row::Row;
-use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use workload::Workload;
@@ -54,9 +56,8 @@ struct Arguments {
     /// Only these methods.
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
-    /// The shared library with the peers.
-    #[arg(long, default_value = "libraycontact_bench_peers.so")]
-    peers: OsString,
+    #[command(flatten)]
+    libraries: libraries::Paths,
     /// The folder for detect.csv and the charts.
     #[arg(long, default_value = "out/bench")]
     out: PathBuf,
@@ -117,7 +118,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
 fn measure_all(arguments: &Arguments) -> Result<(), String> {
     let workloads = chosen_workloads(arguments);
     let methods = chosen_methods(arguments)?;
-    let peers = peer::Library::open(&arguments.peers)?;
+    let libraries = arguments.libraries.open()?;
     let path = arguments.out.join("detect.csv");
     std::fs::create_dir_all(&arguments.out).map_err(|e| format!("cannot make {}: {e}", arguments.out.display()))?;
     let failed = |error: csv::Error| format!("cannot write {}: {error}", path.display());
@@ -128,7 +129,7 @@ fn measure_all(arguments: &Arguments) -> Result<(), String> {
     progress.set_style(style.expect("the template is right"));
     for name in &workloads {
         let workload = Workload::new(name)?;
-        let rows: Vec<Row> = measure::run(&workload, &methods, &peers, &progress)?;
+        let rows: Vec<Row> = measure::run(&workload, &methods, &libraries, &progress)?;
         for row in rows {
             csv.serialize(row).map_err(failed)?;
         }

@@ -3,9 +3,9 @@
 use crate::clock;
 use crate::elsewhere::Elsewhere;
 use crate::host::{Frame, Host};
+use crate::libraries::Libraries;
 use crate::method::{Description, Key, Method, Stages};
 use crate::oracle::Oracle;
-use crate::peer;
 use crate::row::Row;
 use crate::workload::Workload;
 use indicatif::ProgressBar;
@@ -36,7 +36,7 @@ enum Place {
 pub fn run(
     workload: &Workload,
     methods: &[Description],
-    peers: &peer::Library,
+    libraries: &Libraries,
     progress: &ProgressBar,
 ) -> Result<Vec<Row>, String> {
     // Declared before the methods, so that it outlives them.
@@ -54,7 +54,7 @@ pub fn run(
         }
         let place = match description.simd {
             Some(simd) => Place::Elsewhere(Elsewhere::start(&workload.request, simd)?),
-            None => Place::Here(description.start(workload, &host, peers)?),
+            None => Place::Here(description.start(workload, &host, libraries)?),
         };
         running.push(Running { description: *description, place, times: Times::default() });
     }

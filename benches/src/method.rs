@@ -1,9 +1,10 @@
 //! What is measured: one way to find the contacts of a step.
 
+use crate::c_library::Defaults;
 use crate::host::Host;
-use crate::library::HostScalar;
+use crate::libraries::Libraries;
+use crate::library::{self, HostScalar};
 use crate::workload::Workload;
-use crate::{library, peer};
 use nalgebra::Vector3;
 use raycontact::contact::DetectionOptions;
 
@@ -76,6 +77,9 @@ pub struct Description {
     pub simd: Option<&'static str>,
 }
 
+/// The default: what a C program gets that changes no option, in double precision.
+const C_DEFAULTS: &str = "raycontact-c-defaults";
+
 /// Every method, in the order of the report.
 pub fn all() -> Vec<Description> {
     use Precision::{F32, F64};
@@ -86,13 +90,15 @@ pub fn all() -> Vec<Description> {
         method("raycontact", F32, 1),
         path("raycontact-avx2", "avx2"),
         path("raycontact-baseline", "baseline"),
-        // Rays start from other points than the vertices.
-        other("raycontact-default", F32, 1),
+        // Rays start from other points than the vertices: C's defaults, and the same options from Rust.
+        other(C_DEFAULTS, F64, 1),
+        other("raycontact-rust-defaults", F64, 1),
+        other("raycontact-rust-defaults", F32, 1),
         method("raycontact", F64, 1),
         method("raycontact", F32, 2),
         method("raycontact-classic", F32, 1),
-        other("floor", F32, 1),
-        other("floor", F64, 1),
+        other("lower-bound", F32, 1),
+        other("lower-bound", F64, 1),
         method("embree-refit", F32, 1),
         method("embree-refit-avx2", F32, 1),
         method("embree-refit-sse2", F32, 1),
@@ -115,20 +121,26 @@ impl Description {
         match self.name {
             "bullet-vf" => largest <= MOST_TRIANGLES_FOR_BULLET,
             // It knows its way over grids alone.
-            "floor" => workload.bodies.iter().all(|body| body.rows > 0),
+            "lower-bound" => workload.bodies.iter().all(|body| body.rows > 0),
             _ => true,
         }
     }
 
-    pub fn start(&self, workload: &Workload, host: &Host, peers: &peer::Library) -> Result<Box<dyn Method>, String> {
+    pub fn start(&self, workload: &Workload, host: &Host, libraries: &Libraries) -> Result<Box<dyn Method>, String> {
         match (self.name, self.precision) {
             ("raycontact", Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::paper()),
             ("raycontact", Precision::F64) => self.whole::<f64>(workload, host, DetectionOptions::paper()),
-            ("raycontact-default", _) => self.whole::<f32>(workload, host, DetectionOptions::default()),
+            (C_DEFAULTS, _) => Ok(Box::new(Defaults::new(&libraries.raycontact, workload, host)?)),
+            ("raycontact-rust-defaults", Precision::F32) => {
+                self.whole::<f32>(workload, host, DetectionOptions::default())
+            }
+            ("raycontact-rust-defaults", Precision::F64) => {
+                self.whole::<f64>(workload, host, DetectionOptions::default())
+            }
             ("raycontact-classic", _) => {
                 Ok(Box::new(library::Classic::<f32>::new(workload, host, DetectionOptions::paper())?))
             }
-            _ => Ok(Box::new(peers.start(self, workload, host)?)),
+            _ => Ok(Box::new(libraries.peers.start(self, workload, host)?)),
         }
     }
 

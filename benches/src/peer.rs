@@ -2,10 +2,10 @@
 
 use crate::host::{Host, HostBody};
 use crate::method::{Description, Key, Method, Precision, Push, Stages};
+use crate::shared_library::shared_library;
 use crate::workload::{Body, Workload};
 use nalgebra::Vector3;
-use std::ffi::{CString, OsStr, c_char, c_void};
-use std::mem::ManuallyDrop;
+use std::ffi::{CString, c_char, c_void};
 use std::sync::Arc;
 
 /// As `BodyView` in `peers/cpp/peer.hpp`.
@@ -22,7 +22,7 @@ pub struct BodyView {
 
 /// As `Contact` in `peers/cpp/peer.hpp`.
 #[repr(C)]
-struct PeerContact {
+pub struct PeerContact {
     /// Vertex or triangle where there is none: `u32::MAX`.
     key: [u32; 4],
     depth: f32,
@@ -47,40 +47,21 @@ impl BodyView {
     }
 }
 
-type New = unsafe extern "C" fn(*const c_char, u32, *const BodyView, usize) -> *mut c_void;
-type Step = unsafe extern "C" fn(*mut c_void, *mut Stages) -> bool;
-type Contacts = unsafe extern "C" fn(*const c_void, *mut usize) -> *const PeerContact;
-type Free = unsafe extern "C" fn(*mut c_void);
-
-struct Functions {
-    new: New,
-    step: Step,
-    contacts: Contacts,
-    free: Free,
+shared_library! {
+    /// Peers that detect contacts, and Embree's rays.
+    Library, "scripts/bench.sh builds it";
+    peer_new: fn(*const c_char, u32, *const BodyView, usize) -> *mut c_void;
+    peer_step: fn(*mut c_void, *mut Stages) -> bool;
+    peer_contacts: fn(*const c_void, *mut usize) -> *const PeerContact;
+    peer_free: fn(*mut c_void);
+    rays_new: fn(*const c_char, bool, *const BodyView) -> *mut c_void;
+    rays_trace: fn(*const c_void, *mut c_void, usize, u32);
+    rays_free: fn(*mut c_void);
 }
 
-pub struct Library(Arc<Functions>);
-
 impl Library {
-    pub fn open(path: &OsStr) -> Result<Self, String> {
-        let failed = |error: libloading::Error| {
-            format!("cannot open the peers at {}: {error}; scripts/bench.sh builds them", path.display())
-        };
-        // SAFETY: the library is this package's own; its functions have the types above.
-        unsafe {
-            // Never closed: threads of Embree's may still be running in it when this program ends.
-            let library = ManuallyDrop::new(libloading::Library::new(path).map_err(failed)?);
-            Ok(Self(Arc::new(Functions {
-                new: *library.get::<New>(b"peer_new").map_err(failed)?,
-                step: *library.get::<Step>(b"peer_step").map_err(failed)?,
-                contacts: *library.get::<Contacts>(b"peer_contacts").map_err(failed)?,
-                free: *library.get::<Free>(b"peer_free").map_err(failed)?,
-            })))
-        }
-    }
-
     /// `host` must outlive the peer: peers read its arrays.
-    pub fn start(&self, method: &Description, workload: &Workload, host: &Host) -> Result<Peer, String> {
+    pub fn start(self: &Arc<Self>, method: &Description, workload: &Workload, host: &Host) -> Result<Peer, String> {
         let bodies = workload.bodies.iter().zip(&host.bodies);
         let views: Vec<BodyView> = bodies.map(|(body, host)| BodyView::new(body, host)).collect();
         let name = match method.precision {
@@ -89,16 +70,16 @@ impl Library {
         };
         let terminated = CString::new(name).expect("names hold no zero");
         // SAFETY: the views are good, and what they point to outlives the peer.
-        let peer = unsafe { (self.0.new)(terminated.as_ptr(), method.threads, views.as_ptr(), views.len()) };
+        let peer = unsafe { (self.peer_new)(terminated.as_ptr(), method.threads, views.as_ptr(), views.len()) };
         if peer.is_null() {
             return Err(format!("the peers know no method '{}'", method.name));
         }
-        Ok(Peer { functions: Arc::clone(&self.0), peer })
+        Ok(Peer { library: Arc::clone(self), peer })
     }
 }
 
 pub struct Peer {
-    functions: Arc<Functions>,
+    library: Arc<Library>,
     peer: *mut c_void,
 }
 
@@ -106,7 +87,7 @@ impl Method for Peer {
     fn step(&mut self, _: &Host) -> Option<Stages> {
         let mut stages = Stages::default();
         // SAFETY: the peer lives.
-        unsafe { (self.functions.step)(self.peer, &mut stages) }.then_some(stages)
+        unsafe { (self.library.peer_step)(self.peer, &mut stages) }.then_some(stages)
     }
 
     fn contacts(&self) -> Vec<Key> {
@@ -139,7 +120,7 @@ impl Peer {
         let mut count = 0;
         // SAFETY: the peer lives, and its contacts last until its next step.
         unsafe {
-            let first = (self.functions.contacts)(self.peer, &mut count);
+            let first = (self.library.peer_contacts)(self.peer, &mut count);
             if count == 0 { &[] } else { std::slice::from_raw_parts(first, count) }
         }
     }
@@ -148,6 +129,6 @@ impl Peer {
 impl Drop for Peer {
     fn drop(&mut self) {
         // SAFETY: the peer lives, and ends here.
-        unsafe { (self.functions.free)(self.peer) }
+        unsafe { (self.library.peer_free)(self.peer) }
     }
 }

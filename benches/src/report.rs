@@ -4,7 +4,7 @@ use crate::row::{Row, labels, total, workloads};
 use std::path::Path;
 
 const OURS: &str = "raycontact";
-const FLOOR: &str = "floor";
+const LOWER_BOUND: &str = "lower-bound";
 
 pub type Table = Vec<Vec<String>>;
 
@@ -13,7 +13,7 @@ pub fn all(rows: &[Row]) -> [(&'static str, Table); 3] {
     [("ratios", ratios(rows)), ("times", times(rows)), ("growth", growth(rows))]
 }
 
-/// How many times as long as raycontact each peer takes, and how raycontact stands to the floor, by workload.
+/// How many times as long as raycontact each peer takes, and how raycontact stands to the lower bound, by workload.
 pub fn ratios(rows: &[Row]) -> Table {
     let workloads = workloads(rows);
     let line = |name: String, cell: &dyn Fn(&str) -> Option<String>| {
@@ -26,10 +26,10 @@ pub fn ratios(rows: &[Row]) -> Table {
     let mut table = vec![
         line(String::new(), &|workload| Some(workload.to_owned())),
         line("raycontact, µs".to_owned(), &|workload| Some(format!("{:.1}", total(rows, workload, OURS)?))),
-        line("raycontact / floor".to_owned(), &|workload| ratio(workload, OURS, FLOOR)),
+        line("raycontact / lower-bound".to_owned(), &|workload| ratio(workload, OURS, LOWER_BOUND)),
     ];
     for label in labels(rows) {
-        if label.starts_with(FLOOR) || label == OURS {
+        if label.starts_with(LOWER_BOUND) || label == OURS {
             continue;
         }
         table.push(line(format!("{label} / raycontact"), &|workload| ratio(workload, &label, OURS)));

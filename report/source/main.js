@@ -32,7 +32,7 @@ async function copy(row) {
 function frontTable(rows, measure) {
   const table = at("front");
   const head = element("tr");
-  for (const name of ["setting", "× floor", "force error", "contacts", "recall", "direction", ""]) {
+  for (const name of ["setting", "× lower bound", "force error", "contacts", "recall", "direction", ""]) {
     head.append(element("th", name));
   }
   const shown = front(rows, measure);
@@ -40,7 +40,7 @@ function frontTable(rows, measure) {
   const percent = (part) => (part === null ? "–" : `${(part * 100).toFixed(2)} %`);
   const lines = shown.map((row) => {
     const line = element("tr");
-    const numbers = [row.time_floor_multiple.toFixed(1), percent(row.force_error), row.contacts, percent(row.recall),
+    const numbers = [row.time_over_lower_bound.toFixed(1), percent(row.force_error), row.contacts, percent(row.recall),
       `${row.direction_error.toFixed(3)}°`];
     const setting = element("td", `${short(row)}${isDefault(row) ? " (default)" : ""}`);
     setting.title = `${row.method} ${row.settings}`;

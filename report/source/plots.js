@@ -24,7 +24,7 @@ export function speedAndAccuracy(rows, measure, { width, everyLabel, told }) {
   const known = rows.filter((row) => measure.of(row) !== null);
   // Nothing wrong at all has no place on a logarithmic axis: it stands at the lower end.
   const y = (row) => Math.max(measure.of(row), measure.least);
-  const x = "time_floor_multiple";
+  const x = "time_over_lower_bound";
   const best = front(known, measure);
   const rank = (row) => (isDefault(row) ? 2 : best.includes(row) ? 1 : 0);
   const title = (row) => `${row.method}\n${row.settings.replaceAll(" ", "\n")}\n${figures(row)}`;
@@ -33,7 +33,7 @@ export function speedAndAccuracy(rows, measure, { width, everyLabel, told }) {
     style, width, height: everyLabel ? 720 : 540, marginLeft: 60, marginBottom: 48, marginRight: 30, grid: true,
     // Room for labels.
     insetLeft: width < 600 ? 30 : 80, insetBottom: 24, insetTop: 16, insetRight: width < 600 ? 30 : 80,
-    x: { type: "log", label: "time of a step, times the floor's →", labelOffset: 42, tickFormat: "~g" },
+    x: { type: "log", label: "time of a step, times the lower bound's →", labelOffset: 42, tickFormat: "~g" },
     y: { type: "log", label: `↑ ${measure.unit}`, tickFormat: "~g" },
     color: { legend: true, domain: families.map((f) => f.name), range: families.map((f) => f.colour) },
     marks: [
@@ -48,7 +48,7 @@ export function speedAndAccuracy(rows, measure, { width, everyLabel, told }) {
 
 export function figures(row) {
   const percent = (part, digits) => (part === null ? "–" : `${(part * 100).toFixed(digits)} %`);
-  return `${row.time_floor_multiple.toFixed(1)} × floor, force ${percent(row.force_error, 3)}, ` +
+  return `${row.time_over_lower_bound.toFixed(1)} × lower bound, force ${percent(row.force_error, 3)}, ` +
     `recall ${percent(row.recall, 1)}, direction ${row.direction_error.toFixed(3)}°, ${row.contacts} contacts`;
 }
 
@@ -124,9 +124,14 @@ function describe(row) {
   return Object.entries(row).filter(([, value]) => value !== null).map(([name, value]) => `${name}: ${value}`).join("\n");
 }
 
-/** The measuring program's `raycontact` does the paper's work. */
+/** What the measuring program's names mean. */
+const methodNames = {
+  raycontact: "raycontact, paper's work", "raycontact-c-defaults": "raycontact, default, from C",
+  "raycontact-rust-defaults": "raycontact, default options, from Rust", "lower-bound": "lower bound",
+};
+
 function label(row) {
-  const method = row.method === "raycontact" ? "raycontact, paper's work" : row.method.replace("raycontact-default", "raycontact, default");
+  const method = methodNames[row.method] ?? row.method;
   return method + (row.precision === "f64" ? " f64" : "") + (row.threads > 1 ? `, ${row.threads} threads` : "");
 }
 
@@ -138,8 +143,9 @@ const lineColours = ["#2b7fd4", "#7fb2e5", "#17a398", "#dd4422", "#c2489c", "#ee
 function growth(rows, size, unit, width) {
   const sized = rows.filter(isDrawn).map((row) => ({ ...row, size: size(row), label: label(row) }));
   const known = sized.filter((row) => row.size > 0).sort((a, b) => a.size - b.size);
-  const own = ["raycontact, default", "raycontact, paper's work", "raycontact, paper's work f64"];
-  const labels = [...new Set([...own, ...known.map((row) => row.label).sort()])];
+  const found = known.map((row) => row.label).sort();
+  const own = Object.values(methodNames).flatMap((name) => [name, `${name} f64`]).filter((name) => found.includes(name));
+  const labels = [...new Set([...own, ...found])];
   const marks = { x: "size", y: "total_us", stroke: "label" };
   return Plot.plot({
     style, width, height: 480, marginLeft: 70, marginBottom: 48, marginRight: 30, grid: true,

@@ -23,7 +23,7 @@ export function family(row) {
 
 /** What can be left out of the chart. */
 export const variants = [
-  { key: "double", name: "double precision", isShown: true, fits: (row) => isOurs(row) && row.settings.includes("precision=f64") },
+  { key: "single", name: "single precision", isShown: true, fits: (row) => isOurs(row) && row.settings.includes("precision=f32") },
   { key: "classic", name: "classic octree", isShown: false, fits: (row) => row.settings.includes("layout=classic") },
   { key: "no-edges", name: "without edges", isShown: false,
     fits: (row) => row.method === "raycontact" && row.settings.includes("edges=off") },
@@ -48,7 +48,8 @@ function percent(part) {
   return part === null ? null : part * 100;
 }
 
-const defaults = "sampling=automatic precision=f32 layout=wide edges=on weights=area";
+/** C's. */
+const defaults = "sampling=automatic precision=f64 layout=wide edges=on weights=area";
 
 export function isDefault(row) {
   return row.method === "raycontact" && row.settings === defaults;
@@ -60,11 +61,11 @@ const alike = { error: 0.99, time: 1.03 };
 /** The rows that none beats in time without being worse, by time. Of rows alike in both, that with the fewest words. */
 export function front(rows, measure) {
   const known = rows.filter((row) => measure.of(row) !== null);
-  known.sort((a, b) => a.time_floor_multiple - b.time_floor_multiple || measure.of(a) - measure.of(b));
+  known.sort((a, b) => a.time_over_lower_bound - b.time_over_lower_bound || measure.of(a) - measure.of(b));
   const best = [];
   for (const row of known) {
     const last = best.at(-1);
-    const isAsFast = last && row.time_floor_multiple <= last.time_floor_multiple * alike.time;
+    const isAsFast = last && row.time_over_lower_bound <= last.time_over_lower_bound * alike.time;
     const isBetter = !last || measure.of(row) < measure.of(last) * alike.error;
     const isSimpler = last && measure.of(row) * alike.error <= measure.of(last) && short(row).length < short(last).length;
     if (isAsFast && (isBetter || isSimpler)) best.pop();
@@ -83,7 +84,7 @@ export function short(row) {
   const { sampling, precision, layout, edges, weights } = settingsOf(row);
   if (!isOurs(row)) return row.method + (row.settings.includes("weights=area") ? ", area weights" : "");
   const words = [row.method === "paper" ? "the paper's mode" : sampling.replace(":", " ")];
-  if (precision === "f64") words.push("f64");
+  if (precision === "f32") words.push("single");
   if (layout === "classic") words.push("classic");
   if (row.method === "raycontact" && edges === "off") words.push("no edges");
   if (row.method === "raycontact" && weights === "paper") words.push("paper's weights");

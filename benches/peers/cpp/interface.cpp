@@ -10,7 +10,7 @@ using namespace bench;
 extern "C" Peer* bench_peer_new(const char* method, uint32_t threads, const BodyView* bodies, size_t count) {
   try {
     const Bodies views(bodies, bodies + count);
-    if (auto peer = make_floor(method, views)) return peer.release();
+    if (auto peer = make_lower_bound(method, views)) return peer.release();
     if (auto peer = make_embree(method, threads, views)) return peer.release();
     if (auto peer = make_fcl(method, views)) return peer.release();
     if (auto peer = make_bullet(method, views)) return peer.release();

@@ -47,7 +47,7 @@ class Peer {
 using Bodies = std::vector<BodyView>;
 
 /// Null where there is no such method.
-std::unique_ptr<Peer> make_floor(const std::string& method, const Bodies& bodies);
+std::unique_ptr<Peer> make_lower_bound(const std::string& method, const Bodies& bodies);
 std::unique_ptr<Peer> make_embree(const std::string& method, unsigned threads, const Bodies& bodies);
 std::unique_ptr<Peer> make_fcl(const std::string& method, const Bodies& bodies);
 std::unique_ptr<Peer> make_bullet(const std::string& method, const Bodies& bodies);

@@ -80,7 +80,7 @@ fn figure(rows: &[Row], measure: Measure, lines: usize, area: &Area) -> Result<(
 fn panel(rows: &[&Row], measure: Measure, name: &str, unit: &str, area: &Area) -> Result<(), Failure> {
     let (factor, least) = if measure == Measure::Direction { (1.0, 0.001) } else { (100.0, 0.01) };
     // Nothing wrong at all has no place on a logarithmic axis: it stands at the lower end.
-    let point = |row: &Row| Some((row.time_floor_multiple, (measure.of(row)? * factor).max(least)));
+    let point = |row: &Row| Some((row.time_over_lower_bound, (measure.of(row)? * factor).max(least)));
     let points = || rows.iter().filter_map(|row| point(row));
     let fold = |pick: fn((f64, f64)) -> f64, choose: fn(f64, f64) -> f64| points().map(pick).reduce(choose);
     let bounds = |pick| Some((fold(pick, f64::min)?, fold(pick, f64::max)?));
@@ -100,7 +100,7 @@ fn panel(rows: &[&Row], measure: Measure, name: &str, unit: &str, area: &Area) -
         .configure_mesh()
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.12))
-        .x_desc("time of a step, times the floor's")
+        .x_desc("time of a step, times the lower bound's")
         .y_desc(unit)
         .x_label_formatter(&number)
         .y_label_formatter(&number)

@@ -6,11 +6,11 @@ use super::scene::{Limits, Scene, shortest_mean_edge};
 use super::setting::{self, Setting};
 use crate::clock;
 use crate::host::{Frame, Host};
+use crate::libraries::Libraries;
 use crate::library::Whole;
 use crate::measure::{frames, median};
 use crate::method::{Method, Push};
 use crate::oracle;
-use crate::peer;
 use crate::workload::{Body, Workload};
 use indicatif::ProgressBar;
 use raycontact::contact::{DetectionOptions, Sampling};
@@ -28,7 +28,7 @@ const FEWEST_STEPS: usize = 3;
 struct Running {
     setting: Setting,
     method: Box<dyn Method>,
-    /// Time of a step over the mean of the floor's just before and just after, of each round.
+    /// Time of a step over the mean of the lower bound's just before and just after, of each round.
     multiples: Vec<f64>,
 }
 
@@ -43,7 +43,7 @@ struct Truth {
 pub fn run(
     scene: &Scene,
     settings: &[Setting],
-    peers: &peer::Library,
+    libraries: &Libraries,
     progress: &ProgressBar,
 ) -> Result<Vec<Row>, String> {
     let workload = &scene.workload;
@@ -51,29 +51,29 @@ pub fn run(
     let truths = truths(scene, progress)?;
     // Declared before the methods, so that they end before it.
     let mut host = Host::new(workload);
-    let floor_workload = floor_workload(workload);
-    let mut floor_host = Host::new(&floor_workload);
-    let mut floor = peers.start(&setting::peer_of("floor"), &floor_workload, &floor_host)?;
+    let bound_workload = bound_workload(workload);
+    let mut bound_host = Host::new(&bound_workload);
+    let mut bound = libraries.peers.start(&setting::peer_of("lower-bound"), &bound_workload, &bound_host)?;
     let mut running = Vec::new();
     for &setting in settings {
         progress.set_message(format!("{}: preparing {}", scene.name, setting.method()));
-        match setting.start(workload, &host, peers) {
+        match setting.start(workload, &host, libraries) {
             Ok(method) => running.push(Running { setting, method, multiples: Vec::new() }),
             // A peer may refuse a surface.
             Err(reason) => say(progress, format!("{}: without {}: {reason}", scene.name, setting.method())),
         }
     }
     let vertices = |workload: &Workload| workload.bodies.iter().map(|body| body.rest.len()).sum::<usize>() as f64;
-    let share = vertices(workload) / vertices(&floor_workload);
+    let share = vertices(workload) / vertices(&bound_workload);
     for round in 0..ROUNDS {
         let frames = frames(workload, round);
-        let floor_frames = self::frames(&floor_workload, round);
-        let mut floor_time = || time_round(&mut floor, &mut floor_host, &floor_frames) * share;
-        let mut before = floor_time();
+        let bound_frames = self::frames(&bound_workload, round);
+        let mut bound_time = || time_round(&mut bound, &mut bound_host, &bound_frames) * share;
+        let mut before = bound_time();
         for running in &mut running {
             progress.set_message(format!("{}, round {}: {}", scene.name, round + 1, running.setting.method()));
             let time = time_round(running.method.as_mut(), &mut host, &frames);
-            let after = floor_time();
+            let after = bound_time();
             running.multiples.push(2.0 * time / (before + after));
             before = after;
         }
@@ -104,14 +104,14 @@ fn time_round(method: &mut dyn Method, host: &mut Host, frames: &[Frame]) -> f64
     median(times[warm_up..].to_vec())
 }
 
-/// Tori with about as many vertices: the floor knows no other bodies, and only the number counts.
-fn floor_workload(workload: &Workload) -> Workload {
+/// Tori with about as many vertices: the lower bound's program knows no other bodies, and only the number counts.
+fn bound_workload(workload: &Workload) -> Workload {
     let torus = |body: &Body| {
         let across = ((body.rest.len() as f64 / 2.0).sqrt().round() as u32).max(3);
         Body::torus((body.rest.len() as u32 / across).max(3), across)
     };
     let ripple = workload.ripple;
-    let name = "floor".to_owned();
+    let name = "lower-bound".to_owned();
     Workload { request: name.clone(), name, bodies: workload.bodies.iter().map(torus).collect(), ripple }
 }
 
@@ -186,7 +186,7 @@ impl Running {
                 scene: scene.name.clone(),
                 method: setting.method().to_owned(),
                 settings: setting.describe(*weights),
-                time_floor_multiple: median(self.multiples.clone()),
+                time_over_lower_bound: median(self.multiples.clone()),
                 force_error: setting.has_comparable_force().then_some(0.0),
                 recall: setting.knows_vertices().then_some(0.0),
                 direction_error: 0.0,

@@ -15,11 +15,10 @@ mod tables;
 #[allow(dead_code)] // the pose benchmark uses more of it
 mod tree;
 
-use crate::peer;
+use crate::libraries;
 use crate::report::{aligned, renew_tables};
 use indicatif::{ProgressBar, ProgressStyle};
 use row::Row;
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Measures speed against accuracy: every method over its settings on six scenes.
@@ -37,9 +36,8 @@ pub struct Arguments {
     /// Spacings of rays, in mean edges of the scene's finest body.
     #[arg(long, value_delimiter = ',', default_value = "0.5,1,2,4,8,16")]
     spacings: Vec<f64>,
-    /// The shared library with the peers.
-    #[arg(long, default_value = "libraycontact_bench_peers.so")]
-    peers: OsString,
+    #[command(flatten)]
+    libraries: libraries::Paths,
     /// The folder for chart.csv and the charts.
     #[arg(long, default_value = "out/chart")]
     out: PathBuf,
@@ -75,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
 }
 
 fn measure_all(arguments: &Arguments, path: &std::path::Path) -> Result<(), String> {
-    let peers = peer::Library::open(&arguments.peers)?;
+    let libraries = arguments.libraries.open()?;
     std::fs::create_dir_all(&arguments.out).map_err(|e| format!("cannot make {}: {e}", arguments.out.display()))?;
     let failed = |error: csv::Error| format!("cannot write {}: {error}", path.display());
     let mut csv = csv::Writer::from_path(path).map_err(failed)?;
@@ -91,7 +89,7 @@ fn measure_all(arguments: &Arguments, path: &std::path::Path) -> Result<(), Stri
     progress.set_style(style.expect("the template is right"));
     for name in names {
         let scene = scene::Scene::new(&name, &arguments.files)?;
-        for row in measure::run(&scene, &arguments.settings_for(&scene), &peers, &progress)? {
+        for row in measure::run(&scene, &arguments.settings_for(&scene), &libraries, &progress)? {
             csv.serialize(row).map_err(failed)?;
         }
         csv.flush().map_err(|e| failed(e.into()))?;

@@ -8,8 +8,8 @@ pub struct Row {
     pub scene: String,
     pub method: String,
     pub settings: String,
-    /// Times the floor's.
-    pub time_floor_multiple: f64,
+    /// The time of a step over the lower bound's.
+    pub time_over_lower_bound: f64,
     /// The larger of the errors of net force and torque; empty where the method's depths are not the law's.
     pub force_error: Option<f64>,
     /// Part of the vertices inside that have a contact; empty where contacts do not belong to vertices.
@@ -19,8 +19,8 @@ pub struct Row {
     pub contacts: usize,
 }
 
-/// The library's default options, as settings are written.
-pub const DEFAULT: &str = "sampling=automatic precision=f32 layout=wide edges=on weights=area";
+/// C's default options, as settings are written.
+pub const DEFAULT: &str = "sampling=automatic precision=f64 layout=wide edges=on weights=area";
 
 /// What is drawn upward against the time; less is better.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -59,7 +59,7 @@ impl Row {
             other => return other.to_owned(),
         };
         let also = [
-            ("precision", "f64", "f64"),
+            ("precision", "f32", "single"),
             ("layout", "classic", "classic"),
             ("edges", "off", "no edges"),
             ("weights", "paper", "paper's weights"),
@@ -77,7 +77,7 @@ const ALIKE: [f64; 2] = [0.99, 1.03];
 /// The rows that none beats in time without being worse, by time. Of rows alike in both, that with the fewest words.
 pub fn front<'a>(rows: &[&'a Row], measure: Measure) -> Vec<&'a Row> {
     let mut by_time: Vec<_> = rows.iter().filter_map(|row| Some((*row, measure.of(row)?))).collect();
-    let time = |row: &Row| row.time_floor_multiple;
+    let time = |row: &Row| row.time_over_lower_bound;
     by_time.sort_by(|(a, x), (b, y)| time(a).total_cmp(&time(b)).then(x.total_cmp(y)));
     let mut best: Vec<(&Row, f64)> = Vec::new();
     for (row, value) in by_time {
@@ -112,7 +112,7 @@ mod tests {
             scene: String::new(),
             method: "raycontact".to_owned(),
             settings: String::new(),
-            time_floor_multiple: time,
+            time_over_lower_bound: time,
             force_error: Some(error),
             recall: None,
             direction_error: error,
@@ -124,15 +124,15 @@ mod tests {
     fn settings_in_short_say_what_is_not_as_in_the_defaults() {
         let short = |settings: &str| Row { settings: settings.to_owned(), ..row(1.0, 1.0) }.short();
         assert_eq!(short(DEFAULT), "automatic");
-        let other = "sampling=spacing:0.1 precision=f64 layout=classic edges=off weights=paper";
-        assert_eq!(short(other), "spacing 0.1, f64, classic, no edges, paper's weights");
+        let other = "sampling=spacing:0.1 precision=f32 layout=classic edges=off weights=paper";
+        assert_eq!(short(other), "spacing 0.1, single, classic, no edges, paper's weights");
     }
 
     #[test]
     fn the_front_holds_what_none_beats() {
         let rows = [row(3.0, 0.1), row(1.0, 0.5), row(2.0, 0.6), row(4.0, 0.1), row(5.0, 0.01)];
         let rows: Vec<&Row> = rows.iter().collect();
-        let times: Vec<f64> = front(&rows, Measure::Force).iter().map(|row| row.time_floor_multiple).collect();
+        let times: Vec<f64> = front(&rows, Measure::Force).iter().map(|row| row.time_over_lower_bound).collect();
         assert_eq!(times, [1.0, 3.0, 5.0]);
         assert!(front(&rows, Measure::Missed).is_empty());
     }

@@ -2,10 +2,11 @@
 
 use super::closest::Closest;
 use super::load::Weights;
+use crate::c_library::Defaults;
 use crate::host::Host;
+use crate::libraries::Libraries;
 use crate::library::{Classic, HostScalar, Whole};
 use crate::method::{Description, Method, Precision};
-use crate::peer;
 use crate::workload::Workload;
 use raycontact::contact::{DetectionOptions, Sampling};
 use raycontact::math::Scalar;
@@ -29,7 +30,7 @@ pub enum Setting {
 }
 
 const DEFAULT: Ours =
-    Ours { sampling: Sampling::Automatic, precision: Precision::F32, layout: Layout::Wide, edges: true, escape: true };
+    Ours { sampling: Sampling::Automatic, precision: Precision::F64, layout: Layout::Wide, edges: true, escape: true };
 const PAPER: Ours = Ours { sampling: Sampling::Vertices, edges: false, escape: false, ..DEFAULT };
 
 const TOLERANCES: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
@@ -46,7 +47,7 @@ pub fn all(spacings: impl Iterator<Item = f64>, full: bool) -> Vec<Setting> {
                 for edges in [true, false] {
                     let changed = usize::from(layout == Layout::Classic) + usize::from(!edges);
                     let is_plain = matches!(sampling, Sampling::Vertices | Sampling::Automatic);
-                    let most = if is_plain && precision == Precision::F32 { 1 } else { 0 };
+                    let most = if is_plain && precision == DEFAULT.precision { 1 } else { 0 };
                     if full || changed <= most {
                         settings.push(Setting::Ours(Ours { sampling, precision, layout, edges, escape: true }));
                     }
@@ -124,11 +125,12 @@ impl Setting {
         self.has_comparable_force()
     }
 
-    pub fn start(&self, workload: &Workload, host: &Host, peers: &peer::Library) -> Result<Box<dyn Method>, String> {
+    pub fn start(&self, workload: &Workload, host: &Host, libraries: &Libraries) -> Result<Box<dyn Method>, String> {
         match self {
+            Self::Ours(DEFAULT) => Ok(Box::new(Defaults::new(&libraries.raycontact, workload, host)?)),
             Self::Ours(ours) if ours.precision == Precision::F32 => ours.start::<f32>(workload, host),
             Self::Ours(ours) => ours.start::<f64>(workload, host),
-            Self::Peer(name) => Ok(Box::new(peers.start(&peer_of(name), workload, host)?)),
+            Self::Peer(name) => Ok(Box::new(libraries.peers.start(&peer_of(name), workload, host)?)),
             Self::Closest => Ok(Box::new(Closest::new(workload, host))),
         }
     }

@@ -15,7 +15,7 @@ const LARGEST_ERROR: f64 = 0.1;
 
 /// The settings of each scene that none beats in both time and force, and the default.
 fn fronts(rows: &[Row]) -> Table {
-    let head = ["scene", "setting", "time / floor", "force error", "contacts", "vertices found", "direction"];
+    let head = ["scene", "setting", "time / lower bound", "force error", "contacts", "vertices found", "direction"];
     let mut table = vec![head.map(str::to_owned).to_vec()];
     let percent =
         |part: Option<f64>, digits| part.map_or("–".to_owned(), |part| format!("{:.digits$} %", part * 100.0));
@@ -31,7 +31,7 @@ fn fronts(rows: &[Row]) -> Table {
             vec![
                 scene.clone(),
                 format!("{}{mark}", row.short()),
-                format!("{:.1}", row.time_floor_multiple),
+                format!("{:.1}", row.time_over_lower_bound),
                 percent(row.force_error, 3),
                 row.contacts.to_string(),
                 percent(row.recall, 1),
@@ -58,7 +58,7 @@ fn options(rows: &[Row]) -> Table {
             let is_one =
                 |row: &&Row| [from, "layout=wide", "weights=area"].iter().all(|part| row.settings.contains(part));
             let times =
-                ours().filter(is_one).filter_map(|row| Some(other(row)?.time_floor_multiple / row.time_floor_multiple));
+                ours().filter(is_one).filter_map(|row| Some(other(row)?.time_over_lower_bound / row.time_over_lower_bound));
             let times: Vec<f64> = times.collect();
             if times.is_empty() { "–".to_owned() } else { format!("{:.2}", median(times)) }
         });

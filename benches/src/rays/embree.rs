@@ -1,9 +1,8 @@
 //! Embree's rays, out of the shared library with the peers.
 
-use super::BodyView;
 use super::kinds::Ray;
-use std::ffi::{CString, OsStr, c_char, c_void};
-use std::mem::ManuallyDrop;
+use crate::peer::{BodyView, Library};
+use std::ffi::{CString, c_void};
 
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
@@ -55,33 +54,6 @@ pub enum Way {
     IncoherentStream,
 }
 
-type New = unsafe extern "C" fn(*const c_char, bool, *const BodyView) -> *mut c_void;
-type Trace = unsafe extern "C" fn(*const c_void, *mut RayHit, usize, u32);
-type Free = unsafe extern "C" fn(*mut c_void);
-
-pub struct Library {
-    new: New,
-    trace: Trace,
-    free: Free,
-}
-
-impl Library {
-    pub fn open(path: &OsStr) -> Result<Self, String> {
-        let failed = |error: libloading::Error| {
-            format!("cannot open the peers at {}: {error}; scripts/bench.sh builds them", path.display())
-        };
-        // SAFETY: the library is this package's own; its functions have the types above.
-        unsafe {
-            let library = ManuallyDrop::new(libloading::Library::new(path).map_err(failed)?);
-            Ok(Self {
-                new: *library.get::<New>(b"rays_new").map_err(failed)?,
-                trace: *library.get::<Trace>(b"rays_trace").map_err(failed)?,
-                free: *library.get::<Free>(b"rays_free").map_err(failed)?,
-            })
-        }
-    }
-}
-
 pub struct Surface<'a> {
     library: &'a Library,
     scene: *mut c_void,
@@ -92,18 +64,18 @@ impl<'a> Surface<'a> {
     pub fn new(library: &'a Library, instructions: &str, refits: bool, view: &BodyView) -> Self {
         let terminated = CString::new(instructions).expect("names hold no zero");
         // SAFETY: the view is good.
-        Self { library, scene: unsafe { (library.new)(terminated.as_ptr(), refits, view) } }
+        Self { library, scene: unsafe { (library.rays_new)(terminated.as_ptr(), refits, view) } }
     }
 
     pub fn trace(&self, rays: &mut [RayHit], way: Way) {
         // SAFETY: the scene lives.
-        unsafe { (self.library.trace)(self.scene, rays.as_mut_ptr(), rays.len(), way as u32) }
+        unsafe { (self.library.rays_trace)(self.scene, rays.as_mut_ptr().cast(), rays.len(), way as u32) }
     }
 }
 
 impl Drop for Surface<'_> {
     fn drop(&mut self) {
         // SAFETY: the scene lives, and ends here.
-        unsafe { (self.library.free)(self.scene) }
+        unsafe { (self.library.rays_free)(self.scene) }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::Vector;
 use nalgebra::Vector3;
+use raycontact::capi::rayc_ray;
 use raycontact::mesh::Mesh;
 
 /// In single precision, so that all trace the same.
@@ -9,6 +10,12 @@ use raycontact::mesh::Mesh;
 pub struct Ray {
     pub origin: [f32; 3],
     pub direction: [f32; 3],
+}
+
+impl From<&Ray> for rayc_ray {
+    fn from(ray: &Ray) -> Self {
+        Self { origin: ray.origin.map(f64::from), direction: ray.direction.map(f64::from), t_max: f64::INFINITY }
+    }
 }
 
 pub struct Kind {

@@ -1,14 +1,17 @@
 //! Takes the times of rays: round by round, in each every method in turn.
 
-use super::c_library::{self, CHit, CRay};
+use super::Arguments;
 use super::embree::{self, RayHit, Way};
 use super::kinds::{self, Kind};
 use super::row::Row;
-use super::{Arguments, BodyView};
+use crate::c_library::Surface;
 use crate::clock;
 use crate::host::Host;
+use crate::libraries::Libraries;
 use crate::measure::{ROUNDS, median};
+use crate::peer::BodyView;
 use crate::workload::{Body, Workload};
+use raycontact::capi::{rayc_hit, rayc_ray, rayc_scalar};
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
 use raycontact::octree::Octree;
@@ -20,10 +23,13 @@ const CHECKED: usize = 200;
 /// How far Embree's distances may be off, in the surface's size: it works in single precision, with another test.
 const EMBREE_MAY_BE_OFF: f64 = 1e-4;
 
+/// Before tracing.
+const NO_HIT: rayc_hit = rayc_hit { triangle: 0, is_exit: 0, t: 0.0, weights: [0.0; 3] };
+
 /// Who traces, and how.
 enum Method<'a> {
     Embree { surface: &'a embree::Surface<'a>, is_stream: bool },
-    Raycontact { surface: &'a c_library::Surface<'a>, is_batch: bool, is_double: bool },
+    Raycontact { surface: &'a Surface, is_batch: bool, is_double: bool },
 }
 
 struct Running<'a> {
@@ -32,22 +38,18 @@ struct Running<'a> {
     /// Nanoseconds for a ray, round by round.
     times: Vec<f64>,
     /// Of the last round.
-    hits: Vec<CHit>,
+    hits: Vec<rayc_hit>,
 }
 
-pub fn run(
-    workload: &Workload,
-    arguments: &Arguments,
-    library: &c_library::Library,
-    peers: &embree::Library,
-) -> Result<Vec<Row>, String> {
+pub fn run(workload: &Workload, arguments: &Arguments, libraries: &Libraries) -> Result<Vec<Row>, String> {
     let host = Host::new(workload);
     let [body, other] = [0, 1].map(|number| (&workload.bodies[number], host.bodies[number].single()));
     let view = BodyView::new(body.0, &host.bodies[0]);
     let of_embree = arguments.simd.of_embree();
-    let [built, refitted] = [false, true].map(|refits| embree::Surface::new(peers, of_embree, refits, &view));
-    let single = c_library::Surface::new(library, body.1, body.0, false)?;
-    let double = c_library::Surface::new(library, body.1, body.0, true)?;
+    let [built, refitted] =
+        [false, true].map(|refits| embree::Surface::new(&libraries.peers, of_embree, refits, &view));
+    let single = Surface::new(&libraries.raycontact, body.1, body.0, rayc_scalar::RAYC_SCALAR_F32)?;
+    let double = Surface::new(&libraries.raycontact, body.1, body.0, rayc_scalar::RAYC_SCALAR_F64)?;
     let judge = Judge { single: Judged::new(mesh(body)?), double: Judged::new(mesh(body)?) };
 
     let mut rows = Vec::new();
@@ -63,12 +65,7 @@ pub fn run(
             ("raycontact-single-f64", own(&double, false, true)),
             ("raycontact-batch-f64", own(&double, true, true)),
         ]
-        .map(|(name, method)| Running {
-            name,
-            method,
-            times: Vec::new(),
-            hits: vec![CHit::default(); kind.rays.len()],
-        });
+        .map(|(name, method)| Running { name, method, times: Vec::new(), hits: vec![NO_HIT; kind.rays.len()] });
         for round in 0..=ROUNDS {
             for running in &mut methods {
                 let time = running.trace(&kind);
@@ -118,12 +115,12 @@ impl Running<'_> {
                 };
                 let time = clock::time(1, || surface.trace(&mut rays, way));
                 for (hit, ray) in self.hits.iter_mut().zip(&rays) {
-                    *hit = CHit { triangle: ray.triangle, t: ray.t_max.into(), ..CHit::default() };
+                    *hit = rayc_hit { triangle: ray.triangle, t: ray.t_max.into(), ..NO_HIT };
                 }
                 time
             }
             Method::Raycontact { surface, is_batch, .. } => {
-                let rays: Vec<CRay> = kind.rays.iter().map(CRay::from).collect();
+                let rays: Vec<rayc_ray> = kind.rays.iter().map(rayc_ray::from).collect();
                 let hits = &mut self.hits;
                 clock::time(1, || {
                     if *is_batch { surface.trace_together(&rays, hits) } else { surface.trace_one_by_one(&rays, hits) }
@@ -181,7 +178,7 @@ impl<T: Scalar> Judged<T> {
     }
 }
 
-fn same<T: Scalar>(exact: Option<Hit<T>>, hit: &CHit) -> bool {
+fn same<T: Scalar>(exact: Option<Hit<T>>, hit: &rayc_hit) -> bool {
     exact.map_or(hit.triangle == embree::NO_TRIANGLE, |exact| {
         let numbers = (exact.t.to_f64(), exact.weights.map(T::to_f64), u32::from(exact.is_exit));
         exact.triangle == hit.triangle && numbers == (hit.t, hit.weights, hit.is_exit)

@@ -1,17 +1,15 @@
 //! Rays against one body through the C interface, beside Embree's.
 
-mod c_library;
 mod embree;
 mod kinds;
 mod measure;
 mod row;
 
-use crate::peer::BodyView;
+use crate::libraries;
 use crate::report::{Table, aligned};
 use crate::workload::{self, Workload};
 use clap::ValueEnum;
 use row::Row;
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Measures rays against one body through the C interface, beside Embree's single rays and streams.
@@ -29,12 +27,8 @@ pub struct Arguments {
     /// How many rays of a kind.
     #[arg(long, default_value = "65536")]
     count: usize,
-    /// The C library.
-    #[arg(long, default_value = "libraycontact.so")]
-    library: OsString,
-    /// The shared library with the peers.
-    #[arg(long, default_value = "libraycontact_bench_peers.so")]
-    peers: OsString,
+    #[command(flatten)]
+    libraries: libraries::Paths,
     /// The folder for rays.csv.
     #[arg(long, default_value = "out/bench")]
     out: PathBuf,
@@ -70,8 +64,7 @@ impl Simd {
 pub fn run(arguments: &Arguments) -> Result<(), String> {
     // SAFETY: no other thread runs yet. The library asks for it at its first call, and this program never calls its own.
     unsafe { std::env::set_var("RAYCONTACT_SIMD", arguments.simd.name()) };
-    let library = c_library::Library::open(&arguments.library)?;
-    let peers = embree::Library::open(&arguments.peers)?;
+    let libraries = arguments.libraries.open()?;
     let path = arguments.out.join("rays.csv");
     std::fs::create_dir_all(&arguments.out).map_err(|e| format!("cannot make {}: {e}", arguments.out.display()))?;
     let failed = |error: csv::Error| format!("cannot write {}: {error}", path.display());
@@ -83,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
     let mut rows = Vec::new();
     for name in &names {
         let workload = Workload::new(name)?;
-        rows.extend(measure::run(&workload, arguments, &library, &peers)?);
+        rows.extend(measure::run(&workload, arguments, &libraries)?);
     }
     for row in &rows {
         csv.serialize(row).map_err(failed)?;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// The floor under every method: one pass over the positions that computes all vertex normals and the boxes. It knows
+// What no method can do without, the lower bound of their times: one pass over the positions that computes all vertex normals and the boxes. It knows
 // that the bodies are grids bent into tori, which no method may, and so needs no index and no gather.
 #include <algorithm>
 
@@ -121,9 +121,9 @@ struct Torus {
 };
 
 template <typename T>
-class Floor : public Peer {
+class LowerBound : public Peer {
  public:
-  explicit Floor(const Bodies& bodies) : boxes_(bodies.size()), tori_(bodies.begin(), bodies.end()) {}
+  explicit LowerBound(const Bodies& bodies) : boxes_(bodies.size()), tori_(bodies.begin(), bodies.end()) {}
 
   bool step(Stages&) override {
     for (size_t index = 0; index < tori_.size(); ++index) {
@@ -143,9 +143,9 @@ class Floor : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> make_floor(const std::string& method, const Bodies& bodies) {
-  if (method == "floor") return std::make_unique<Floor<float>>(bodies);
-  if (method == "floor-f64") return std::make_unique<Floor<double>>(bodies);
+std::unique_ptr<Peer> make_lower_bound(const std::string& method, const Bodies& bodies) {
+  if (method == "lower-bound") return std::make_unique<LowerBound<float>>(bodies);
+  if (method == "lower-bound-f64") return std::make_unique<LowerBound<double>>(bodies);
   return nullptr;
 }
 
