@@ -5,9 +5,9 @@
 //! force weighted by cos α pulls the two points together (Hermann, Faure, Raffin 2008, "Ray-traced collision
 //! detection for deformable bodies"). Nothing is precomputed that deformation would spoil, and deep overlap is fine.
 //!
-//! The modules are floors: each uses only those below it.
+//! The modules are layers: each uses only those below it.
 //!
-//! | floor | holds |
+//! | layer | holds |
 //! | --- | --- |
 //! | [`system`] | a step's contact on the unknowns of a host: materials, friction, rigid bodies |
 //! | [`scene`] | broad phase and parallel narrow phase over many meshes |
@@ -70,7 +70,7 @@ pub mod contact {
         Contact, ContactKind, ContactLaw, ContactList, DetectionOptions, EscapePush, Sampling, Statistics,
         SurfacePoint, query_self, query_self_with_all_rays,
     };
-    pub use crate::recovery::{PairMemory, Record, detect_pair, query_pair};
+    pub use crate::recovery::{PairMemory, Record, query_pair};
 }
 
 #[cfg(test)]

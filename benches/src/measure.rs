@@ -4,7 +4,7 @@ use crate::clock;
 use crate::elsewhere::Elsewhere;
 use crate::host::{Frame, Host};
 use crate::libraries::Libraries;
-use crate::method::{Description, Key, Method, Stages};
+use crate::method::{C_DEFAULTS, Description, Key, Method, Precision, RUST_DEFAULTS, Stages};
 use crate::oracle::Oracle;
 use crate::row::Row;
 use crate::workload::Workload;
@@ -73,10 +73,29 @@ pub fn run(
     }
     // A method elsewhere leaves this process's arrays as they were.
     host.write(frames(workload, ROUNDS - 1).last().expect("rounds have steps"));
+    same_defaults(workload, &running)?;
     progress.set_message(format!("{}: testing every ray against every triangle", workload.name));
     let oracle = Oracle::new(workload, &host);
     let first = running.first().map(|running| running.times.rounds()).unwrap_or_default();
     running.into_iter().map(|running| running.row(workload, &oracle, &first)).collect()
+}
+
+/// The default options find the same contacts through the C library and from Rust.
+fn same_defaults(workload: &Workload, running: &[Running]) -> Result<(), String> {
+    let contacts = |name| {
+        running.iter().find_map(|running| match &running.place {
+            Place::Here(method)
+                if running.description.name == name && running.description.precision == Precision::F64 =>
+            {
+                Some(method.contacts())
+            }
+            _ => None,
+        })
+    };
+    match (contacts(C_DEFAULTS), contacts(RUST_DEFAULTS)) {
+        (Some(c), Some(rust)) if c != rust => Err(format!("{}: other contacts from C than from Rust", workload.name)),
+        _ => Ok(()),
+    }
 }
 
 impl Times {

@@ -78,7 +78,9 @@ pub struct Description {
 }
 
 /// The default: what a C program gets that changes no option, in double precision.
-const C_DEFAULTS: &str = "raycontact-c-defaults";
+pub const C_DEFAULTS: &str = "raycontact-c-defaults";
+/// The same options from Rust, in either precision.
+pub const RUST_DEFAULTS: &str = "raycontact-rust-defaults";
 
 /// Every method, in the order of the report.
 pub fn all() -> Vec<Description> {
@@ -92,8 +94,8 @@ pub fn all() -> Vec<Description> {
         path("raycontact-baseline", "baseline"),
         // Rays start from other points than the vertices: C's defaults, and the same options from Rust.
         other(C_DEFAULTS, F64, 1),
-        other("raycontact-rust-defaults", F64, 1),
-        other("raycontact-rust-defaults", F32, 1),
+        other(RUST_DEFAULTS, F64, 1),
+        other(RUST_DEFAULTS, F32, 1),
         method("raycontact", F64, 1),
         method("raycontact", F32, 2),
         method("raycontact-classic", F32, 1),
@@ -131,12 +133,8 @@ impl Description {
             ("raycontact", Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::paper()),
             ("raycontact", Precision::F64) => self.whole::<f64>(workload, host, DetectionOptions::paper()),
             (C_DEFAULTS, _) => Ok(Box::new(Defaults::new(&libraries.raycontact, workload, host)?)),
-            ("raycontact-rust-defaults", Precision::F32) => {
-                self.whole::<f32>(workload, host, DetectionOptions::default())
-            }
-            ("raycontact-rust-defaults", Precision::F64) => {
-                self.whole::<f64>(workload, host, DetectionOptions::default())
-            }
+            (RUST_DEFAULTS, Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::default()),
+            (RUST_DEFAULTS, Precision::F64) => self.whole::<f64>(workload, host, DetectionOptions::default()),
             ("raycontact-classic", _) => {
                 Ok(Box::new(library::Classic::<f32>::new(workload, host, DetectionOptions::paper())?))
             }

@@ -1,5 +1,6 @@
 use super::contact_system::{AnySystem, rayc_contact_system, with_system};
 use super::contact_system_options::rayc_material;
+use super::contact_system_step::number_at;
 use super::contacts::rayc_contacts;
 use super::failure::rayc_status;
 use super::guard::guard;
@@ -72,13 +73,7 @@ pub unsafe extern "C" fn rayc_contact_system_misjudged(
     wrong: *mut f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        let velocities = slice(velocities, count, "velocities")?;
-        let place = Output::new(wrong, "wrong")?;
-        place.write(with_system!(&mut system.system, |system| system.misjudged(velocities)?));
-        Ok(())
-    })
+    unsafe { number_at!(system, velocities, count, misjudged, wrong) }
 }
 
 /// The net force with which `other` acted on a body in the last finished step: three numbers, in N; zero for a body and itself.

@@ -1,10 +1,10 @@
 use super::contact_system::{AnySystem, rayc_contact_system, with_scene, with_system};
-use super::contact_system_step::check_apart;
+use super::contact_system_step::apart;
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
 use super::numbers::flag;
-use super::pointers::{Output, slice, slice_mut};
+use super::pointers::{Output, slice};
 use super::scene::{AnyScene, rayc_scene};
 use crate::memory::text;
 use crate::system::{Part, Surface};
@@ -156,8 +156,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_forces(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let length = block_count.saturating_mul(3);
-        check_apart(velocities, count, forces, length)?;
-        let (velocities, forces) = (slice(velocities, count, "velocities")?, slice_mut(forces, length, "forces")?);
+        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, length, "forces"))?;
         with_system!(&mut system.system, |system| system.part_forces(velocities, forces)?);
         Ok(())
     })
@@ -180,8 +179,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_products(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let length = block_count.saturating_mul(3);
-        check_apart(change, count, result, length)?;
-        let (change, result) = (slice(change, count, "change")?, slice_mut(result, length, "result")?);
+        let (change, result) = apart((change, count, "change"), (result, length, "result"))?;
         with_system!(&mut system.system, |system| system.part_products(factor, change, result)?);
         Ok(())
     })

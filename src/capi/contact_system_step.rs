@@ -53,8 +53,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
-        check_apart(velocities, count, forces, count)?;
-        let (velocities, forces) = (slice(velocities, count, "velocities")?, slice_mut(forces, count, "forces")?);
+        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
         with_system!(&mut system.system, |system| system.add_forces(velocities, forces)?);
         Ok(())
     })
@@ -77,8 +76,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_product(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
-        check_apart(change, count, result, count)?;
-        let (change, result) = (slice(change, count, "change")?, slice_mut(result, count, "result")?);
+        let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
         with_system!(&mut system.system, |system| system.add_product(factor, change, result)?);
         Ok(())
     })
@@ -140,6 +138,20 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
     })
 }
 
+/// Writes the number that a method of the system gives for velocities.
+macro_rules! number_at {
+    ($system:ident, $velocities:ident, $count:ident, $method:ident, $place:ident) => {
+        guard(|| {
+            let mut system = changing($system, "system")?;
+            let velocities = slice($velocities, $count, "velocities")?;
+            let place = Output::new($place, stringify!($place))?;
+            place.write(with_system!(&mut system.system, |system| system.$method(velocities)?));
+            Ok(())
+        })
+    };
+}
+pub(super) use number_at;
+
 /// The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of the
 /// step, velocity times dt. For line searches. count: that of the unknowns.
 ///
@@ -152,13 +164,7 @@ pub unsafe extern "C" fn rayc_contact_system_energy(
     joules: *mut f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        let velocities = slice(velocities, count, "velocities")?;
-        let place = Output::new(joules, "joules")?;
-        place.write(with_system!(&mut system.system, |system| system.energy(velocities)?));
-        Ok(())
-    })
+    unsafe { number_at!(system, velocities, count, energy, joules) }
 }
 
 /// Holds the rows anew at these velocities: this decides which rows push and how much they rub. Call it after a
@@ -174,13 +180,7 @@ pub unsafe extern "C" fn rayc_contact_system_linearise(
     wrong: *mut f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        let velocities = slice(velocities, count, "velocities")?;
-        let place = Output::new(wrong, "wrong")?;
-        place.write(with_system!(&mut system.system, |system| system.linearise(velocities)?));
-        Ok(())
-    })
+    unsafe { number_at!(system, velocities, count, linearise, wrong) }
 }
 
 /// Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped
@@ -284,10 +284,8 @@ pub unsafe extern "C" fn rayc_contact_system_explicit_step(
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let place = Output::new(longest_step, "longest_step")?;
         check_apart(positions, count, forces, unknown_count)?;
-        check_apart(velocities, count, forces, unknown_count)?;
         let positions = slice(positions, count, "positions")?;
-        let velocities = slice(velocities, count, "velocities")?;
-        let forces = slice_mut(forces, unknown_count, "forces")?;
+        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, unknown_count, "forces"))?;
         place.write(with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
             system.explicit_step(scene, dt, positions, velocities, forces)?
         }));
@@ -301,8 +299,21 @@ fn block_count(system: &AnySystem) -> Result<usize, Failure> {
     Ok(count)
 }
 
+/// An array to be read and one to be written, each of so many numbers, which do not overlap.
+///
+/// # Safety
+/// Those of [`slice`] and [`slice_mut`].
+pub(super) unsafe fn apart<'a>(
+    (read, count, read_name): (*const f64, usize, &str),
+    (written, length, written_name): (*mut f64, usize, &str),
+) -> Result<(&'a [f64], &'a mut [f64]), Failure> {
+    check_apart(read, count, written, length)?;
+    // SAFETY: by this function's contract.
+    unsafe { Ok((slice(read, count, read_name)?, slice_mut(written, length, written_name)?)) }
+}
+
 /// Refuses to write to what is read.
-pub(super) fn check_apart(read: *const f64, count: usize, written: *mut f64, length: usize) -> Result<(), Failure> {
+fn check_apart(read: *const f64, count: usize, written: *mut f64, length: usize) -> Result<(), Failure> {
     let bytes = |count: usize| count.saturating_mul(size_of::<f64>());
     let (a, b) = (read.addr(), written.addr());
     if a < b.saturating_add(bytes(length)) && b < a.saturating_add(bytes(count)) {

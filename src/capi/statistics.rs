@@ -1,5 +1,5 @@
 use super::sized_structs::Growing;
-use crate::detection::Statistics;
+use crate::detection::{Statistics, with_counters};
 
 /// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
 /// reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced + border_pieces.
@@ -72,38 +72,11 @@ impl Growing for rayc_statistics {
 
 impl rayc_statistics {
     pub(super) fn of(found: Statistics, contacts: usize) -> Self {
-        let contacts = contacts as u64;
-        let Statistics { pairs, open_pairs, rays, misses, entry_hits, own_surface_hits, .. } = found;
-        let Statistics { without_normal, uncut_pieces, .. } = found;
-        let Statistics { edge_contacts, self_contacts, open_bodies, past_folds, .. } = found;
-        let Statistics { escapes_started, escaping_pairs, escape_contacts, .. } = found;
-        let Statistics { escapes_turned, escapes_forbidden, patches, estimate_rays, replaced, .. } = found;
-        let Statistics { tangled_bodies, crowded_pairs, border_pieces, .. } = found;
-        Self {
-            pairs,
-            open_pairs,
-            rays,
-            misses,
-            entry_hits,
-            own_surface_hits,
-            without_normal,
-            uncut_pieces,
-            contacts,
-            edge_contacts,
-            self_contacts,
-            open_bodies,
-            past_folds,
-            escapes_started,
-            escaping_pairs,
-            escape_contacts,
-            escapes_turned,
-            escapes_forbidden,
-            patches,
-            estimate_rays,
-            replaced,
-            tangled_bodies,
-            crowded_pairs,
-            border_pieces,
+        macro_rules! copy {
+            ($($counter:ident),*) => {
+                Self { contacts: contacts as u64, $($counter: found.$counter),* }
+            };
         }
+        with_counters!(copy)
     }
 }

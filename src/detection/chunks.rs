@@ -147,7 +147,7 @@ mod tests {
         let threads = Threads::new(threads).expect("the threads start");
         contacts.set_helpers(threads.helpers().clone());
         threads.run(|| {
-            detect_pair([0, 1], tracers.each_ref(), &DetectionOptions::paper(), None, true, &mut contacts);
+            detect_pair([0, 1], tracers.each_ref(), &DetectionOptions::paper(), 0, None, true, &mut contacts);
         });
         contacts
     }

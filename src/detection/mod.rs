@@ -35,5 +35,6 @@ pub(crate) use self_contact::detect_self;
 pub use self_contact::{query_self, query_self_with_all_rays};
 pub(crate) use self_search::SelfMemory;
 pub use statistics::Statistics;
+pub(crate) use statistics::with_counters;
 pub(crate) use weigh::contact;
 pub(crate) use workspace::Workspace;

@@ -62,30 +62,27 @@ pub struct Statistics {
     pub border_pieces: u64,
 }
 
+/// Calls a macro with the names of all counters.
+macro_rules! with_counters {
+    ($call:ident) => {
+        $call! {
+            pairs, open_pairs, rays, patches, estimate_rays, misses, entry_hits, own_surface_hits,
+            replaced, without_normal, uncut_pieces, edge_contacts, self_contacts, open_bodies,
+            past_folds, escapes_started, escaping_pairs, escape_contacts, escapes_turned,
+            escapes_forbidden, tangled_bodies, crowded_pairs, border_pieces
+        }
+    };
+}
+pub(crate) use with_counters;
+
 impl std::ops::AddAssign for Statistics {
     fn add_assign(&mut self, more: Self) {
-        self.pairs += more.pairs;
-        self.open_pairs += more.open_pairs;
-        self.rays += more.rays;
-        self.patches += more.patches;
-        self.estimate_rays += more.estimate_rays;
-        self.misses += more.misses;
-        self.entry_hits += more.entry_hits;
-        self.own_surface_hits += more.own_surface_hits;
-        self.replaced += more.replaced;
-        self.without_normal += more.without_normal;
-        self.uncut_pieces += more.uncut_pieces;
-        self.edge_contacts += more.edge_contacts;
-        self.self_contacts += more.self_contacts;
-        self.open_bodies += more.open_bodies;
-        self.past_folds += more.past_folds;
-        self.escapes_started += more.escapes_started;
-        self.escaping_pairs += more.escaping_pairs;
-        self.escape_contacts += more.escape_contacts;
-        self.escapes_turned += more.escapes_turned;
-        self.escapes_forbidden += more.escapes_forbidden;
-        self.tangled_bodies += more.tangled_bodies;
-        self.crowded_pairs += more.crowded_pairs;
-        self.border_pieces += more.border_pieces;
+        macro_rules! add {
+            ($($counter:ident),*) => {{
+                let Self { $($counter),* } = more;
+                $(self.$counter += $counter;)*
+            }};
+        }
+        with_counters!(add);
     }
 }

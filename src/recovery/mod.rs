@@ -29,30 +29,19 @@ pub fn query_pair<T: Scalar>(
     contacts: &mut ContactList<T>,
 ) -> Result<(), OctreeError> {
     let (a, b) = (octree_a.tracer(a)?, octree_b.tracer(b)?);
-    contacts.refill(|contacts| detect_pair([0, 1], [&a, &b], options, None, true, contacts));
+    contacts.refill(|contacts| detect_pair([0, 1], [&a, &b], options, 0, None, true, contacts));
     Ok(())
 }
 
 /// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008, and
 /// what `options` add to it. `memory` is what the pair remembers from step to step; without it a pair escapes only where
 /// it has no other contact, in a direction chosen anew each time. A pair that may not escape is counted where it would.
-pub fn detect_pair<T: Scalar>(
+/// Both bodies meet at least `neighbours` others.
+pub(crate) fn detect_pair<T: Scalar>(
     bodies: [u32; 2],
     tracers: [&Tracer<'_, T>; 2],
     options: &DetectionOptions<T>,
-    memory: Option<&mut PairMemory<T>>,
-    may_escape: bool,
-    contacts: &mut ContactList<T>,
-) {
-    detect_pair_among(0, bodies, tracers, options, memory, may_escape, contacts);
-}
-
-/// [`detect_pair`] of two bodies that both meet at least `neighbours` others.
-pub(crate) fn detect_pair_among<T: Scalar>(
     neighbours: u32,
-    bodies: [u32; 2],
-    tracers: [&Tracer<'_, T>; 2],
-    options: &DetectionOptions<T>,
     memory: Option<&mut PairMemory<T>>,
     may_escape: bool,
     contacts: &mut ContactList<T>,

@@ -6,7 +6,7 @@ use super::{OwnContacts, Scene};
 use crate::detection::{ContactLaw, ContactList, DetectionOptions, Statistics, detect_self, reach_region};
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
-use crate::recovery::detect_pair_among;
+use crate::recovery::detect_pair;
 use crate::threads::Helpers;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
@@ -200,7 +200,7 @@ impl<T: Scalar> NarrowPhase<'_, T> {
         let [first, second] = [0, 1]
             .map(|side| bodies[side].sharing.neighbours.unwrap_or_else(|| self.broad_phase.neighbours(places[side])));
         let (neighbours, tracers) = (first.min(second), tracers.each_ref());
-        detect_pair_among(neighbours, *pair, tracers, &options, Some(memory), may_escape, contacts);
+        detect_pair(*pair, tracers, &options, neighbours, Some(memory), may_escape, contacts);
     }
 }
 

@@ -57,8 +57,9 @@ fn options(rows: &[Row]) -> Table {
             let other = |row: &Row| ours().find(|other| other.settings == row.settings.replace(from, to));
             let is_one =
                 |row: &&Row| [from, "layout=wide", "weights=area"].iter().all(|part| row.settings.contains(part));
-            let times =
-                ours().filter(is_one).filter_map(|row| Some(other(row)?.time_over_lower_bound / row.time_over_lower_bound));
+            let times = ours()
+                .filter(is_one)
+                .filter_map(|row| Some(other(row)?.time_over_lower_bound / row.time_over_lower_bound));
             let times: Vec<f64> = times.collect();
             if times.is_empty() { "–".to_owned() } else { format!("{:.2}", median(times)) }
         });
