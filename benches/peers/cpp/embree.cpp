@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // Embree 3.13: one scene per body, sharing the host's arrays; rays in streams, marked as incoherent. Single rays,
 // packets and coherent streams were no faster on any workload tried.
-#include <embree3/rtcore.h>
-
-#if defined(__SSE3__)
-#include <pmmintrin.h>
-#endif
+#include "embree.hpp"
 
 #include <map>
 #include <string>
@@ -35,33 +31,14 @@ void refuse_touched(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
-// What Embree asks of threads that trace.
-class FlushDenormals {
-#if defined(__SSE3__)
- public:
-  FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON); }
-  ~FlushDenormals() { _mm_setcsr(before_); }
-
- private:
-  unsigned before_;
-#endif
-};
-
 class EmbreeStructure : public Structure {
  public:
   EmbreeStructure(RTCDevice device, const BodyView& body, RTCBuildQuality quality)
-      : body_(body), scene_(rtcNewScene(device)), geometry_(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE)) {
+      : body_(body), scene_(rtcNewScene(device)) {
     // Only a dynamic scene keeps one tree per geometry, which alone can be refitted.
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
-    rtcSetGeometryBuildQuality(geometry_, quality);
-    rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, body.positions, 0,
-                               3 * sizeof(float), body.vertex_count);
-    rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, body.triangles, 0,
-                               3 * sizeof(uint32_t), body.triangle_count);
-    rtcCommitGeometry(geometry_);
-    rtcAttachGeometry(scene_, geometry_);
-    rtcCommitScene(scene_);
+    geometry_ = add_triangles(device, scene_, body, quality);
     const Box<float> box = box_of(body.positions, body.vertex_count);
     t_min_ = 1e-6f * (box.upper_corner - box.lower_corner)[0];
   }
@@ -108,12 +85,11 @@ class EmbreeStructure : public Structure {
   float t_min_ = 0;
 };
 
-// One thread inside Embree: where there are two, each commits and traces in its own part.
+// Where there are two threads, each commits and traces in its own part.
 RTCDevice device(const std::string& instructions) {
   static std::map<std::string, RTCDevice> devices;
   RTCDevice& device = devices[instructions];
-  if (!device) device = rtcNewDevice(("threads=1,set_affinity=0" + instructions).c_str());
-  if (!device) throw std::runtime_error("Embree gives no device");
+  if (!device) device = new_device(instructions);
   return device;
 }
 

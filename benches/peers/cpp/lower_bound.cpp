@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// What no method can do without, the lower bound of their times: one pass over the positions that computes all vertex normals and the boxes. It knows
-// that the bodies are grids bent into tori, which no method may, and so needs no index and no gather.
+// What no method can do without, the lower bound of their times: one pass over the positions that computes all vertex
+// normals and the boxes. It knows that the bodies are grids bent into tori, which no method may, and so needs no index
+// and no gather.
 #include <algorithm>
 
 #include "surface.hpp"

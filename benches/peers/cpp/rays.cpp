@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // Rays against one body at rest with Embree 3.13: each by itself, or in streams. What is timed is tracing alone: the
 // rays lie ready as Embree wants them, and are written over by their hits.
-#include <embree3/rtcore.h>
-
-#if defined(__SSE3__)
-#include <pmmintrin.h>
-#endif
-
-#include <cstdio>
 #include <string>
 
-#include "peer.hpp"
-#include "ray_step.hpp"
+#include "embree.hpp"
 
 namespace bench {
 namespace {
@@ -21,19 +13,11 @@ enum class Way : uint32_t { single, coherent_stream, incoherent_stream };
 class Rays {
  public:
   Rays(const std::string& instructions, bool refits, const BodyView& body)
-      : device_(rtcNewDevice(("threads=1,set_affinity=0" + instructions).c_str())), scene_(rtcNewScene(device_)) {
-    const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+      : device_(new_device(instructions)), scene_(rtcNewScene(device_)) {
     rtcSetSceneFlags(scene_, RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | (refits ? RTC_SCENE_FLAG_DYNAMIC : 0)));
     rtcSetSceneBuildQuality(scene_, refits ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
-    rtcSetGeometryBuildQuality(geometry, refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, body.positions, 0,
-                               3 * sizeof(float), body.vertex_count);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, body.triangles, 0,
-                               3 * sizeof(uint32_t), body.triangle_count);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene_);
+    rtcReleaseGeometry(
+        add_triangles(device_, scene_, body, refits ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM));
   }
 
   ~Rays() {
@@ -45,11 +29,7 @@ class Rays {
   Rays& operator=(const Rays&) = delete;
 
   void trace(RTCRayHit* rays, size_t count, Way way) const {
-#if defined(__SSE3__)
-    // What Embree asks of threads that trace.
-    const unsigned before = _mm_getcsr();
-    _mm_setcsr(before | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON);
-#endif
+    const FlushDenormals scope;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     if (way == Way::coherent_stream) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -58,9 +38,6 @@ class Rays {
     } else {
       rtcIntersect1M(scene_, &context, rays, unsigned(count), sizeof(RTCRayHit));
     }
-#if defined(__SSE3__)
-    _mm_setcsr(before);
-#endif
   }
 
  private:
