@@ -9,8 +9,7 @@ use super::workspace::{Chunk, Workspace};
 use crate::math::{LANE_COUNT, Scalar, dispatch};
 use crate::memory::Room;
 
-/// A direction is cast in about so many chunks. They do not depend on the number of threads, and so neither do the sums
-/// over them.
+/// A direction is cast in about this many chunks. They do not depend on the number of threads, so sums over them do not either.
 const CHUNKS: usize = 16;
 /// The fewest groups of vertices or triangles in a chunk, whose rays need not fill the last packet, and the most.
 const GROUPS_IN_CHUNK: [usize; 2] = [32, 64];

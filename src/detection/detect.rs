@@ -1,4 +1,4 @@
-//! All contacts of a pair in one step: rays both ways, or else edges; and what they leave open.
+//! All contacts of a pair in one step: by rays both ways, or by edges where rays find none; and what is still unsettled then.
 
 use super::contact::Contact;
 use super::list::ContactList;
@@ -10,12 +10,12 @@ use crate::math::{Scalar, Vector3};
 use crate::memory;
 use crate::ray::Ray;
 
-/// What a step's contacts leave open.
+/// What a step's contacts say of the overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// Contacts tell all, or there is no overlap.
+    /// The contacts describe the overlap, or there is none.
     Settled,
-    /// Points lie inside the other body without a way out through their own.
+    /// Points lie inside the other body, but their rays leave their own body first.
     Targetless,
 }
 

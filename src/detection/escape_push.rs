@@ -2,8 +2,8 @@ use super::contact::Contact;
 use crate::math::{Scalar, Vector3};
 
 /// Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind `Escape`, for those who move or push
-/// bodies as a whole. A body without stiffness of its own yields where contacts push it, and the rest of it stays inside;
-/// pushed evenly it keeps its shape and leaves.
+/// bodies as a whole. A body without stiffness of its own gives way where contacts push it, and the rest of it stays inside;
+/// pushed evenly, it keeps its shape and comes out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EscapePush<T: Scalar> {
     /// The pair; in a scene the smaller number comes first.

@@ -1,10 +1,11 @@
 use crate::math::Scalar;
 
-/// What the directions of two bodies with this roundness carry of the load between them, whatever their pose.
+/// The shares of the load that the two directions carry for bodies of these roundnesses, whatever their pose.
 ///
-/// The rays of one body are the gradient of an energy in the field of distances inside the other, so any shares that stay
-/// the same leave forces that do no work on closed paths. In the field of a flat face the force is that of Archimedes; in
-/// that of a ball it is less. So the rounder body casts the rays, and the other none where it is flat beside it.
+/// The forces of one body's rays are the gradient of an energy, in the field of distances inside the other body. With constant
+/// shares the sum of both directions is such a gradient too, so closed paths cost no work. In the field of a flat face the
+/// force is that of Archimedes; in that of a ball it is smaller. So the rounder body casts more, and all where the other is
+/// flat beside it.
 pub(crate) fn fixed_shares<T: Scalar>(roundness: [f64; 2]) -> [T; 2] {
     const LITTLE: f64 = 1.0 / 128.0;
     const NOTHING: f64 = 1.0 / 512.0;

@@ -54,7 +54,7 @@ impl<T: Scalar> ContactList<T> {
         self.statistics = Statistics::default();
     }
 
-    /// Fills the list anew; where memory ends on the way it is empty.
+    /// Fills the list anew. If memory runs out on the way, the list is empty.
     pub(crate) fn refill<R>(&mut self, fill: impl FnOnce(&mut Self) -> R) -> R {
         self.clear();
         catch_unwind(AssertUnwindSafe(|| fill(self))).unwrap_or_else(|panic| {
@@ -81,7 +81,7 @@ impl<T: Scalar> ContactList<T> {
         }
     }
 
-    /// Takes over what another list holds, which is then to be cleared.
+    /// Takes over what another list holds; that list has to be cleared afterwards.
     pub(crate) fn take_from(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.contacts, &mut other.contacts);
         std::mem::swap(&mut self.pushes, &mut other.pushes);

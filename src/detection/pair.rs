@@ -16,7 +16,7 @@ pub(crate) fn overlap_region<T: Scalar>(a: &Aabb<T>, b: &Aabb<T>) -> (Aabb<T>, A
     (overlap, overlap.grown(largest * margins::margin(margins::SAMPLE_IN_BOX)))
 }
 
-/// How far beyond an overlap box the nearest points of the surface mostly lie, as a part of the box's shortest side.
+/// Most nearest points of the surface lie no farther beyond an overlap box than this part of the box's shortest side.
 const BEYOND_OVERLAP: f64 = 0.5;
 
 /// Where most rays end, and most distances, of a pair with these boxes.
@@ -66,7 +66,7 @@ impl<'a, T: Scalar> Pair<'a, T> {
         options: &'a DetectionOptions<T>,
     ) -> Self {
         let meshes = tracers.map(|tracer| tracer.mesh());
-        // Behind a sheet there is no telling whether a point is inside, but by its own body.
+        // A sheet has no inside, so only the point's own body can tell whether the point lies behind the sheet.
         let hides_behind_own_surface = options.law == ContactLaw::RayLength || meshes.iter().any(|mesh| mesh.is_open());
         // A ray that leaves its own body first may end outside that body's box.
         let ray_regions = if hides_behind_own_surface {
@@ -74,7 +74,7 @@ impl<'a, T: Scalar> Pair<'a, T> {
         } else {
             [1, 0].map(|side| overlap_region(meshes[side].aabb(), meshes[side].aabb()).1)
         };
-        // A coarse flat body casts nothing from its corners: there each direction has to make up for the other.
+        // With rays from vertices a coarse flat body may cast nothing. Then the other direction must carry all of the load.
         let is_fixed = !hides_behind_own_surface && options.sampling != Sampling::Vertices;
         let fixed_shares = is_fixed.then(|| fixed_shares(meshes.map(Mesh::roundness)));
         let patch_area = options.sampling.patch_area();
@@ -127,10 +127,10 @@ impl<T: Scalar> Pair<'_, T> {
         direction(&(first - second)).unwrap_or_else(|| self.of_first(Vector3::x()))
     }
 
-    /// The direction of the pair's first body where the body that comes first in space has this one. Where one way is as
-    /// good as its opposite, bodies that change their numbers thus go the same ways; and as all pairs share the order, no
-    /// three bodies of a pile chase one another in a circle. Boxes are compared by their corners; of the same boxes the pair's
-    /// first body is first.
+    /// Turns a direction of the body that comes first in space into one of the pair's first body. Where one way is as good as
+    /// its opposite, bodies therefore go the same ways whatever their numbers, and since all pairs share this order, no three
+    /// bodies of a pile chase one another in a circle. Boxes are compared by their corners; with equal boxes the pair's first
+    /// body comes first.
     pub(crate) fn of_first(&self, away: Vector3<T>) -> Vector3<T> {
         let [first, second] = self.tracers.map(|tracer| {
             let Aabb { lower, upper } = tracer.mesh().aabb();

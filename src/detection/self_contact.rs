@@ -1,9 +1,9 @@
 //! Contacts of a body with itself (Fig. 5 of the paper).
 //!
-//! A point of the surface overlaps another part of its body where the surface winds around more than once just under it:
-//! once is its own body. The first exit along the inward ray is then the way out, as it is for two bodies; but one through
-//! the far side of the point's own fold is refused (`self_search/own_side.rs`), as it is for two bodies. So two lobes have the contacts
-//! that they would have as two bodies; only the load is shared half and half.
+//! A point of the surface lies inside another part of its body if the winding number just under it is more than 1, which is
+//! its own body. The first exit along the inward ray is then the way out, as for two bodies, and an exit through the far side
+//! of the point's own fold is refused (`self_search/own_side.rs`), as for two bodies. So two lobes have the contacts that they
+//! would have as two bodies, except that each carries half the load.
 
 use super::classify::winding::{inward_ray, way_out, winding_number};
 use super::contact::{Contact, ContactKind};

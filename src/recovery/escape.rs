@@ -8,9 +8,9 @@ use crate::math::{Scalar, Vector3, direction};
 use crate::memory::{self, Room};
 use crate::ray::Ray;
 
-/// So many rays are traced before it is asked whether a direction can still be the best.
+/// A direction is dropped once one of its rays is too long; that is checked each time this many rays are traced.
 const RAYS_AT_ONCE: usize = 64;
-/// A way out below this part of another is shorter by more than the roundings of the points it is judged by.
+/// One way out is clearly shorter than another if it is less than this part of it. A smaller difference may be rounding.
 const CLEARLY_SHORTER: f64 = 0.99;
 
 /// Adds the contacts that push the pair apart along `away`, the direction of its first body, and gives how deep it is;
@@ -30,7 +30,7 @@ pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     }
     let added = &mut contacts[start..];
     statistics.escape_contacts += added.len() as u64;
-    // All as deep as the deepest: so all come out together, and none pulls the body back or turns it on its way.
+    // All points get the depth of the deepest one. So they come out together, and none holds the body back or turns it.
     let depth = added.iter().fold(T::zero(), |depth, contact| depth.max(contact.depth));
     added.iter_mut().for_each(|contact| contact.depth = depth);
     if added.is_empty() {
@@ -40,10 +40,10 @@ pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     Some(depth)
 }
 
-/// The direction in which the first body leaves the second on the shortest way: of a fixed set and the line of the
-/// boxes' centres, the one along which the point with the longest way out has the shortest. Of those that are hardly
-/// longer it is the first in a fixed order, the same for all pairs. Else rounding would decide between the two sides of
-/// a body in the same place as another, and the pairs of a pile would push one another round in a circle.
+/// The direction in which the first body has the shortest way out of the second. The candidates are a fixed set and the
+/// line of the boxes' centres; each is judged by the point with the longest way out along it. Among directions of nearly
+/// the same length the first in a fixed order wins, the same for all pairs. Otherwise rounding would choose between the
+/// two sides of a body that lies in the same place as another, and the bodies of a pile would push one another in a circle.
 pub(crate) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
     let ContactList { workspace, statistics, .. } = contacts;
     let mut judges = Judges::find(pair, workspace, statistics);
@@ -97,7 +97,7 @@ impl<T: Scalar> Judges<T> {
                 for (place, hit) in workspace.hits.iter().enumerate() {
                     let way_out = hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t);
                     if way_out >= limit {
-                        // It is likely to judge the next direction soonest too.
+                        // This point will probably rule out the next direction too, so it is tried first.
                         points.swap(0, start + place);
                         return None;
                     }

@@ -11,22 +11,22 @@ pub struct PairMemory<T: Scalar> {
     /// The smallest overlap so far, renewed where one is smaller by a tenth: Σ area · depth · cos α, or while the pair
     /// escapes its depth.
     pub lowest: Record<T>,
-    /// The same, renewed where one is smaller by half; while the pair escapes it rests.
+    /// The same, renewed where one is smaller by half. Not updated during an escape.
     pub halved: Record<T>,
-    /// The net push on the first body as a part of the sum of all pushes, averaged over about eight steps, each with its
-    /// overlap as its weight: of length 1 where all have pushed one way, and near 0 where they push against each other
-    /// or to and fro. While the pair escapes it rests.
+    /// The net push on the first body over the sum of all pushes, averaged over about eight steps that are weighted by their
+    /// overlap. Its length is 1 where all contacts have pushed one way, and near 0 where they push against each other or
+    /// to and fro. Not updated during an escape.
     pub net_push: Vector3<T>,
-    /// The overlap averaged over the same steps; while the pair escapes it rests.
+    /// The overlap averaged over the same steps. Not updated during an escape.
     pub mean_overlap: T,
 }
 
-/// A number to be undercut.
+/// The lowest value so far of a number that should fall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<T: Scalar> {
-    /// The number; infinite before the first.
+    /// The value; infinite before the first.
     pub value: T,
-    /// For how many steps it has stood.
+    /// For how many steps no value has been lower.
     pub steps: u32,
 }
 
@@ -58,23 +58,23 @@ impl<T: Scalar> Default for PairMemory<T> {
 const STEPS_TO_A_NEW_LOW: u32 = 8;
 /// Steps without a halved overlap after which contacts that push against each other are jammed.
 const STEPS_TO_HALVE: u32 = 16;
-/// Steps without a smaller depth after which an escape is held fast by others.
+/// Steps without a smaller depth after which other bodies are taken to hold an escape back.
 const STEPS_TO_TURN: u32 = 24;
 
-/// How the overlap of a pair has come along.
+/// How the overlap of a pair has developed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Progress {
-    /// The contacts push one way, on the whole: they part the bodies, or bear a load.
+    /// On the whole the contacts push one way: they part the bodies, or bear a load.
     OneWay,
     /// They push against each other.
     Balanced,
-    /// The same, and the overlap has not got smaller for some steps.
+    /// The same, and the overlap has not shrunk for some steps.
     Slow,
-    /// The same, for so long that they hold one another.
+    /// The same for so long that the contacts hold the bodies in one another.
     Jammed,
 }
 
-/// Of the sum of all pushes the part that remains as net push where they push one way.
+/// Contacts push one way if their net push is at least this part of the sum of all pushes.
 const NET_PUSH: f64 = 0.3;
 /// How much the newest step counts in the average of net pushes.
 const NEWEST: f64 = 1.0 / 8.0;
@@ -116,7 +116,7 @@ impl<T: Scalar> PairMemory<T> {
         *self = Self { escape: Some(away), ..Self::default() };
     }
 
-    /// Takes note of how deep the escaping pair still is; gives whether it has long been held fast.
+    /// Notes how deep the escaping pair still is; returns whether other bodies have long held it back.
     pub(crate) fn observe_escape(&mut self, depth: T) -> bool {
         self.lowest.follow(depth, T::of(0.9));
         self.lowest.steps >= STEPS_TO_TURN

@@ -15,8 +15,8 @@ use crate::mesh::Mesh;
 use crate::octree::{Octree, OctreeError, Tracer};
 
 /// Finds the contacts between two meshes, both ways; body 0 is `a`, body 1 is `b`. Replaces what `contacts` held.
-/// Nothing is remembered from query to query: a pair escapes only where it has no other contact, in a direction chosen
-/// anew by each query.
+/// Queries remember nothing of one another: a pair escapes only where it has no other contact, and each query chooses the
+/// direction anew.
 ///
 /// # Errors
 /// [`OctreeError`] where an octree is stale or another mesh's; `contacts` is then as before.
@@ -54,7 +54,7 @@ pub(crate) fn detect_pair<T: Scalar>(
     contacts.statistics.pairs += 1;
     let is_open = meshes.map(Mesh::is_open);
     contacts.statistics.open_pairs += u64::from(is_open != [false; 2]);
-    // What is behind a sheet lies outside its box: there a closed body's own box bounds all its contacts.
+    // What lies behind a sheet is outside the sheet's box, so the closed body's own box bounds all contacts.
     let (overlap, region) = match is_open {
         [false, false] => overlap_region(boxes[0], boxes[1]),
         [true, false] => overlap_region(boxes[1], boxes[1]),
@@ -72,7 +72,7 @@ pub(crate) fn detect_pair<T: Scalar>(
         _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
         Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
         memory => {
-            // What was remembered may long be over when escapes are switched on again.
+            // What was remembered will be out of date when escapes are switched on again.
             memory.into_iter().for_each(|memory| *memory = PairMemory::default());
             pair.detect_without_memory(contacts);
         }

@@ -24,7 +24,7 @@ impl<T: Scalar> PairMemory<T> {
         bytes
     }
 
-    /// `None` where the bytes end too soon, or are nothing that a pair can come to remember.
+    /// `None` where the bytes end too soon, or hold what no pair could have remembered.
     pub(crate) fn unpacked(bytes: &mut Reader) -> Option<Self> {
         let escaping = bytes.whole()?;
         let steps = [bytes.whole()?, bytes.whole()?];
@@ -38,10 +38,10 @@ impl<T: Scalar> PairMemory<T> {
         (escaping <= 1 && memory.is_possible()).then_some(memory)
     }
 
-    /// Whether a pair can come to remember this.
+    /// Whether a pair could have remembered this.
     pub(crate) fn is_possible(&self) -> bool {
         let is_direction = |away: Vector3<T>| (away.norm_squared() - T::one()).abs() < T::of(1e-3);
-        // In this form NaN is not.
+        // Written so that NaN is refused.
         self.escape.is_none_or(is_direction)
             && self.lowest.value >= T::zero()
             && self.halved.value >= T::zero()

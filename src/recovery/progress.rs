@@ -1,4 +1,4 @@
-//! What contacts cannot part: when a pair begins to escape, and how it goes on.
+//! Pairs that contacts cannot part: when a pair begins to escape, and how the escape goes on.
 
 use super::escape::{choose_direction, push_apart};
 use super::memory::{PairMemory, Progress};
@@ -6,7 +6,7 @@ use crate::detection::{ContactKind, ContactList, Outcome, Pair};
 use crate::math::{Scalar, Vector3};
 
 impl<T: Scalar> Pair<'_, T> {
-    /// Overlaps that give no contact otherwise are still reported, by the escape of this step.
+    /// Overlaps without any ordinary contact are still reported, as the contacts of an escape in this step.
     pub(crate) fn detect_without_memory(&self, contacts: &mut ContactList<T>) {
         let start = contacts.len();
         let outcome = self.detect(contacts);
@@ -28,9 +28,9 @@ impl<T: Scalar> Pair<'_, T> {
             *memory = PairMemory::default();
             return;
         }
-        // So that the step in which their depth is asked for allocates no more than others.
+        // Reserved here, so that the step that asks for their depth allocates no more than others.
         contacts.workspace.reserve(contacts.len() - start);
-        // Near edges, points without a target belong to ordinary contact: alone they tell nothing.
+        // Near edges, ordinary contact has points without a target too, so these alone mean nothing.
         let targetless = outcome == Outcome::Targetless;
         let stuck = match memory.observe(self.bodies[0], &contacts.contacts[start..]) {
             _ if contacts.len() == start => targetless,
@@ -44,8 +44,8 @@ impl<T: Scalar> Pair<'_, T> {
         }
     }
 
-    /// A direction is kept until the pair is apart. Where others hold it fast, it turns to the line of centres: all that
-    /// do can go their ways at once, since spreading all bodies from one point satisfies them all.
+    /// A direction is kept until the pair is apart. Where other bodies hold the pair back, it turns to the line of centres.
+    /// All pairs that do so can come apart at once, as when all bodies move away from one point.
     fn go_on_escaping(&self, away: Vector3<T>, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
         let Some(depth) = push_apart(self, &away, contacts) else {
             *memory = PairMemory::default();
@@ -58,7 +58,7 @@ impl<T: Scalar> Pair<'_, T> {
         }
     }
 
-    /// Replaces the pair's contacts, those from `start` on, by the first of its escape.
+    /// Replaces the pair's contacts, which begin at `start`, by the first ones of its escape.
     fn start_to_escape(&self, start: usize, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
         if !self.may_escape {
             contacts.statistics.escapes_forbidden += 1;

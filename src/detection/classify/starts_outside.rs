@@ -1,4 +1,4 @@
-//! Rays from vertices whose inward normal is out of their own body at once, as it may be at sharp tips.
+//! Rays from vertices whose inward normal points out of their own body at once, as it may at sharp tips.
 
 use crate::math::{LANE_COUNT, Mask, Scalar};
 use crate::octree::Tracer;

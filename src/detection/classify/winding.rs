@@ -1,5 +1,5 @@
-//! How often a surface winds around a point just under it: the signs of the crossings of an inward ray (exit +1,
-//! entry −1) sum to it.
+//! The winding number of a surface around a point just under it: the sum over the crossings of an inward ray, +1 for an exit
+//! and −1 for an entry.
 
 use crate::detection::contact::SurfacePoint;
 use crate::detection::sample::Sample;
@@ -32,8 +32,8 @@ pub(crate) fn way_out<T: Scalar>(crossings: &[Hit<T>]) -> Option<&Hit<T>> {
     crossings.iter().find(|hit| hit.is_exit)
 }
 
-/// The way out of another body, for a ray that starts inside it, whatever folds of it the ray enters first; `None` for one
-/// that starts outside, and where the mesh is open: it has no inside.
+/// The way out of another body for a ray that starts inside it, even if the ray first enters other folds of that body. `None`
+/// for a ray that starts outside, and for an open mesh, which has no inside.
 pub(crate) fn way_out_past_folds<T: Scalar>(
     tracer: &Tracer<'_, T>,
     ray: &Ray<T>,
@@ -68,9 +68,9 @@ pub(crate) fn winding_under<T: Scalar>(
     Some(winding_number(tracer, &ray, vertices, crossings))
 }
 
-/// Whether a ray that starts under the surface has left its body before its end, folds of the body counted as one: where
-/// the winding number along it has fallen below 1. A ray that does not start inside has, and any
-/// of an open mesh, which has no inside.
+/// Whether a ray that starts under the surface has left its body before its end, that is, whether the winding number along it
+/// has fallen below 1; all folds of the body count as one. A ray that does not start inside has left it, and so has any ray of
+/// an open mesh, which has no inside.
 pub(crate) fn leaves_body_before_end<T: Scalar>(
     tracer: &Tracer<'_, T>,
     ray: &Ray<T>,

@@ -15,22 +15,21 @@ pub(crate) struct Cutter<'a, T: Scalar> {
     keeps_border: bool,
 }
 
-/// How often a surface is cut in all, so that needles and any number a caller may ask for end: ten times what an
-/// overlap with sides all alike takes, and about a million pieces.
+/// The largest number of cuts of one surface, so that cutting ends for needles and for whatever spacing a caller asks. It is
+/// ten times what an overlap with equal sides takes, and gives about a million pieces.
 const MOST_HALVINGS_AUTOMATIC: u32 = 1 << 13;
 const MOST_HALVINGS: u32 = 1 << 20;
 
 /// How many rays stand on the largest face of the overlap box where the sampling is automatic.
 const RAYS_ON_LARGEST_FACE: f64 = 128.0;
 
-/// Where both bodies of a pair meet more others than so many, their rays are shared out among these, so that rays grow
-/// with the number of bodies and not of pairs.
+/// If both bodies of a pair meet more than this many others, they share out their rays among these, so that the number of rays
+/// grows with the bodies and not with the pairs.
 const MOST_WITH_ALL_RAYS: u32 = 12;
-/// But no fewer stand on the largest face, or large triangles would miss the overlap.
+/// At least this many rays stand on the largest face even then; with fewer, large triangles would miss the overlap.
 const FEWEST_ON_LARGEST_FACE: f64 = 8.0;
 
-/// Which part of the rays on the overlap box's largest face a pair casts whose bodies both meet at least `neighbours`
-/// others.
+/// The part of the rays on the overlap box's largest face that a pair casts if both bodies meet at least `neighbours` others.
 pub(crate) fn part_of_rays<T: Scalar>(neighbours: u32) -> T {
     let part = f64::from(MOST_WITH_ALL_RAYS) / f64::from(neighbours.max(1));
     T::of(part.clamp(FEWEST_ON_LARGEST_FACE / RAYS_ON_LARGEST_FACE, 1.0))
@@ -136,7 +135,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
             return;
         }
         let squares: [T; 3] = std::array::from_fn(|i| (piece.corners[i] - piece.corners[(i + 1) % 3]).norm_squared());
-        // Of equal edges the first in space, so that it does not matter with which corner the triangle begins.
+        // Of equal edges the first in space is cut, so that it does not matter with which corner the triangle begins.
         let ends = |i: usize| {
             let sum = piece.corners[i] + piece.corners[(i + 1) % 3];
             [sum.x, sum.y, sum.z]
@@ -148,7 +147,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         let half = T::of(0.5);
         let middle = (piece.corners[from] + piece.corners[to]) * half;
         let can_halve = middle != piece.corners[from] && middle != piece.corners[to] && piece.depth < DEEPEST;
-        // In this form NaN stops too.
+        // Written so that NaN stops too.
         let is_too_long = squares[longest] > self.longest_allowed && can_halve;
         if is_too_long && self.halvings_left > 0 {
             self.halvings_left -= 1;

@@ -46,7 +46,7 @@ pub(crate) fn for_each_inside_stretch<T: Scalar>(
 /// Offers the parts of [0, 1] that lie inside, for the crossings of a segment in their order.
 fn for_each_inside_interval<T: Scalar>(crossings: &[Hit<T>], mut offer: impl FnMut(T, T)) {
     let change = |crossing: &Hit<T>| if crossing.is_exit { -1 } else { 1 };
-    // A segment that leaves more often than it has entered started inside.
+    // A segment that has left more often than it has entered started inside.
     let (_, lowest) = crossings.iter().fold((0, 0), |(depth, lowest): (i32, i32), crossing| {
         let depth = depth + change(crossing);
         (depth, lowest.min(depth))

@@ -21,7 +21,7 @@ pub(crate) struct FaceSource<'a, T: Scalar> {
     pub(crate) without_normal: u64,
 }
 
-/// So many faces of one group make a packet worth its while.
+/// A group with at least this many faces fills a packet well enough to go alone.
 const ENOUGH: u32 = 8;
 
 impl<'a, T: Scalar> FaceSource<'a, T> {

@@ -6,15 +6,14 @@ use crate::memory;
 use crate::mesh::Mesh;
 use crate::octree::{NearParts, Octree, Reach};
 
-/// What a body remembers from step to step of its search for contacts with itself: where its vertices were when nothing
-/// was found, and how far they may move against each other before it must be looked into again. The contacts found do
-/// not depend on it.
+/// What a body remembers between steps of its search for contacts with itself: where its vertices were when the search found
+/// nothing, and how far they may move against each other before it has to search again. The contacts do not depend on it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SelfMemory<T: Scalar> {
-    /// Triangles around one vertex touch none of each other until an edge is strained by more.
+    /// Triangles around one vertex do not touch each other until an edge is strained by more than this.
     fans: Certificate<T>,
-    /// Triangles without a common vertex do not touch until any two vertices have moved against each other by more, or the
-    /// parts that are near each other by more than they may.
+    /// Triangles without a common vertex do not touch until two vertices have moved against each other by more than this, or
+    /// parts that are near each other by more than was found for them.
     pairs: Certificate<T>,
     near: NearParts<T>,
     /// The positions that the next two are about.
@@ -41,13 +40,13 @@ struct Certificate<T: Scalar> {
     rounding: T,
 }
 
-/// A clearance is looked for that lasts so many steps at the present pace.
+/// The clearance that a search looks for should last this many steps at the present pace.
 const STEPS_WANTED: f64 = 16.0;
-/// A clearance that lasts fewer steps costs more than it saves;
+/// A clearance that lasts fewer steps than this costs more than it saves;
 const FEWEST_STEPS: u32 = 3;
-/// none is looked for in so many steps then.
+/// after one, none is looked for during this many steps.
 const PAUSE: u32 = 30;
-/// Where a larger part of what is near has come nearer than it may, all is looked at.
+/// If more than this part of the near pairs have come too close, the whole surface is searched.
 const MOST_LAPSED: f64 = 0.25;
 
 impl<T: Scalar> SelfMemory<T> {

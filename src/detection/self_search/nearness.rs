@@ -4,13 +4,13 @@ use crate::math::{Aabb, Scalar, Vector3, length, margins};
 use crate::mesh::Mesh;
 use crate::octree::is_merged;
 
-/// By how much positions may be off in what rays see of them: projections, hits and the rays' origins are each rounded
-/// to a few units of the largest coordinate.
+/// How far positions may be off as rays see them: projections, hits and the rays' origins are each rounded to a few units of
+/// the largest coordinate.
 pub(in crate::detection) fn rounding<T: Scalar>(mesh: &Mesh<T>) -> T {
     mesh.aabb().lower.amax().max(mesh.aabb().upper.amax()) * margins::margin(margins::SEEN_POSITION)
 }
 
-/// What is nearer touches.
+/// Triangles closer than this touch.
 pub(in crate::detection) fn touch_distance<T: Scalar>(mesh: &Mesh<T>) -> T {
     rounding(mesh) * T::of(4.0)
 }
@@ -45,7 +45,7 @@ pub(in crate::detection) fn nearness<T: Scalar>(mesh: &Mesh<T>, pair: [u32; 2]) 
 #[inline]
 pub(in crate::detection) fn separation<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], enough: T) -> T {
     let [a, b] = corners;
-    // Nearly always the line of centres will do.
+    // The line of centres nearly always parts them.
     let best = gap_along(corners, &((b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2])));
     if best < enough { separation_along_any(corners, best, enough) } else { best }
 }
@@ -64,8 +64,8 @@ fn separation_along_any<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], mut best: T, 
     for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
         try_axis((a[(i + 1) % 3] - a[i]).cross(&(b[(j + 1) % 3] - b[j])));
     }
-    // The axes of the boxes last, which nearly always overlap: what is offered for rounded boxes does not touch where the
-    // boxes themselves do not.
+    // The axes of the boxes come last, since the boxes nearly always overlap. They matter where triangles were offered because
+    // their rounded boxes overlap: these do not touch if the boxes themselves do not.
     (0..3).for_each(|axis| try_axis(Vector3::ith(axis, T::one())));
     best
 }

@@ -1,9 +1,9 @@
 //! Whether the way out of a point that lies inside another part of its body leads through that other part, or only
 //! through the far side of its own.
 //!
-//! Both look alike along a ray. But the surface around what overlaps is made of parts of either fold, and where one ends
-//! and the other begins, the two cross: so two points on it belong to the same fold if the way from one to the other
-//! over that surface changes the fold an even number of times.
+//! Along a ray both look alike. But the surface around the overlap consists of parts of both folds, and the folds cross
+//! where one part ends and the next begins. So two points on it belong to the same fold if a path between them over that
+//! surface changes the fold an even number of times.
 
 use super::sets::Sets;
 use super::touching::Touching;
@@ -20,7 +20,7 @@ pub(in crate::detection) struct Folds {
     parts: Sets,
     /// The same, joined where they cross.
     folds: Sets,
-    /// By the number that stands for a set of `folds`: whether three or more folds meet in it, so that it has no two sides.
+    /// Whether three or more folds meet in a set of `folds`, by the set's number. Such a set has no two sides.
     is_mixed: Vec<bool>,
 }
 

@@ -6,32 +6,38 @@ use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::octree::is_merged;
 
-/// Fewer triangles are looked at pair by pair, whatever they do: of so few a tenth may touch in a body that is only crumpled.
+// `tangled/tests.rs` holds these limits to bodies that are tangled and to ones that are not; `examples/garbage.rs` measures what
+// both cost.
+
+/// A body with fewer triangles is never tangled: it is searched pair by pair. In so small a body a tenth of the triangles may
+/// touch when it is merely crumpled.
 const FEWEST_TRIANGLES: usize = 512;
-/// A body is tangled where its triangles touch so many others each, on average, by a few pairs.
+/// A body is tangled if each triangle touches this many others on average, as estimated from random pairs.
 const TOUCHING: usize = 24;
-/// Or so many where they are close, in boxes that overlap, to as many as this: the long triangles of garbage. Long
-/// triangles in order are close to as many, but do not touch.
+/// It is tangled too, with long triangles all over one another, if each touches this many
 const TOUCHING_OF_CLOSE: usize = 6;
+/// and has a box that overlaps the boxes of this many. Long triangles in order have as many such boxes, but do not touch.
 const CLOSE: usize = 96;
-/// So many pairs are tried for each triangle, and so many parts of that to see whether the body is in order.
+/// How many random pairs are tried for each triangle,
 const PAIRS_TRIED: usize = 2;
+/// and after which part of them, one in this many, an ordinary body is recognised.
 const FIRST_PART: usize = 4;
-/// A body whose triangles are each close to fewer is in order.
+/// A body whose triangles each have boxes that overlap those of fewer others than this is in order.
 const FEWEST_CLOSE: usize = 12;
 
-/// Fewer folds than one in so many vertices are those of a body that is only crumpled here and there.
+/// A body that folds over around less than one vertex in this many is merely crumpled here and there.
 const VERTICES_OF_A_FOLD: usize = 64;
-/// Beside more folds than that, this many pairs of triangles are close to each other, for each triangle: spikes and rags.
+/// A body with more folds is tangled if it has this many pairs of triangles with overlapping boxes for each triangle: spikes
+/// and rags.
 const CLOSE_BESIDE_FOLDS: usize = 8;
-/// By all pairs, so many touch for each triangle, two triangles to a pair: a large part of the surface lies on the rest.
-/// Flattened to a plane, a torus has seven; slivers that cross have two.
+/// When all pairs are looked at, a body is tangled with this many touching pairs for each triangle: a large part of the
+/// surface lies on the rest. A torus flattened to a plane has seven; slivers that cross have two.
 const MOST_TOUCHING: usize = 3;
 
-/// What a body has at most that is not tangled; where there is more, the search for it can end.
+/// What a body that is not tangled has at most. A search that finds more can stop.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::detection) struct Limits {
-    /// Vertices around which the surface folds over: where it does around more than every fourth, it has no side.
+    /// Vertices around which the surface folds over. With more than a quarter of all vertices it has no side.
     pub(in crate::detection) folds: usize,
     /// Pairs of triangles that touch.
     pub(in crate::detection) touching: usize,
@@ -67,8 +73,8 @@ impl Default for Limits {
     }
 }
 
-/// Whether a body is tangled, by pairs of its triangles thrown together; it depends on nothing but the mesh and its numbering. A body in
-/// order takes a pair for every two triangles, one that is all tangled few pairs in all.
+/// Whether a body is tangled, judged by random pairs of its triangles. The pairs depend on nothing but the mesh and its
+/// numbering. A body in order takes one pair for every two triangles, a wholly tangled one few pairs in all.
 pub(in crate::detection) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
     let count = mesh.topology().triangles().len();
     if count < FEWEST_TRIANGLES {
@@ -81,7 +87,8 @@ pub(in crate::detection) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
         if tried == most_tried / FIRST_PART && close * FIRST_PART < FEWEST_CLOSE * PAIRS_TRIED {
             return false;
         }
-        // Every second, those between, and so on, and any other: Knuth's linear congruential generator.
+        // The first triangle goes through all of them, every second one first; the other is random, by Knuth's linear
+        // congruential generator.
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let other = ((state >> 32) * count as u64) >> 32;
         let one = (2 * tried + 2 * tried / count) % count;

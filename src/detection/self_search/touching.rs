@@ -1,5 +1,5 @@
-//! Which triangles of a surface touch others of it. Where none does, the surface neither passes through itself nor folds
-//! over, and no ray need be traced to know it.
+//! Which triangles of a surface touch others of it. If none does, the surface neither passes through itself nor folds over, and
+//! no ray has to be traced to know that.
 
 use super::nearness::{projected_gap, rounding, separation, touch_distance};
 use super::tangled::{Limits, is_tangled};
@@ -44,8 +44,8 @@ pub(in crate::detection) struct Fans<T: Scalar> {
     pub(in crate::detection) fineness: T,
 }
 
-/// A body is tangled, too, where more pairs of its parts are near each other than so many for each triangle: their list
-/// would take more memory than all else. Fans of long slivers come near it with 30 000 triangles.
+/// A body is also tangled if it has more pairs of near parts for each triangle than this: their list would take more memory
+/// than everything else. Fans of long slivers come near this limit with 30 000 triangles.
 const MOST_PAIRS_OF_PARTS: usize = 64;
 
 impl<T: Scalar> Touching<T> {
@@ -107,7 +107,7 @@ impl<T: Scalar> Touching<T> {
         memory::append(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
         let altitudes = self.facets.iter().map(|facet| length(&facet.scaled_normal) / facet.longest_edge);
         let fineness = altitudes.fold(T::zero(), |sum, altitude| sum + altitude) / T::of(count as f64);
-        // A ray from a triangle's middle keeps away from the others by a third of this.
+        // A ray from a triangle's middle stays a third of this away from the others.
         let least_allowed = rounding(mesh) * T::of(64.0);
         let mut least = T::INFINITY;
         for &vertex in mesh.topology().surface_vertices() {
@@ -124,9 +124,8 @@ impl<T: Scalar> Touching<T> {
         Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
     }
 
-    /// Along the fan's mean normal the triangles around a vertex cover a plane once, if each is seen from outside and they
-    /// go around only once; then none of them crosses another. Gives the least altitude of a triangle seen so, 0 where it
-    /// is not so.
+    /// Looks along the mean normal of the triangles around a vertex. If each is seen from outside and they go around only once,
+    /// they cover a plane once, and none crosses another. Returns the least altitude of a triangle seen so, 0 if they do not.
     fn altitude_of_fan(&self, mesh: &Mesh<T>, vertex: u32) -> T {
         let around = mesh.topology().triangles_around(vertex);
         let sum = around.iter().fold(Vector3::zeros(), |sum, &t| sum + self.facets[t as usize].scaled_normal);

@@ -1,5 +1,5 @@
-//! Pieces of triangles that the other body's surface crosses: the part inside casts, from its own middle. So thin strips
-//! count with the part that is inside, and forces do not jump where a middle passes the surface.
+//! Pieces of triangles that the other body's surface crosses. Only the part inside casts, from its own middle. So a thin strip
+//! counts with the part that is inside, and forces do not jump when a piece's middle passes the surface.
 
 use super::part::{Cut, Part};
 use crate::closest::ClosestPoint;
@@ -10,7 +10,7 @@ use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::{PointDistances, Tracer};
 
-/// By so many planes a piece is cut at most: at a corner of the other body three faces meet.
+/// A piece is cut by at most this many planes: three faces meet at a simple corner of the other body.
 const MOST_PLANES: usize = 3;
 
 /// Holds the pieces in a packet against the other body's surface, and keeps what lies inside of those that it
@@ -68,7 +68,7 @@ fn inside_part<T: Scalar>(
     let (mut part, mut middle, mut nearest, mut known) = (whole, piece.sample.point.position, *first, Some(is_inside));
     for round in 0..MOST_PLANES {
         if round > 0 {
-            // Beyond the first plane it is not known on which side the middle is: only within a face a triangle tells.
+            // After the first cut nobody knows on which side the new middle is; a triangle tells only within its face.
             (middle, known) = (part.middle(&corners).0, None);
             let found = other.closest_point(&middle, part.reach(&corners, &middle));
             let within_face = |point: &ClosestPoint<T>| point.weights.iter().all(|&weight| weight > T::zero());

@@ -23,7 +23,8 @@ pub(crate) fn distances_over_depths<T: Scalar, L: Lanes<T>>(
 
 fn ratio<T: Scalar>(distance: T, depth: T, usual: T) -> T {
     let ratio = distance / depth;
-    // The hit is a point of the surface: only roundings make it the nearer one. On the surface the quotient is none.
+    // The hit is a point of the surface too, so only rounding can make it nearer than the nearest. On the surface itself the
+    // quotient is undefined.
     if ratio <= T::one() {
         ratio
     } else if depth > T::zero() {

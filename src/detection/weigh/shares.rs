@@ -63,7 +63,7 @@ impl<T: Scalar> CastSurfaceLanes<T> {
     }
 }
 
-/// What one direction of a pair casts from, and what its contacts carry.
+/// The surface that one direction of a pair casts from, and what its contacts carry.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct CastLoad<T: Scalar> {
     /// The normals of the surface that casts, by area.
@@ -88,15 +88,15 @@ impl<T: Scalar> CastLoad<T> {
         self.pressure.merge(&other.pressure);
     }
 
-    /// How much of the pair's load this direction should carry, beside the other's number.
+    /// How strongly this direction should carry the pair's load; the two shares are in proportion to the claims.
     ///
     /// Either direction alone integrates the pressure over the overlapped surface, but not equally well. Rays of a
-    /// curved body into a flat one give exactly the force of Archimedes, since depth · cos α is then the depth across
-    /// the face; the flat body's own rays are columns of that depth, lessened once more by cos α. So what counts first
-    /// is how much the overlapped surface turns, weighted by depth: 1 − |Σ a δ d| / Σ a δ. Then, between two flat faces,
-    /// the body whose edges lie in the overlap: its faces are summed exactly, while the other's rays only count points
-    /// beneath it. The last term leaves equal bodies equal shares. The factor Σ a δ makes all continuous: contacts
-    /// appear with δ = 0.
+    /// curved body into a flat one give exactly the force of Archimedes, since depth · cos α is then the depth below
+    /// the face. The flat body's own rays give columns of that depth, multiplied by cos α a second time. So what counts
+    /// first is how much the overlapped surface turns, weighted by depth: 1 − |Σ a δ d| / Σ a δ. Between two flat faces
+    /// it is which body has edges in the overlap: its faces are summed exactly, while the other body's rays only count
+    /// points beneath it. The last term gives equal bodies equal shares. The factor Σ a δ makes all this continuous,
+    /// since contacts appear with δ = 0.
     fn claim(&self) -> T {
         if self.pressure.whole > T::zero() {
             let little = T::of(1.0 / 256.0);
@@ -108,8 +108,9 @@ impl<T: Scalar> CastLoad<T> {
     }
 }
 
-/// By what the areas of each direction's contacts are scaled, so that the two together carry the load once, as they claim
-/// it. A direction whose rays see nothing, such as that of a coarse floor cast from its corners, leaves all to the other.
+/// The factors that scale the areas of each direction's contacts, so that both together carry the load once, in proportion
+/// to their claims. A direction without contacts, such as that of a coarse floor whose rays start at its corners, leaves
+/// all to the other.
 pub(crate) fn shares<T: Scalar>(loads: &[CastLoad<T>; 2]) -> [T; 2] {
     let claims = loads.each_ref().map(CastLoad::claim);
     let sum = claims[0] + claims[1];
