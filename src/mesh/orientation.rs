@@ -6,7 +6,8 @@ use super::{Mesh, MeshError};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::memory::{self, Room};
 
-/// Flush with the wall of another part a surface is wound half around by it, or a quarter at an edge.
+/// A surface flush with the wall of another part has a winding number of a half in it, or a quarter at an edge; both count as
+/// inside.
 const LEAST_INSIDE: f64 = 0.2;
 
 /// The volume within one closed part.

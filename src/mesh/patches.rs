@@ -32,11 +32,11 @@ struct Patch<T: Scalar> {
     smaller: u32,
 }
 
-/// Of the areas of a patch's triangles the part that is left when they are added as vectors. A cap of a sphere within 37°
-/// of its middle has so much.
+/// A patch is flat enough if its triangles' areas, added as vectors, leave at least this part of their sum. A cap of a sphere
+/// that reaches 37° from its middle just does.
 const FLAT: f64 = 0.9;
 
-/// Of an area's digits two behind the first tell its level, so that there are four levels for each doubling.
+/// The first three binary digits of an area tell its level, so there are four levels for each doubling.
 const LEVEL_SHIFT: u32 = f64::MANTISSA_DIGITS - 3;
 
 fn level_of<T: Scalar>(area: T) -> u64 {

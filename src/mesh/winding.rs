@@ -5,7 +5,7 @@
 use crate::math::{Vector3, direction, length};
 use crate::memory::{self, Room};
 
-/// Of distances to radii, from where on a group counts as one dipole. The error stays far below one half.
+/// A group this many of its radii away counts as one dipole. The error of the winding number stays far below one half.
 const FAR: f64 = 6.0;
 
 const LEAF_LENGTH: usize = 8;

@@ -38,7 +38,8 @@ pub struct Octree<T: Scalar> {
     standing: Arc<StandingByLevel>,
 }
 
-/// A ray passes a few tiles: where there is not one ray for so many, loading all takes longer than those rays do without.
+/// A ray passes a few tiles. With less than one ray for this many tiles, loading all of them would take longer than tracing
+/// without.
 const RAYS_TO_LOAD: usize = 4;
 
 /// How an octree keeps its triangles.

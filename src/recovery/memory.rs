@@ -54,6 +54,8 @@ impl<T: Scalar> Default for PairMemory<T> {
     }
 }
 
+// What these numbers free, and how often a pair under load escapes with them, is measured in docs/stability.md.
+
 /// Steps without a smaller overlap after which deep contacts are stuck.
 const STEPS_TO_A_NEW_LOW: u32 = 8;
 /// Steps without a halved overlap after which contacts that push against each other are jammed.

@@ -10,9 +10,9 @@ use crate::recovery::detect_pair;
 use crate::threads::Helpers;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
-/// Fewer rays take one thread less time than it takes two, each of which must fetch what the other has written.
+/// One thread does fewer rays than this faster than two, each of which must fetch what the other has written.
 const FEWEST_RAYS_TO_SHARE: f64 = if cfg!(test) { 0.0 } else { 1000.0 };
-/// So many triangles take as long to read anew as a ray.
+/// Reading this many triangles anew takes as long as one ray.
 const TRIANGLES_READ_PER_RAY: f64 = 50.0;
 /// The same where a body is searched for contacts with itself.
 const TRIANGLES_SEARCHED_PER_RAY: f64 = 8.0;

@@ -67,9 +67,9 @@ pub(super) struct History<T: Scalar> {
     pub(super) passed: f64,
 }
 
-/// The rules by which pairs escape count steps of so many seconds; longer ones count as one.
+/// The rules by which pairs escape count steps of this many seconds; a longer step counts as one.
 const WHOLE_STEP: f64 = 1.0 / 60.0;
-/// Parts that add up to a whole step but for rounding, or a frame at 62.5 Hz.
+/// This much of a step counts as a whole one: parts that add up to a step but for rounding, or a frame at 62.5 Hz.
 const NEARLY_WHOLE: f64 = 0.95;
 
 impl<T: Scalar> Default for History<T> {

@@ -77,7 +77,7 @@ struct Ends {
     given_before: V3,
 }
 
-/// Where a far vertex would take more than this the body is flat there.
+/// If a far vertex would need a larger weight than this, the body is flat there.
 const MOST_FAR_WEIGHT: f64 = 2.0;
 
 impl<T: Scalar> Folding<'_, T> {

@@ -2,7 +2,7 @@ use super::Helpers;
 use crate::memory::Room;
 use rayon::prelude::*;
 
-/// Fewer values are copied faster by one thread.
+/// One thread copies fewer values than this faster than several.
 const FEWEST_FOR_ONE: usize = if cfg!(test) { 4 } else { 256 };
 
 impl Helpers {

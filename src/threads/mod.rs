@@ -24,7 +24,7 @@ pub trait ParallelFor: Send + Sync {
     fn run(&self, count: usize, task: &(dyn Fn(usize) + Sync));
 }
 
-/// So many items keep a host's threads busy, or one of a pool's.
+/// This many items keep a host's threads busy, or one thread of a pool.
 const MANY: usize = 8;
 
 /// What may help the calling thread with many items.

@@ -124,8 +124,7 @@ impl<T: Scalar> Seeker<T> for One<'_, T> {
     }
 }
 
-/// Points are neighbours if they are at most so many times the width of a tile away from their middle. The mesh has a size of
-/// about 1.
+/// Points are neighbours if they are at most this many widths of a tile away from their middle. The mesh has a size of about 1.
 const MOST_SPREAD: f64 = 64.0;
 
 /// The search for the triangles nearest to a packet's points.

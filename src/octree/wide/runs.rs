@@ -4,7 +4,7 @@ use crate::math::{Aabb, LANE_COUNT, Lanes, Scalar, Vector3};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 
-/// A leaf whose vertices lie in more runs is numbered too wildly for them to tell where it is.
+/// If the vertices of a leaf lie in more runs than this, their numbering is too random for the runs to tell where the leaf is.
 const MOST_RUNS: usize = 3 * LANE_COUNT;
 
 const ASCENDING: [u32; LANE_COUNT] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];

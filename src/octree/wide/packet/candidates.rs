@@ -13,14 +13,14 @@ struct Candidate {
     ray: u32,
 }
 
-/// So many tiles are held against the rays at a time.
+/// How many tiles are tested against the rays at a time.
 pub(super) const TILES_AT_ONCE: usize = 80;
 
-/// A packet whose box meets more tiles than so many walks: what the tori of the benchmarks list stays far below, while the
-/// spreading rays of a deep overlap list several hundred.
+/// A packet whose box meets more tiles than this walks the tree. The tori of the benchmarks list far fewer, the spreading rays
+/// of a deep overlap several hundred.
 const MOST_LISTED: usize = TILES_AT_ONCE - CHILD_COUNT;
 
-/// So many candidates are computed at a time.
+/// How many candidates are computed at a time.
 const CANDIDATES_AT_ONCE: usize = 256;
 
 /// A node that some rays of a packet may meet.

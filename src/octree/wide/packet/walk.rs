@@ -5,7 +5,7 @@ use super::slabs::SingleSlabs;
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::octree::wide::node::{CHILD_COUNT, Node};
 
-/// A packet whose rays meet fewer tiles than so many is better served by lists: the next one is listed again.
+/// If the rays of a packet meet fewer tiles than this, lists would have been faster: the next packet uses lists again.
 const FEWEST_WALKED: u32 = 24;
 
 /// Each node's box is held against the rays that met its parent's; the nearest goes first, and rays that have met something
