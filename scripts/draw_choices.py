@@ -26,15 +26,15 @@ OWN = "sampling={} precision={} layout=wide edges=on weights=area"
 POINTS = [
     ("raycontact", OWN.format("automatic", "f64"), "default", (8, -3)),
     ("raycontact", OWN.format("automatic", "f32"), "default in single precision", (0, -12)),
-    ("raycontact", OWN.format("vertices", "f64"), "vertices", (-8, -3)),
+    ("raycontact", OWN.format("vertices", "f64"), "vertices", (8, -7)),
     ("raycontact", OWN.format("spacing:0.081", "f64"), "spacing of two edges", (-8, -3)),
     ("raycontact", OWN.format("spacing:0.16", "f64"), "spacing of four edges", (-8, -3)),
     ("raycontact", OWN.format("spacing:0.32", "f64"), "spacing of eight edges", (8, 2)),
     ("raycontact", OWN.format("tolerance:0.1", "f64"), "tolerance 0.1", (8, 0)),
     ("raycontact", OWN.format("tolerance:0.03", "f64"), "tolerance 0.03", (8, 0)),
-    ("paper", "sampling=vertices precision=f32 layout=wide edges=off weights=paper", "the paper's mode in single precision", (-8, -3)),
+    ("paper", "sampling=vertices precision=f32 layout=wide edges=off weights=paper", "the paper's mode in single precision", (-8, 1)),
     ("embree-refit", "precision=f32 weights=paper", "Embree, Algorithm 1", (8, 3)),
-    ("embree-refit", "precision=f32 weights=area", "Embree, area weights", (8, 3)),
+    ("embree-refit", "precision=f32 weights=area", "Embree, area weights", (-8, -3)),
     ("bullet-vf", "precision=f32 weights=paper", "Bullet, vertices near faces", (-8, -3)),
     ("proximity", "precision=f64 weights=paper", "closest features", (-8, -3)),
 ]
