@@ -73,7 +73,7 @@ pub unsafe extern "C" fn rayc_contact_system_misjudged(
     wrong: *mut f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    unsafe { number_at!(system, velocities, count, misjudged, wrong) }
+    guard(|| unsafe { number_at!(system, velocities, count, misjudged, wrong) })
 }
 
 /// The net force with which `other` acted on a body in the last finished step: three numbers, in N; zero for a body and itself.

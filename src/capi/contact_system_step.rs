@@ -140,15 +140,13 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
 
 /// Writes the number that a method of the system gives for velocities.
 macro_rules! number_at {
-    ($system:ident, $velocities:ident, $count:ident, $method:ident, $place:ident) => {
-        guard(|| {
-            let mut system = changing($system, "system")?;
-            let velocities = slice($velocities, $count, "velocities")?;
-            let place = Output::new($place, stringify!($place))?;
-            place.write(with_system!(&mut system.system, |system| system.$method(velocities)?));
-            Ok(())
-        })
-    };
+    ($system:ident, $velocities:ident, $count:ident, $method:ident, $place:ident) => {{
+        let mut system = changing($system, "system")?;
+        let velocities = slice($velocities, $count, "velocities")?;
+        let place = Output::new($place, stringify!($place))?;
+        place.write(with_system!(&mut system.system, |system| system.$method(velocities)?));
+        Ok(())
+    }};
 }
 pub(super) use number_at;
 
@@ -164,7 +162,7 @@ pub unsafe extern "C" fn rayc_contact_system_energy(
     joules: *mut f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    unsafe { number_at!(system, velocities, count, energy, joules) }
+    guard(|| unsafe { number_at!(system, velocities, count, energy, joules) })
 }
 
 /// Holds the rows anew at these velocities: this decides which rows push and how much they rub. Call it after a
@@ -180,7 +178,7 @@ pub unsafe extern "C" fn rayc_contact_system_linearise(
     wrong: *mut f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    unsafe { number_at!(system, velocities, count, linearise, wrong) }
+    guard(|| unsafe { number_at!(system, velocities, count, linearise, wrong) })
 }
 
 /// Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped
