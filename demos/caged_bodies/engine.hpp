@@ -11,6 +11,7 @@
 #include <limits>
 #include <vector>
 
+#include "../conjugate_gradients.hpp"
 #include "../shapes.hpp"
 #include "elasticity.hpp"
 #include "raycontact/cage.hpp"
@@ -182,44 +183,23 @@ class Engine {
     for (std::size_t k = 3 * node; k < 3 * node + 3; ++k) way[k] = v[k] / fastest_.speed;
     elasticity_.add_product(1, way, elements);
     contacts_.add_product(1 / dt, way, contacts);
-    fastest_.elements = dot(way, elements);
-    fastest_.contacts = dot(way, contacts);
+    fastest_.elements = demo::dot(way, elements);
+    fastest_.contacts = demo::dot(way, contacts);
   }
 
-  // Conjugate gradients on (M + dt (dt + damping time) K + dt C) change = right, scaled by the diagonal but for
-  // contact.
-  void solve_for_change(double dt, Numbers& residual, Numbers& v) {
+  // (M + dt (dt + damping time) K + dt C) change = right, scaled by the diagonal but for contact.
+  void solve_for_change(double dt, Numbers& right, Numbers& v) {
     const double elastic = dt * (dt + damping_time);
-    Numbers inverse(v.size()), scaled(v.size());
-    for (std::size_t k = 0; k < v.size(); ++k) {
+    Numbers inverse(v.size());
+    for (std::size_t k = 0; k < v.size(); ++k)
       if (!is_held(k)) inverse[k] = 1 / (masses_[k / 3] + elastic * elasticity_.diagonal(k));
-      scaled[k] = inverse[k] * residual[k];
-    }
-    Numbers direction = scaled;
-    double square = dot(residual, scaled);
-    const double goal = 1e-14 * square;
-    for (int iteration = 0; iteration < 5000 && square > goal; ++iteration) {
-      Numbers product(v.size());
+    const auto add_product = [&](const Numbers& direction, Numbers& product) {
       elasticity_.add_product(elastic, direction, product);
       contacts_.add_product(dt, direction, product);
       for (std::size_t k = 0; k < product.size(); ++k)
         product[k] = is_held(k) ? 0 : product[k] + masses_[k / 3] * direction[k];
-      const double alpha = square / dot(direction, product);
-      for (std::size_t k = 0; k < v.size(); ++k) {
-        v[k] += alpha * direction[k];
-        residual[k] -= alpha * product[k];
-        scaled[k] = inverse[k] * residual[k];
-      }
-      const double next = dot(residual, scaled);
-      for (std::size_t k = 0; k < v.size(); ++k) direction[k] = scaled[k] + next / square * direction[k];
-      square = next;
-    }
-  }
-
-  static double dot(const Numbers& a, const Numbers& b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-    return sum;
+    };
+    demo::solve_by_conjugate_gradients(add_product, inverse, 1e-14, 5000, right, v);
   }
 
   raycontact::Scene scene_;

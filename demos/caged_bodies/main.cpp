@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "../number_arguments.hpp"
 #include "engine.hpp"
 
 namespace {
@@ -163,7 +163,7 @@ int wrong_usage(const std::string& what) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   Options options;
   const std::map<std::string, double*> numbers = {{"--cells", &options.cells},
                                                   {"--youngs-modulus", &options.youngs_modulus},
@@ -173,29 +173,23 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--help" || argument == "-h") return print_usage(stdout), 0;
-    const auto number = numbers.find(argument);
-    if (number != numbers.end()) {
-      char* end = nullptr;
-      const char* text = ++i < argc ? argv[i] : "";
-      *number->second = std::strtod(text, &end);
-      if (*text == '\0' || *end != '\0' || !(*number->second >= 0) || !std::isfinite(*number->second))
-        return wrong_usage(argument + " needs a number, 0 or more");
-    } else if (argument == "--soft-floor") {
+    if (demo::take_number(numbers, argc, argv, i)) continue;
+    if (argument == "--soft-floor") {
       options.soft_floor = true;
     } else if (argument[0] == '-') {
-      return wrong_usage("unknown argument '" + argument + "'");
+      throw demo::WrongUsage("unknown argument '" + argument + "'");
     } else {
       options.files.push_back(argument);
     }
   }
-  if (!options.files.empty() && options.files.size() != 3) return wrong_usage("give three files, or none");
-  if (!(options.dt > 0 && options.dt <= 1)) return wrong_usage("--dt must be above 0 and at most 1");
-  if (!(options.cells >= 1 && options.cells <= 100)) return wrong_usage("--cells must be from 1 to 100");
-  if (!(options.youngs_modulus > 0)) return wrong_usage("--youngs-modulus must be above 0");
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "caged_bodies: %s\n", error.what());
-    return 1;
-  }
+  if (!options.files.empty() && options.files.size() != 3) throw demo::WrongUsage("give three files, or none");
+  if (!(options.dt > 0 && options.dt <= 1)) throw demo::WrongUsage("--dt must be above 0 and at most 1");
+  if (!(options.cells >= 1 && options.cells <= 100)) throw demo::WrongUsage("--cells must be from 1 to 100");
+  if (!(options.youngs_modulus > 0)) throw demo::WrongUsage("--youngs-modulus must be above 0");
+  return run(options);
+} catch (const demo::WrongUsage& error) {
+  return wrong_usage(error.what());
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "caged_bodies: %s\n", error.what());
+  return 1;
 }

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "../conjugate_gradients.hpp"
 #include "raycontact.hpp"
 
 namespace own {
@@ -134,31 +135,14 @@ class Engine {
     }
   }
 
-  // Conjugate gradients on (M + dt^2 K + dt C) change = right.
-  void solve_for_change(double dt, Numbers& residual, Numbers& v) {
-    Numbers direction = residual;
-    double square = dot(residual, residual);
-    const double goal = 1e-16 * square;
-    for (std::size_t iteration = 0; iteration < 2000 && square > goal; ++iteration) {
-      Numbers product(v.size());
+  // (M + dt^2 K + dt C) change = right.
+  void solve_for_change(double dt, Numbers& right, Numbers& v) {
+    const auto add_product = [&](const Numbers& direction, Numbers& product) {
       add_spring_product(dt * dt, direction, product);
       contacts_.add_product(dt, direction, product);
       for (std::size_t k = 0; k < product.size(); ++k) product[k] += masses_[k / 3] * direction[k];
-      const double alpha = square / dot(direction, product);
-      for (std::size_t k = 0; k < v.size(); ++k) {
-        v[k] += alpha * direction[k];
-        residual[k] -= alpha * product[k];
-      }
-      const double next = dot(residual, residual);
-      for (std::size_t k = 0; k < v.size(); ++k) direction[k] = residual[k] + next / square * direction[k];
-      square = next;
-    }
-  }
-
-  static double dot(const Numbers& a, const Numbers& b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-    return sum;
+    };
+    demo::solve_by_conjugate_gradients(add_product, Numbers(v.size(), 1), 1e-16, 2000, right, v);
   }
 
   Vector mean(const Numbers& of, std::size_t body) const {

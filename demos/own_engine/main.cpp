@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <map>
 #include <string>
 
+#include "../number_arguments.hpp"
 #include "engine.hpp"
 
 namespace {
@@ -189,34 +189,28 @@ int wrong_usage(const std::string& what) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   Options options;
   const std::map<std::string, double*> numbers = {
       {"--dt", &options.dt}, {"--aside", &options.aside}, {"--friction", &options.friction}};
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--help" || argument == "-h") return print_usage(stdout), 0;
-    const auto number = numbers.find(argument);
-    if (number != numbers.end()) {
-      char* end = nullptr;
-      const char* text = ++i < argc ? argv[i] : "";
-      *number->second = std::strtod(text, &end);
-      if (*text == '\0' || *end != '\0' || !(*number->second >= 0) || !std::isfinite(*number->second))
-        return wrong_usage(argument + " needs a number, 0 or more");
-    } else if (argument[0] == '-' || !options.scene.empty()) {
-      return wrong_usage("unknown argument '" + argument + "'");
+    if (demo::take_number(numbers, argc, argv, i)) continue;
+    if (argument[0] == '-' || !options.scene.empty()) {
+      throw demo::WrongUsage("unknown argument '" + argument + "'");
     } else {
       options.scene = argument;
     }
   }
   const std::map<std::string, int (*)(const Options&)> scenes = {{"stack", stack}, {"tori", tori}, {"ramp", ramp}};
   const auto scene = scenes.find(options.scene);
-  if (scene == scenes.end()) return wrong_usage("name a scene: stack, tori or ramp");
-  if (!(options.dt > 0 && options.dt <= 1)) return wrong_usage("--dt must be above 0 and at most 1");
-  try {
-    return scene->second(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "own_engine: %s\n", error.what());
-    return 1;
-  }
+  if (scene == scenes.end()) throw demo::WrongUsage("name a scene: stack, tori or ramp");
+  if (!(options.dt > 0 && options.dt <= 1)) throw demo::WrongUsage("--dt must be above 0 and at most 1");
+  return scene->second(options);
+} catch (const demo::WrongUsage& error) {
+  return wrong_usage(error.what());
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "own_engine: %s\n", error.what());
+  return 1;
 }
