@@ -1,11 +1,9 @@
-/* The number of a body that was removed is no other body's at once: it is refused, until tens of thousands of others
-   have been removed after it. So numbers stay small, however many bodies come and go. */
+/* The number of a body that was removed is refused, and no other body gets it before the host says that it has done with
+   it: rayc_scene_release_body_numbers(). */
 #include "check.h"
 #include "shapes.h"
 
-#define BETWEEN 65536 /* as rayc_scene_add_mesh() says */
 #define CYCLES 140000
-#define MOST_NUMBERS (BETWEEN + 3)
 
 static const double no_shift[3] = {0, 0, 0};
 
@@ -68,35 +66,59 @@ static void a_removed_number_is_refused(void) {
   CHECK_OK(rayc_contacts_destroy(contacts));
 }
 
-static void numbers_rest_and_stay_small(void) {
+static void a_number_is_given_once(void) {
   rayc_scene* scene = NULL;
   CHECK_OK(rayc_scene_create(NULL, &scene));
-  static int removed_at[MOST_NUMBERS];
-  int removed = 0, used_again = 0;
-  for (int i = 0; i < MOST_NUMBERS; ++i) removed_at[i] = -1;
   uint32_t present[3] = {add(scene, no_shift), add(scene, no_shift), add(scene, no_shift)};
-  for (int cycle = 0; cycle < CYCLES && check_failures == 0; ++cycle) {
-    const int which = cycle * 7 % 3;
-    const uint32_t gone = present[which];
+  for (uint32_t cycle = 0; cycle < CYCLES && check_failures == 0; ++cycle) {
+    const uint32_t gone = present[cycle % 3];
     CHECK_OK(rayc_scene_remove_body(scene, gone));
-    removed_at[gone] = removed++;
-    present[which] = add(scene, no_shift);
-    CHECK(present[which] < MOST_NUMBERS);
-    if (present[which] >= MOST_NUMBERS) break;
-    const int before = removed_at[present[which]];
-    if (before >= 0) {
-      CHECK(removed - 1 - before >= BETWEEN);
-      ++used_again;
-    }
-    removed_at[present[which]] = -1;
+    present[cycle % 3] = add(scene, no_shift);
+    CHECK(present[cycle % 3] == 3 + cycle);
     CHECK_STATUS(rayc_scene_remove_body(scene, gone), RAYC_STATUS_UNKNOWN_BODY, "removed");
   }
-  CHECK(used_again > CYCLES / 2);
+  CHECK_STATUS(rayc_scene_remove_body(scene, 0), RAYC_STATUS_UNKNOWN_BODY, "removed");
+  CHECK_OK(rayc_scene_destroy(scene));
+}
+
+/* A host that releases the numbers it has done with gets them again, and no others. */
+static void released_numbers_come_back(void) {
+  rayc_scene* scene = NULL;
+  CHECK_OK(rayc_scene_create(NULL, &scene));
+  for (uint32_t i = 0; i < 6; ++i) CHECK(add(scene, no_shift) == i);
+  const uint32_t first[3] = {4, 1, 3};
+  for (int i = 0; i < 3; ++i) CHECK_OK(rayc_scene_remove_body(scene, first[i]));
+  CHECK_OK(rayc_scene_release_body_numbers(scene));
+  CHECK_STATUS(rayc_scene_remove_body(scene, 3), RAYC_STATUS_UNKNOWN_BODY, "removed");
+  CHECK(add(scene, no_shift) == 1);
+  CHECK_OK(rayc_scene_remove_body(scene, 0)); /* after the release: not to be given again */
+  CHECK(add(scene, no_shift) == 3 && add(scene, no_shift) == 4 && add(scene, no_shift) == 6);
+  /* The last numbers of all are given anew too. */
+  for (uint32_t body = 3; body < 7; ++body) CHECK_OK(rayc_scene_remove_body(scene, body));
+  CHECK_OK(rayc_scene_release_body_numbers(scene));
+  CHECK_OK(rayc_scene_release_body_numbers(scene));
+  CHECK(add(scene, no_shift) == 0 && add(scene, no_shift) == 3 && add(scene, no_shift) == 4);
+  CHECK_OK(rayc_scene_destroy(scene));
+}
+
+/* So numbers stay small, however many bodies come and go. */
+static void released_numbers_stay_small(void) {
+  rayc_scene* scene = NULL;
+  CHECK_OK(rayc_scene_create(NULL, &scene));
+  uint32_t present[3] = {add(scene, no_shift), add(scene, no_shift), add(scene, no_shift)};
+  for (uint32_t cycle = 0; cycle < CYCLES && check_failures == 0; ++cycle) {
+    CHECK_OK(rayc_scene_remove_body(scene, present[cycle * 7 % 3]));
+    if (cycle % 100 == 0) CHECK_OK(rayc_scene_release_body_numbers(scene));
+    present[cycle * 7 % 3] = add(scene, no_shift);
+    CHECK(present[cycle * 7 % 3] < 3 + 100);
+  }
   CHECK_OK(rayc_scene_destroy(scene));
 }
 
 int main(void) {
   a_removed_number_is_refused();
-  numbers_rest_and_stay_small();
+  a_number_is_given_once();
+  released_numbers_come_back();
+  released_numbers_stay_small();
   return check_result();
 }

@@ -62,6 +62,7 @@ static void call_with_scene(rayc_scene* scene, const rayc_mesh* mesh, rayc_conta
   uint32_t number = 0;
   CHECK_INVALID(rayc_scene_add_mesh(scene, mesh, &number));
   CHECK_INVALID(rayc_scene_remove_body(scene, 0));
+  CHECK_INVALID(rayc_scene_release_body_numbers(scene));
   CHECK_INVALID(rayc_scene_set_positions(scene, 0, positions));
   CHECK_INVALID(rayc_scene_set_detection_options(scene, NULL));
   CHECK_INVALID(rayc_scene_set_self_collision(scene, 0, 1));
@@ -146,6 +147,7 @@ static void* call_everything(void* context) {
   CHECK_BUSY(rayc_scene_set_positions(own->scene, 0, &positions));
   CHECK_BUSY(rayc_scene_add_mesh(own->scene, own->mesh, &number));
   CHECK_BUSY(rayc_scene_remove_body(own->scene, 0));
+  CHECK_BUSY(rayc_scene_release_body_numbers(own->scene));
   CHECK_BUSY(rayc_scene_pair_memory_count(own->scene, &count));
   CHECK_BUSY(rayc_scene_destroy(own->scene));
   CHECK_BUSY(rayc_contacts_count(own->contacts, &count));

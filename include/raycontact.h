@@ -1360,11 +1360,9 @@ enum rayc_status rayc_scene_destroy(struct rayc_scene *scene);
 /**
  * Adds a copy of `mesh` with its present positions. *body: its number.
  *
- * Without removals the n-th body gets the number n − 1. The number of a removed body is not given again until more
- * than 65536 numbers are without a body; then the one that has been free the longest comes first. Until then any
- * call that still uses it gets RAYC_STATUS_UNKNOWN_BODY. An array indexed by body number therefore never has to be
- * longer than 65536 plus the largest number of bodies that were in the scene at once. Numbers depend on the order of
- * additions and removals alone.
+ * The n-th body gets the number n − 1, whatever was removed before: any call with the number of a removed body gets
+ * RAYC_STATUS_UNKNOWN_BODY. In a scene whose bodies come and go without end, rayc_scene_release_body_numbers() keeps
+ * numbers small, and so arrays indexed by them short.
  *
  * Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
  */
@@ -1384,11 +1382,23 @@ enum rayc_status rayc_scene_add_mesh_with_key(struct rayc_scene *scene,
                                               uint32_t *body);
 
 /**
- * Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
+ * Removes a body. Its number is refused from here on, and no other body gets it before
+ * rayc_scene_release_body_numbers().
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY.
  */
 enum rayc_status rayc_scene_remove_body(struct rayc_scene *scene, uint32_t body);
+
+/**
+ * Lets the numbers of bodies removed so far be given to new bodies, the smallest first. An array indexed by body
+ * number then never has to be longer than the largest number of bodies that were in the scene between two calls.
+ *
+ * Call it when nothing uses the number of a removed body any more: no contacts, no saved state, no contact system. A
+ * call with such a number would reach the body that has it next. Takes time in proportion to the numbers in use.
+ *
+ * Errors: RAYC_STATUS_BUSY, RAYC_STATUS_OUT_OF_MEMORY.
+ */
+enum rayc_status rayc_scene_release_body_numbers(struct rayc_scene *scene);
 
 /**
  * Renews the positions of a body's vertices.

@@ -117,7 +117,7 @@ impl Host {
         numbers.get(bytes.below(numbers.len() + 1)).copied().unwrap_or(next)
     }
 
-    /// A number is given once: so few bodies are removed in one run that none comes back.
+    /// A number is given once, unless it was released.
     fn note_added(&mut self, scene: *mut rayc_scene, body: u32) {
         assert!(!self.bodies.iter().any(|of| (of.0, of.1) == (scene, body)), "{body} is another body's");
         self.bodies.push((scene, body, true));
@@ -141,7 +141,7 @@ impl Host {
         let positions = vectors(&points, bytes);
         let (scene, mesh, octree) = (any(&self.scenes, bytes), any(&self.meshes, bytes), any(&self.octrees, bytes));
         let (a, b) = (self.body(scene, bytes), self.body(scene, bytes));
-        let (call, mut body) = (bytes.below(8), 0);
+        let (call, mut body) = (bytes.below(9), 0);
         // SAFETY: handles are valid or NULL, arrays are as they say.
         let status = unsafe {
             match call {
@@ -151,11 +151,15 @@ impl Host {
                 3 | 4 => rayc_scene_add_mesh(scene, mesh, &mut body),
                 5 => rayc_scene_remove_body(scene, a),
                 6 => rayc_scene_set_self_collision(scene, a, bytes.below(3) as u32),
+                7 => rayc_scene_release_body_numbers(scene),
                 _ => rayc_scene_set_pair_collision(scene, a, b, bytes.below(3) as u32),
             }
         };
         if self.note(status) && (call == 3 || call == 4) {
             self.note_added(scene, body);
+        }
+        if status == OK && call == 7 {
+            self.bodies.retain(|of| of.0 != scene || of.2);
         }
         if matches!(call, 2 | 5 | 6) {
             self.note_of_body(status, scene, a, call == 5);

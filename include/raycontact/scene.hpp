@@ -128,8 +128,11 @@ class Scene {
     return detail::outcome(status, state);
   }
 
-  /** Removes a body. Its number is refused until another body gets it, more than 65536 removals later. */
+  /** Removes a body. Its number is refused from here on, and no other body gets it before release_body_numbers(). */
   Outcome<void> remove(uint32_t body) { return check(rayc_scene_remove_body(get(), body)); }
+
+  /** Lets the numbers of removed bodies be given to new ones: rayc_scene_release_body_numbers(). */
+  Outcome<void> release_body_numbers() { return check(rayc_scene_release_body_numbers(get())); }
 
   /** Renews the positions of a body's vertices. */
   Outcome<void> set_positions(uint32_t body, const rayc_vectors& positions) {

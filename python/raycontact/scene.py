@@ -34,8 +34,13 @@ class Scene:
         return int(answer("uint32_t", library.rayc_scene_add_mesh, self._handle, mesh._handle))
 
     def remove(self, body: int) -> None:
-        """Removes a body. Its number is refused from here on, until over 65536 others have been removed."""
+        """Removes a body. Its number is refused from here on, and no other body gets it before release_body_numbers()."""
         check(library.rayc_scene_remove_body(self._handle, body))
+
+    def release_body_numbers(self) -> None:
+        """Lets the numbers of bodies removed so far be given to new bodies, so that numbers stay small. Call it when
+        nothing uses the number of a removed body any more: no contacts, no saved state, no contact system."""
+        check(library.rayc_scene_release_body_numbers(self._handle))
 
     def set_positions(self, body: int, positions: ArrayLike) -> None:
         """Renews the positions of a body's vertices: (n, 3), in m. Where that raises Error, the old ones stay."""

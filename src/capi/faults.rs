@@ -156,6 +156,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_scene_body_state(null(), 0, 0, null_mut());
         rayc_scene_set_pair_memory(null_mut(), 0, null());
         rayc_scene_remove_body(null_mut(), 0);
+        rayc_scene_release_body_numbers(null_mut());
         rayc_scene_set_positions(null_mut(), 0, null());
         rayc_scene_set_pose(null_mut(), 0, null());
         rayc_scene_set_detection_options(null_mut(), null());

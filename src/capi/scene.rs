@@ -111,11 +111,9 @@ pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_stat
 
 /// Adds a copy of `mesh` with its present positions. *body: its number.
 ///
-/// Without removals the n-th body gets the number n − 1. The number of a removed body is not given again until more
-/// than 65536 numbers are without a body; then the one that has been free the longest comes first. Until then any
-/// call that still uses it gets RAYC_STATUS_UNKNOWN_BODY. An array indexed by body number therefore never has to be
-/// longer than 65536 plus the largest number of bodies that were in the scene at once. Numbers depend on the order of
-/// additions and removals alone.
+/// The n-th body gets the number n − 1, whatever was removed before: any call with the number of a removed body gets
+/// RAYC_STATUS_UNKNOWN_BODY. In a scene whose bodies come and go without end, rayc_scene_release_body_numbers() keeps
+/// numbers small, and so arrays indexed by them short.
 ///
 /// Errors: RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
@@ -167,7 +165,8 @@ pub unsafe extern "C" fn rayc_scene_add_mesh_with_key(
     })
 }
 
-/// Removes a body. Its number is refused from here on; see rayc_scene_add_mesh() for when another body may get it.
+/// Removes a body. Its number is refused from here on, and no other body gets it before
+/// rayc_scene_release_body_numbers().
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY.
 #[unsafe(no_mangle)]
@@ -177,6 +176,25 @@ pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u3
         match &mut changing(scene, "scene")?.scene {
             AnyScene::F32(scene) => scene.remove(body).map(drop)?,
             AnyScene::F64(scene) => scene.remove(body).map(drop)?,
+        }
+        Ok(())
+    })
+}
+
+/// Lets the numbers of bodies removed so far be given to new bodies, the smallest first. An array indexed by body
+/// number then never has to be longer than the largest number of bodies that were in the scene between two calls.
+///
+/// Call it when nothing uses the number of a removed body any more: no contacts, no saved state, no contact system. A
+/// call with such a number would reach the body that has it next. Takes time in proportion to the numbers in use.
+///
+/// Errors: RAYC_STATUS_BUSY, RAYC_STATUS_OUT_OF_MEMORY.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_release_body_numbers(scene: *mut rayc_scene) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        match &mut changing(scene, "scene")?.scene {
+            AnyScene::F32(scene) => scene.release_body_numbers(),
+            AnyScene::F64(scene) => scene.release_body_numbers(),
         }
         Ok(())
     })

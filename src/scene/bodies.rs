@@ -4,11 +4,6 @@ use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::surface::Surface;
-use std::collections::VecDeque;
-
-/// So many bodies are removed after one before its number is given to another: whoever still uses the number is told so
-/// for that long, and numbers stay small.
-pub(super) const REMOVALS_BETWEEN: usize = 1 << 16;
 
 #[derive(Debug)]
 pub(super) struct Body<T: Scalar> {
@@ -31,14 +26,13 @@ pub(super) struct Body<T: Scalar> {
 pub(super) type Boxed<T> = Box<[Body<T>; 1]>;
 
 /// The bodies of a scene in their order: ascending by key, and by number where keys are equal. A number without a body costs
-/// eight bytes and no time.
+/// four bytes and no time.
 #[derive(Debug)]
 pub(super) struct Bodies<T: Scalar> {
     list: Vec<Boxed<T>>,
-    /// The numbers without a body, the one that has been so for longest first. With those of the list they are all below
-    /// some number.
-    free: VecDeque<u32>,
-    /// By number where the body stands in the list.
+    /// Numbers of removed bodies that the host has done with, in descending order.
+    released: Vec<u32>,
+    /// By number where the body stands in the list; one for each number that was ever given.
     places: Vec<u32>,
 }
 
@@ -47,26 +41,24 @@ const NOWHERE: u32 = u32::MAX;
 
 impl<T: Scalar> Default for Bodies<T> {
     fn default() -> Self {
-        Self { list: Vec::new(), free: VecDeque::new(), places: Vec::new() }
+        Self { list: Vec::new(), released: Vec::new(), places: Vec::new() }
     }
 }
 
 impl<T: Scalar> Bodies<T> {
     /// Adds a body; gives its number, which is its key where none is given.
     pub(super) fn add(&mut self, mesh: Mesh<T>, key: Option<u64>) -> u32 {
-        let rested = self.free.len() > REMOVALS_BETWEEN;
-        let number = if rested { self.free[0] } else { (self.list.len() + self.free.len()) as u32 };
+        let number = self.released.last().copied().unwrap_or(self.places.len() as u32);
+        assert_ne!(number, NOWHERE, "all 2^32 - 1 numbers of bodies are taken: release those of removed bodies");
         let key = key.unwrap_or_else(|| u64::from(number));
         let (surface, regions, sharing) = (Surface::new(mesh), Vec::new(), Sharing::default());
         let body = Body { number, key, surface, regions, own: None, sharing, given: 0, cost: 0.0 };
         let body = memory::boxed(body);
-        // To remove one takes no memory then.
-        self.free.room_for(self.list.len() + 1);
         self.list.room_for(1);
-        if rested {
-            self.free.pop_front();
-        } else {
+        if self.released.is_empty() {
             self.places.room_for(1).push(NOWHERE);
+        } else {
+            self.released.pop();
         }
         let place = self.list.partition_point(|other| (other[0].key, other[0].number) < (key, number));
         self.list.insert(place, body);
@@ -76,11 +68,19 @@ impl<T: Scalar> Bodies<T> {
 
     pub(super) fn remove(&mut self, number: u32) -> Option<Body<T>> {
         let place = self.place(number)?;
-        self.free.room_for(1).push_back(number);
         let [body] = *self.list.remove(place);
         self.places[number as usize] = NOWHERE;
         self.renew_places(place);
         Some(body)
+    }
+
+    /// Lets the numbers without a body be given again, the smallest first.
+    pub(super) fn release_numbers(&mut self) {
+        let used = self.places.iter().rposition(|&place| place != NOWHERE).map_or(0, |last| last + 1);
+        let unused = (0..used).rev().filter(|&number| self.places[number] == NOWHERE);
+        self.released.room_for(used - self.list.len()).clear();
+        self.released.extend(unused.map(|number| number as u32));
+        self.places.truncate(used);
     }
 
     /// Whether a body has this key.

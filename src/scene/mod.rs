@@ -90,13 +90,14 @@ impl<T: Scalar> Scene<T> {
         self.bodies.iter_mut().filter_map(|body| body.own.as_mut()).for_each(|own| own.found_at = 0);
     }
 
-    /// Adds a body; gives its number: the smallest that no body had yet, or where more than 65536 numbers are without a body,
-    /// of these the one that has been so for longest. So the number of a removed body is refused
-    /// ([`SceneError::UnknownBody`]) until 65536 others have been removed after it, and numbers stay below those that
-    /// were in use at once and 65536 more.
+    /// Adds a body; gives its number, which no body of the scene ever had: the n-th gets n − 1. Only
+    /// [`release_body_numbers`](Self::release_body_numbers) lets numbers of removed bodies come back.
     ///
     /// The number is also the body's key, by which all that has an order goes: see
     /// [`add_with_key`](Self::add_with_key).
+    ///
+    /// # Panics
+    /// Where 2³² − 1 numbers were given.
     pub fn add(&mut self, mesh: Mesh<T>) -> u32 {
         self.bodies.add(mesh, None)
     }
@@ -114,7 +115,8 @@ impl<T: Scalar> Scene<T> {
         Ok(self.bodies.add(mesh, Some(key)))
     }
 
-    /// Removes a body. Its number is refused from here on, until [`add`](Self::add) gives it to another body.
+    /// Removes a body. Its number is refused from here on ([`SceneError::UnknownBody`]), and no other body gets it before
+    /// [`release_body_numbers`](Self::release_body_numbers).
     ///
     /// # Errors
     /// [`SceneError::UnknownBody`].
@@ -124,6 +126,14 @@ impl<T: Scalar> Scene<T> {
         let mut mesh = removed.surface.into_mesh();
         mesh.settle();
         Ok(mesh)
+    }
+
+    /// Lets the numbers of bodies removed so far be given to new bodies, the smallest first. For a host whose bodies come and
+    /// go without end: arrays indexed by number stay as short as the most bodies that were there at once. Call it when
+    /// nothing uses a removed body's number any more, neither contacts nor saved memories nor a contact system; whatever
+    /// still does would reach another body. Takes time in proportion to the numbers given since the last call.
+    pub fn release_body_numbers(&mut self) {
+        self.bodies.release_numbers();
     }
 
     /// A body's mesh.
