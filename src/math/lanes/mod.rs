@@ -12,6 +12,8 @@ mod avx2;
 mod avx2_lists;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod avx512_lists;
 mod dispatch;
 mod lane;
 mod one_by_one;

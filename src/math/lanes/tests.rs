@@ -1,6 +1,6 @@
 //! Every operation of every path that this processor has, against plain arithmetic lane by lane.
 
-use super::dispatch::{Path, best, run_on};
+use super::dispatch::{paths, run_on};
 use super::portable::Portable;
 use super::{Kernel, LANE_COUNT, Lanes, Mask};
 use crate::math::{Scalar, Vector3};
@@ -100,8 +100,8 @@ fn operands<T: Scalar>(number: impl Strategy<Value = T> + Clone) -> impl Strateg
 #[allow(unsafe_code)] // calling code for processors that may not be this one
 fn assert_same_on_all_paths<T: Scalar>(operands: &Operands<T>) {
     let expected = operands.run::<Portable<T>>();
-    for path in [Path::Baseline, Path::Avx2, Path::Avx512].into_iter().filter(|&path| path <= best()) {
-        // SAFETY: it is none above the best.
+    for path in paths() {
+        // SAFETY: it is one of those that are there.
         assert_eq!(unsafe { run_on(path, operands) }, expected, "{path:?}");
     }
 }
@@ -154,8 +154,8 @@ fn products_and_sums_are_rounded_once() {
             near_ties += 1;
             rounded_twice += u32::from(in_doubles as f32 != once[lane]);
         }
-        for path in [Path::Baseline, Path::Avx2, Path::Avx512].into_iter().filter(|&path| path <= best()) {
-            // SAFETY: it is none above the best.
+        for path in paths() {
+            // SAFETY: it is one of those that are there.
             assert_eq!(unsafe { run_on(path, NearTies(&[x, y, c])) }, once, "{path:?}, {start}");
         }
     }
