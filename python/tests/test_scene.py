@@ -100,6 +100,8 @@ def test_switches_and_removal():
     with pytest.raises(Error) as caught:
         scene.set_positions(1, tetrahedron()[0])
     assert caught.value.status == Status.UNKNOWN_BODY
+    scene.release_body_numbers()
+    assert [scene.add(Mesh(*tetrahedron())) for _ in range(2)] == [1, 4]
 
 
 def test_self_collision_is_switched_on_by_body():

@@ -2,6 +2,7 @@ use super::{Cells, Tracer};
 use crate::closest::{ClosestPoint, MeshScale, PointPacket, QueryPoint, TrianglePoint, TrianglePoints, ascending};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, dispatch};
 use crate::memory::Room;
+use crate::mesh::Mesh;
 
 /// The nearest triangle so far.
 #[derive(Clone, Copy, Debug)]
@@ -109,11 +110,54 @@ pub(crate) struct PointDistances<T: Scalar> {
     /// Whether the points were asked about together.
     are_of_packet: bool,
     pub(crate) distances: [T; LANE_COUNT],
+    nearest: PacketPoints<T>,
 }
 
 impl<T: Scalar> PointDistances<T> {
     pub(crate) fn new() -> Self {
-        Self { packet: PointPacket::empty(), are_of_packet: false, distances: [T::zero(); LANE_COUNT] }
+        let (packet, nearest) = (PointPacket::empty(), PacketPoints::empty());
+        Self { packet, are_of_packet: false, distances: [T::zero(); LANE_COUNT], nearest }
+    }
+}
+
+/// The nearest points on the triangles that the search for a packet has found.
+#[derive(Clone, Debug)]
+struct PacketPoints<T: Scalar> {
+    points: TrianglePoints<T>,
+    /// Of the corners, in ascending order of their vertices, in each triangle.
+    places: [[usize; 3]; LANE_COUNT],
+}
+
+impl<T: Scalar> PacketPoints<T> {
+    fn empty() -> Self {
+        Self { points: TrianglePoints::empty(), places: [[0; 3]; LANE_COUNT] }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn set<L: Lanes<T>>(&mut self, mesh: &Mesh<T>, packet: &PointPacket<T>, factors: [T; 2]) {
+        // Lanes without a triangle take the first one.
+        let triangles = mesh.topology().triangles();
+        let mut corners = [[0; LANE_COUNT]; 3];
+        for lane in 0..LANE_COUNT {
+            let has_one = packet.found >> lane & 1 == 1;
+            let vertices = triangles[if has_one { packet.triangle[lane] as usize } else { 0 }];
+            self.places[lane] = ascending(vertices);
+            for corner in 0..3 {
+                corners[corner][lane] = vertices[self.places[lane][corner]];
+            }
+        }
+        let a = mesh.gather::<L>(&corners[0]);
+        let b = mesh.gather::<L>(&corners[1]);
+        let c = mesh.gather::<L>(&corners[2]);
+        self.points.set::<L>(&packet.position, [a, b, c], factors);
+    }
+
+    /// That of one lane, if it is at most `bound` away.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn get(&self, packet: &PointPacket<T>, lane: usize, bound: T) -> Option<ClosestPoint<T>> {
+        // Squares are rounded: the root decides.
+        let is_found = packet.found >> lane & 1 == 1 && self.points.distance[lane] <= bound;
+        is_found.then(|| self.points.get(lane, packet.triangle[lane], self.places[lane]))
     }
 }
 
@@ -127,7 +171,7 @@ impl<T: Scalar> Tracer<'_, T> {
         bounds: &[T; LANE_COUNT],
         room: &mut PointDistances<T>,
     ) {
-        let PointDistances { packet, are_of_packet, distances } = room;
+        let PointDistances { packet, are_of_packet, distances, .. } = room;
         *distances = *bounds;
         *are_of_packet = false;
         if asked == 0 {
@@ -153,6 +197,15 @@ impl<T: Scalar> Tracer<'_, T> {
         }
     }
 
+    /// Makes ready what [`closest_of_packet`](Self::closest_of_packet) gives.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn resolve_packet<L: Lanes<T>>(&self, room: &mut PointDistances<T>) {
+        if room.are_of_packet {
+            let factors = MeshScale::new(self.mesh().aabb()).factors;
+            room.nearest.set::<L>(self.mesh(), &room.packet, factors);
+        }
+    }
+
     /// [`closest_point`](Self::closest_point) of one of the points that [`distances_of_packet`](Self::distances_of_packet) was
     /// last asked about with this room, given its bound there.
     pub(crate) fn closest_of_packet(
@@ -162,13 +215,10 @@ impl<T: Scalar> Tracer<'_, T> {
         lane: usize,
         room: &PointDistances<T>,
     ) -> Option<ClosestPoint<T>> {
-        if !room.are_of_packet {
-            return self.closest_point(point, bound);
+        match room.are_of_packet {
+            true => room.nearest.get(&room.packet, lane, bound),
+            false => self.closest_point(point, bound),
         }
-        let packet = &room.packet;
-        let triangle = (packet.found >> lane & 1 == 1).then_some(packet.triangle[lane]);
-        let nearest = Nearest { square: packet.square[lane], triangle };
-        self.resolved(&packet.query(lane), &nearest, bound)
     }
 }
 
@@ -187,7 +237,7 @@ impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
     fn run<L: Lanes<T>>(self) {
         let mesh = self.tracer.mesh();
         let scale = MeshScale::new(mesh.aabb());
-        let (mut packet, mut resolved) = (PointPacket::empty(), TrianglePoints::empty());
+        let (mut packet, mut nearest) = (PointPacket::empty(), PacketPoints::empty());
         let chunks = self.points.chunks(LANE_COUNT).zip(self.bounds.chunks(LANE_COUNT));
         for ((points, bounds), found) in chunks.zip(self.found.chunks_mut(LANE_COUNT)) {
             let Cells::Wide(cells) = self.tracer.cells else {
@@ -199,24 +249,9 @@ impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
                 continue;
             }
             cells.find_closest_of_packet::<L>(mesh, &mut packet);
-            // Lanes without a triangle take the first one.
-            let triangles = mesh.topology().triangles();
-            let (mut places, mut corners) = ([[0; 3]; LANE_COUNT], [[0; LANE_COUNT]; 3]);
-            for lane in 0..LANE_COUNT {
-                let has_one = packet.found >> lane & 1 == 1;
-                let vertices = triangles[if has_one { packet.triangle[lane] as usize } else { 0 }];
-                places[lane] = ascending(vertices);
-                for corner in 0..3 {
-                    corners[corner][lane] = vertices[places[lane][corner]];
-                }
-            }
-            let a = mesh.gather::<L>(&corners[0]);
-            let b = mesh.gather::<L>(&corners[1]);
-            let c = mesh.gather::<L>(&corners[2]);
-            resolved.set::<L>(&packet.position, [a, b, c], scale.factors);
+            nearest.set::<L>(mesh, &packet, scale.factors);
             for (lane, found) in found.iter_mut().enumerate() {
-                let is_found = packet.found >> lane & 1 == 1 && resolved.distance[lane] <= bounds[lane];
-                *found = is_found.then(|| resolved.get(lane, packet.triangle[lane], places[lane]));
+                *found = nearest.get(&packet, lane, bounds[lane]);
             }
         }
     }
@@ -226,7 +261,6 @@ impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
 mod tests {
     use super::*;
     use crate::math::on_every_path;
-    use crate::mesh::Mesh;
     use crate::octree::Octree;
     use crate::octree::test_mesh::{torus_positions, torus_triangles};
 

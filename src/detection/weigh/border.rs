@@ -8,7 +8,7 @@ use crate::detection::sample::{CutPiece, Sample, SamplePacket};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, direction, vector_in_lane};
 use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::octree::{PointDistances, Tracer};
+use crate::octree::PointDistances;
 
 /// A piece is cut by at most this many planes: three faces meet at a simple corner of the other body.
 const MOST_PLANES: usize = 3;
@@ -30,70 +30,72 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
     fn run<L: Lanes<T>>(self) -> Mask {
         let Direction { pair, side } = *self.direction;
         let (own, other) = (pair.tracers[side].mesh(), pair.tracers[1 - side]);
-        let Self { samples, distances, .. } = self;
+        let Self { samples, exits, distances, inside, .. } = self;
         let lanes = |mask: Mask| (0..LANE_COUNT).filter(move |lane| mask >> lane & 1 == 1);
-        let mut reaches = [T::zero(); LANE_COUNT];
+        let mut parts = [Part::none(); LANE_COUNT];
+        let (mut middles, mut reaches) = (samples.lanes.position, [T::zero(); LANE_COUNT]);
         for lane in lanes(samples.cut) {
-            let part = Part::whole(&samples.corner_weights[lane]);
+            parts[lane] = Part::whole(&samples.corner_weights[lane]);
             let corners = own.corners(samples.indices[lane]);
-            reaches[lane] = part.reach(&corners, &vector_in_lane(&samples.lanes.position, lane));
+            reaches[lane] = parts[lane].reach(&corners, &vector_in_lane(&middles, lane));
         }
-        other.distances_of_packet::<L>(&samples.lanes.position, samples.cut, &reaches, distances);
+        // Those that another plane may cut, and those of which a plane has cut something off, but not all.
+        let (mut open, mut cut) = (samples.cut, 0);
+        for round in 0..MOST_PLANES {
+            other.distances_of_packet::<L>(&middles, open, &reaches, distances);
+            if round == 0 {
+                open &= !L::load(&reaches).is_at_most(L::load(&distances.distances));
+            }
+            if open == 0 {
+                break;
+            }
+            other.resolve_packet::<L>(distances);
+            for lane in lanes(open) {
+                let bit = 1 << lane;
+                let (middle, corners) = (vector_in_lane(&middles, lane), own.corners(samples.indices[lane]));
+                let nearest = other.closest_of_packet(&middle, reaches[lane], lane, distances);
+                // After the first cut nobody knows on which side the new middle is; a triangle tells only within its face.
+                let known = (round == 0).then_some(exits & bit != 0);
+                let inward = nearest.and_then(|nearest| inward(other.mesh(), &middle, &nearest, known));
+                let plane = nearest.zip(inward);
+                match plane.map(|(nearest, inward)| parts[lane].beyond(&corners, &nearest.position, &inward)) {
+                    None | Some(Cut::All) => open &= !bit,
+                    Some(Cut::Nothing) => (open, cut) = (open & !bit, cut & !bit),
+                    Some(Cut::Some(part)) => {
+                        let (middle, _) = part.middle(&corners);
+                        (parts[lane], reaches[lane]) = (part, part.reach(&corners, &middle));
+                        (0..3).for_each(|axis| middles[axis][lane] = middle[axis]);
+                        cut |= bit;
+                    }
+                }
+            }
+        }
         let mut crossed = 0;
-        for lane in lanes(samples.cut & !L::load(&reaches).is_at_most(L::load(&distances.distances))) {
-            let piece = samples.piece(lane, own);
-            let is_inside = self.exits >> lane & 1 == 1;
-            let nearest = other.closest_of_packet(&piece.sample.point.position, reaches[lane], lane, distances);
-            let part = nearest.and_then(|nearest| inside_part(&piece, own, other, &nearest, is_inside));
-            if let Some(sample) = part {
-                self.inside.room_for(1).push(sample);
-                crossed |= Mask::from(is_inside) << lane;
+        for lane in lanes(cut) {
+            if let Some(sample) = sample_of_part(&samples.piece(lane, own), own, &parts[lane]) {
+                inside.room_for(1).push(sample);
+                crossed |= exits & 1 << lane;
             }
         }
         crossed
     }
 }
 
-/// The part of a piece that lies inside the other body, given the point of its surface nearest to the middle, and on which
-/// side of it that is; `None` where the surface does not cross the piece.
-fn inside_part<T: Scalar>(
-    piece: &CutPiece<T>,
-    own: &Mesh<T>,
-    other: &Tracer<'_, T>,
-    first: &ClosestPoint<T>,
-    is_inside: bool,
-) -> Option<Sample<T>> {
+/// The sample in the middle of what a plane has left of a piece; `None` where that is no area.
+fn sample_of_part<T: Scalar>(piece: &CutPiece<T>, own: &Mesh<T>, part: &Part<T>) -> Option<Sample<T>> {
     let whole = Part::whole(&piece.corner_weights);
-    let corners = own.corners(piece.sample.point.triangle);
-    let (mut part, mut middle, mut nearest, mut known) = (whole, piece.sample.point.position, *first, Some(is_inside));
-    for round in 0..MOST_PLANES {
-        if round > 0 {
-            // After the first cut nobody knows on which side the new middle is; a triangle tells only within its face.
-            (middle, known) = (part.middle(&corners).0, None);
-            let found = other.closest_point(&middle, part.reach(&corners, &middle));
-            let within_face = |point: &ClosestPoint<T>| point.weights.iter().all(|&weight| weight > T::zero());
-            let Some(found) = found.filter(within_face) else { break };
-            nearest = found;
-        }
-        let Some(inward) = inward(other.mesh(), &middle, &nearest, known) else { break };
-        match part.beyond(&corners, &nearest.position, &inward) {
-            Cut::All => break,
-            Cut::Some(inside) => part = inside,
-            Cut::Nothing => return None,
-        }
-    }
     let is_cut = part.count != whole.count || part.weights != whole.weights;
     let area = piece.sample.area * (part.doubled_area() / whole.doubled_area());
     (is_cut && area > T::zero()).then(|| {
-        let (position, weights) = part.middle(&corners);
+        let (position, weights) = part.middle(&own.corners(piece.sample.point.triangle));
         let mut sample = Sample { area, ..piece.sample };
         (sample.point.position, sample.point.weights) = (position, weights.into());
         sample
     })
 }
 
-/// The direction in which the depth below the surface grows at the point, given on which side of it that is if it is known;
-/// `None` where no triangle tells.
+/// The direction in which the depth below the surface grows at the point, given on which side of it that is; where that is not
+/// known, a triangle tells if the nearest point lies within its face. `None` where nothing tells.
 fn inward<T: Scalar>(
     other: &Mesh<T>,
     point: &Vector3<T>,
@@ -102,7 +104,11 @@ fn inward<T: Scalar>(
 ) -> Option<Vector3<T>> {
     let within_face = nearest.weights.iter().all(|&weight| weight > T::zero());
     let (away, outward) = (point - nearest.position, other.scaled_normal(nearest.triangle));
-    let is_inside = is_inside.unwrap_or_else(|| away.dot(&outward) < T::zero());
+    let is_inside = match is_inside {
+        Some(is_inside) => is_inside,
+        None if within_face => away.dot(&outward) < T::zero(),
+        None => return None,
+    };
     match direction(&away) {
         Some(away) if !within_face => Some(if is_inside { away } else { -away }),
         _ => direction(&-outward),

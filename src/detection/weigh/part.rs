@@ -25,6 +25,11 @@ fn position<T: Scalar>([a, b, c]: &[Vector3<T>; 3], weights: &Vector3<T>) -> Vec
 }
 
 impl<T: Scalar> Part<T> {
+    /// Without a corner.
+    pub(crate) fn none() -> Self {
+        Self { weights: [Vector3::zeros(); MOST_CORNERS], count: 0 }
+    }
+
     /// The triangle with these weights.
     pub(crate) fn whole(weights: &[Vector3<T>; 3]) -> Self {
         let mut all = [Vector3::zeros(); MOST_CORNERS];
