@@ -64,6 +64,8 @@ struct Reference<T: Scalar> {
     positions: Vec<Vector3<T>>,
     /// Found when first asked for.
     patches: OnceLock<Patches<T>>,
+    /// The triangles, in an order that numbering does not change.
+    triangles_in_space: OnceLock<Vec<u32>>,
     roundness: OnceLock<f64>,
 }
 
@@ -139,6 +141,7 @@ impl<T: Scalar> Mesh<T> {
             reference: memory::shared(Reference {
                 positions: reference,
                 patches: OnceLock::new(),
+                triangles_in_space: OnceLock::new(),
                 roundness: OnceLock::new(),
             }),
         };
@@ -201,6 +204,12 @@ impl<T: Scalar> Mesh<T> {
             aabb.include(&self.positions[vertex as usize]);
         }
         aabb
+    }
+
+    /// Its triangles in an order that does not depend on how they are numbered, by its reference positions; found when it is
+    /// first asked for.
+    pub(crate) fn triangles_in_space(&self) -> &[u32] {
+        self.reference.triangles_in_space.get_or_init(|| OrderInSpace::new(self).order)
     }
 
     /// Its patches, by its reference positions; found when they are first asked for.

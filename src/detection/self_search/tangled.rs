@@ -73,14 +73,14 @@ impl Default for Limits {
     }
 }
 
-/// Whether a body is tangled, judged by random pairs of its triangles. The pairs depend on nothing but the mesh and its
+/// Whether a body is tangled, judged by random pairs of its triangles. The pairs depend on nothing but the mesh, and not on its
 /// numbering. A body in order takes one pair for every two triangles, a wholly tangled one few pairs in all.
 pub(in crate::detection) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
     let count = mesh.topology().triangles().len();
     if count < FEWEST_TRIANGLES {
         return false;
     }
-    let most_tried = count * PAIRS_TRIED;
+    let (triangles, most_tried) = (mesh.triangles_in_space(), count * PAIRS_TRIED);
     let (mut close, mut touching) = (0, 0);
     let mut state = 0u64;
     for tried in 0..most_tried {
@@ -92,7 +92,7 @@ pub(in crate::detection) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let other = ((state >> 32) * count as u64) >> 32;
         let one = (2 * tried + 2 * tried / count) % count;
-        let found = nearness(mesh, [one as u32, other as u32]);
+        let found = nearness(mesh, [triangles[one], triangles[other as usize]]);
         close += usize::from(found != Nearness::Apart);
         touching += usize::from(found == Nearness::Touching);
         let are_close = close >= CLOSE * PAIRS_TRIED && touching >= TOUCHING_OF_CLOSE * PAIRS_TRIED;

@@ -1,5 +1,7 @@
+use super::is_tangled;
 use crate::detection::{ContactList, DetectionOptions, detect_self, query_self_with_all_rays};
-use crate::octree::test_mesh::{torus, torus_positions};
+use crate::mesh::Mesh;
+use crate::octree::test_mesh::{torus, torus_positions, torus_triangles};
 use crate::octree::{Layout, Octree};
 
 const SIDES: [u32; 2] = [64, 24];
@@ -65,6 +67,48 @@ fn what_is_not_quite_garbage_takes_few_pairs_for_each_triangle() {
         let expected = ([0, 1, 1, 1, 1, 1, 1], [0, 1, 1, 1, 1, 1, 1], [1, 1, 1, 1]);
         assert_eq!((all, half, spikes), expected, "{layout:?}");
     }
+}
+
+/// Numbers from 0 in an order that nobody chose.
+fn shuffled(count: usize, seed: usize) -> Vec<u32> {
+    let mut numbers: Vec<u32> = (0..count as u32).collect();
+    numbers.sort_by(|a, b| {
+        let [a, b] = [a, b].map(|&number| anywhere(seed * count + number as usize));
+        a.partial_cmp(&b).expect("finite")
+    });
+    numbers
+}
+
+/// From spikes to rags: other numbers of vertices and triangles give the same verdict, also where it is a
+/// near thing.
+#[test]
+fn numbers_do_not_matter_to_what_is_tangled() {
+    let (positions, triangles) = (torus_positions(SIDES, 0), torus_triangles(SIDES));
+    let meshes = [0, 1, 2].map(|seed| {
+        let vertices = shuffled(positions.len(), seed);
+        let mut moved = positions.clone();
+        vertices.iter().zip(&positions).for_each(|(&number, position)| moved[number as usize] = *position);
+        let corners = |&triangle: &u32| triangles[triangle as usize].map(|vertex| vertices[vertex as usize]);
+        let order = shuffled(triangles.len(), seed + 10);
+        let mesh: Mesh<f64> = Mesh::new(&moved, &order.iter().map(corners).collect::<Vec<_>>()).expect("it is closed");
+        (mesh, vertices)
+    });
+    let verdicts: Vec<[bool; 3]> = (0..60)
+        .map(|step| {
+            let edges = 1.0 + 0.1 * f64::from(step);
+            meshes.each_ref().map(|(mesh, vertices)| {
+                let (mut mesh, mut moved) = (mesh.clone(), positions.clone());
+                for (i, &number) in vertices.iter().enumerate() {
+                    moved[number as usize] = thrown(i, positions[i], edges);
+                }
+                mesh.set_positions(&moved).expect("finite");
+                is_tangled(&mesh)
+            })
+        })
+        .collect();
+    assert!(verdicts.iter().all(|[a, b, c]| a == b && b == c), "{verdicts:?}");
+    let tangled = verdicts.iter().filter(|[first, ..]| *first).count();
+    assert!((10..50).contains(&tangled), "{tangled} of 60");
 }
 
 /// Flattened, everything lies on the rest and encloses nothing: a search of every ray finds no contacts either.
