@@ -12,7 +12,7 @@ usage: scripts/bare_debian.sh [command]...
 Makes a bare Debian 12 in target/bare_debian (debootstrap), adds git, certificates, this machine's Rust toolchain and a
 fresh clone of the last commit, and runs the commands there, each in the clone; scripts/demo.sh where none is given. Prints
 how long each took, downloads included. Needs root; what an earlier run made is removed first.
-For instance: scripts/bare_debian.sh scripts/demo.sh 'scripts/wheel.sh' 'cmake --workflow --preset release'
+For instance: scripts/bare_debian.sh scripts/demo.sh scripts/python.sh 'cmake --workflow --preset deb'
 Exit status: 0 when all commands ended with 0, 1 at the first that did not, 2 for a wrong command line.
 END
 }
