@@ -13,7 +13,8 @@ const FEWEST_RAYS: f64 = 32.0;
 /// A try is made only if at most one triangle in this many casts. A finer try would save little, and it would share the error
 /// of the one before: with patches of two or three triangles that is where in the patch the ray stands.
 const LARGEST_PART: usize = 3;
-/// Two tries may agree by chance, so the coarser one must have at least this many contacts.
+/// Two tries may agree by chance, so the coarser one must have at least this many contacts, and so many that each carries no
+/// larger part of the force than the tolerance.
 const FEWEST_CONTACTS: usize = 48;
 /// Two tries in a row must agree within this part of the tolerance,
 const AT_ONCE: f64 = 0.6;
@@ -83,7 +84,8 @@ impl<T: Scalar> Pair<'_, T> {
                 let difference = load.difference(&coarser, self);
                 let converges = last_difference <= tolerance * T::of(BEFORE);
                 let allowed = tolerance * T::of(if converges { AT_LAST } else { AT_ONCE });
-                if count >= FEWEST_CONTACTS && difference <= allowed {
+                let are_many = count >= FEWEST_CONTACTS && T::of(count as f64) * tolerance >= T::one();
+                if are_many && difference <= allowed {
                     break;
                 }
                 last_difference = difference;
@@ -224,7 +226,8 @@ mod tests {
             let [before, this] = [number - 1, number].map(|number| &tries[number]);
             let difference = this.load.difference(&before.load, pair);
             let agreed = number > 1 && before.load.difference(&tries[number - 2].load, pair) <= 3.0 * tolerance;
-            if before.contacts >= 48 && difference <= tolerance * if agreed { 0.9 } else { 0.6 } {
+            let are_many = before.contacts >= 48 && before.contacts as f64 * tolerance >= 1.0;
+            if are_many && difference <= tolerance * if agreed { 0.9 } else { 0.6 } {
                 return (Some(number), number);
             }
             if difference > tolerance * 8f64.powi((tries.len() - 1 - number) as i32) {

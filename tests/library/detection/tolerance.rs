@@ -95,6 +95,16 @@ fn force_and_torque_keep_the_tolerance_on_every_workload() {
     check::<f32>(10);
 }
 
+/// Two coarse tries agree to 0.0018 here, and both are wrong by 0.005.
+#[test]
+fn tries_that_agree_by_chance_do_not_count() {
+    let (_, shapes) = scenes().into_iter().find(|(name, _)| *name == "spheres").expect("it is one of the scenes");
+    let meshes: [Mesh<f64>; 2] = shapes.map(|shape| rippled(&shape, 30).mesh());
+    let found = detect(&meshes, Layout::Wide, Sampling::Tolerance(0.003));
+    let errors = errors(&meshes, &found);
+    assert!(errors.iter().all(|error| *error <= 0.003), "off by {errors:?}");
+}
+
 /// Boxes whose faces are too large for numbers, or too small: no tries then, and no end of them.
 #[test]
 fn sizes_beyond_all_numbers_come_to_an_end() {
