@@ -1,4 +1,4 @@
-use super::{Mesh, RING_LENGTH, VertexNormal};
+use super::{Mesh, RING_LENGTH, Topology, VertexNormal};
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length, margins};
 
 /// Sixteen points with their normals, coordinate by coordinate.
@@ -23,6 +23,44 @@ impl<T: Scalar> NormalLanes<T> {
     }
 }
 
+/// The rings of sixteen vertices, side by side.
+pub(super) struct RingLanes<'a> {
+    topology: &'a Topology,
+    own: [u32; LANE_COUNT],
+    starts: [u32; LANE_COUNT],
+    /// How many entries the longest has.
+    pub(super) longest: usize,
+}
+
+impl<'a> RingLanes<'a> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn new<T: Scalar, L: Lanes<T>>(topology: &'a Topology, own: [u32; LANE_COUNT]) -> Self {
+        let (_, ring_start) = topology.rings();
+        let starts = L::gather_indices(ring_start, &own);
+        let ends = L::gather_indices(ring_start, &own.map(|vertex| vertex + 1));
+        let mut longest = 0;
+        for (start, end) in starts.iter().zip(&ends) {
+            longest = longest.max(end - start);
+        }
+        Self { topology, own, starts, longest: longest as usize }
+    }
+
+    /// The vertices at a place of the rings.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn at<T: Scalar, L: Lanes<T>>(&self, place: usize) -> [u32; LANE_COUNT] {
+        let mut others = self.own;
+        if place < RING_LENGTH {
+            let (rings, _) = self.topology.rings();
+            return L::gather_indices(rings, &self.starts.map(|start| start + place as u32));
+        }
+        for (other, vertex) in others.iter_mut().zip(self.own) {
+            // Beyond a ring's end the vertex itself: an edge of no length adds nothing.
+            *other = *self.topology.ring(vertex).get(place).unwrap_or(&vertex);
+        }
+        others
+    }
+}
+
 impl<T: Scalar> Mesh<T> {
     /// The normal at a vertex, from the positions of this step; `None` where the surrounding triangles have no area
     /// or cancel out.
@@ -44,13 +82,7 @@ impl<T: Scalar> Mesh<T> {
         let count = vertices.len().min(LANE_COUNT);
         let mut own = [vertices[0]; LANE_COUNT];
         own[..count].copy_from_slice(&vertices[..count]);
-        let (rings, ring_start) = self.topology().rings();
-        let starts = L::gather_indices(ring_start, &own);
-        let ends = L::gather_indices(ring_start, &own.map(|vertex| vertex + 1));
-        let mut longest = 0;
-        for (start, end) in starts.iter().zip(&ends) {
-            longest = longest.max(end - start);
-        }
+        let rings = RingLanes::new::<T, L>(self.topology(), own);
         let base = self.gather::<L>(&own);
         base.store(&mut found.position);
         let zero = L::splat(T::zero());
@@ -58,17 +90,8 @@ impl<T: Scalar> Mesh<T> {
         let (mut sum, mut doubled_area, mut smallest) = (Vectors::zeros(), zero, L::splat(T::INFINITY));
         let mut unsafe_squares = 0;
         let (mut before, mut has_length_before) = (Vectors::zeros(), 0);
-        for place in 0..longest as usize {
-            let mut others = own;
-            if place < RING_LENGTH {
-                others = L::gather_indices(rings, &starts.map(|start| start + place as u32));
-            } else {
-                for (other, vertex) in others.iter_mut().zip(own) {
-                    // Beyond a ring's end the vertex itself: an edge of no length adds nothing.
-                    *other = *self.topology().ring(vertex).get(place).unwrap_or(&vertex);
-                }
-            }
-            let edge = self.gather::<L>(&others).sub(base);
+        for place in 0..rings.longest {
+            let edge = self.gather::<L>(&rings.at::<T, L>(place)).sub(base);
             let has_length = zero.is_less(edge.magnitude().largest());
             let normal = before.cross(edge);
             let square = normal.dot(normal);

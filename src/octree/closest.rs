@@ -27,6 +27,49 @@ impl<T: Scalar> Nearest<T> {
     }
 }
 
+/// Which triangles are sought.
+pub(super) trait Sought: Copy {
+    /// Which of sixteen vertices belong to triangles that are not.
+    fn excluded<T: Scalar, L: Lanes<T>>(self, vertices: &[u32; LANE_COUNT]) -> Mask;
+
+    /// Whether the triangle with these corners is.
+    fn includes(self, corners: [u32; 3]) -> bool;
+}
+
+/// All of them.
+#[derive(Clone, Copy)]
+pub(super) struct All;
+
+impl Sought for All {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn excluded<T: Scalar, L: Lanes<T>>(self, _: &[u32; LANE_COUNT]) -> Mask {
+        0
+    }
+
+    fn includes(self, _: [u32; 3]) -> bool {
+        true
+    }
+}
+
+/// Those without a vertex of one part of the surface.
+#[derive(Clone, Copy)]
+pub(super) struct Beyond<'a> {
+    /// Of each vertex.
+    parts: &'a [u32],
+    part: u32,
+}
+
+impl Sought for Beyond<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn excluded<T: Scalar, L: Lanes<T>>(self, vertices: &[u32; LANE_COUNT]) -> Mask {
+        L::equal(&L::gather_indices(self.parts, vertices), self.part)
+    }
+
+    fn includes(self, corners: [u32; 3]) -> bool {
+        corners.iter().all(|&vertex| self.parts[vertex as usize] != self.part)
+    }
+}
+
 impl<T: Scalar> Tracer<'_, T> {
     /// The point of the surface that is nearest to `point`, if it is at most `bound` away (which may be infinite); of
     /// several, the one on the triangle with the smallest index. `None` too where the point or the bound is NaN, or the
@@ -36,12 +79,18 @@ impl<T: Scalar> Tracer<'_, T> {
     /// point and the mesh's box, however thin the triangles; on a shared edge or vertex all triangles there agree to the bit.
     /// Scaling mesh, point and bound by a power of two scales it exactly.
     pub fn closest_point(&self, point: &Vector3<T>, bound: T) -> Option<ClosestPoint<T>> {
+        self.closest_point_of(point, bound, All)
+    }
+
+    fn closest_point_of(&self, point: &Vector3<T>, bound: T, sought: impl Sought) -> Option<ClosestPoint<T>> {
         let query = QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?;
         let mut nearest = Nearest::within(&query, bound);
         match self.cells {
-            Cells::Wide(cells) => cells.find_closest(self.mesh(), &query, &mut nearest),
+            Cells::Wide(cells) => cells.find_closest(self.mesh(), &query, sought, &mut nearest),
             Cells::Classic(cells) => cells.visit_near(&query, nearest.square, &mut |triangle| {
-                nearest.keep_nearer(self.square_to(&query, triangle), triangle);
+                if sought.includes(self.mesh().topology().triangles()[triangle as usize]) {
+                    nearest.keep_nearer(self.square_to(&query, triangle), triangle);
+                }
                 nearest.square
             }),
         }
@@ -68,12 +117,30 @@ impl<T: Scalar> Tracer<'_, T> {
         assert_eq!(points.len(), bounds.len(), "each point has a bound");
         found.clear();
         found.room_for(points.len()).resize(points.len(), None);
-        dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, found });
+        dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, sought: All, found });
     }
 
-    fn closest_one_by_one(&self, points: &[Vector3<T>], bounds: &[T], found: &mut [Option<ClosestPoint<T>>]) {
+    /// The same on the surface without the triangles that have a vertex of one part of it, given the part of each vertex, and
+    /// a place for each point.
+    pub(crate) fn closest_points_beyond(
+        &self,
+        (parts, part): (&[u32], u32),
+        points: &[Vector3<T>],
+        bounds: &[T],
+        found: &mut [Option<ClosestPoint<T>>],
+    ) {
+        dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, sought: Beyond { parts, part }, found });
+    }
+
+    fn closest_one_by_one(
+        &self,
+        points: &[Vector3<T>],
+        bounds: &[T],
+        sought: impl Sought,
+        found: &mut [Option<ClosestPoint<T>>],
+    ) {
         for ((point, &bound), found) in points.iter().zip(bounds).zip(found) {
-            *found = self.closest_point(point, bound);
+            *found = self.closest_point_of(point, bound, sought);
         }
     }
 
@@ -137,7 +204,7 @@ impl<T: Scalar> Tracer<'_, T> {
         if let Cells::Wide(cells) = self.cells
             && packet.set_lanes::<L>(points, asked, bounds, &scale)
         {
-            cells.find_closest_of_packet::<L>(self.mesh(), packet);
+            cells.find_closest_of_packet::<L>(self.mesh(), All, packet);
             let found = packet.found & asked;
             let squares = L::load(&packet.square);
             let roots = squares.sqrt().mul(L::splat(scale.factors[1]));
@@ -173,14 +240,15 @@ impl<T: Scalar> Tracer<'_, T> {
 }
 
 /// [`Tracer::closest_points`].
-struct ClosestPoints<'a, 'b, T: Scalar> {
+struct ClosestPoints<'a, 'b, T: Scalar, S> {
     tracer: &'a Tracer<'b, T>,
     points: &'a [Vector3<T>],
     bounds: &'a [T],
+    sought: S,
     found: &'a mut [Option<ClosestPoint<T>>],
 }
 
-impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
+impl<T: Scalar, S: Sought> Kernel<T> for ClosestPoints<'_, '_, T, S> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -191,14 +259,14 @@ impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
         let chunks = self.points.chunks(LANE_COUNT).zip(self.bounds.chunks(LANE_COUNT));
         for ((points, bounds), found) in chunks.zip(self.found.chunks_mut(LANE_COUNT)) {
             let Cells::Wide(cells) = self.tracer.cells else {
-                self.tracer.closest_one_by_one(points, bounds, found);
+                self.tracer.closest_one_by_one(points, bounds, self.sought, found);
                 continue;
             };
             if !packet.set::<L>(points, bounds, &scale) {
-                self.tracer.closest_one_by_one(points, bounds, found);
+                self.tracer.closest_one_by_one(points, bounds, self.sought, found);
                 continue;
             }
-            cells.find_closest_of_packet::<L>(mesh, &mut packet);
+            cells.find_closest_of_packet::<L>(mesh, self.sought, &mut packet);
             // Lanes without a triangle take the first one.
             let triangles = mesh.topology().triangles();
             let (mut places, mut corners) = ([[0; 3]; LANE_COUNT], [[0; LANE_COUNT]; 3]);
@@ -244,7 +312,7 @@ mod tests {
         fn run<L: Lanes<T>>(self) -> Self::Output {
             let Self { tracer, points, bounds } = self;
             let mut found = vec![None; points.len()];
-            L::outlined(ClosestPoints { tracer, points, bounds, found: &mut found });
+            L::outlined(ClosestPoints { tracer, points, bounds, sought: All, found: &mut found });
             let Cells::Wide(cells) = tracer.cells else { unreachable!("it is the default") };
             let one = |(point, &bound): (&Vector3<T>, &T)| {
                 let query = QueryPoint::new(point, &MeshScale::new(tracer.mesh().aabb()))?;
