@@ -6,6 +6,7 @@
 //! other part's surface has come. So the nearest point of all the surface but the part inside around the vertex is the end.
 //! Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", find the same through tetrahedra.
 
+mod growing;
 mod inside;
 
 use crate::closest::ClosestPoint;
@@ -13,6 +14,7 @@ use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
 use crate::mesh::{Mesh, Topology};
 use crate::octree::{Octree, OctreeError, Tracer};
+use growing::Growing;
 use inside::Inside;
 use std::fmt;
 
@@ -62,6 +64,7 @@ pub struct OwnExits<T: Scalar> {
     points: Vec<Vector3<T>>,
     bounds: Vec<T>,
     found: Vec<Option<ClosestPoint<T>>>,
+    growing: Growing<T>,
 }
 
 /// Why there are no own exits.
@@ -98,13 +101,12 @@ const UNNUMBERED: u32 = u32::MAX - 1;
 impl<T: Scalar> OwnExits<T> {
     /// Finds the vertices around which the surface, just under them, winds more than once, in ascending order. Each has the
     /// nearest point of the surface without the triangles that have a vertex of its own part inside: those vertices inside
-    /// that are connected with it along edges.
+    /// that are connected with it along edges. Where that point is one of those triangles' too, the surface goes on there into
+    /// the part, and the part grows by the vertices around it until the point is no more.
     ///
-    /// Vertices without a normal have no side, and are left out. The exit is the shortest path out of the other part as long as
-    /// the part inside is connected as the surface is: where triangles are so large that the other part passes between
-    /// their vertices, or where a body lies in itself all around, as a ring of two full turns, it may be a longer one or a
-    /// point of the vertex' own surface. The time goes with the number of vertices, and with how many sheets lie above one
-    /// another.
+    /// Vertices without a normal have no side, and are left out. Where a body lies in itself all around, as a ring of two full
+    /// turns, both are one part inside, and the exit may be a longer one than the shortest. The time goes with the number of
+    /// vertices, and with how many sheets lie above one another.
     ///
     /// # Errors
     /// [`OwnExitsError`]; what was found before is then gone.
@@ -151,7 +153,7 @@ impl<T: Scalar> OwnExits<T> {
     }
 
     fn find_exits(&mut self, tracer: &Tracer<'_, T>) {
-        let Self { exits, inside, parts, places, points, bounds, found, .. } = self;
+        let Self { exits, inside, parts, places, points, bounds, found, growing, .. } = self;
         let vertices = places.iter().map(|&[_, place]| inside.vertex_at(place));
         points.clear();
         memory::append(points, vertices.clone().map(|vertex| tracer.mesh().position(vertex)));
@@ -163,8 +165,9 @@ impl<T: Scalar> OwnExits<T> {
         for part in places.chunk_by(|[a, _], [b, _]| a == b) {
             let range = first..first + part.len();
             first = range.end;
-            let (points, bounds) = (&points[range.clone()], &bounds[range.clone()]);
-            tracer.closest_points_beyond((parts, part[0][0]), points, bounds, &mut found[range]);
+            let (points, bounds, found) = (&points[range.clone()], &bounds[range.clone()], &mut found[range]);
+            tracer.closest_points_beyond((parts, part[0][0]), points, bounds, found);
+            growing.ask_again(tracer, parts, part[0][0], points, found);
         }
         memory::append(exits, vertices.zip(found.iter()).map(|(vertex, &exit)| OwnExit { vertex, exit }));
         exits.sort_unstable_by_key(|exit| exit.vertex);
