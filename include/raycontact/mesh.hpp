@@ -218,8 +218,8 @@ class Octree {
   }
 
   /**
-   * The vertices inside another part of their own body, with their shortest ways out: rayc_octree_own_exits(). `exits` has
-   * room for as many as there may be, at most one for each vertex. How many there are.
+   * The vertices inside another part of their own body, with their shortest ways out: rayc_octree_own_exits(). `exits`
+   * has room for as many as there may be, at most one for each vertex. How many there are.
    */
   Outcome<std::size_t> own_exits(const Mesh& mesh, Span<rayc_own_exit> exits) {
     std::size_t count = 0;

@@ -64,3 +64,82 @@ impl<T: Scalar> Mesh<T> {
         Facing { along, against }
     }
 }
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use crate::math::{Kernel, on_every_path};
+    use crate::octree::test_mesh::{torus_positions, torus_triangles};
+
+    #[derive(Clone, Copy)]
+    struct Asked<'a, T: Scalar>(&'a Mesh<T>);
+
+    impl<T: Scalar> Kernel<T> for Asked<'_, T> {
+        type Output = Vec<[bool; 6]>;
+
+        fn run<L: Lanes<T>>(self) -> Self::Output {
+            let mut all = Vec::new();
+            for some in self.0.topology().surface_vertices().chunks(LANE_COUNT) {
+                let Facing { along, against } = self.0.facing::<L>(some);
+                let [a, b, c] = along;
+                let [d, e, f] = against;
+                all.extend((0..some.len()).map(|lane| [a, b, c, d, e, f].map(|mask| mask >> lane & 1 == 1)));
+            }
+            all
+        }
+    }
+
+    /// Which way all triangles around a vertex face by more than a part of their area: −1, 1 or 0, and whether it is a
+    /// near thing.
+    fn facing<T: Scalar>(mesh: &Mesh<T>, vertex: u32, axis: usize) -> (i32, bool) {
+        let parts = mesh.topology().triangles_around(vertex).iter().map(|&triangle| {
+            let normal = mesh.scaled_normal(triangle).map(T::to_f64);
+            normal[axis] / normal.norm()
+        });
+        let (least, most) = parts.fold((1.0f64, -1.0f64), |(least, most), part| (least.min(part), most.max(part)));
+        let is_near = |part: f64| (part.abs() - LEAST_PART.sqrt()).abs() < 1e-4;
+        let way = if least > LEAST_PART.sqrt() { 1 } else { -i32::from(most < -LEAST_PART.sqrt()) };
+        (way, is_near(least) || is_near(most))
+    }
+
+    fn assert_same_on_all_paths<T: Scalar>() {
+        let sides = [48, 12];
+        let positions: Vec<_> = torus_positions(sides, 3).into_iter().map(|point| point.map(T::of)).collect();
+        let mesh = Mesh::new(&positions, &torus_triangles(sides)).expect("it is closed");
+        let [first, others @ ..] = &on_every_path::<T, _>(Asked(&mesh))[..] else { panic!("there is a path") };
+        assert!(others.iter().all(|other| other == first));
+        let mut counts = [0; 3];
+        for (&vertex, found) in mesh.topology().surface_vertices().iter().zip(first) {
+            for axis in 0..3 {
+                let (expected, is_near) = facing(&mesh, vertex, axis);
+                let way = i32::from(found[axis]) - i32::from(found[axis + 3]);
+                assert!(way == expected || is_near, "vertex {vertex}, axis {axis}: {way}, not {expected}");
+                counts[(way + 1) as usize] += 1;
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 100), "{counts:?}");
+    }
+
+    #[test]
+    fn triangles_around_a_vertex_face_one_way_on_all_paths() {
+        assert_same_on_all_paths::<f64>();
+        assert_same_on_all_paths::<f32>();
+    }
+
+    /// A fan that goes around twice, as a screw with its ends joined: it faces upward all over, and covers its middle twice.
+    #[test]
+    fn a_fan_that_goes_around_twice_faces_no_way() {
+        let ring = |i: u32| {
+            let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 5.0).sin_cos();
+            let height = -1.0 - 0.3 * (f64::from(i) * std::f64::consts::PI / 5.0).cos();
+            [cos, sin, height]
+        };
+        let positions: Vec<_> = (0..10).map(ring).chain([[0.0; 3], [0.0, 0.0, -5.0]]).collect();
+        let sides = (0..10).flat_map(|i| [[10, i, (i + 1) % 10], [11, (i + 1) % 10, i]]);
+        let mesh = Mesh::new(&positions, &sides.collect::<Vec<_>>()).expect("it is closed");
+        assert!(mesh.topology().triangles_around(10).iter().all(|&triangle| mesh.scaled_normal(triangle).z > 0.0));
+        for found in on_every_path::<f64, _>(Asked(&mesh)) {
+            assert_eq!(found[10], [false; 6]);
+        }
+    }
+}

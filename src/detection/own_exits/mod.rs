@@ -48,7 +48,7 @@ pub struct OwnExit<T: Scalar> {
 /// let found = own_exits.find(&mesh, &octree)?;
 /// assert_eq!(found.iter().map(|exit| exit.vertex).collect::<Vec<_>>(), [7, 8]);
 /// let exit = found[0].exit.expect("there is another part");
-/// assert!((exit.distance - 0.2).abs() < 1e-12 && (exit.position.x - 0.8).abs() < 1e-12);
+/// assert!((exit.distance - 0.1).abs() < 1e-12 && (exit.position.y - 1.1).abs() < 1e-12);
 /// # Ok(())
 /// # }
 /// ```

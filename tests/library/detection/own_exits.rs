@@ -175,9 +175,9 @@ fn hairpin(s: f64) -> Vector3<f64> {
 
 fn bars() -> [(Shape, Vec<f64>); 3] {
     [
-        bent([48, 4, 4], [0.25, 0.25], ring(1.13)),
-        bent([48, 5, 5], [0.25, 0.25], hairpin),
-        bent([30, 1, 8], [0.08, 1.0], hairpin),
+        bent([36, 3, 3], [0.25, 0.25], ring(1.13)),
+        bent([36, 4, 4], [0.25, 0.25], hairpin),
+        bent([24, 1, 7], [0.08, 1.0], hairpin),
     ]
 }
 
@@ -217,7 +217,7 @@ fn ways_lead_out_of_the_other_end_of_the_bar() {
 #[test]
 fn two_lobes_have_the_ways_out_of_two_bodies() {
     let mut inside = 0;
-    for step in (0..64).step_by(STRIDE) {
+    for step in (0..48).step_by(STRIDE) {
         let mut random = Random::new(step);
         let a = shapes::torus(24, 12, 0.35);
         let b = if step % 2 == 0 { a.clone() } else { shapes::sphere(2).scaled(0.6) };
