@@ -1,6 +1,9 @@
+// Lanes side by side read best as plain loops over their index.
+#![allow(clippy::needless_range_loop)]
+
 use super::Mesh;
-use super::normals::RingLanes;
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vectors};
+use super::normals::{Fan, NormalLanes};
+use crate::math::{Lanes, Mask, Scalar, Vectors};
 
 /// Vertices around which all triangles face along an axis, or all against it, and go around once: seen along the axis they
 /// cover a neighbourhood of the vertex once, so that the points just before and behind it lie on either side of the surface.
@@ -17,44 +20,13 @@ const LEAST_PART: f64 = 1.0 / 64.0;
 const LEAST_SINE: f64 = 1.0 / (1 << 20) as f64;
 
 impl<T: Scalar> Mesh<T> {
-    /// Of up to sixteen vertices. Where rounding might decide, or squares underflow or overflow, neither holds.
+    /// Of up to sixteen vertices, whose normals go into `found`. Where rounding might decide, or squares underflow or overflow,
+    /// neither holds.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn facing<L: Lanes<T>>(&self, vertices: &[u32]) -> Facing {
-        let count = vertices.len().min(LANE_COUNT);
-        let mut own = [vertices[0]; LANE_COUNT];
-        own[..count].copy_from_slice(&vertices[..count]);
-        let rings = RingLanes::new::<T, L>(self.topology(), own);
-        let base = self.gather::<L>(&own);
-        let zero = L::splat(T::zero());
-        let (least, greatest) = (L::splat(T::SAFE_SQUARES.0), L::splat(T::SAFE_SQUARES.1));
-        let (least_part, least_sine) = (L::splat(T::of(LEAST_PART)), L::splat(T::of(LEAST_SINE)));
-        let (mut along, mut against) = ([Mask::MAX; 3], [Mask::MAX; 3]);
-        // How often the edges pass from the lower to the upper half along each axis.
-        let (mut once, mut more) = ([0; 3], [0; 3]);
-        let (mut before, mut square_before, mut is_below, mut has_length_before) = (Vectors::zeros(), zero, [0; 3], 0);
-        for place in 0..rings.longest {
-            let edge = self.gather::<L>(&rings.at::<T, L>(place)).sub(base);
-            let has_length = zero.is_less(edge.magnitude().largest());
-            let is_triangle = has_length & has_length_before;
-            let (normal, square_of_edge) = (before.cross(edge), edge.dot(edge));
-            let square = normal.dot(normal);
-            let is_sure = least.is_at_most(square)
-                & square.is_at_most(greatest)
-                & square_of_edge.mul(square_before).mul(least_sine).is_at_most(square);
-            let part = square.mul(least_part);
-            let (edges, normals) = ([edge.x, edge.y, edge.z], [normal.x, normal.y, normal.z]);
-            for axis in 0..3 {
-                let is_enough = part.is_at_most(normals[axis].mul(normals[axis])) & is_sure;
-                along[axis] &= zero.is_less(normals[axis]) & is_enough | !is_triangle;
-                against[axis] &= normals[axis].is_less(zero) & is_enough | !is_triangle;
-                let is_below_now = edges[axis].is_less(zero);
-                let passes = is_below[axis] & !is_below_now & is_triangle;
-                more[axis] |= once[axis] & passes;
-                once[axis] |= passes;
-                is_below[axis] = is_below_now;
-            }
-            (before, square_before, has_length_before) = (edge, square_of_edge, has_length);
-        }
+    pub(crate) fn facing<L: Lanes<T>>(&self, vertices: &[u32], found: &mut NormalLanes<T>) -> Facing {
+        let mut fan = FacingFan { along: [Mask::MAX; 3], against: [Mask::MAX; 3], once: [0; 3], more: [0; 3] };
+        self.vertex_normals_and::<L>(vertices, found, &mut fan);
+        let FacingFan { mut along, mut against, once, more } = fan;
         for axis in 0..3 {
             // Seen along one axis, the edges pass the next.
             let next = (axis + 1) % 3;
@@ -65,10 +37,46 @@ impl<T: Scalar> Mesh<T> {
     }
 }
 
+/// What is known of the fans on the way around.
+struct FacingFan {
+    along: [Mask; 3],
+    against: [Mask; 3],
+    /// Whether the edges have passed from the lower to the upper half of each axis, and whether more than once.
+    once: [Mask; 3],
+    more: [Mask; 3],
+}
+
+impl<T: Scalar> Fan<T> for FacingFan {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<L: Lanes<T>>(
+        &mut self,
+        [before, edge]: [Vectors<T, L>; 2],
+        normal: Vectors<T, L>,
+        is_safe: Mask,
+        is_triangle: Mask,
+    ) {
+        let zero = L::splat(T::zero());
+        let square = normal.dot(normal);
+        let least_square = edge.dot(edge).mul(before.dot(before)).mul(L::splat(T::of(LEAST_SINE)));
+        let is_sure = is_safe & least_square.is_at_most(square);
+        let part = square.mul(L::splat(T::of(LEAST_PART)));
+        let (edges, edges_before) = ([edge.x, edge.y, edge.z], [before.x, before.y, before.z]);
+        let normals = [normal.x, normal.y, normal.z];
+        for axis in 0..3 {
+            let is_enough = part.is_at_most(normals[axis].mul(normals[axis])) & is_sure;
+            self.along[axis] &= zero.is_less(normals[axis]) & is_enough | !is_triangle;
+            self.against[axis] &= normals[axis].is_less(zero) & is_enough | !is_triangle;
+            let passes = edges_before[axis].is_less(zero) & !edges[axis].is_less(zero) & is_triangle;
+            self.more[axis] |= self.once[axis] & passes;
+            self.once[axis] |= passes;
+        }
+    }
+}
+
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
-    use crate::math::{Kernel, on_every_path};
+    use crate::math::{Kernel, LANE_COUNT, on_every_path};
     use crate::octree::test_mesh::{torus_positions, torus_triangles};
 
     #[derive(Clone, Copy)]
@@ -79,8 +87,11 @@ mod tests {
 
         fn run<L: Lanes<T>>(self) -> Self::Output {
             let mut all = Vec::new();
+            let (mut normals, mut alone) = (NormalLanes::empty(), NormalLanes::empty());
             for some in self.0.topology().surface_vertices().chunks(LANE_COUNT) {
-                let Facing { along, against } = self.0.facing::<L>(some);
+                let Facing { along, against } = self.0.facing::<L>(some, &mut normals);
+                self.0.vertex_normals::<L>(some, &mut alone);
+                assert_eq!((normals.normal, normals.outward), (alone.normal, alone.outward));
                 let [a, b, c] = along;
                 let [d, e, f] = against;
                 all.extend((0..some.len()).map(|lane| [a, b, c, d, e, f].map(|mask| mask >> lane & 1 == 1)));

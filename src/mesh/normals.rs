@@ -1,4 +1,4 @@
-use super::{Mesh, RING_LENGTH, Topology, VertexNormal};
+use super::{Mesh, RING_LENGTH, VertexNormal};
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length, margins};
 
 /// Sixteen points with their normals, coordinate by coordinate.
@@ -23,42 +23,19 @@ impl<T: Scalar> NormalLanes<T> {
     }
 }
 
-/// The rings of sixteen vertices, side by side.
-pub(super) struct RingLanes<'a> {
-    topology: &'a Topology,
-    own: [u32; LANE_COUNT],
-    starts: [u32; LANE_COUNT],
-    /// How many entries the longest has.
-    pub(super) longest: usize,
+/// Who looks at the triangles around vertices, sixteen vertices side by side, on the way around.
+pub(super) trait Fan<T: Scalar> {
+    /// The next triangle of each vertex, between two edges; `is_triangle` where there is one, `is_safe` where the square of
+    /// its normal has lost nothing.
+    fn add<L: Lanes<T>>(&mut self, edges: [Vectors<T, L>; 2], normal: Vectors<T, L>, is_safe: Mask, is_triangle: Mask);
 }
 
-impl<'a> RingLanes<'a> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn new<T: Scalar, L: Lanes<T>>(topology: &'a Topology, own: [u32; LANE_COUNT]) -> Self {
-        let (_, ring_start) = topology.rings();
-        let starts = L::gather_indices(ring_start, &own);
-        let ends = L::gather_indices(ring_start, &own.map(|vertex| vertex + 1));
-        let mut longest = 0;
-        for (start, end) in starts.iter().zip(&ends) {
-            longest = longest.max(end - start);
-        }
-        Self { topology, own, starts, longest: longest as usize }
-    }
+/// Nobody.
+struct NormalsAlone;
 
-    /// The vertices at a place of the rings.
+impl<T: Scalar> Fan<T> for NormalsAlone {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn at<T: Scalar, L: Lanes<T>>(&self, place: usize) -> [u32; LANE_COUNT] {
-        let mut others = self.own;
-        if place < RING_LENGTH {
-            let (rings, _) = self.topology.rings();
-            return L::gather_indices(rings, &self.starts.map(|start| start + place as u32));
-        }
-        for (other, vertex) in others.iter_mut().zip(self.own) {
-            // Beyond a ring's end the vertex itself: an edge of no length adds nothing.
-            *other = *self.topology.ring(vertex).get(place).unwrap_or(&vertex);
-        }
-        others
-    }
+    fn add<L: Lanes<T>>(&mut self, _: [Vectors<T, L>; 2], _: Vectors<T, L>, _: Mask, _: Mask) {}
 }
 
 impl<T: Scalar> Mesh<T> {
@@ -79,10 +56,27 @@ impl<T: Scalar> Mesh<T> {
     /// [`vertex_normal`](Self::vertex_normal) of up to sixteen vertices, to the bit.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn vertex_normals<L: Lanes<T>>(&self, vertices: &[u32], found: &mut NormalLanes<T>) {
+        self.vertex_normals_and::<L>(vertices, found, &mut NormalsAlone);
+    }
+
+    /// The same, and shows the triangles around each vertex to `fan`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn vertex_normals_and<L: Lanes<T>>(
+        &self,
+        vertices: &[u32],
+        found: &mut NormalLanes<T>,
+        fan: &mut impl Fan<T>,
+    ) {
         let count = vertices.len().min(LANE_COUNT);
         let mut own = [vertices[0]; LANE_COUNT];
         own[..count].copy_from_slice(&vertices[..count]);
-        let rings = RingLanes::new::<T, L>(self.topology(), own);
+        let (rings, ring_start) = self.topology().rings();
+        let starts = L::gather_indices(ring_start, &own);
+        let ends = L::gather_indices(ring_start, &own.map(|vertex| vertex + 1));
+        let mut longest = 0;
+        for (start, end) in starts.iter().zip(&ends) {
+            longest = longest.max(end - start);
+        }
         let base = self.gather::<L>(&own);
         base.store(&mut found.position);
         let zero = L::splat(T::zero());
@@ -90,13 +84,24 @@ impl<T: Scalar> Mesh<T> {
         let (mut sum, mut doubled_area, mut smallest) = (Vectors::zeros(), zero, L::splat(T::INFINITY));
         let mut unsafe_squares = 0;
         let (mut before, mut has_length_before) = (Vectors::zeros(), 0);
-        for place in 0..rings.longest {
-            let edge = self.gather::<L>(&rings.at::<T, L>(place)).sub(base);
+        for place in 0..longest as usize {
+            let mut others = own;
+            if place < RING_LENGTH {
+                others = L::gather_indices(rings, &starts.map(|start| start + place as u32));
+            } else {
+                for (other, vertex) in others.iter_mut().zip(own) {
+                    // Beyond a ring's end the vertex itself: an edge of no length adds nothing.
+                    *other = *self.topology().ring(vertex).get(place).unwrap_or(&vertex);
+                }
+            }
+            let edge = self.gather::<L>(&others).sub(base);
             let has_length = zero.is_less(edge.magnitude().largest());
             let normal = before.cross(edge);
             let square = normal.dot(normal);
             let is_safe = least.is_at_most(square) & square.is_at_most(greatest);
-            unsafe_squares |= !is_safe & has_length & has_length_before;
+            let is_triangle = has_length & has_length_before;
+            fan.add([before, edge], normal, is_safe, is_triangle);
+            unsafe_squares |= !is_safe & is_triangle;
             sum = sum.add(normal);
             let doubled = square.sqrt();
             doubled_area = doubled_area.add(doubled);

@@ -87,8 +87,7 @@ impl Starts {
         self.inward.clear();
         let (mesh, mut lanes) = (tracer.mesh(), NormalLanes::empty());
         for (number, some) in vertices.chunks(LANE_COUNT).enumerate() {
-            mesh.vertex_normals::<L>(some, &mut lanes);
-            let Facing { along, against } = mesh.facing::<L>(some);
+            let Facing { along, against } = mesh.facing::<L>(some, &mut lanes);
             for lane in 0..some.len() {
                 let is_set = |mask: Mask| mask >> lane & 1 == 1;
                 if !is_set(lanes.found) {
