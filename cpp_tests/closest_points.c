@@ -167,8 +167,69 @@ static void an_open_mesh_has_no_inside(void) {
   CHECK(closest.position[0] == 0.25 && closest.position[1] == 1 && closest.position[2] == 0);
   CHECK_STATUS(rayc_octree_winding_numbers(octree, mesh, &asked, &number), RAYC_STATUS_MESH_OPEN, "no inside");
   CHECK(number == 42);
+  rayc_own_exit exits[4];
+  size_t count = 42;
+  CHECK_STATUS(rayc_octree_own_exits(octree, mesh, 4, exits, &count), RAYC_STATUS_MESH_OPEN, "no inside");
+  CHECK(count == 42);
   CHECK_OK(rayc_octree_destroy(octree));
   CHECK_OK(rayc_mesh_destroy(mesh));
+}
+
+/* One mesh of two octahedra: the vertex +x of the first and -x of the second are inside the other, whose nearest face
+   is (1 - |x| - |y| - |z|) / √3 away from within, the other's middle subtracted. */
+static void own_exits_of_two_octahedra(rayc_scalar precision, double rounding_unit) {
+  double corners[6 * OCTAHEDRON_VERTICES];
+  uint32_t triangles[6 * OCTAHEDRON_TRIANGLES];
+  octahedron_shifted(no_shift, corners);
+  octahedron_shifted(octahedron_shift, corners + 3 * OCTAHEDRON_VERTICES);
+  for (int i = 0; i < 6 * OCTAHEDRON_TRIANGLES; ++i)
+    triangles[i] =
+        octahedron_triangles[i % (3 * OCTAHEDRON_TRIANGLES)] + (i < 3 * OCTAHEDRON_TRIANGLES ? 0 : OCTAHEDRON_VERTICES);
+  rayc_mesh_options options;
+  CHECK_OK(rayc_default_mesh_options(sizeof options, &options));
+  options.precision = precision;
+  const rayc_vectors positions = packed(corners, 2 * OCTAHEDRON_VERTICES);
+  rayc_mesh *mesh = NULL, *other = octahedron_mesh(no_shift), *unlike = mesh_of(RAYC_SCALAR_F32);
+  CHECK_OK(rayc_mesh_create(&options, &positions, triangles, 2 * OCTAHEDRON_TRIANGLES, &mesh));
+  rayc_octree *octree = octree_of(mesh), *octree_double = octree_of(other);
+  rayc_own_exit exits[2 * OCTAHEDRON_VERTICES];
+  size_t count = 42;
+  CHECK_OK(rayc_octree_own_exits(octree, mesh, 2 * OCTAHEDRON_VERTICES, exits, &count));
+  CHECK(count == 2 && exits[0].vertex == 0 && exits[1].vertex == OCTAHEDRON_VERTICES + 1);
+  const double *shift = octahedron_shift, depth = fabs(1 - shift[0]) + fabs(shift[1]) + fabs(shift[2]);
+  for (int i = 0; i < 2; ++i) {
+    const rayc_own_exit* found = &exits[i];
+    CHECK_NEAR(found->distance, (1 - depth) / sqrt(3), 128 * rounding_unit);
+    CHECK(found->triangle / OCTAHEDRON_TRIANGLES == (i == 0 ? 1u : 0u));
+    for (int axis = 0; axis < 3; ++axis) {
+      double sum = 0;
+      for (int corner = 0; corner < 3; ++corner)
+        sum += found->weights[corner] * corners[3 * triangles[3 * found->triangle + corner] + axis];
+      CHECK_NEAR(found->position[axis], sum, 16 * rounding_unit);
+    }
+  }
+
+  const rayc_own_exit before = exits[1];
+  count = 42;
+  CHECK_STATUS(rayc_octree_own_exits(octree, mesh, 1, exits, &count), RAYC_STATUS_WRONG_COUNT, "there are 2 own exits");
+  CHECK_STATUS(rayc_octree_own_exits(NULL, mesh, 2, exits, &count), RAYC_STATUS_NULL_POINTER, "octree");
+  CHECK_STATUS(rayc_octree_own_exits(octree, NULL, 2, exits, &count), RAYC_STATUS_NULL_POINTER, "mesh");
+  CHECK_STATUS(rayc_octree_own_exits(octree, mesh, 2, NULL, &count), RAYC_STATUS_NULL_POINTER, "exits");
+  CHECK_STATUS(rayc_octree_own_exits(octree, mesh, 2, exits, NULL), RAYC_STATUS_NULL_POINTER, "count");
+  CHECK_STATUS(rayc_octree_own_exits(octree_double, unlike, 2, exits, &count), RAYC_STATUS_PRECISION_MISMATCH, "");
+  if (precision == RAYC_SCALAR_F64)
+    CHECK_STATUS(rayc_octree_own_exits(octree, other, 2, exits, &count), RAYC_STATUS_OCTREE_OF_OTHER_MESH, "");
+  CHECK_OK(rayc_mesh_set_positions(mesh, &positions));
+  CHECK_STATUS(rayc_octree_own_exits(octree, mesh, 2, exits, &count), RAYC_STATUS_OCTREE_STALE, "older");
+  CHECK(count == 42 && memcmp(&before, &exits[1], sizeof before) == 0);
+  CHECK_OK(rayc_octree_own_exits(octree_double, other, 0, NULL, &count));
+  CHECK(count == 0);
+
+  CHECK_OK(rayc_octree_destroy(octree));
+  CHECK_OK(rayc_octree_destroy(octree_double));
+  CHECK_OK(rayc_mesh_destroy(mesh));
+  CHECK_OK(rayc_mesh_destroy(other));
+  CHECK_OK(rayc_mesh_destroy(unlike));
 }
 
 int main(void) {
@@ -176,5 +237,7 @@ int main(void) {
   answers_are_those_of_the_formula(RAYC_SCALAR_F32, 5.9604644775390625e-08);
   bad_input_is_refused_and_nothing_written();
   an_open_mesh_has_no_inside();
+  own_exits_of_two_octahedra(RAYC_SCALAR_F64, 1.1102230246251565e-16);
+  own_exits_of_two_octahedra(RAYC_SCALAR_F32, 5.9604644775390625e-08);
   return check_result();
 }

@@ -129,6 +129,21 @@ void closest_points_and_winding_numbers() {
   check_throws(RAYC_STATUS_WRONG_COUNT, "room for 1", [&] { octree.winding_numbers(mesh, vectors(points), numbers); });
 }
 
+/** One mesh of the tetrahedron twice, the second shifted along the diagonal: its corner lies inside the first. */
+void own_exits_are_those_of_the_c_function() {
+  std::vector<Point> twice = corners;
+  for (const Point& corner : shifted(0.2)) twice.push_back(corner);
+  std::vector<uint32_t> both(faces.begin(), faces.end());
+  for (const uint32_t vertex : faces) both.push_back(vertex + 4);
+  const Mesh mesh(vectors(twice), both);
+  Octree octree(mesh);
+  std::vector<rayc_own_exit> exits(twice.size());
+  const std::size_t count = octree.own_exits(mesh, exits);
+  CHECK(count == 1 && exits[0].vertex == 4);
+  CHECK_NEAR(exits[0].distance, 0.2, 1e-15);
+  check_throws(RAYC_STATUS_WRONG_COUNT, "room for 0", [&] { octree.own_exits(mesh, {}); });
+}
+
 /** All that a scene and its contacts offer, on the example of README.md, whose forces have a closed form. */
 void a_scene_answers_as_the_c_functions_do() {
   std::vector<Point> a = corners, b = shifted(0.2);
@@ -224,6 +239,7 @@ int main() {
   errors_are_exceptions();
   a_ray_hits_where_it_should();
   closest_points_and_winding_numbers();
+  own_exits_are_those_of_the_c_function();
   a_scene_answers_as_the_c_functions_do();
   pairs_and_selves_without_a_scene();
   const int without_exceptions = check_results_without_exceptions();

@@ -24,7 +24,7 @@
  * - the contact system, with friction, rigid bodies and cages: rayc_contact_system_…
  * - pairs that escape, and what the scene remembers of pairs: rayc_contacts_…escape_push…, rayc_scene_…escape, …memor…
  * - bodies shared by several processes: rayc_scene_share_body() to rayc_mesh_unpack()
- * - a search tree of one's own: rays, nearest points, winding numbers: rayc_default_octree_options(), rayc_octree_…
+ * - a search tree of one's own: rays, nearest points, winding numbers, ways out of oneself: rayc_default_octree_options(), rayc_octree_…
  */
 
 #ifndef RAYCONTACT_H
@@ -1215,6 +1215,34 @@ typedef struct rayc_closest_point {
   double position[3];
 } rayc_closest_point;
 
+/**
+ * A vertex inside another part of its own body, and where its shortest way out of that part ends.
+ */
+typedef struct rayc_own_exit {
+  /**
+   * The vertex.
+   */
+  uint32_t vertex;
+  /**
+   * The triangle that the end lies on, of several as near the one with the smallest number; or RAYC_NO_TRIANGLE where all
+   * triangles belong to the vertex' own part, and the fields below are zero.
+   */
+  uint32_t triangle;
+  /**
+   * How long the way is; ≥ 0.
+   */
+  double distance;
+  /**
+   * Barycentric weights of the end at the triangle's three corners: none is negative, and those of corners that are not
+   * on its edge or vertex are exactly zero.
+   */
+  double weights[3];
+  /**
+   * The end: the weighted sum of the corners.
+   */
+  double position[3];
+} rayc_own_exit;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -2348,6 +2376,33 @@ enum rayc_status rayc_octree_winding_numbers(const struct rayc_octree *octree,
                                              const struct rayc_mesh *mesh,
                                              const struct rayc_vectors *points,
                                              int32_t *numbers);
+
+/**
+ * Finds the vertices of a closed surface that lie inside another part of their own body, and for each the shortest way
+ * out: where a body overlaps itself, and by how much.
+ *
+ * A vertex lies inside another part if the surface winds around the point just under it more than once; see
+ * rayc_octree_winding_numbers(). Vertices without a normal, because the triangles around them have no area or cancel out,
+ * are left out. The end of the way is the nearest point of the surface without the triangles that have a vertex of the same
+ * part inside: those vertices inside that are connected with it along edges. Where that point is one of those triangles' too,
+ * the surface goes on there into the part, and the part grows by the vertices around it until the point is no more. That is
+ * the end of the shortest path out of the other part, as in Chen, Diaz and Yuksel 2023, "Shortest path to boundary for
+ * self-intersecting meshes", but without a volume mesh. Where a body lies in itself all around, as a ring of two full turns,
+ * it may be a longer one. Distances are as right as those of rayc_octree_closest_points().
+ *
+ * octree: its memory is used again, so that a steady step allocates nothing; it changes nothing else of it.
+ * exits: room for `capacity` structs, in ascending order of vertices; as many as the mesh has vertices always suffice.
+ * *count: how many there are.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where there are more than `capacity`, with a message that says how many;
+ * RAYC_STATUS_MESH_OPEN, since an open surface has no inside; RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH,
+ * RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_octree_own_exits(struct rayc_octree *octree,
+                                       const struct rayc_mesh *mesh,
+                                       size_t capacity,
+                                       struct rayc_own_exit *exits,
+                                       size_t *count);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -62,7 +62,7 @@ if [[ $size == --quick ]]; then
 fi
 run "$folder/full"
 # What --check asks again.
-run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper,raycontact-nearest \
+run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper,raycontact-own-exits \
     --tasks measure,free,detect,self
 docs="$root/docs/penetration"
 mkdir -p "$docs/quick"

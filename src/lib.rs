@@ -67,8 +67,8 @@ pub mod threads;
 /// Contacts of two bodies, or of a body with itself, and how they are found.
 pub mod contact {
     pub use crate::detection::{
-        Contact, ContactKind, ContactLaw, ContactList, DetectionOptions, EscapePush, Sampling, Statistics,
-        SurfacePoint, query_self, query_self_with_all_rays,
+        Contact, ContactKind, ContactLaw, ContactList, DetectionOptions, EscapePush, OwnExit, OwnExits, OwnExitsError,
+        Sampling, Statistics, SurfacePoint, query_self, query_self_with_all_rays,
     };
     pub use crate::recovery::{PairMemory, Record, query_pair};
 }

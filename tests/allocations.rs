@@ -6,7 +6,7 @@ use allocation_counter::measure;
 use common::c::RAYC_STATUS_OK;
 use common::shapes::{self, Shape};
 use raycontact::capi::*;
-use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
+use raycontact::contact::{ContactList, DetectionOptions, OwnExits, Sampling, query_pair};
 use raycontact::math::Pose;
 use raycontact::octree::{Layout, Octree};
 use raycontact::scene::Scene;
@@ -67,6 +67,25 @@ fn asking_for_closest_points_again_allocates_nothing() {
         let allocations = measure(|| tracer.closest_points(&points, &bounds, &mut found));
         assert_eq!(allocations.count_total, 0, "{layout:?}: {allocations:?}");
         assert_eq!(found.iter().flatten().count(), points.len());
+    }
+}
+
+#[test]
+fn asking_for_own_exits_again_allocates_nothing() {
+    let a = shapes::torus(32, 16, 0.4);
+    let mut mesh = a.joined(&a.turned(0.4, 0.9).moved([0.25, 0.1, 0.3])).mesh::<f64>();
+    for layout in [Layout::Wide, Layout::Classic] {
+        let (mut octree, mut own_exits) = (Octree::with_layout(&mesh, layout), OwnExits::default());
+        for step in 0..12 {
+            let other = a.turned(0.4, 0.9 + 0.1 * f64::from(step % 3)).moved([0.25, 0.1, 0.3]);
+            let positions = a.joined(&other).positions;
+            let allocations = measure(|| {
+                mesh.set_positions(&positions).expect("positions are finite");
+                octree.update(&mesh).expect("the octree is the mesh's own");
+                assert!(!own_exits.find(&mesh, &octree).expect("the octree is fresh").is_empty());
+            });
+            assert!(step < 3 || allocations.count_total == 0, "{layout:?}, step {step}: {allocations:?}");
+        }
     }
 }
 

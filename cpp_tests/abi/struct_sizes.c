@@ -138,6 +138,7 @@ static void arrays_elements_have_no_holes(void) {
   CHECK(sizeof(rayc_surface_point) == 4 * sizeof(uint32_t) + 6 * sizeof(double));
   CHECK(sizeof(rayc_vertex_force) == 2 * sizeof(uint32_t) + 3 * sizeof(double));
   CHECK(sizeof(rayc_hit) == 2 * sizeof(uint32_t) + 4 * sizeof(double));
+  CHECK(sizeof(rayc_own_exit) == 2 * sizeof(uint32_t) + 7 * sizeof(double));
 }
 
 int main(void) {

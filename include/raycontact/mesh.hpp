@@ -217,6 +217,16 @@ class Octree {
     return check(rayc_octree_winding_numbers(get(), mesh.get(), &points, numbers.data()));
   }
 
+  /**
+   * The vertices inside another part of their own body, with their shortest ways out: rayc_octree_own_exits(). `exits`
+   * has room for as many as there may be, at most one for each vertex. How many there are.
+   */
+  Outcome<std::size_t> own_exits(const Mesh& mesh, Span<rayc_own_exit> exits) {
+    std::size_t count = 0;
+    const rayc_status status = rayc_octree_own_exits(get(), mesh.get(), exits.size(), exits.data(), &count);
+    return detail::outcome(status, count);
+  }
+
   /** For raycontact.h; stays this object's. NULL after a move. */
   rayc_octree* get() const noexcept { return handle_.get(); }
 

@@ -92,5 +92,5 @@ def dtype_of(kind: Any) -> np.dtype[Any]:
 
 DTYPES = {
     name: dtype_of(ffi.typeof(f"rayc_{name}"))
-    for name in ("closest_point", "contact", "escape_push", "hit", "pair_memory", "ray")
+    for name in ("closest_point", "contact", "escape_push", "hit", "own_exit", "pair_memory", "ray")
 }

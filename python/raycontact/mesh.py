@@ -102,6 +102,14 @@ class Mesh:
         distances = self.closest_points(points)["distance"]
         return np.where(self.contains(points), -distances, distances)
 
+    def own_exits(self) -> NDArray[Any]:
+        """The vertices inside another part of the closed surface's own body, in ascending order, with their shortest ways
+        out: (k,) with the fields of rayc_own_exit: vertex, triangle (NO_TRIANGLE where there is no other part), distance in
+        m, weights (barycentric), position."""
+        exits = np.empty(self.vertex_count, DTYPES["own_exit"])
+        given = self.octree(), self._handle, len(exits), pointer(exits)
+        return exits[: answer("size_t", library.rayc_octree_own_exits, *given)].copy()
+
     def trace_rays(self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf) -> NDArray[Any]:
         """Where each ray origin + t · direction, 0 ≤ t ≤ t_max, first meets the surface, from either side.
 

@@ -66,6 +66,21 @@ def test_a_surface_that_overlaps_itself_winds_twice():
     assert mesh.winding_numbers(asked).tolist() == [1, 2, 1, 0]
 
 
+@pytest.mark.parametrize("precision, tolerance", [(Scalar.F64, 1e-14), (Scalar.F32, 1e-6)])
+def test_own_exits_of_two_boxes_are_their_corners_ways_out(precision, tolerance):
+    (a, faces), (b, _) = box([0, 0, 0], [1, 1, 1]), box([0.8, 0.1, 0.2], [1.8, 1.1, 1.2])
+    mesh = Mesh(np.concatenate([a, b]), np.concatenate([faces, faces + len(a)]), precision=precision)
+    exits = mesh.own_exits()
+    assert exits["vertex"].tolist() == [7, 8]
+    np.testing.assert_allclose(exits["distance"], [0.1, 0.1], atol=10 * tolerance)
+    np.testing.assert_allclose(exits["position"], [[1, 1.1, 1], [0.8, 0, 0.2]], atol=10 * tolerance)
+    mesh.set_positions(np.concatenate([a, b + 3]))
+    assert len(mesh.own_exits()) == 0
+    with pytest.raises(Error) as error:
+        Mesh(a, faces[1:], open=True).own_exits()
+    assert error.value.status == Status.MESH_OPEN
+
+
 def test_the_share_of_points_inside_a_ball_is_its_volume():
     mesh = Mesh(*ball(40))
     steps = (np.arange(60) + 0.5) / 30 - 1

@@ -131,6 +131,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_octree_trace_rays(null(), null(), null(), 0, null_mut());
         rayc_octree_closest_points(null(), null(), null(), null(), null_mut());
         rayc_octree_winding_numbers(null(), null(), null(), null_mut());
+        rayc_octree_own_exits(null_mut(), null(), 0, null_mut(), null_mut());
         rayc_contacts_create(null_mut());
         rayc_contacts_destroy(null_mut());
         rayc_query_pair(null(), null(), null(), null(), null(), null_mut());

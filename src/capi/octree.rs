@@ -4,6 +4,7 @@ use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::numbers::check_numbers;
 use super::octree_options::rayc_octree_options;
+use super::own_exits::OwnExitsRoom;
 use super::pointers::{Output, slice};
 use super::sized_structs::read_options;
 use crate::math::{Scalar, Vector3};
@@ -23,6 +24,7 @@ pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
 /// stale. Every use of a stale octree is refused until rayc_octree_update().
 pub struct rayc_octree {
     pub(super) octree: AnyOctree,
+    pub(super) own_exits: OwnExitsRoom,
 }
 
 impl Handle for rayc_octree {
@@ -80,7 +82,7 @@ pub unsafe extern "C" fn rayc_octree_create(
             AnyMesh::F32(mesh) => AnyOctree::F32(Octree::with_layout(mesh, layout)),
             AnyMesh::F64(mesh) => AnyOctree::F64(Octree::with_layout(mesh, layout)),
         };
-        give(place, rayc_octree { octree });
+        give(place, rayc_octree { octree, own_exits: OwnExitsRoom::new() });
         Ok(())
     })
 }

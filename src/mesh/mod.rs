@@ -1,6 +1,7 @@
 //! One outward-oriented triangle surface, closed unless asked otherwise: fixed topology, positions renewed each step.
 
 mod error;
+mod facing;
 mod normals;
 mod obj_file;
 mod obj_text;
@@ -17,6 +18,7 @@ mod winding;
 
 pub(crate) use error::InFile;
 pub use error::MeshError;
+pub(crate) use facing::Facing;
 pub(crate) use normals::NormalLanes;
 pub(crate) use obj_file::read_obj_surface;
 pub use obj_file::{ObjFileError, Surface, read_obj_file};

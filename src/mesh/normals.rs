@@ -23,6 +23,21 @@ impl<T: Scalar> NormalLanes<T> {
     }
 }
 
+/// Who looks at the triangles around vertices, sixteen vertices side by side, on the way around.
+pub(super) trait Fan<T: Scalar> {
+    /// The next triangle of each vertex, between two edges; `is_triangle` where there is one, `is_safe` where the square of
+    /// its normal has lost nothing.
+    fn add<L: Lanes<T>>(&mut self, edges: [Vectors<T, L>; 2], normal: Vectors<T, L>, is_safe: Mask, is_triangle: Mask);
+}
+
+/// Nobody.
+struct NormalsAlone;
+
+impl<T: Scalar> Fan<T> for NormalsAlone {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<L: Lanes<T>>(&mut self, _: [Vectors<T, L>; 2], _: Vectors<T, L>, _: Mask, _: Mask) {}
+}
+
 impl<T: Scalar> Mesh<T> {
     /// The normal at a vertex, from the positions of this step; `None` where the surrounding triangles have no area
     /// or cancel out.
@@ -41,6 +56,17 @@ impl<T: Scalar> Mesh<T> {
     /// [`vertex_normal`](Self::vertex_normal) of up to sixteen vertices, to the bit.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn vertex_normals<L: Lanes<T>>(&self, vertices: &[u32], found: &mut NormalLanes<T>) {
+        self.vertex_normals_and::<L>(vertices, found, &mut NormalsAlone);
+    }
+
+    /// The same, and shows the triangles around each vertex to `fan`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn vertex_normals_and<L: Lanes<T>>(
+        &self,
+        vertices: &[u32],
+        found: &mut NormalLanes<T>,
+        fan: &mut impl Fan<T>,
+    ) {
         let count = vertices.len().min(LANE_COUNT);
         let mut own = [vertices[0]; LANE_COUNT];
         own[..count].copy_from_slice(&vertices[..count]);
@@ -73,7 +99,9 @@ impl<T: Scalar> Mesh<T> {
             let normal = before.cross(edge);
             let square = normal.dot(normal);
             let is_safe = least.is_at_most(square) & square.is_at_most(greatest);
-            unsafe_squares |= !is_safe & has_length & has_length_before;
+            let is_triangle = has_length & has_length_before;
+            fan.add([before, edge], normal, is_safe, is_triangle);
+            unsafe_squares |= !is_safe & is_triangle;
             sum = sum.add(normal);
             let doubled = square.sqrt();
             doubled_area = doubled_area.add(doubled);

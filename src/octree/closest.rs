@@ -28,6 +28,49 @@ impl<T: Scalar> Nearest<T> {
     }
 }
 
+/// Which triangles are sought.
+pub(super) trait Sought: Copy {
+    /// Which of sixteen vertices belong to triangles that are not.
+    fn excluded<T: Scalar, L: Lanes<T>>(self, vertices: &[u32; LANE_COUNT]) -> Mask;
+
+    /// Whether the triangle with these corners is.
+    fn includes(self, corners: [u32; 3]) -> bool;
+}
+
+/// All of them.
+#[derive(Clone, Copy)]
+pub(super) struct All;
+
+impl Sought for All {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn excluded<T: Scalar, L: Lanes<T>>(self, _: &[u32; LANE_COUNT]) -> Mask {
+        0
+    }
+
+    fn includes(self, _: [u32; 3]) -> bool {
+        true
+    }
+}
+
+/// Those without a vertex of one part of the surface.
+#[derive(Clone, Copy)]
+pub(super) struct Beyond<'a> {
+    /// Of each vertex.
+    parts: &'a [u32],
+    part: u32,
+}
+
+impl Sought for Beyond<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn excluded<T: Scalar, L: Lanes<T>>(self, vertices: &[u32; LANE_COUNT]) -> Mask {
+        L::equal(&L::gather_indices(self.parts, vertices), self.part)
+    }
+
+    fn includes(self, corners: [u32; 3]) -> bool {
+        corners.iter().all(|&vertex| self.parts[vertex as usize] != self.part)
+    }
+}
+
 impl<T: Scalar> Tracer<'_, T> {
     /// The point of the surface that is nearest to `point`, if it is at most `bound` away (which may be infinite); of
     /// several, the one on the triangle with the smallest index. `None` too where the point or the bound is NaN, or the
@@ -37,12 +80,18 @@ impl<T: Scalar> Tracer<'_, T> {
     /// point and the mesh's box, however thin the triangles; on a shared edge or vertex all triangles there agree to the bit.
     /// Scaling mesh, point and bound by a power of two scales it exactly.
     pub fn closest_point(&self, point: &Vector3<T>, bound: T) -> Option<ClosestPoint<T>> {
+        self.closest_point_of(point, bound, All)
+    }
+
+    fn closest_point_of(&self, point: &Vector3<T>, bound: T, sought: impl Sought) -> Option<ClosestPoint<T>> {
         let query = QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?;
         let mut nearest = Nearest::within(&query, bound);
         match self.cells {
-            Cells::Wide(cells) => cells.find_closest(self.mesh(), &query, &mut nearest),
+            Cells::Wide(cells) => cells.find_closest(self.mesh(), &query, sought, &mut nearest),
             Cells::Classic(cells) => cells.visit_near(&query, nearest.square, &mut |triangle| {
-                nearest.keep_nearer(self.square_to(&query, triangle), triangle);
+                if sought.includes(self.mesh().topology().triangles()[triangle as usize]) {
+                    nearest.keep_nearer(self.square_to(&query, triangle), triangle);
+                }
                 nearest.square
             }),
         }
@@ -69,12 +118,30 @@ impl<T: Scalar> Tracer<'_, T> {
         assert_eq!(points.len(), bounds.len(), "each point has a bound");
         found.clear();
         found.room_for(points.len()).resize(points.len(), None);
-        dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, found });
+        dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, sought: All, found });
     }
 
-    fn closest_one_by_one(&self, points: &[Vector3<T>], bounds: &[T], found: &mut [Option<ClosestPoint<T>>]) {
+    /// The same on the surface without the triangles that have a vertex of one part of it, given the part of each vertex, and
+    /// a place for each point.
+    pub(crate) fn closest_points_beyond(
+        &self,
+        (parts, part): (&[u32], u32),
+        points: &[Vector3<T>],
+        bounds: &[T],
+        found: &mut [Option<ClosestPoint<T>>],
+    ) {
+        dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, sought: Beyond { parts, part }, found });
+    }
+
+    fn closest_one_by_one(
+        &self,
+        points: &[Vector3<T>],
+        bounds: &[T],
+        sought: impl Sought,
+        found: &mut [Option<ClosestPoint<T>>],
+    ) {
         for ((point, &bound), found) in points.iter().zip(bounds).zip(found) {
-            *found = self.closest_point(point, bound);
+            *found = self.closest_point_of(point, bound, sought);
         }
     }
 
@@ -181,7 +248,7 @@ impl<T: Scalar> Tracer<'_, T> {
         if let Cells::Wide(cells) = self.cells
             && packet.set_lanes::<L>(points, asked, bounds, &scale)
         {
-            cells.find_closest_of_packet::<L>(self.mesh(), packet);
+            cells.find_closest_of_packet::<L>(self.mesh(), All, packet);
             let found = packet.found & asked;
             let squares = L::load(&packet.square);
             let roots = squares.sqrt().mul(L::splat(scale.factors[1]));
@@ -223,14 +290,15 @@ impl<T: Scalar> Tracer<'_, T> {
 }
 
 /// [`Tracer::closest_points`].
-struct ClosestPoints<'a, 'b, T: Scalar> {
+struct ClosestPoints<'a, 'b, T: Scalar, S> {
     tracer: &'a Tracer<'b, T>,
     points: &'a [Vector3<T>],
     bounds: &'a [T],
+    sought: S,
     found: &'a mut [Option<ClosestPoint<T>>],
 }
 
-impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
+impl<T: Scalar, S: Sought> Kernel<T> for ClosestPoints<'_, '_, T, S> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -241,14 +309,14 @@ impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
         let chunks = self.points.chunks(LANE_COUNT).zip(self.bounds.chunks(LANE_COUNT));
         for ((points, bounds), found) in chunks.zip(self.found.chunks_mut(LANE_COUNT)) {
             let Cells::Wide(cells) = self.tracer.cells else {
-                self.tracer.closest_one_by_one(points, bounds, found);
+                self.tracer.closest_one_by_one(points, bounds, self.sought, found);
                 continue;
             };
             if !packet.set::<L>(points, bounds, &scale) {
-                self.tracer.closest_one_by_one(points, bounds, found);
+                self.tracer.closest_one_by_one(points, bounds, self.sought, found);
                 continue;
             }
-            cells.find_closest_of_packet::<L>(mesh, &mut packet);
+            cells.find_closest_of_packet::<L>(mesh, self.sought, &mut packet);
             nearest.set::<L>(mesh, &packet, scale.factors);
             for (lane, found) in found.iter_mut().enumerate() {
                 *found = nearest.get(&packet, lane, bounds[lane]);
@@ -258,69 +326,4 @@ impl<T: Scalar> Kernel<T> for ClosestPoints<'_, '_, T> {
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]
-mod tests {
-    use super::*;
-    use crate::math::on_every_path;
-    use crate::octree::Octree;
-    use crate::octree::test_mesh::{torus_positions, torus_triangles};
-
-    /// Points asked one by one, and many at a time.
-    #[derive(Clone, Copy)]
-    struct Asked<'a, T: Scalar> {
-        tracer: &'a Tracer<'a, T>,
-        points: &'a [Vector3<T>],
-        bounds: &'a [T],
-    }
-
-    impl<T: Scalar> Kernel<T> for Asked<'_, T> {
-        type Output = [Vec<Option<ClosestPoint<T>>>; 2];
-
-        fn run<L: Lanes<T>>(self) -> Self::Output {
-            let Self { tracer, points, bounds } = self;
-            let mut found = vec![None; points.len()];
-            L::outlined(ClosestPoints { tracer, points, bounds, found: &mut found });
-            let Cells::Wide(cells) = tracer.cells else { unreachable!("it is the default") };
-            let one = |(point, &bound): (&Vector3<T>, &T)| {
-                let query = QueryPoint::new(point, &MeshScale::new(tracer.mesh().aabb()))?;
-                let mut nearest = Nearest::within(&query, bound);
-                cells.find_closest_with::<L>(tracer.mesh(), &query, &mut nearest);
-                tracer.resolved(&query, &nearest, bound)
-            };
-            [found, points.iter().zip(bounds).map(one).collect()]
-        }
-    }
-
-    /// On, below and above the surface, in the middle of the tube, scattered and far away; within bounds of all sizes.
-    fn assert_same_on_all_paths<T: Scalar>() {
-        let sides = [48, 12];
-        let positions: Vec<_> = torus_positions(sides, 3).into_iter().map(|point| point.map(T::of)).collect();
-        let mesh = Mesh::new(&positions, &torus_triangles(sides)).expect("it is closed");
-        let octree = Octree::new(&mesh);
-        let tracer = octree.tracer(&mesh).expect("it is new");
-        let (mut points, mut bounds) = (Vec::new(), Vec::new());
-        for (place, position) in mesh.positions().iter().enumerate() {
-            let ring = position.xy().normalize();
-            let middle = Vector3::new(ring.x, ring.y, T::zero());
-            let part = T::of([0.0, 0.1, 0.5, 1.0, 3.0, -200.0, 1e7][place / 20 % 7]);
-            let scattered = if place / 100 % 3 == 0 { positions[place * 37 % positions.len()] } else { [T::zero(); 3] };
-            points.push(position + (middle - position) * part + Vector3::from(scattered));
-            bounds.push(T::of([f64::INFINITY, 0.3, 0.05, 0.0][place / 50 % 4]));
-        }
-        let expected: Vec<_> =
-            points.iter().zip(&bounds).map(|(point, &bound)| tracer.closest_point_of_all(point, bound)).collect();
-        assert!(expected.iter().flatten().count() > 200 && expected.contains(&None));
-        let answers = on_every_path::<T, _>(Asked { tracer: &tracer, points: &points, bounds: &bounds });
-        for (path, [many, one_by_one]) in answers.iter().enumerate() {
-            for (place, point) in points.iter().enumerate() {
-                let answers = [many[place], one_by_one[place]];
-                assert_eq!(answers, [expected[place]; 2], "path {path}, {point:?} within {:?}", bounds[place]);
-            }
-        }
-    }
-
-    #[test]
-    fn all_paths_find_the_same_closest_points() {
-        assert_same_on_all_paths::<f64>();
-        assert_same_on_all_paths::<f32>();
-    }
-}
+mod tests;

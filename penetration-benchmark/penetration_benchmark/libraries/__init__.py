@@ -8,7 +8,7 @@ KNOWN = {
     "raycontact": ("raycontact_library", "Raycontact"),
     "raycontact-paper": ("raycontact_library", "RaycontactPaper"),
     "raycontact-no-escape": ("raycontact_library", "RaycontactNoEscape"),
-    "raycontact-nearest": ("raycontact_nearest", "RaycontactNearest"),
+    "raycontact-own-exits": ("raycontact_own_exits", "RaycontactOwnExits"),
     "embree": ("embree", "Embree"),
     "shortest-path": ("shortest_path", "ShortestPath"),
     "trimesh": ("trimesh_library", "Trimesh"),

@@ -1,9 +1,12 @@
+// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
+#![allow(clippy::needless_range_loop)]
+
 use super::trace::LEVEL_COUNT;
-use super::{CHILD_COUNT, Node, Wide};
+use super::{CHILD_COUNT, Node, Tile, Wide};
 use crate::closest::{NearTriangles, PointPacket, QueryPoint};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vectors};
 use crate::mesh::Mesh;
-use crate::octree::closest::Nearest;
+use crate::octree::closest::{Nearest, Sought};
 
 /// Who looks for what is near.
 trait Seeker<T: Scalar> {
@@ -74,34 +77,36 @@ impl<T: Scalar> Level<T> {
 }
 
 /// The search for the triangle nearest to one point.
-pub(super) struct Closest<'a, T: Scalar> {
+pub(super) struct Closest<'a, T: Scalar, S> {
     pub(super) cells: &'a Wide<T>,
     pub(super) mesh: &'a Mesh<T>,
     pub(super) query: &'a QueryPoint<T>,
     pub(super) nearest: &'a mut Nearest<T>,
+    pub(super) sought: S,
 }
 
-impl<T: Scalar> Kernel<T> for Closest<'_, T> {
+impl<T: Scalar, S: Sought> Kernel<T> for Closest<'_, T, S> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let limit = self.query.square_of_boxes(self.nearest.square);
         let slab_limit = self.query.square_of_slabs(self.nearest.square);
-        let mut one = One { query: self.query, nearest: self.nearest, limit, slab_limit };
+        let mut one = One { query: self.query, nearest: self.nearest, limit, slab_limit, sought: self.sought };
         walk::<T, L, _>(self.cells, self.mesh, self.query, &mut one);
     }
 }
 
 /// One point.
-struct One<'a, T: Scalar> {
+struct One<'a, T: Scalar, S> {
     query: &'a QueryPoint<T>,
     nearest: &'a mut Nearest<T>,
     limit: T,
     slab_limit: T,
+    sought: S,
 }
 
-impl<T: Scalar> Seeker<T> for One<'_, T> {
+impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn limit(&self) -> T {
         self.limit
@@ -113,11 +118,15 @@ impl<T: Scalar> Seeker<T> for One<'_, T> {
         if cells.outlines[index].is_loaded && !cells.slabs[index].is_near(self.query, self.slab_limit) {
             return;
         }
+        let sought = cells.sought::<L, S>(self.sought, index);
+        if sought == 0 {
+            return;
+        }
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let positions = cells.positions_of::<L>(index, mesh, &mut room);
         let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], self.query.factor);
         let squares = triangles.squares(&self.query.position);
-        if keep_nearest::<T, L>(cells, index, squares, self.nearest) {
+        if keep_nearest::<T, L>(cells, index, sought, squares, self.nearest) {
             self.limit = self.query.square_of_boxes(self.nearest.square);
             self.slab_limit = self.query.square_of_slabs(self.nearest.square);
         }
@@ -128,21 +137,22 @@ impl<T: Scalar> Seeker<T> for One<'_, T> {
 const MOST_SPREAD: f64 = 64.0;
 
 /// The search for the triangles nearest to a packet's points.
-pub(super) struct ClosestOfPacket<'a, T: Scalar> {
+pub(super) struct ClosestOfPacket<'a, T: Scalar, S> {
     pub(super) cells: &'a Wide<T>,
     pub(super) mesh: &'a Mesh<T>,
     pub(super) packet: &'a mut PointPacket<T>,
+    pub(super) sought: S,
 }
 
-impl<T: Scalar> Kernel<T> for ClosestOfPacket<'_, T> {
+impl<T: Scalar, S: Sought> Kernel<T> for ClosestOfPacket<'_, T, S> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { cells, mesh, packet } = self;
+        let Self { cells, mesh, packet, sought } = self;
         let centre = packet.centre;
         if packet.spread::<L>() * T::of(cells.tiles.len() as f64).sqrt() <= T::of(MOST_SPREAD) {
-            walk::<T, L, _>(cells, mesh, &centre, packet);
+            walk::<T, L, _>(cells, mesh, &centre, &mut Many { packet, sought });
         } else {
             packet.centre_limit = -T::one();
         }
@@ -150,7 +160,7 @@ impl<T: Scalar> Kernel<T> for ClosestOfPacket<'_, T> {
             let present = packet.present;
             for lane in (0..LANE_COUNT).filter(|lane| present >> lane & 1 == 1) {
                 let (query, mut nearest) = (packet.query(lane), nearest_of(packet, lane));
-                L::outlined(Closest { cells, mesh, query: &query, nearest: &mut nearest });
+                L::outlined(Closest { cells, mesh, query: &query, nearest: &mut nearest, sought });
                 keep(packet, lane, &nearest);
             }
         }
@@ -172,54 +182,87 @@ fn keep<T: Scalar>(packet: &mut PointPacket<T>, lane: usize, nearest: &Nearest<T
     }
 }
 
-impl<T: Scalar> Seeker<T> for PointPacket<T> {
+/// The points of a packet.
+struct Many<'a, T: Scalar, S> {
+    packet: &'a mut PointPacket<T>,
+    sought: S,
+}
+
+impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn limit(&self) -> T {
-        self.centre_limit
+        self.packet.centre_limit
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
-        let mut near = self.near::<L>(&node.child_box(place));
+        let packet = &mut *self.packet;
+        let mut near = packet.near::<L>(&node.child_box(place));
         let index = node.first as usize + place;
         let count = near.count_ones();
         if near != 0 && cells.outlines[index].is_loaded {
-            near &= cells.slabs[index].near::<L>(self);
+            near &= cells.slabs[index].near::<L>(packet);
         }
         if near == 0 {
-            return self.count_looks(count);
+            return packet.count_looks(count);
+        }
+        let sought = cells.sought::<L, S>(self.sought, index);
+        if sought == 0 {
+            return packet.count_looks(count);
         }
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let positions = cells.positions_of::<L>(index, mesh, &mut room);
-        let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], self.centre.factor);
+        let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], packet.centre.factor);
         let mut is_nearer = false;
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
-            let squares = triangles.squares(&self.point(lane));
-            let mut nearest = nearest_of(self, lane);
-            if keep_nearest::<T, L>(cells, index, squares, &mut nearest) {
-                keep(self, lane, &nearest);
+            let squares = triangles.squares(&packet.point(lane));
+            let mut nearest = nearest_of(packet, lane);
+            if keep_nearest::<T, L>(cells, index, sought, squares, &mut nearest) {
+                keep(packet, lane, &nearest);
                 is_nearer = true;
             }
         }
         if is_nearer {
-            self.renew_limits::<L>();
+            packet.renew_limits::<L>();
         }
-        self.count_looks(count);
+        packet.count_looks(count);
     }
 }
 
-/// Keeps the nearest triangle of a tile, if it is nearer than what is known; gives whether it is.
+impl<T: Scalar> Wide<T> {
+    /// Which of a tile's triangles are sought.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sought<L: Lanes<T>, S: Sought>(&self, sought: S, tile: usize) -> Mask {
+        let Tile { present, vertex_sets, .. } = &self.tiles[tile];
+        let excluded = sought.excluded::<T, L>(&self.outlines[tile].vertices);
+        let mut own = 0;
+        if excluded != 0 {
+            for place in 0..LANE_COUNT {
+                own |= Mask::from(vertex_sets[place] & excluded != 0) << place;
+            }
+        }
+        present & !own
+    }
+}
+
+/// Keeps the nearest of a tile's triangles that are sought, if it is nearer than what is known; gives whether it is.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn keep_nearest<T: Scalar, L: Lanes<T>>(cells: &Wide<T>, index: usize, squares: L, nearest: &mut Nearest<T>) -> bool {
+fn keep_nearest<T: Scalar, L: Lanes<T>>(
+    cells: &Wide<T>,
+    index: usize,
+    sought: Mask,
+    squares: L,
+    nearest: &mut Nearest<T>,
+) -> bool {
     let tile = &cells.tiles[index];
-    let squares = L::select(tile.present, squares, L::splat(T::INFINITY));
+    let squares = L::select(sought, squares, L::splat(T::INFINITY));
     let smallest = squares.smallest();
     if smallest > nearest.square {
         return false;
     }
-    let mut of_these = squares.is_at_most(L::splat(smallest)) & tile.present;
+    let mut of_these = squares.is_at_most(L::splat(smallest)) & sought;
     while of_these != 0 {
         nearest.keep_nearer(smallest, tile.triangles[of_these.trailing_zeros() as usize]);
         of_these &= of_these - 1;

@@ -23,7 +23,9 @@ use crate::closest::{PointPacket, QueryPoint};
 use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
-use crate::octree::closest::Nearest;
+#[cfg(all(test, target_arch = "x86_64"))]
+use crate::octree::closest::All;
+use crate::octree::closest::{Nearest, Sought};
 use crate::ray::{Hit, PreparedRay, Ray, RayPacket};
 use node::{CHILD_COUNT, Node};
 use posed::Posed;
@@ -129,8 +131,14 @@ impl<T: Scalar> Wide<T> {
     }
 
     /// Finds the triangle nearest to the point.
-    pub(super) fn find_closest(&self, mesh: &Mesh<T>, query: &QueryPoint<T>, nearest: &mut Nearest<T>) {
-        crate::math::dispatch::<T, _>(closest::Closest { cells: self, mesh, query, nearest });
+    pub(super) fn find_closest(
+        &self,
+        mesh: &Mesh<T>,
+        query: &QueryPoint<T>,
+        sought: impl Sought,
+        nearest: &mut Nearest<T>,
+    ) {
+        crate::math::dispatch::<T, _>(closest::Closest { cells: self, mesh, query, nearest, sought });
     }
 
     /// The same on some lanes.
@@ -141,13 +149,18 @@ impl<T: Scalar> Wide<T> {
         query: &QueryPoint<T>,
         nearest: &mut Nearest<T>,
     ) {
-        L::outlined(closest::Closest { cells: self, mesh, query, nearest });
+        L::outlined(closest::Closest { cells: self, mesh, query, nearest, sought: All });
     }
 
     /// Finds the nearest triangles of a packet's points.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn find_closest_of_packet<L: Lanes<T>>(&self, mesh: &Mesh<T>, packet: &mut PointPacket<T>) {
-        L::outlined(closest::ClosestOfPacket { cells: self, mesh, packet });
+    pub(super) fn find_closest_of_packet<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        sought: impl Sought,
+        packet: &mut PointPacket<T>,
+    ) {
+        L::outlined(closest::ClosestOfPacket { cells: self, mesh, packet, sought });
     }
 
     /// The nearest hit of each ray.
@@ -175,5 +188,18 @@ impl<T: Scalar> Wide<T> {
         list: &mut Candidates<T>,
     ) -> Mask {
         packet::hidden::<T, L>(self, mesh, packet, asked, end, touched, list)
+    }
+
+    /// How often the mesh winds around where the rays start: see [`Tracer::windings_of_packet`](crate::octree::Tracer).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn windings<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        packet: &RayPacket<T>,
+        touched: &[[u32; 3]; LANE_COUNT],
+        list: &mut Candidates<T>,
+        numbers: &mut [i32; LANE_COUNT],
+    ) {
+        packet::windings::<T, L>(self, mesh, packet, touched, list, numbers);
     }
 }

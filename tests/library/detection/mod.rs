@@ -5,6 +5,7 @@ mod coarse_sampling;
 mod contact_lists;
 mod counts;
 mod open_meshes;
+mod own_exits;
 mod pressure;
 mod self_and_others;
 mod self_collision;

@@ -84,16 +84,7 @@ impl<T: Scalar> Answer<T> for Hidden<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask {
-        let [a, b, c] = self.touched[ray];
-        let first = L::equal(vertices, a);
-        if b == a && c == a {
-            return if first == 0 { 0 } else { L::holding(sets, lowest(first)) };
-        }
-        let (second, third) = (L::equal(vertices, b), L::equal(vertices, c));
-        if first == 0 || second == 0 || third == 0 {
-            return 0;
-        }
-        L::holding(sets, lowest(first) | lowest(second) | lowest(third))
+        excluded_around::<T, L>(&self.touched[ray], vertices, sets)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -101,6 +92,25 @@ impl<T: Scalar> Answer<T> for Hidden<'_, T> {
         let leaves = found.exits >> lane & 1 == 1 && found.t[lane] < self.end[ray];
         self.hidden |= Mask::from(leaves) << ray;
     }
+}
+
+/// Which of a tile's triangles have all of the touched vertices.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn excluded_around<T: Scalar, L: Lanes<T>>(
+    touched: &[u32; 3],
+    vertices: &[u32; LANE_COUNT],
+    sets: &[Mask; LANE_COUNT],
+) -> Mask {
+    let [a, b, c] = *touched;
+    let first = L::equal(vertices, a);
+    if b == a && c == a {
+        return if first == 0 { 0 } else { L::holding(sets, lowest(first)) };
+    }
+    let (second, third) = (L::equal(vertices, b), L::equal(vertices, c));
+    if first == 0 || second == 0 || third == 0 {
+        return 0;
+    }
+    L::holding(sets, lowest(first) | lowest(second) | lowest(third))
 }
 
 /// The first of the places of a vertex: the last vertex of a tile is repeated, but triangles name its first place.

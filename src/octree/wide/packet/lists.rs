@@ -6,7 +6,7 @@ use crate::octree::wide::CHILD_COUNT;
 use crate::octree::wide::trace::STACK_SIZE;
 
 /// The box around the packet chooses nodes and tiles, then each tile's box chooses among the rays. Stops, and gives false,
-/// where too many tiles are listed: the answer is the same if they are searched again.
+/// where too many tiles are listed: before any hit has been added, since no list that is not the last is shorter.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     search: &Search<T, L>,

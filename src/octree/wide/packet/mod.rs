@@ -8,6 +8,7 @@ mod slabs;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests;
 mod walk;
+mod windings;
 
 pub(crate) use candidates::Candidates;
 
@@ -20,6 +21,7 @@ use crate::ray::{Hit, RayPacket};
 use answer::{Answer, Hidden, Nearest};
 use slabs::PacketSlabs;
 use walk::Walk;
+use windings::Windings;
 
 /// Where each ray of a packet meets a mesh first.
 #[derive(Clone, Debug)]
@@ -94,6 +96,22 @@ pub(super) fn hidden<T: Scalar, L: Lanes<T>>(
     let mut answer = Hidden { end, touched, hidden: 0 };
     L::outlined(PacketSearch { cells, mesh, packet, asked, end, list, answer: &mut answer });
     answer.hidden & asked
+}
+
+/// Every crossing of the rays up to their ends, in whatever order they come.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn windings<T: Scalar, L: Lanes<T>>(
+    cells: &Wide<T>,
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    touched: &[[u32; 3]; LANE_COUNT],
+    list: &mut Candidates<T>,
+    numbers: &mut [i32; LANE_COUNT],
+) {
+    *numbers = [0; LANE_COUNT];
+    let (asked, end) = (packet.present, &packet.t_max);
+    let answer = &mut Windings { mesh, packet, touched, numbers };
+    L::outlined(PacketSearch { cells, mesh, packet, asked, end, list, answer });
 }
 
 /// What a search is given, and what it keeps of the packet as a whole.

@@ -1,0 +1,128 @@
+use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::guard::guard;
+use super::handles::{changing, reading};
+use super::mesh::{AnyMesh, rayc_mesh};
+use super::octree::{AnyOctree, RAYC_NO_TRIANGLE, rayc_octree};
+use super::pointers::Output;
+use crate::contact::{OwnExit, OwnExits, OwnExitsError};
+use crate::math::Scalar;
+use crate::memory::text;
+use crate::mesh::Mesh;
+use crate::octree::Octree;
+
+/// A vertex inside another part of its own body, and where its shortest way out of that part ends.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_own_exit {
+    /// The vertex.
+    pub vertex: u32,
+    /// The triangle that the end lies on, of several as near the one with the smallest number; or RAYC_NO_TRIANGLE where all
+    /// triangles belong to the vertex' own part, and the fields below are zero.
+    pub triangle: u32,
+    /// How long the way is; ≥ 0.
+    pub distance: f64,
+    /// Barycentric weights of the end at the triangle's three corners: none is negative, and those of corners that are not
+    /// on its edge or vertex are exactly zero.
+    pub weights: [f64; 3],
+    /// The end: the weighted sum of the corners.
+    pub position: [f64; 3],
+}
+
+/// What the octree of a mesh keeps for rayc_octree_own_exits().
+pub(super) struct OwnExitsRoom {
+    singles: OwnExits<f32>,
+    doubles: OwnExits<f64>,
+}
+
+impl OwnExitsRoom {
+    pub(super) fn new() -> Self {
+        Self { singles: OwnExits::default(), doubles: OwnExits::default() }
+    }
+}
+
+/// Finds the vertices of a closed surface that lie inside another part of their own body, and for each the shortest way
+/// out: where a body overlaps itself, and by how much.
+///
+/// A vertex lies inside another part if the surface winds around the point just under it more than once; see
+/// rayc_octree_winding_numbers(). Vertices without a normal, because the triangles around them have no area or cancel out,
+/// are left out. The end of the way is the nearest point of the surface without the triangles that have a vertex of the same
+/// part inside: those vertices inside that are connected with it along edges. Where that point is one of those triangles' too,
+/// the surface goes on there into the part, and the part grows by the vertices around it until the point is no more. That is
+/// the end of the shortest path out of the other part, as in Chen, Diaz and Yuksel 2023, "Shortest path to boundary for
+/// self-intersecting meshes", but without a volume mesh. Where a body lies in itself all around, as a ring of two full turns,
+/// it may be a longer one. Distances are as right as those of rayc_octree_closest_points().
+///
+/// octree: its memory is used again, so that a steady step allocates nothing; it changes nothing else of it.
+/// exits: room for `capacity` structs, in ascending order of vertices; as many as the mesh has vertices always suffice.
+/// *count: how many there are.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where there are more than `capacity`, with a message that says how many;
+/// RAYC_STATUS_MESH_OPEN, since an open surface has no inside; RAYC_STATUS_OCTREE_STALE, RAYC_STATUS_OCTREE_OF_OTHER_MESH,
+/// RAYC_STATUS_PRECISION_MISMATCH.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_octree_own_exits(
+    octree: *mut rayc_octree,
+    mesh: *const rayc_mesh,
+    capacity: usize,
+    exits: *mut rayc_own_exit,
+    count: *mut usize,
+) -> rayc_status {
+    /// # Safety
+    /// There is room for `capacity` structs, and for the count.
+    unsafe fn find<T: Scalar>(
+        (octree, mesh, room): (&Octree<T>, &Mesh<T>, &mut OwnExits<T>),
+        capacity: usize,
+        exits: Output<rayc_own_exit>,
+        count: Output<usize>,
+    ) -> Result<(), Failure> {
+        let found = room.find(mesh, octree)?;
+        if found.len() > capacity {
+            let message =
+                text!("there are {} own exits and room for {capacity}; give room for one for each vertex", found.len());
+            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+        }
+        // SAFETY: by this function's contract.
+        unsafe {
+            exits.write_all(found.iter().map(exported));
+            count.write(found.len());
+        }
+        Ok(())
+    }
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut octree, mesh) = (changing(octree, "octree")?, reading(mesh, "mesh")?);
+        let (exits, count) = (Output::array(exits, capacity, "exits")?, Output::new(count, "count")?);
+        let rayc_octree { octree, own_exits: OwnExitsRoom { singles, doubles } } = &mut *octree;
+        match (octree, &mesh.mesh) {
+            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => find((octree, mesh, singles), capacity, exits, count),
+            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => find((octree, mesh, doubles), capacity, exits, count),
+            _ => Err(precision_mismatch()),
+        }
+    })
+}
+
+impl From<OwnExitsError> for Failure {
+    fn from(error: OwnExitsError) -> Self {
+        match error {
+            OwnExitsError::Octree(error) => error.into(),
+            OwnExitsError::Open => Self::new(rayc_status::RAYC_STATUS_MESH_OPEN, text!("{error}")),
+        }
+    }
+}
+
+fn exported<T: Scalar>(found: &OwnExit<T>) -> rayc_own_exit {
+    let none = rayc_own_exit {
+        vertex: found.vertex,
+        triangle: RAYC_NO_TRIANGLE,
+        distance: 0.0,
+        weights: [0.0; 3],
+        position: [0.0; 3],
+    };
+    found.exit.map_or(none, |exit| rayc_own_exit {
+        vertex: found.vertex,
+        triangle: exit.triangle,
+        distance: exit.distance.to_f64(),
+        weights: exit.weights.map(T::to_f64),
+        position: exit.position.map(T::to_f64).into(),
+    })
+}

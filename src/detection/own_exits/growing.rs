@@ -1,0 +1,96 @@
+//! Triangles beside a part inside may lie inside too, where the other part passes between their vertices. They are as near as
+//! the other part's surface, and no way out. What tells them: their nearest point is where the part begins.
+
+use super::OUTSIDE;
+use crate::closest::ClosestPoint;
+use crate::math::{Scalar, Vector3};
+use crate::memory::{self, Room};
+use crate::mesh::Topology;
+use crate::octree::Tracer;
+
+/// A part inside that grows over the surface, and the points that ask for what lies beyond; room for both.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Growing<T: Scalar> {
+    /// Of each vertex, whether it belongs to the part: [`PART`], or outside.
+    parts: Vec<u32>,
+    vertices: Vec<u32>,
+    /// The first of `vertices` that joined last.
+    newest: usize,
+    /// The places of the points that ask again.
+    places: Vec<u32>,
+    points: Vec<Vector3<T>>,
+    bounds: Vec<T>,
+    found: Vec<Option<ClosestPoint<T>>>,
+}
+
+const PART: u32 = 0;
+
+impl<T: Scalar> Growing<T> {
+    /// Asks again for each of a part's points whose nearest point beyond the part is where that begins.
+    pub(super) fn ask_again(
+        &mut self,
+        tracer: &Tracer<'_, T>,
+        parts: &[u32],
+        part: u32,
+        points: &[Vector3<T>],
+        found: &mut [Option<ClosestPoint<T>>],
+    ) {
+        let topology = tracer.mesh().topology();
+        self.places.clear();
+        let again = (0..).zip(found.iter()).filter(|(_, found)| is_on_border(topology, parts, part, found));
+        memory::append(&mut self.places, again.map(|(place, _)| place));
+        if self.places.is_empty() {
+            return;
+        }
+        self.parts.clear();
+        memory::append(&mut self.parts, parts.iter().map(|&own| if own == part { PART } else { OUTSIDE }));
+        self.vertices.clear();
+        let own = topology.surface_vertices().iter().filter(|&&vertex| parts[vertex as usize] == part);
+        memory::append(&mut self.vertices, own.copied());
+        self.newest = 0;
+        while !self.places.is_empty() {
+            self.grow(topology);
+            let Self { parts, places, points: some, bounds, found: answers, .. } = self;
+            some.clear();
+            memory::append(some, places.iter().map(|&place| points[place as usize]));
+            bounds.clear();
+            bounds.room_for(some.len()).resize(some.len(), T::INFINITY);
+            answers.clear();
+            answers.room_for(some.len()).resize(some.len(), None);
+            tracer.closest_points_beyond((parts, PART), some, bounds, answers);
+            for (place, answer) in places.iter().zip(answers.iter()) {
+                found[*place as usize] = *answer;
+            }
+            places.retain(|&place| is_on_border(topology, parts, PART, &found[place as usize]));
+        }
+    }
+
+    /// The part grows by the vertices around it.
+    fn grow(&mut self, topology: &Topology) {
+        let last = self.vertices.len();
+        for place in self.newest..last {
+            for &other in topology.ring(self.vertices[place]) {
+                if self.parts[other as usize] != PART {
+                    self.parts[other as usize] = PART;
+                    self.vertices.room_for(1).push(other);
+                }
+            }
+        }
+        self.newest = last;
+    }
+}
+
+/// Whether a point, on a triangle without a vertex of the part, lies on one that has one too.
+fn is_on_border<T: Scalar>(topology: &Topology, parts: &[u32], part: u32, point: &Option<ClosestPoint<T>>) -> bool {
+    let Some(point) = point else { return false };
+    let corners = topology.triangles()[point.triangle as usize];
+    let holds_it = |triangle: &[u32; 3]| {
+        (0..3).all(|corner| point.weights[corner] == T::zero() || triangle.contains(&corners[corner]))
+    };
+    let has_it = |triangle: &[u32; 3]| triangle.iter().any(|&vertex| parts[vertex as usize] == part);
+    let Some(first) = (0..3).find(|&corner| point.weights[corner] != T::zero()) else { return false };
+    let around = topology.triangles_around(corners[first]).iter();
+    around
+        .map(|&triangle| &topology.triangles()[triangle as usize])
+        .any(|triangle| holds_it(triangle) && has_it(triangle))
+}
