@@ -62,7 +62,7 @@ fn header_is_what_cbindgen_generates() {
 
 /// What a host needs first comes first: what all calls share, meshes, the scene and its contacts, the forces they give, the
 /// contact system; then what few hosts need: pairs' memories, bodies of several processes, a tree of one's own.
-const HEADER_ORDER: [&str; 30] = [
+const HEADER_ORDER: [&str; 31] = [
     "version",
     "failure",
     "guard",
@@ -85,6 +85,7 @@ const HEADER_ORDER: [&str; 30] = [
     "contact_system_step",
     "contact_system_pairs",
     "contact_system_parts",
+    "contact_system_ghosts",
     "escape_push",
     "pair_memory",
     "sharing",
