@@ -1689,7 +1689,8 @@ enum rayc_status rayc_contact_system_destroy(struct rayc_contact_system *system)
 
 /**
  * Sets how many nodes the host has, and their masses in kg: > 0, or infinity for a node that is held fast. Call it
- * before adding bodies that have these nodes.
+ * before adding bodies that have these nodes. Within a step there may be more than before, for ghosts that join it; the
+ * nodes of all other bodies keep their masses.
  *
  * Errors: RAYC_STATUS_INVALID_MASS, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_WRONG_COUNT where a body's nodes
  * lie beyond.
@@ -1705,6 +1706,8 @@ enum rayc_status rayc_contact_system_set_node_masses(struct rayc_contact_system 
  * `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count from the
  * body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and weights
  * have entry_count. All three NULL: surface vertex v is the body's node v.
+ *
+ * Within a step only ghosts may be added, of this kind or another (rayc_contact_system_off_course()).
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY where the scene has no such body, RAYC_STATUS_BODY_TWICE, RAYC_STATUS_WRONG_COUNT,
  * RAYC_STATUS_INVALID_WEIGHTS where weights do not sum to 1 or the table does not fit together, RAYC_STATUS_NOT_FINITE,
@@ -1773,7 +1776,8 @@ enum rayc_status rayc_contact_system_remove_body(struct rayc_contact_system *sys
  * Gives two bodies, or a body with itself, a material of their own instead of the combined one. material: NULL
  * restores the combined one.
  *
- * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step.
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step, unless one of the
+ * bodies is a ghost that has joined it.
  */
 enum rayc_status rayc_contact_system_set_pair_material(struct rayc_contact_system *system,
                                                        uint32_t a,
@@ -1781,7 +1785,8 @@ enum rayc_status rayc_contact_system_set_pair_material(struct rayc_contact_syste
                                                        const struct rayc_material *material);
 
 /**
- * Sets where a rigid or moved body is, and how it moves. Call it before each step.
+ * Sets where a rigid or moved body is, and how it moves. Call it before each step, and within one for a ghost that has
+ * joined it.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY also for a deformable body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_DIRECTION where
  * the rotation is no rotation matrix, RAYC_STATUS_OUT_OF_ORDER within a step.
@@ -2089,11 +2094,147 @@ enum rayc_status rayc_contact_system_pack_memory(const struct rayc_contact_syste
  * its bodies have here, in the order that they had when they were packed.
  *
  * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, or not of these meshes,
- * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_UNKNOWN_ENUM.
+ * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_UNKNOWN_ENUM, RAYC_STATUS_OUT_OF_ORDER within a step, unless one of the bodies is a
+ * ghost that has joined it.
  */
 enum rayc_status rayc_contact_system_put_memory(struct rayc_contact_system *system,
                                                 const struct rayc_contact_memory *pair,
                                                 const uint8_t *bytes);
+
+/**
+ * How far the scene's bodies, but ghosts, end from where contacts were last looked for, if these are the velocities at
+ * the end of the step. *nodes and *rigid: the largest square of a difference of velocities in m²/s², of nodes and of
+ * rigid bodies' centres. rayc_contact_system_detect_again() looks again where one is more than (d / dt)², d the
+ * smallest depth cap of all bodies; that of nodes counts where any node has a finite mass.
+ *
+ * Systems that share bodies all ask first. If one of them has to look, all call rayc_contact_system_look_again(), add
+ * the ghosts that their scenes need there, and call rayc_contact_system_detect_among(). Ghosts may be added within a
+ * step, with rayc_contact_system_set_node_masses() for further nodes; then they may be told their motion and what
+ * their pairs remember. They are unknowns from then on, and vectors are longer.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+ * RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_contact_system_off_course(struct rayc_contact_system *system,
+                                                const struct rayc_scene *scene,
+                                                size_t count,
+                                                const double *velocities,
+                                                double *nodes,
+                                                double *rigid);
+
+/**
+ * Puts the scene's bodies, but ghosts, where they end with these velocities, and does no more. These places show which
+ * ghosts rayc_contact_system_detect_among() needs.
+ *
+ * Errors: those of rayc_contact_system_detect_again().
+ */
+enum rayc_status rayc_contact_system_look_again(struct rayc_contact_system *system,
+                                                struct rayc_scene *scene,
+                                                size_t count,
+                                                const double *velocities);
+
+/**
+ * As rayc_contact_system_detect_again(), but it looks in any case, and holds the rows as before. If *is_more is 1 in
+ * any of the systems that share bodies, all call rayc_contact_system_linearise() with these velocities.
+ *
+ * node_count: three times the number of nodes; positions, start_velocities: as given to rayc_contact_system_begin(),
+ * with those of ghosts that have joined the step. count: that of the unknowns. Errors: those of
+ * rayc_contact_system_detect_again().
+ */
+enum rayc_status rayc_contact_system_detect_among(struct rayc_contact_system *system,
+                                                  struct rayc_scene *scene,
+                                                  size_t node_count,
+                                                  const double *positions,
+                                                  const double *start_velocities,
+                                                  size_t count,
+                                                  const double *velocities,
+                                                  uint32_t *is_more);
+
+/**
+ * Puts the scene's bodies, but ghosts, where rayc_contact_system_begin_explicit() with the same numbers would look for
+ * contacts, and does no more: which ghosts the scene needs there.
+ *
+ * Errors: those of rayc_contact_system_begin().
+ */
+enum rayc_status rayc_contact_system_look_explicit(struct rayc_contact_system *system,
+                                                   struct rayc_scene *scene,
+                                                   double dt,
+                                                   size_t count,
+                                                   const double *positions,
+                                                   const double *velocities);
+
+/**
+ * Begins a step as rayc_contact_system_explicit_step() does, and does no more. The forces are those of
+ * rayc_contact_system_part_forces() at the velocities of the start, those of rigid bodies behind;
+ * rayc_contact_system_finish() with the same velocities ends the step.
+ *
+ * Errors: those of rayc_contact_system_explicit_step().
+ */
+enum rayc_status rayc_contact_system_begin_explicit(struct rayc_contact_system *system,
+                                                    struct rayc_scene *scene,
+                                                    double dt,
+                                                    size_t count,
+                                                    const double *positions,
+                                                    const double *velocities);
+
+/**
+ * How strongly the rows that push act on each block of rayc_contact_system_copy_parts(): replaces `couplings`, a number for each, in
+ * N/m, of a rigid body's angular velocity in N. Their sums by block are for rayc_contact_system_largest_coupling().
+ *
+ * block_count: that of rayc_contact_system_part_count(). Errors: as there, and RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_contact_system_part_couplings(struct rayc_contact_system *system,
+                                                    size_t block_count,
+                                                    double *couplings);
+
+/**
+ * By sums of couplings, one for each block of three unknowns: a bound λ on the largest eigenvalue of M⁻¹ K in 1/s², and the
+ * largest damping time τ of rows that push, in s; both zero without contact. Of systems that share bodies the larger
+ * count. Symplectic Euler is stable up to √(τ² + 4 / λ) − τ.
+ *
+ * count: a third of that of the unknowns. Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT,
+ * RAYC_STATUS_NOT_FINITE.
+ */
+enum rayc_status rayc_contact_system_largest_coupling(const struct rayc_contact_system *system,
+                                                      size_t count,
+                                                      const double *sums,
+                                                      double *largest,
+                                                      double *damping_time);
+
+/**
+ * As rayc_contact_system_energy(), pair by pair: replaces `joules`, a number for each part of rayc_contact_system_copy_parts(). The
+ * first part of a pair has all of its energy, the second none. A pair without parts can do no work, and is left out.
+ *
+ * count: that of the unknowns; part_count: that of rayc_contact_system_part_count(). Errors: as for both.
+ */
+enum rayc_status rayc_contact_system_part_energies(struct rayc_contact_system *system,
+                                                   size_t count,
+                                                   const double *velocities,
+                                                   size_t part_count,
+                                                   double *joules);
+
+/**
+ * How many blocks rayc_contact_system_copy_part_blocks() gives, as the rows are held.
+ *
+ * Errors: those of rayc_contact_system_part_count().
+ */
+enum rayc_status rayc_contact_system_part_block_count(struct rayc_contact_system *system, size_t *count);
+
+/**
+ * The matrix of rayc_contact_system_copy_blocks() part by part: block i is what the pair of part `parts[i]` (its place in
+ * rayc_contact_system_copy_parts()) adds to rows of that part's body. It stands at `rows[i]`, `columns[i]`, counted in
+ * blocks of three unknowns, with its nine numbers by rows at `blocks[9 i]`. They come in the order of parts, rows and
+ * columns, each place of a part once. A column may be of either body of the pair.
+ *
+ * count: that of rayc_contact_system_part_block_count(). Errors: as there; RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+ */
+enum rayc_status rayc_contact_system_copy_part_blocks(struct rayc_contact_system *system,
+                                                      double factor,
+                                                      size_t count,
+                                                      uint32_t *parts,
+                                                      uint32_t *rows,
+                                                      uint32_t *columns,
+                                                      double *blocks);
 
 /**
  * How many pairs are escaping.

@@ -7,7 +7,7 @@ usage() {
 usage: scripts/distributed.sh [run|docs]
 
 run (default): the demo distributed on 1 to 4 ranks of this machine, three times each, and divisions of up to a million
-bodies into up to 1000 parts; a quarter of an hour on two cores. Writes out/distributed/measured.csv, a row for each rank
+bodies into up to 1000 parts; six minutes on two cores. Writes out/distributed/measured.csv, a row for each rank
 and run, out/distributed/parts.csv, a row for each part, and what scripts/draw_distributed.py makes of them.
 docs: runs nothing; takes the last figures over into docs/distributed.md and docs/distributed/.
 Exit status: 0 when drawn, 1 when something failed, 2 for a wrong command line.
@@ -42,7 +42,7 @@ mkdir -p out/distributed
 rm -f out/distributed/measured.csv
 for run in 1 2 3; do
     say "Run $run of 3"
-    # One rank at several sizes says what a pair and a body take; more ranks are what is predicted.
+    # One rank at several sizes says what a ray takes; more ranks are what is predicted.
     for bodies in 60 120 220 330; do
         mpirun -n 1 "$programs/distributed" --bodies $bodies --steps 6 --csv out/distributed/measured.csv >/dev/null
     done

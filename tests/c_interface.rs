@@ -85,6 +85,7 @@ const HEADER_ORDER: [&str; 31] = [
     "contact_system_step",
     "contact_system_pairs",
     "contact_system_parts",
+    "contact_system_ghosts",
     "escape_push",
     "pair_memory",
     "sharing",

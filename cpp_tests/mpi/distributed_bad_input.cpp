@@ -60,6 +60,44 @@ void check_steps() {
                "velocities of the body of key 100");
 }
 
+/** What is said of pairs: of nobody, of one body, or different things. */
+void check_pairs() {
+  const char* test = "pairs";
+  const bool is_first = rank_here == 0, is_last = rank_here == rank_count - 1;
+  const uint64_t last = 100 + static_cast<uint64_t>(rank_count - 1);
+  Row row;
+  row.scene.step(0.01);
+  const double force = row.largest_force();
+  if (is_last) row.scene.set_pair_collision(100, 7, false);
+  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_UNKNOWN_BODY, test, "no rank has the body of key 7");
+  if (is_first) row.scene.allow_escape(last, last, false);
+  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_INVALID_OPTION, test, "name two different");
+  row.scene.step(0.01);
+  expect(row.largest_force() == force, test, "forces are as before");
+  if (rank_count == 1) return;
+  // Both ends say so, and of one pair the opposite.
+  row.scene.set_pair_collision(100, 101, is_first);
+  expect_fault([&] { row.scene.step(0.01); }, RAYC_STATUS_RANKS_DISAGREE, test, "different things");
+  row.scene.step(0.01);
+  expect(row.largest_force() == force, test, "nothing of it counts");
+  // All say the same; the last one's neighbours too, whoever has the bodies.
+  for (uint64_t key = 100; key < last; ++key) row.scene.set_pair_collision(key + 1, key, false);
+  row.scene.step(0.01);
+  expect(row.largest_force() == 0, test, "no pair is left");
+  if (is_last) row.scene.set_pair_collision(last - 1, last, true);
+  row.scene.step(0.01);
+  expect(row.largest_force() > 0, test, "one is back");
+  // A body that has gone takes with it what was said, also where its neighbour is.
+  if (is_first) {
+    row.scene.remove(row.key);
+    row.scene.add(row.key, Row::mesh(row.shape));
+  }
+  row.scene.step(0.01);
+  double own = 0;
+  for (double number : row.scene.forces(row.key)) own = std::max(own, std::fabs(number));
+  expect(!is_first || own > 0, test, "a new body of the same key collides");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -69,6 +107,7 @@ int main(int argc, char** argv) {
   const bool is_first = rank_here == 0, is_last = rank_here == rank_count - 1;
   check_steps();
   check_removed_owner();
+  check_pairs();
   {
     Row row;
     if (is_first) row.scene.add(row.key, Row::mesh(row.shape));

@@ -102,6 +102,58 @@ void check_solve(bool is_last) {
   row.begin();
 }
 
+/** Materials of pairs, explicit steps, and what else a step is asked. */
+void check_more(bool is_last) {
+  Row row;
+  const uint64_t first = 100;
+  rayc_material broken = material();
+  broken.friction = -1;
+  if (is_last) row.system.set_pair_material(first, row.key, &broken);
+  expect_fault([&] { row.begin(); }, RAYC_STATUS_INVALID_MATERIAL, "material", "friction is -1");
+  const rayc_material fine = material();
+  if (is_last) row.system.set_pair_material(first, 7, &fine);
+  expect_fault([&] { row.begin(); }, RAYC_STATUS_UNKNOWN_BODY, "material", "no rank has the body of key 7");
+  if (is_last) row.system.set_half_space_material(row.key, 0, &fine);
+  expect_fault([&] { row.begin(); }, RAYC_STATUS_WRONG_COUNT, "material", "half-space");
+  if (is_last) row.system.set_half_space_material(7, 0, &fine);
+  expect_fault([&] { row.begin(); }, RAYC_STATUS_UNKNOWN_BODY, "material", "body of key 7");
+
+  raycontact::DistributedBlocks blocks;
+  std::vector<double> wrong = row.still, forces(row.still.size());
+  expect_fault([&] { static_cast<void>(row.system.detect_again(row.still)); }, RAYC_STATUS_OUT_OF_ORDER, "again",
+               "begin one first");
+  expect_fault([&] { static_cast<void>(row.system.energy(row.still)); }, RAYC_STATUS_OUT_OF_ORDER, "energy",
+               "begin one first");
+  expect_fault([&] { row.system.copy_blocks_to(0.01, blocks); }, RAYC_STATUS_OUT_OF_ORDER, "blocks", "begin one first");
+  if (is_last) wrong[3] = std::nan("");
+  const auto explicit_step = [&](double dt, const std::vector<double>& v) {
+    static_cast<void>(row.system.explicit_step(dt, row.shape.positions, v, forces));
+  };
+  expect_fault([&] { explicit_step(0.001, wrong); }, RAYC_STATUS_NOT_FINITE, "explicit", "velocities[3]");
+  expect_fault([&] { explicit_step(is_last ? -1 : 0.001, row.still); }, RAYC_STATUS_INVALID_STEP, "explicit",
+               "seconds long");
+  expect(forces == row.still, "explicit", "nothing has been added");
+  if (is_last) forces.pop_back();
+  expect_fault([&] { explicit_step(0.001, row.still); }, RAYC_STATUS_WRONG_COUNT, "explicit", "equally many");
+
+  row.begin();
+  const double square = row.forces(), joules = row.system.energy(row.still);
+  expect_fault([&] { static_cast<void>(row.system.detect_again(wrong)); }, RAYC_STATUS_NOT_FINITE, "again",
+               "velocities[3]");
+  expect_fault([&] { static_cast<void>(row.system.energy(wrong)); }, RAYC_STATUS_NOT_FINITE, "energy", "velocities[3]");
+  expect_fault([&] { row.system.copy_blocks_to(is_last ? std::nan("") : 1, blocks); }, RAYC_STATUS_NOT_FINITE, "blocks",
+               "factor");
+  expect_fault([&] { explicit_step(0.001, row.still); }, RAYC_STATUS_OUT_OF_ORDER, "explicit", "finish it first");
+  if (is_last) row.system.set_pair_material(first, row.key, &fine);
+  expect_fault([&] { static_cast<void>(row.system.detect_again(row.still)); }, RAYC_STATUS_OUT_OF_ORDER, "again",
+               "finish it first");
+  expect(!row.system.detect_again(row.still), "again", "there is nothing to look for");
+  expect(row.forces() == square && row.system.energy(row.still) == joules, "again", "the step is as it was");
+  row.system.copy_blocks_to(0.01, blocks);
+  expect(rank_count == 1 || !blocks.rows.empty(), "blocks", "neighbours touch");
+  row.system.finish(row.still);
+}
+
 /** A scene that has made steps of its own has ghosts that the system does not know. */
 void check_later_system() {
   Row row;
@@ -140,6 +192,7 @@ int main(int argc, char** argv) {
   check_solve(is_last);
   check_half_spaces(is_last);
   check_later_system();
+  check_more(is_last);
   MPI_Allreduce(MPI_IN_PLACE, &failures, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
   MPI_Finalize();
   return failures == 0 ? 0 : 1;

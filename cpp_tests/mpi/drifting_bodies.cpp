@@ -1,7 +1,8 @@
 // Bodies that drift through one another over several ranks, and change ranks every five steps: every force of every
 // step has the bits of a plain scene's. With --drop-memory bodies change ranks without what their pairs remember, and
 // the bits must be others. With --kill one rank is killed, and the run must end. With --single the scenes are of single
-// precision.
+// precision. With --pairs some pairs are switched off and on, or may not escape, as any rank says; with --silent the
+// ranks are not told, and the bits must be others.
 #include "drifting_bodies.hpp"
 
 #include <csignal>
@@ -60,7 +61,7 @@ void add_anew(raycontact::DistributedScene& scene, Host& host, const Rests& rest
   }
 }
 
-Outcome run_distributed(bool drops_memory, bool kills, uint64_t* moved) {
+Outcome run_distributed(bool drops_memory, bool kills, bool says, uint64_t* moved) {
   int rank = 0, size = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
@@ -102,6 +103,17 @@ Outcome run_distributed(bool drops_memory, bool kills, uint64_t* moved) {
         scene.rebalance(pack, unpack);
       }
     }
+    int turn = 0;
+    const auto is_my_turn = [&] { return turn++ % size == rank; };
+    if (says)
+      say(
+          step, body_count,
+          [&](uint32_t a, uint32_t b, bool is_on) {
+            if (is_my_turn()) scene.set_pair_collision(key_of(a), key_of(b), is_on);
+          },
+          [&](uint32_t a, uint32_t b, bool is_allowed) {
+            if (is_my_turn()) scene.allow_escape(key_of(a), key_of(b), is_allowed);
+          });
     for (const auto& [key, body] : host) {
       place(body, rests.at(key), positions, velocities);
       scene.set_positions(key, raycontact::vectors(positions));
@@ -137,9 +149,9 @@ int main(int argc, char** argv) {
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   uint64_t moved = 0;
   if (mode == "--single") precision = RAYC_SCALAR_F32;
-  const Outcome found = run_distributed(mode == "--drop-memory", mode == "--kill", &moved);
+  const Outcome found = run_distributed(mode == "--drop-memory", mode == "--kill", mode == "--pairs", &moved);
   if (rank == 0) {
-    const Outcome expected = run_plain(body_count, step_count, precision);
+    const Outcome expected = run_plain(body_count, step_count, precision, mode == "--pairs" || mode == "--silent");
     std::printf(
         "plain:   hash=%016llx, %llu contacts, %llu of escaping pairs' steps, %llu with themselves, %llu crowded\n",
         static_cast<unsigned long long>(expected.hash), static_cast<unsigned long long>(expected.contacts),
@@ -149,8 +161,8 @@ int main(int argc, char** argv) {
       if (!condition) std::fprintf(stderr, "failed: %s\n", what), ++failures;
     };
     expect(expected.escapes > 0 && expected.self_contacts > 0, "the scene has escapes and self-collision");
-    if (mode == "--drop-memory") {
-      expect(found.hash != expected.hash, "without the memory of pairs the bits are others");
+    if (mode == "--drop-memory" || mode == "--silent") {
+      expect(found.hash != expected.hash, "without the memory of pairs, or what is said of them, the bits are others");
     } else {
       expect(found.hash == expected.hash, "the bits of a plain scene");
       expect(size == 1 || moved > body_count, "bodies move");

@@ -98,6 +98,19 @@ inline void move(Body& body, const double* forces, std::size_t count) {
   ++body.steps;
 }
 
+/** Switches pairs off and on, and lets some not escape: `collide(a, b, is_on)` and `escape(a, b, is_allowed)` are told
+ * the bodies' numbers. */
+template <class Collide, class Escape>
+void say(int step, uint32_t count, Collide collide, Escape escape) {
+  for (uint32_t body = 0; body + 1 < count; ++body) {
+    const bool holds_small = body % 5 == 3;
+    if (step == 2 && holds_small && body % 10 == 3) escape(body + 1, body, false);
+    if (step == 27 && holds_small && body % 20 == 3) escape(body, body + 1, true);
+    if (step == 6 && body % 4 == 1) collide(body, body + 1, false);
+    if (step == 22 && body % 8 == 1) collide(body + 1, body, true);
+  }
+}
+
 /** The bits of a body's forces and its state; sums over bodies do not depend on their order. */
 inline uint64_t digest(const Body& body, const double* forces, std::size_t count) {
   demo::NumberBits bits(key_of(body.number));
@@ -120,7 +133,7 @@ struct Outcome {
 };
 
 /** The judge: one scene of one process, its forces summed pair by pair. */
-inline Outcome run_plain(uint32_t count, int steps, rayc_scalar precision) {
+inline Outcome run_plain(uint32_t count, int steps, rayc_scalar precision, bool says) {
   raycontact::Scene scene(scene_options(precision));
   raycontact::Contacts contacts;
   std::vector<Body> bodies;
@@ -139,6 +152,10 @@ inline Outcome run_plain(uint32_t count, int steps, rayc_scalar precision) {
   std::vector<rayc_pair_forces> pairs;
   std::vector<rayc_vertex_force> summed;
   for (int step = 0; step < steps; ++step) {
+    if (says)
+      say(
+          step, count, [&](uint32_t a, uint32_t b, bool is_on) { scene.set_pair_collision(a, b, is_on); },
+          [&](uint32_t a, uint32_t b, bool is_allowed) { scene.allow_escape(a, b, is_allowed); });
     std::vector<rayc_vectors> views;
     for (uint32_t number = 0; number < count; ++number) {
       place(bodies[number], rests[number], positions, velocities[number]);

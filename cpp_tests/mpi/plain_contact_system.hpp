@@ -4,6 +4,7 @@
 #define PLAIN_CONTACT_SYSTEM_HPP
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 
 #include "rubbing_bodies.hpp"
@@ -46,6 +47,12 @@ class PlainSystem {
       sizes_[key] = body.unknown_count();
     }
     system_.add_half_space(floor_normal, floor_offset, material(1));
+    std::size_t at = 0;
+    for (const auto& [key, size] : sizes_) {
+      host_starts_[key] = at;
+      at += size;
+      if (size != 0) by_start_[starts_.at(key)] = key;
+    }
   }
 
   void set_motion(uint64_t key, const rayc_motion& motion) { system_.set_motion(numbers_.at(key), motion); }
@@ -58,7 +65,13 @@ class PlainSystem {
       fields[k].resize(3 * node_count_);
     }
     system_.begin(scene_, seconds, fields[0], fields[1], fields[2]);
+    find_parts();
+  }
+
+  void find_parts() {
     system_.copy_parts_to(all_);
+    // Where they stand before they are put in order, by which blocks and energies are named.
+    as_given_ = all_.parts;
     std::sort(all_.parts.begin(), all_.parts.end(), [this](const rayc_contact_part& a, const rayc_contact_part& b) {
       const auto order = [this](const rayc_contact_part& part) {
         return std::make_tuple(keys_[part.body], part.is_half_space,
@@ -90,24 +103,107 @@ class PlainSystem {
   void linearise(const Numbers& v) { static_cast<void>(system_.linearise(spread(v))); }
   void finish(const Numbers& v) { system_.finish(spread(v)); }
 
+  void set_pair_material(uint64_t first, uint64_t second, const rayc_material* material) {
+    system_.set_pair_material(numbers_.at(first), numbers_.at(second), material);
+  }
+  void set_half_space_material(uint64_t key, uint32_t half_space, const rayc_material* material) {
+    system_.set_half_space_material(numbers_.at(key), half_space, material);
+  }
+  void set_pair_collision(uint64_t first, uint64_t second, bool is_on) {
+    scene_.set_pair_collision(numbers_.at(first), numbers_.at(second), is_on);
+  }
+  void allow_escape(uint64_t first, uint64_t second, bool is_allowed) {
+    scene_.allow_escape(numbers_.at(first), numbers_.at(second), is_allowed);
+  }
+
+  bool detect_again(const Numbers& v) {
+    const bool is_more = system_.detect_again(scene_, spread(v));
+    find_parts();
+    return is_more;
+  }
+
+  double energy(const Numbers& v) {
+    Numbers joules(as_given_.size());
+    const Numbers own = spread(v);
+    system_.part_energies(own, joules);
+    const double sum = sum_of(joules), whole = system_.energy(own);
+    if (!(std::fabs(sum - whole) <= 1e-12 * whole)) ++wrong_sums;
+    return sum;
+  }
+
+  void copy_blocks_to(double factor, raycontact::DistributedBlocks& blocks) {
+    raycontact::PartBlocks own;
+    system_.copy_part_blocks_to(factor, own);
+    // By row, the column's body and column, then by what the body touches.
+    using Place = std::tuple<std::size_t, uint64_t, std::size_t>;
+    std::map<Place, std::map<std::pair<uint32_t, uint64_t>, const double*>> places;
+    for (std::size_t i = 0; i < own.rows.size(); ++i) {
+      const rayc_contact_part& part = as_given_[own.parts[i]];
+      const auto [row_key, row] = place_of(own.rows[i]);
+      const auto [column_key, column] = place_of(own.columns[i]);
+      const uint64_t other = part.is_half_space != 0 ? part.other : keys_[part.other];
+      places[{host_starts_.at(row_key) / 3 + row, column_key, column}][{part.is_half_space, other}] =
+          &own.numbers[9 * i];
+    }
+    blocks = raycontact::DistributedBlocks();
+    for (const auto& [place, pairs] : places) {
+      blocks.rows.push_back(static_cast<uint32_t>(std::get<0>(place)));
+      blocks.keys.push_back(std::get<1>(place));
+      blocks.columns.push_back(static_cast<uint32_t>(std::get<2>(place)));
+      Numbers sum;
+      for (const auto& [other, numbers] : pairs) {
+        if (sum.empty())
+          sum.assign(numbers, numbers + 9);
+        else
+          for (std::size_t k = 0; k < 9; ++k) sum[k] += numbers[k];
+      }
+      blocks.numbers.insert(blocks.numbers.end(), sum.begin(), sum.end());
+    }
+  }
+
+  double explicit_step(double seconds, const Numbers& x, const Numbers& v, Numbers& forces) {
+    Numbers fields[2] = {spread(x), spread(v)};
+    for (Numbers& field : fields) field.resize(3 * node_count_);
+    system_.begin_explicit(scene_, seconds, fields[0], fields[1]);
+    find_parts();
+    add_forces(v, forces);
+    Numbers couplings(all_.blocks.size()), sums((3 * node_count_ + 6 * rigid_count_) / 3);
+    system_.part_couplings(couplings);
+    for (const rayc_contact_part& part : all_.parts)
+      for (std::size_t i = part.start; i < part.start + part.count; ++i) sums[all_.blocks[i]] += couplings[i];
+    const std::array<double, 2> largest = system_.largest_coupling(sums);
+    finish(v);
+    return raycontact::mpi_detail::longest_step(largest[0], largest[1]);
+  }
+
   double dot(const Numbers& a, const Numbers& b) const {
     Numbers of_bodies;
-    double largest = 0;
     std::size_t at = 0;
     for (const auto& [key, size] : sizes_) {
       double sum = 0;
       for (const std::size_t end = at + size; at < end; ++at) sum += a[at] * b[at];
       of_bodies.push_back(sum);
-      largest = std::max(largest, std::fabs(sum));
     }
+    return sum_of(of_bodies);
+  }
+
+  uint64_t pushes = 0, on_floor = 0, between_bodies = 0, wrong_sums = 0;
+
+ private:
+  static double sum_of(const Numbers& numbers) {
+    double largest = 0;
+    for (double number : numbers) largest = std::max(largest, std::fabs(number));
     raycontact::mpi_detail::FixedSum sum;
-    for (double number : of_bodies) sum.add(number, largest);
+    for (double number : numbers) sum.add(number, largest);
     return sum.value(largest);
   }
 
-  uint64_t pushes = 0, on_floor = 0, between_bodies = 0;
+  /** The body of a block of the system's unknowns, and its place there. */
+  std::pair<uint64_t, std::size_t> place_of(std::size_t block) const {
+    const auto [start, key] = *std::prev(by_start_.upper_bound(3 * block));
+    return {key, block - start / 3};
+  }
 
- private:
   /** From the host's order to the system's, and back. */
   Numbers spread(const Numbers& numbers) const {
     Numbers own(3 * node_count_ + 6 * rigid_count_);
@@ -138,9 +234,11 @@ class PlainSystem {
   raycontact::ContactSystem system_{options()};
   std::vector<uint64_t> keys_;
   std::map<uint64_t, uint32_t> numbers_;
-  std::map<uint64_t, std::size_t> starts_, sizes_;
+  std::map<uint64_t, std::size_t> starts_, sizes_, host_starts_;
+  std::map<std::size_t, uint64_t> by_start_;
   std::size_t node_count_ = 0, rigid_count_ = 0;
   raycontact::Parts all_;
+  std::vector<rayc_contact_part> as_given_;
 };
 
 }  // namespace rubbing

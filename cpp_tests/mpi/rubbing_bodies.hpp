@@ -22,6 +22,16 @@ constexpr uint32_t body_count = 18;
 constexpr int iterations = 6, solves = 2;
 enum Kind { SOFT, CAGED, RIGID, MOVED };
 
+/** What a step does besides; one of each kind of system may do without one of these, and its bits must be others. */
+struct Uses {
+  bool looks_again = false, has_materials = false, has_half_spaces = false, has_collision = false, has_escape = false;
+  bool has_energy = false, has_blocks = false;  // hashed too
+  bool has_ropes = false;                       // rigid bodies fly away unless ropes hold them, which the solve knows
+};
+
+/** With these bodies are faster and touch one another sooner than their caps allow. */
+inline double first_speed = 0.5, depth_cap = 0.05;
+
 inline uint64_t key_of(uint32_t number) { return (number * 7919u % 65536u) * 0x100000001ull + 5; }
 inline Kind kind_of(uint32_t number) {
   const Kind kinds[] = {SOFT, RIGID, SOFT, CAGED, SOFT, SOFT};
@@ -35,7 +45,7 @@ inline rayc_material material(uint32_t number) {
   material.stiffness = 4000 + 500 * (number % 3);
   material.damping_time = 0.01;
   material.friction = 0.4 + 0.1 * (number % 4);
-  material.depth_cap = 0.05;
+  material.depth_cap = depth_cap;
   return material;
 }
 
@@ -103,7 +113,7 @@ inline Body first_state(uint32_t number) {
   const uint32_t place = is_small(number) ? number - 1 : number;
   const double at[] = {1.5 * (place % 3) + (is_small(number) ? 1.0 : 0.0), 1.6 * (place / 3 % 3), 0.65 * (place / 9)};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double speed = is_small(number) ? 0 : 0.5 * std::sin(1.7 * number + 2.1 * static_cast<double>(axis));
+    const double speed = is_small(number) ? 0 : first_speed * std::sin(1.7 * number + 2.1 * static_cast<double>(axis));
     body.motion.position[axis] = at[axis];
     body.motion.velocity[axis] = body.motion.free_velocity[axis] = kind_of(number) == MOVED ? 0 : speed;
   }
@@ -212,8 +222,8 @@ inline void move(Host& host, const Numbers& v) {
   }
 }
 
-/** The bits of forces and of where bodies are. */
-inline uint64_t bits_of(const Host& host, const Numbers& forces) {
+/** The bits of forces and of where bodies are, and of what is one number for all. */
+inline uint64_t bits_of(const Host& host, const Numbers& forces, const Numbers& common) {
   uint64_t sum = 0;
   std::size_t at = 0;
   for (const auto& [key, body] : host) {
@@ -223,20 +233,85 @@ inline uint64_t bits_of(const Host& host, const Numbers& forces) {
     bits.add(body.v.data(), body.v.size());
     bits.add(body.motion.position, 3);
     bits.add(body.motion.velocity, 6);
+    bits.add(common.data(), common.size());
     sum += bits.hash();
     at += body.unknown_count();
   }
   return sum;
 }
 
+/** The bits of a matrix: each block is named by the bodies of its row and column. */
+inline uint64_t bits_of(const Host& host, const raycontact::DistributedBlocks& blocks) {
+  uint64_t sum = 0;
+  auto body = host.begin();
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
+    while (blocks.rows[i] >= start + body->second.unknown_count() / 3) start += (body++)->second.unknown_count() / 3;
+    demo::NumberBits bits(body->first);
+    const double places[] = {double(blocks.rows[i] - start), double(blocks.keys[i]), double(blocks.columns[i])};
+    bits.add(places, 3);
+    bits.add(&blocks.numbers[9 * i], 9);
+    sum += bits.hash();
+  }
+  return sum;
+}
+
+/** The product of a matrix's own columns with a vector, for a host that has all bodies. */
+inline Numbers product_of(const Host& host, const raycontact::DistributedBlocks& blocks, const Numbers& v) {
+  std::map<uint64_t, std::size_t> starts;
+  std::size_t start = 0;
+  for (const auto& [key, body] : host) {
+    starts[key] = start;
+    start += body.unknown_count();
+  }
+  Numbers product(v.size());
+  for (std::size_t i = 0; i < blocks.rows.size(); ++i)
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::size_t column = 0; column < 3; ++column)
+        product[3 * std::size_t{blocks.rows[i]} + row] +=
+            blocks.numbers[9 * i + 3 * row + column] * v[starts.at(blocks.keys[i]) + 3 * blocks.columns[i] + column];
+  return product;
+}
+
+/** Says of pairs what is different from some steps on. */
+template <class System>
+void say(int number, const Uses& uses, System& system) {
+  const auto key = [](uint32_t body) { return key_of(body); };
+  const rayc_material sticky = [] {
+    rayc_material own = material(0);
+    own.friction = 1.5;
+    own.stiffness = 9000;
+    return own;
+  }();
+  if (uses.has_materials && number == 1)
+    for (uint32_t body : {1u, 3u, 7u, 9u, 13u}) system.set_pair_material(key(body + 1), key(body), &sticky);
+  if (uses.has_materials && number == 16) system.set_pair_material(key(1), key(2), nullptr);
+  if (uses.has_half_spaces && number == 1)
+    for (uint32_t body = 1; body < body_count; body += 3) system.set_half_space_material(key(body), 0, &sticky);
+  if (uses.has_half_spaces && number == 18) system.set_half_space_material(key(1), 0, nullptr);
+  if (uses.has_escape && number == 2)
+    for (uint32_t body : {4u, 10u}) system.allow_escape(key(body), key(body + 1), false);
+  if (uses.has_escape && number == 17) system.allow_escape(key(5), key(4), true);
+  if (uses.has_collision && number == 3)
+    for (uint32_t body : {2u, 3u, 8u, 12u}) system.set_pair_collision(key(body), key(body + 1), false);
+  if (uses.has_collision && number == 14) system.set_pair_collision(key(3), key(2), true);
+}
+
+/** How often contacts were looked for again, and found to be more. */
+struct Looks {
+  uint64_t more = 0, wrong_products = 0;
+};
+
 /** A step of the simulator; gives the bits of its numbers. `System` is one of either kind. */
 template <class System>
-uint64_t step(Host& host, System& system) {
-  Numbers x, v, free, forces, right, direction, product;
+uint64_t step(Host& host, System& system, const Uses& uses, Looks* looks = nullptr) {
+  Numbers x, v, free, forces, right, direction, product, common;
+  uint64_t bits = 0;
   fill(host, x, v, free);
   for (auto& [key, body] : host) {
     set_free_motion(body);
     const Kind kind = kind_of(body.number);
+    if (uses.has_ropes && kind == RIGID) body.motion.free_velocity[2] += 100;
     if (kind == RIGID || kind == MOVED) system.set_motion(key, body.motion);
   }
   fill(host, x, v, free);
@@ -265,13 +340,71 @@ uint64_t step(Host& host, System& system) {
       for (std::size_t k = 0; k < end.size(); ++k) direction[k] = residual[k] + next / square * direction[k];
       square = next;
     }
+    std::size_t at = 0;
+    for (const auto& [key, body] : host) {
+      for (std::size_t k = at; k < at + 6 && uses.has_ropes && kind_of(body.number) == RIGID; ++k) end[k] = v[k];
+      at += body.unknown_count();
+    }
     system.linearise(end);
+    if (uses.looks_again) {
+      const bool is_more = system.detect_again(end);
+      common.push_back(is_more ? 1 : 0);
+      if (looks != nullptr) looks->more += is_more ? 1 : 0;
+    }
   }
   forces.assign(end.size(), 0);
   system.add_forces(end, forces);
+  if (uses.has_energy) {
+    common.push_back(system.energy(end));
+  }
+  if (uses.has_blocks) {
+    raycontact::DistributedBlocks blocks;
+    system.copy_blocks_to(dt, blocks);
+    bits = bits_of(host, blocks);
+    if (looks != nullptr) {
+      product.assign(end.size(), 0);
+      system.add_product(dt, end, product);
+      const Numbers by_blocks = product_of(host, blocks, end);
+      double square = 0, wrong = 0;
+      for (std::size_t k = 0; k < end.size(); ++k) {
+        square += product[k] * product[k];
+        wrong += (by_blocks[k] - product[k]) * (by_blocks[k] - product[k]);
+      }
+      looks->wrong_products += wrong <= 1e-20 * square ? 0 : 1;
+    }
+  }
   system.finish(end);
   move(host, end);
-  return bits_of(host, forces);
+  return bits + bits_of(host, forces, common);
+}
+
+/** The same with symplectic Euler and short steps. */
+template <class System>
+uint64_t explicit_step(Host& host, System& system, double* longest) {
+  constexpr double seconds = 1.0 / 2000;
+  Numbers x, v, free, forces;
+  for (auto& [key, body] : host) {
+    const Kind kind = kind_of(body.number);
+    if (kind == RIGID || kind == MOVED) system.set_motion(key, body.motion);
+  }
+  fill(host, x, v, free);
+  forces.assign(v.size(), 0);
+  *longest = system.explicit_step(seconds, x, v, forces);
+  std::size_t at = 0;
+  for (auto& [key, body] : host) {
+    const Kind kind = kind_of(body.number);
+    // Turning needs no more of a judge than moving does.
+    for (std::size_t k = 0; k < 3 && kind == RIGID; ++k)
+      body.motion.velocity[k] += seconds * (forces[at + k] / rigid_mass - (k == 2 ? 9.81 : 0));
+    for (std::size_t k = 0; k < body.x.size(); ++k) {
+      body.v[k] += seconds * ((free[at + k] - v[at + k]) / dt + forces[at + k] / node_mass(body.number));
+      body.x[k] += seconds * body.v[k];
+    }
+    if (kind == RIGID || kind == MOVED)
+      for (std::size_t k = 0; k < 3; ++k) body.motion.position[k] += seconds * body.motion.velocity[k];
+    at += body.unknown_count();
+  }
+  return bits_of(host, forces, {*longest});
 }
 
 }  // namespace rubbing

@@ -58,6 +58,14 @@ struct Parts {
   std::vector<uint32_t> blocks;          ///< of all parts, one after the other
 };
 
+/** The 3 x 3 blocks of a matrix, part by part. */
+struct PartBlocks {
+  std::vector<uint32_t> parts;    ///< to whose rows it adds: the place among Parts::parts
+  std::vector<uint32_t> rows;     ///< in blocks of three unknowns
+  std::vector<uint32_t> columns;  ///< the same
+  std::vector<double> numbers;    ///< nine for each block, by rows
+};
+
 /** Owns an rayc_contact_system, whose text says what it does and what a step is. Moves, does not copy. */
 class ContactSystem {
  public:
@@ -220,6 +228,46 @@ class ContactSystem {
   Outcome<void> part_products(double factor, Span<const double> change, Span<double> result) {
     return check(rayc_contact_system_part_products(get(), factor, change.size(), change.data(), result.size() / 3,
                                                    result.data()));
+  }
+
+  /** The same matrix as copy_blocks_to(), pair by pair: rayc_contact_system_copy_part_blocks(). */
+  Outcome<void> copy_part_blocks_to(double factor, PartBlocks& blocks) {
+    std::size_t count = 0;
+    rayc_status status = rayc_contact_system_part_block_count(get(), &count);
+    blocks.parts.resize(count);
+    blocks.rows.resize(count);
+    blocks.columns.resize(count);
+    blocks.numbers.resize(9 * count);
+    if (status == RAYC_STATUS_OK)
+      status = rayc_contact_system_copy_part_blocks(get(), factor, count, blocks.parts.data(), blocks.rows.data(),
+                                                    blocks.columns.data(), blocks.numbers.data());
+    return check(status);
+  }
+
+  /** The energy pair by pair, a number for each of Parts::parts: rayc_contact_system_part_energies(). */
+  Outcome<void> part_energies(Span<const double> velocities, Span<double> joules) {
+    return check(
+        rayc_contact_system_part_energies(get(), velocities.size(), velocities.data(), joules.size(), joules.data()));
+  }
+
+  /** How strongly rows act on each of Parts::blocks: rayc_contact_system_part_couplings(). */
+  Outcome<void> part_couplings(Span<double> couplings) {
+    return check(rayc_contact_system_part_couplings(get(), couplings.size(), couplings.data()));
+  }
+
+  /** By their sums, one for each block of three unknowns: rayc_contact_system_largest_coupling(). */
+  Outcome<std::array<double, 2>> largest_coupling(Span<const double> sums) const {
+    std::array<double, 2> largest{};
+    const rayc_status status =
+        rayc_contact_system_largest_coupling(get(), sums.size(), sums.data(), &largest[0], &largest[1]);
+    return detail::outcome(status, largest);
+  }
+
+  /** Begins a step of a host that integrates explicitly: rayc_contact_system_begin_explicit(). */
+  Outcome<void> begin_explicit(Scene& scene, double dt, Span<const double> positions, Span<const double> velocities) {
+    if (velocities.size() != positions.size()) return unequal();
+    return check(rayc_contact_system_begin_explicit(get(), scene.get(), dt, positions.size(), positions.data(),
+                                                    velocities.data()));
   }
 
   /** Ends a step whose velocities at the end are these. */

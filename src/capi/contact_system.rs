@@ -92,7 +92,8 @@ pub unsafe extern "C" fn rayc_contact_system_destroy(system: *mut rayc_contact_s
 }
 
 /// Sets how many nodes the host has, and their masses in kg: > 0, or infinity for a node that is held fast. Call it
-/// before adding bodies that have these nodes.
+/// before adding bodies that have these nodes. Within a step there may be more than before, for ghosts that join it; the
+/// nodes of all other bodies keep their masses.
 ///
 /// Errors: RAYC_STATUS_INVALID_MASS, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_WRONG_COUNT where a body's nodes
 /// lie beyond.
@@ -117,6 +118,8 @@ pub unsafe extern "C" fn rayc_contact_system_set_node_masses(
 /// `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count from the
 /// body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and weights
 /// have entry_count. All three NULL: surface vertex v is the body's node v.
+///
+/// Within a step only ghosts may be added, of this kind or another (rayc_contact_system_off_course()).
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY where the scene has no such body, RAYC_STATUS_BODY_TWICE, RAYC_STATUS_WRONG_COUNT,
 /// RAYC_STATUS_INVALID_WEIGHTS where weights do not sum to 1 or the table does not fit together, RAYC_STATUS_NOT_FINITE,
@@ -262,7 +265,8 @@ pub unsafe extern "C" fn rayc_contact_system_remove_body(system: *mut rayc_conta
 /// Gives two bodies, or a body with itself, a material of their own instead of the combined one. material: NULL
 /// restores the combined one.
 ///
-/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step.
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_OUT_OF_ORDER within a step, unless one of the
+/// bodies is a ghost that has joined it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_set_pair_material(
     system: *mut rayc_contact_system,
@@ -279,7 +283,8 @@ pub unsafe extern "C" fn rayc_contact_system_set_pair_material(
     })
 }
 
-/// Sets where a rigid or moved body is, and how it moves. Call it before each step.
+/// Sets where a rigid or moved body is, and how it moves. Call it before each step, and within one for a ghost that has
+/// joined it.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY also for a deformable body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_DIRECTION where
 /// the rotation is no rotation matrix, RAYC_STATUS_OUT_OF_ORDER within a step.

@@ -258,7 +258,8 @@ pub unsafe extern "C" fn rayc_contact_system_pack_memory(
 /// its bodies have here, in the order that they had when they were packed.
 ///
 /// Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, or not of these meshes,
-/// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step, RAYC_STATUS_UNKNOWN_ENUM.
+/// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_UNKNOWN_ENUM, RAYC_STATUS_OUT_OF_ORDER within a step, unless one of the bodies is a
+/// ghost that has joined it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_put_memory(
     system: *mut rayc_contact_system,

@@ -104,6 +104,16 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contact_system_copy_parts(null_mut(), 0, null_mut(), 0, null_mut());
         rayc_contact_system_part_forces(null_mut(), 0, null(), 0, null_mut());
         rayc_contact_system_part_products(null_mut(), 0.0, 0, null(), 0, null_mut());
+        rayc_contact_system_off_course(null_mut(), null(), 0, null(), null_mut(), null_mut());
+        rayc_contact_system_look_again(null_mut(), null_mut(), 0, null());
+        rayc_contact_system_detect_among(null_mut(), null_mut(), 0, null(), null(), 0, null(), null_mut());
+        rayc_contact_system_look_explicit(null_mut(), null_mut(), 0.0, 0, null(), null());
+        rayc_contact_system_begin_explicit(null_mut(), null_mut(), 0.0, 0, null(), null());
+        rayc_contact_system_part_couplings(null_mut(), 0, null_mut());
+        rayc_contact_system_largest_coupling(null(), 0, null(), null_mut(), null_mut());
+        rayc_contact_system_part_energies(null_mut(), 0, null(), 0, null_mut());
+        rayc_contact_system_part_block_count(null_mut(), null_mut());
+        rayc_contact_system_copy_part_blocks(null_mut(), 0.0, 0, null_mut(), null_mut(), null_mut(), null_mut());
         rayc_contact_system_memory_count(null(), null_mut());
         rayc_contact_system_copy_memories(null(), 0, null_mut());
         rayc_contact_system_pack_memory(null(), null(), null_mut());

@@ -5,6 +5,7 @@
 
 mod closest;
 mod contact_system;
+mod contact_system_ghosts;
 mod contact_system_options;
 mod contact_system_pairs;
 mod contact_system_parts;
@@ -44,6 +45,7 @@ pub use contact_system::{
     rayc_contact_system_destroy, rayc_contact_system_remove_body, rayc_contact_system_set_motion,
     rayc_contact_system_set_node_masses, rayc_contact_system_set_pair_material, rayc_contact_system_unknown_count,
 };
+pub use contact_system_ghosts::*;
 pub use contact_system_options::*;
 pub use contact_system_pairs::*;
 pub use contact_system_parts::*;

@@ -196,6 +196,11 @@ impl<T: Scalar> Scene<T> {
         Ok(())
     }
 
+    /// The newest query was no step's last: pairs remember what they did when the step ended.
+    pub(crate) fn disregard_query(&mut self) {
+        self.pairs.history.is_queried = false;
+    }
+
     /// What each pair whose boxes overlapped in the last query remembers since, in the order of the pairs.
     pub fn pair_memories(&self) -> &[([u32; 2], PairMemory<T>)] {
         self.pairs.history.newest()

@@ -59,10 +59,22 @@ impl Anchors {
         &self.kept[start..start + count]
     }
 
-    /// Keeps these too.
-    pub(super) fn put(&mut self, anchors: &[Anchor]) {
-        self.kept.room_for(anchors.len()).extend_from_slice(anchors);
+    /// Keeps these in place of some. Those that this step has found are found where they are then.
+    pub(super) fn replace(&mut self, is_gone: impl Fn(&Key) -> bool, anchors: &[Anchor]) {
+        let Self { kept, pending, next } = self;
+        next.clear();
+        next.room_for(pending.len());
+        kept.room_for(anchors.len());
+        let found = |anchor: &Anchor| anchor.found.and_then(|found| kept.get(found)).copied().unwrap_or(*anchor);
+        next.extend(pending.iter().map(found));
+        kept.retain(|anchor| !is_gone(&anchor.key));
+        kept.extend_from_slice(anchors);
         self.sort();
+        let Self { kept, pending, next } = self;
+        for (anchor, found) in pending.iter_mut().zip(&*next).filter(|(anchor, _)| anchor.found.is_some()) {
+            anchor.found = kept.binary_search_by(|kept| in_order(kept, found)).ok();
+        }
+        next.clear();
     }
 
     pub(super) fn start_step(&mut self) {
@@ -115,28 +127,30 @@ impl Anchors {
     pub(super) fn finish_step(&mut self) {
         std::mem::swap(&mut self.kept, &mut self.next);
         self.next.clear();
+        self.pending.clear();
         self.sort();
     }
 
     fn sort(&mut self) {
-        let order = |anchor: &Anchor| (anchor.key, anchor.triangle);
-        let held = |anchor: &Anchor| match anchor.hold {
-            Hold::Material(corners) => (corners.vertices, corners.weights),
-            Hold::Space(point) => ([0; 3], point.into()),
-        };
-        let compare = |a: &[f64; 3], b: &[f64; 3]| {
-            a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)))
-        };
-        // Of several as near as each other the first is taken, which must not depend on other pairs.
-        self.kept.sort_unstable_by(|a, b| {
-            let ((vertices, weights), (other_vertices, other_weights)) = (held(a), held(b));
-            order(a)
-                .cmp(&order(b))
-                .then_with(|| compare(&a.from.weights, &b.from.weights))
-                .then_with(|| vertices.cmp(&other_vertices))
-                .then_with(|| compare(&weights, &other_weights))
-        });
+        self.kept.sort_unstable_by(in_order);
     }
+}
+
+/// Of several as near as each other the first is taken, which must not depend on other pairs.
+fn in_order(a: &Anchor, b: &Anchor) -> Ordering {
+    let order = |anchor: &Anchor| (anchor.key, anchor.triangle);
+    let held = |anchor: &Anchor| match anchor.hold {
+        Hold::Material(corners) => (corners.vertices, corners.weights),
+        Hold::Space(point) => ([0; 3], point.into()),
+    };
+    let compare =
+        |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)));
+    let ((vertices, weights), (other_vertices, other_weights)) = (held(a), held(b));
+    order(a)
+        .cmp(&order(b))
+        .then_with(|| compare(&a.from.weights, &b.from.weights))
+        .then_with(|| vertices.cmp(&other_vertices))
+        .then_with(|| compare(&weights, &other_weights))
 }
 
 /// The point of the triangle's plane that lies from `point` along `direction`; where they are nearly parallel, the plane's

@@ -182,6 +182,8 @@ pub(super) struct Body<T: Scalar> {
     pub(super) mass: f64,
     /// Room for the positions of its surface.
     pub(super) positions: Vec<[T; 3]>,
+    /// Whether it was added within the step under way, or the last one.
+    pub(super) has_joined: bool,
 }
 
 /// How the unknowns move: nodes by positions and velocities of their own, rigid bodies by twists one after the other.

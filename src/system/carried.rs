@@ -71,10 +71,13 @@ impl<T: Scalar> ContactSystem<T> {
     /// in place of what it remembers here. `pair`: the bodies in the order in which they were packed.
     ///
     /// # Errors
-    /// [`SystemError::UnknownBody`], [`SystemError::StepUnderWay`], [`SystemError::Memory`] where the bytes are not what was
-    /// packed, or of other meshes.
+    /// [`SystemError::UnknownBody`], [`SystemError::StepUnderWay`] unless one of the bodies has [joined](Self::off_course) in
+    /// it, [`SystemError::Memory`] where the bytes are not what was packed, or of other meshes.
     pub fn put_pair_memory(&mut self, pair: (u32, Surface), bytes: &[u8]) -> Result<(), SystemError> {
-        self.check_no_step()?;
+        match pair.1 {
+            Surface::Body(second) => self.check_joined(&[pair.0, second])?,
+            Surface::HalfSpace(_) => self.check_no_step()?,
+        }
         let vertices = |surface: Surface| match surface {
             Surface::Body(body) => self.place(body).map(|place| self.bodies[place].vertex_count()),
             Surface::HalfSpace(number) if (number as usize) < self.half_spaces.len() => Ok(0),
@@ -83,8 +86,7 @@ impl<T: Scalar> ContactSystem<T> {
         let counts = [vertices(Surface::Body(pair.0))?, vertices(pair.1)?];
         let broken = SystemError::Memory { length: bytes.len() };
         let Some((load, anchors)) = read(bytes, pair, counts) else { return Err(broken) };
-        self.anchors.forget(|key| keys(pair).contains(&Some(*key)));
-        self.anchors.put(&anchors);
+        self.anchors.replace(|key| keys(pair).contains(&Some(*key)), &anchors);
         self.loads.put(pair, load);
         Ok(())
     }

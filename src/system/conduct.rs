@@ -15,12 +15,13 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Gives two bodies, or a body with itself, a material of their own in place of the
-    /// [combined](Material::combined) one; `None` takes it back.
+    /// [combined](Material::combined) one; `None` takes it back. Within a step one of them must have
+    /// [joined](Self::off_course) it.
     ///
     /// # Errors
     /// [`SystemError::UnknownBody`], [`SystemError::Material`], [`SystemError::StepUnderWay`].
     pub fn set_pair_material(&mut self, a: u32, b: u32, material: Option<Material>) -> Result<(), SystemError> {
-        self.check_no_step()?;
+        self.check_joined(&[a, b])?;
         self.place(b)?;
         self.set_material((a, Surface::Body(b)), material)
     }

@@ -1,3 +1,4 @@
+use super::rows::Coupled;
 use super::solve::check_count;
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::Scalar;
@@ -21,8 +22,47 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         forces: &mut [f64],
     ) -> Result<f64, SystemError> {
-        self.check_no_step()?;
         check_count("forces", forces, self.unknown_count())?;
+        self.begin_explicit(scene, dt, positions, velocities)?;
+        let Some(step) = self.step else { return Err(SystemError::NoStep) };
+        let unknowns = std::mem::take(&mut self.buffers.unknowns);
+        let added = self.add_forces(&unknowns, forces);
+        self.remember(&unknowns, step);
+        self.buffers.unknowns = unknowns;
+        self.step = None;
+        added?;
+        let mut sums = std::mem::take(&mut self.buffers.areas);
+        let nodes = self.node_masses.len();
+        sums.clear();
+        sums.room_for(nodes + 2 * self.rigid_count).resize(nodes + 2 * self.rigid_count, 0.0);
+        let rows = &self.rows;
+        rows.for_each_coupling(|place, with, coupling| {
+            let end = |side: usize| rows.rows[place].rigid[side].map_or(0, |end| nodes + 2 * end.place);
+            let block = match with {
+                Coupled::Entry(entry) => rows.entries[entry].node as usize,
+                Coupled::Linear(side) => end(side),
+                Coupled::Angular(side) => end(side) + 1,
+            };
+            sums[block] += coupling;
+        });
+        let largest = self.largest_with(&sums);
+        self.buffers.areas = sums;
+        Ok(longest_step(largest))
+    }
+
+    /// Begins a step as [`explicit_step`](Self::explicit_step) does, and does no more: the rows' forces at the velocities of
+    /// the start can be asked for [part by part](Self::part_forces), and [`finish`](Self::finish) with these ends it.
+    ///
+    /// # Errors
+    /// Those of [`explicit_step`](Self::explicit_step).
+    pub fn begin_explicit(
+        &mut self,
+        scene: &mut Scene<T>,
+        dt: f64,
+        positions: &[f64],
+        velocities: &[f64],
+    ) -> Result<(), SystemError> {
+        self.check_no_step()?;
         if self.rigid_unknowns == RigidUnknowns::Eliminated && self.rigid_count > 0 {
             return Err(SystemError::Eliminated);
         }
@@ -35,49 +75,64 @@ impl<T: Scalar> ContactSystem<T> {
         unknowns.extend_from_slice(&self.buffers.twists);
         self.find_twists(&unknowns, step);
         self.hold_at(&unknowns, step);
-        let added = self.add_forces(&unknowns, forces);
-        self.remember(&unknowns, step);
         self.buffers.unknowns = unknowns;
-        self.step = None;
-        added?;
-        Ok(self.longest_step())
+        Ok(())
     }
 
-    /// By a bound on the largest eigenvalue λ of M⁻¹ K: the largest sum of a row's couplings with all rows (Gershgorin). A
-    /// mode of stiffness λ and damping λ τ is stable up to dt² + 2 τ dt = 4 / λ.
-    fn longest_step(&mut self) -> f64 {
+    /// Puts the scene's bodies, but ghosts, where [`begin_explicit`](Self::begin_explicit) with the same numbers would look
+    /// for contacts, and does no more.
+    ///
+    /// # Errors
+    /// Those of [`begin`](Self::begin).
+    pub fn look_explicit(
+        &mut self,
+        scene: &mut Scene<T>,
+        dt: f64,
+        positions: &[f64],
+        velocities: &[f64],
+    ) -> Result<(), SystemError> {
+        self.prepare(scene, dt, positions, velocities, velocities)?;
+        self.place_surfaces(scene, 0.0, |scene, body| !scene.is_ghost(body))
+    }
+
+    /// By the sums of [`part_couplings`](Self::part_couplings), a number for each block of three unknowns, a bound on the
+    /// largest eigenvalue λ of M⁻¹ K, in 1/s², and the largest damping time τ of rows that push, in s. Both zero without
+    /// contact. Where scenes share bodies the larger of all systems count, and steps are stable up to
+    /// √(τ² + 4 / λ) − τ.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    pub fn largest_coupling(&self, sums: &[f64]) -> Result<[f64; 2], SystemError> {
+        self.step.ok_or(SystemError::NoStep)?;
+        check_count("sums", sums, self.node_masses.len() + 2 * self.rigid_count)?;
+        super::check_finite("sums", sums)?;
+        Ok(self.largest_with(sums))
+    }
+
+    /// The largest sum of a row's couplings with all rows bounds that eigenvalue (Gershgorin).
+    fn largest_with(&self, sums: &[f64]) -> [f64; 2] {
         let masses = &self.node_masses;
-        let sums = &mut self.buffers.areas;
         let count = masses.len();
-        sums.clear();
-        sums.room_for(count + 2 * self.rigid_count).resize(count + 2 * self.rigid_count, 0.0);
-        let pushing = |place: &usize| self.rows.rows[*place].held.pushes;
-        let entries = |place: usize| &self.rows.entries[self.rows.begin(place)..self.rows.rows[place].end];
-        let mut damping_time: f64 = 0.0;
-        for place in (0..self.rows.rows.len()).filter(pushing) {
-            let row = &self.rows.rows[place];
-            damping_time = damping_time.max(row.damping_time);
-            for entry in entries(place) {
-                sums[entry.node as usize] += row.coefficient * entry.along.abs().max(entry.across.abs());
-            }
-            for end in row.rigid.iter().flatten() {
-                sums[count + 2 * end.place] += row.coefficient;
-                sums[count + 2 * end.place + 1] += row.coefficient * end.arm.norm();
-            }
-        }
-        let coupling = |place: usize| {
-            let nodes = entries(place).iter().map(|entry| {
-                entry.along.abs().max(entry.across.abs()) * sums[entry.node as usize] / masses[entry.node as usize]
-            });
-            let rigid = self.rows.rows[place].rigid.iter().flatten().map(|end| {
+        let mut most = [0.0_f64; 2];
+        for (place, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
+            let entries = &self.rows.entries[self.rows.begin(place)..row.end];
+            let nodes = entries
+                .iter()
+                .map(|entry| entry.largest() * sums[entry.node as usize] / masses[entry.node as usize])
+                .sum::<f64>();
+            let rigid = row.rigid.iter().flatten().map(|end| {
                 let (mass, inertia) = self.rows.masses[end.place];
                 let least = inertia.symmetric_eigenvalues().min();
                 let [linear, angular] = [0, 1].map(|k| sums[count + 2 * end.place + k]);
                 linear / mass + end.arm.norm() * angular / least
             });
-            nodes.sum::<f64>() + rigid.sum::<f64>()
-        };
-        let largest = (0..self.rows.rows.len()).filter(pushing).map(coupling).fold(0.0, f64::max);
-        if largest > 0.0 { (damping_time * damping_time + 4.0 / largest).sqrt() - damping_time } else { f64::INFINITY }
+            most = [most[0].max(nodes + rigid.sum::<f64>()), most[1].max(row.damping_time)];
+        }
+        most
     }
+}
+
+/// A mode of stiffness λ and damping λ τ is stable up to dt² + 2 τ dt = 4 / λ.
+fn longest_step([largest, damping_time]: [f64; 2]) -> f64 {
+    if largest > 0.0 { (damping_time * damping_time + 4.0 / largest).sqrt() - damping_time } else { f64::INFINITY }
 }

@@ -25,10 +25,12 @@ mod explicit;
 mod fold;
 mod loads;
 mod material;
+mod part_matrix;
 mod parts;
 mod products;
 mod row;
 mod rows;
+mod shared;
 mod solve;
 mod step;
 mod twist;
@@ -37,6 +39,7 @@ pub use body::{Carriers, Motion};
 pub use error::SystemError;
 pub use loads::Surface;
 pub use material::Material;
+pub use part_matrix::PartBlock;
 pub use parts::Part;
 
 use crate::detection::ContactList;
@@ -108,12 +111,13 @@ impl<T: Scalar> ContactSystem<T> {
         }
     }
 
-    /// Says how many nodes the host has, and their masses in kg: infinity for one that is held fast.
+    /// Says how many nodes the host has, and their masses in kg: infinity for one that is held fast. Within a step there may
+    /// be more than before, for ghosts that [join](Self::off_course), and all other bodies' nodes keep their masses.
     ///
     /// # Errors
     /// [`SystemError::Mass`], [`SystemError::StepUnderWay`], [`SystemError::WrongCount`] where a body's nodes lie beyond.
     pub fn set_node_masses(&mut self, masses: &[f64]) -> Result<(), SystemError> {
-        self.check_no_step()?;
+        self.check_only_joined_change(masses)?;
         if let Some(node) = masses.iter().position(|&mass| mass.is_nan() || mass <= 0.0) {
             return Err(SystemError::Mass { node: Some(node), value: masses[node] });
         }
@@ -128,11 +132,13 @@ impl<T: Scalar> ContactSystem<T> {
                 body.mass = mass_of(&self.node_masses, nodes);
             }
         }
+        self.make_room_in_step();
         Ok(())
     }
 
     /// Adds a deformable body: number `body` of the scene, with the host's nodes `nodes`, which carry its surface as
-    /// `carriers` says. The masses of the nodes are to be set before.
+    /// `carriers` says. The masses of the nodes are to be set before. Within a step only ghosts may be added, this kind and
+    /// others, which [join](Self::off_course) it.
     ///
     /// # Errors
     /// [`SystemError`] of its own for each number that is wrong.
@@ -161,6 +167,7 @@ impl<T: Scalar> ContactSystem<T> {
                 outermost: outermost(mesh),
                 mass,
                 positions: Vec::new(),
+                has_joined: false,
             },
         );
         Ok(())
@@ -194,8 +201,11 @@ impl<T: Scalar> ContactSystem<T> {
         }
         let mover = Mover::Rigid { mass, inertia, place: self.rigid_count, frame: Frame::new(mesh) };
         let outermost = outermost(mesh);
-        self.insert(place, Body { number: body, material, mover, outermost, mass, positions: Vec::new() });
+        // Room first: a place without a body would stay.
+        self.bodies.room_for(1);
         self.rigid_count += 1;
+        let positions = Vec::new();
+        self.insert(place, Body { number: body, material, mover, outermost, mass, positions, has_joined: false });
         Ok(())
     }
 
@@ -208,10 +218,8 @@ impl<T: Scalar> ContactSystem<T> {
         let place = self.place_for(scene, body, &material)?;
         let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
         let (mover, outermost) = (Mover::Host(Frame::new(mesh)), outermost(mesh));
-        self.insert(
-            place,
-            Body { number: body, material, mover, outermost, mass: f64::INFINITY, positions: Vec::new() },
-        );
+        let (mass, positions) = (f64::INFINITY, Vec::new());
+        self.insert(place, Body { number: body, material, mover, outermost, mass, positions, has_joined: false });
         Ok(())
     }
 
@@ -259,16 +267,19 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
-    /// Says where a rigid or moved body is, and how it moves. Before each step.
+    /// Says where a rigid or moved body is, and how it moves. Before each step; within one of a body that has
+    /// [joined](Self::off_course) it.
     ///
     /// # Errors
     /// [`SystemError::UnknownBody`] also for a deformable body; [`SystemError::NotFinite`], [`SystemError::Rotation`],
     /// [`SystemError::StepUnderWay`].
     pub fn set_motion(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
-        self.check_no_step()?;
+        self.check_joined(&[body])?;
         let place = self.place(body)?;
         let frame = self.bodies[place].frame_mut().ok_or(SystemError::UnknownBody { body })?;
-        frame.place(body, motion)
+        frame.place(body, motion)?;
+        self.make_room_in_step();
+        Ok(())
     }
 
     /// How many unknowns a vector of velocities or forces has.
@@ -283,7 +294,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     fn place_for(&self, scene: &Scene<T>, body: u32, material: &Material) -> Result<usize, SystemError> {
-        self.check_no_step()?;
+        self.check_may_join(scene, body)?;
         scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
         material.check()?;
         match self.bodies.binary_search_by_key(&body, |body| body.number) {
@@ -293,7 +304,9 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     fn insert(&mut self, place: usize, body: Body<T>) {
-        self.bodies.room_for(1).insert(place, body);
+        let has_joined = self.step.is_some();
+        self.bodies.room_for(1).insert(place, Body { has_joined, ..body });
+        self.make_room_in_step();
     }
 
     fn place(&self, body: u32) -> Result<usize, SystemError> {

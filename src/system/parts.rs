@@ -2,6 +2,7 @@
 //! in one order they have the same bits, wherever the pairs were found.
 
 use super::loads::{PairLoads, Surface};
+use super::part_matrix::Matrix;
 use super::row::RigidEnd;
 use super::rows::{RowForce, Rows, Velocities};
 use super::{ContactSystem, RigidUnknowns, SystemError};
@@ -25,12 +26,16 @@ pub struct Part {
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     is_current: bool,
-    parts: Vec<Part>,
-    blocks: Vec<u32>,
+    pub(super) parts: Vec<Part>,
+    pub(super) blocks: Vec<u32>,
+    /// Of each part the place of its pair, in ascending order.
+    pairs: Vec<usize>,
     /// Of each entry of the rows, its block's place among all.
-    entries: Vec<usize>,
+    pub(super) entries: Vec<usize>,
     /// Of each row's rigid bodies, the first of its two blocks.
-    rigid: Vec<[usize; 2]>,
+    pub(super) rigid: Vec<[usize; 2]>,
+    /// Room for the matrix.
+    pub(super) matrix: Matrix,
     /// Room: pair, side and block.
     places: Vec<(usize, usize, u32)>,
 }
@@ -46,8 +51,9 @@ impl Parts {
         if self.is_current {
             return;
         }
-        let Self { parts, blocks, entries, rigid, places, .. } = self;
+        let Self { parts, blocks, pairs, entries, rigid, places, .. } = self;
         parts.clear();
+        pairs.clear();
         blocks.clear();
         entries.clear();
         rigid.clear();
@@ -81,6 +87,7 @@ impl Parts {
                 surface => (first, surface),
             };
             parts.room_for(1).push(Part { body, other, start: blocks.len(), count: of_part.len() });
+            pairs.room_for(1).push(pair);
             memory::append(blocks, of_part.iter().map(|&(.., block)| block));
         }
         let place = |of: (usize, usize, u32)| places.binary_search(&of).unwrap_or_default();
@@ -92,6 +99,12 @@ impl Parts {
             rigid.room_for(1).push(both);
         }
         self.is_current = true;
+    }
+
+    /// The places of a pair's parts: none where it has no unknowns.
+    pub(super) fn of_pair(&self, pair: usize) -> std::ops::Range<usize> {
+        let first = self.pairs.partition_point(|&other| other < pair);
+        first..first + self.pairs[first..].partition_point(|&other| other == pair)
     }
 
     /// Adds a row's force to what its pair does, as [`Rows::scatter`] adds it to the unknowns.

@@ -172,6 +172,16 @@ impl Row {
         self.direction * (push + normal * (slip.along - at.along)) + pull + (slip.across - at.across) * tangential
     }
 
+    /// Adds the potential where it exerts a force.
+    pub(super) fn add_energy(&self, force: &V3, dt: f64, energy: &mut f64) {
+        let (along, across) = (self.direction.dot(force), self.across(force));
+        for (square, stiffness) in [(along * along, self.held.normal), (across.norm_squared(), self.held.tangential)] {
+            if stiffness > 0.0 {
+                *energy += 0.5 * dt * square / stiffness;
+            }
+        }
+    }
+
     pub(super) fn across(&self, u: &V3) -> V3 {
         u - self.direction * self.direction.dot(u)
     }

@@ -16,6 +16,19 @@ pub(super) struct Entry {
     pub(super) across: f64,
 }
 
+impl Entry {
+    pub(super) fn largest(&self) -> f64 {
+        self.along.abs().max(self.across.abs())
+    }
+}
+
+/// What a row acts on: an entry, or the linear or angular velocity of its first or second rigid body.
+pub(super) enum Coupled {
+    Entry(usize),
+    Linear(usize),
+    Angular(usize),
+}
+
 /// Rows live in flat lists that grow: a fixed number of nodes for a contact would drop weights and freeze bodies.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
@@ -187,9 +200,30 @@ impl Rows {
         self.loads = std::mem::replace(&mut self.response, loads);
     }
 
-    /// Calls `use_block(row, column, block)` for each 3 × 3 block of `scale` · Jᵀ D J; those of equal place are to be added.
-    /// Rigid bodies have two blocks of unknowns each, after those of the nodes.
-    pub(super) fn for_each_block(&self, nodes: usize, scale: f64, mut use_block: impl FnMut(usize, usize, [f64; 9])) {
+    /// Calls `use_coupling(place, with what, coupling)` for all that the rows that push act on, in N/m and, with angular
+    /// velocities, in N.
+    pub(super) fn for_each_coupling(&self, mut use_coupling: impl FnMut(usize, Coupled, f64)) {
+        for (place, row) in self.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
+            for entry in self.begin(place)..row.end {
+                let weight = self.entries[entry].largest();
+                use_coupling(place, Coupled::Entry(entry), row.coefficient * weight);
+            }
+            for (side, end) in row.rigid.iter().enumerate() {
+                let Some(end) = end else { continue };
+                use_coupling(place, Coupled::Linear(side), row.coefficient);
+                use_coupling(place, Coupled::Angular(side), row.coefficient * end.arm.norm());
+            }
+        }
+    }
+
+    /// Calls `use_block(place of the contact's row, row, column, block)` for each 3 × 3 block of `scale` · Jᵀ D J; those of
+    /// equal place are to be added. Rigid bodies have two blocks of unknowns each, after those of the nodes.
+    pub(super) fn for_each_block(
+        &self,
+        nodes: usize,
+        scale: f64,
+        mut use_block: impl FnMut(usize, usize, usize, [f64; 9]),
+    ) {
         for place in 0..self.rows.len() {
             let row = &self.rows[place];
             if !row.held.pushes {
@@ -200,7 +234,7 @@ impl Rows {
             let across = (Matrix3::identity() - outer) * (scale * row.held.tangential);
             let entries = &self.entries[self.begin(place)..row.end];
             let mut emit = |row: usize, column: usize, block: Matrix3<f64>| {
-                use_block(row, column, std::array::from_fn(|k| block[(k / 3, k % 3)]));
+                use_block(place, row, column, std::array::from_fn(|k| block[(k / 3, k % 3)]));
             };
             for a in entries {
                 for b in entries {

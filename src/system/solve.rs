@@ -55,14 +55,14 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn for_each_block(
         &self,
         factor: f64,
-        use_block: impl FnMut(usize, usize, [f64; 9]),
+        mut use_block: impl FnMut(usize, usize, [f64; 9]),
     ) -> Result<(), SystemError> {
         self.step.ok_or(SystemError::NoStep)?;
         super::check_finite("factor", &[factor])?;
         if self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty() {
             return Err(SystemError::Eliminated);
         }
-        self.rows.for_each_block(self.node_masses.len(), factor, use_block);
+        self.rows.for_each_block(self.node_masses.len(), factor, |_, row, column, block| use_block(row, column, block));
         Ok(())
     }
 
@@ -78,14 +78,7 @@ impl<T: Scalar> ContactSystem<T> {
         let of = self.velocities(velocities);
         let mut energy = 0.0;
         for (place, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
-            let force = row.force_at(&self.rows.slip_at(place, of));
-            let (along, across) = (row.direction.dot(&force), row.across(&force));
-            for (square, stiffness) in [(along * along, row.held.normal), (across.norm_squared(), row.held.tangential)]
-            {
-                if stiffness > 0.0 {
-                    energy += 0.5 * step.dt * square / stiffness;
-                }
-            }
+            row.add_energy(&row.force_at(&self.rows.slip_at(place, of)), step.dt, &mut energy);
         }
         if self.rigid_unknowns == RigidUnknowns::Eliminated {
             let changes = self.rows.response.chunks_exact(6).zip(self.buffers.free_twists.chunks_exact(6));

@@ -7,6 +7,7 @@ use crate::math::Scalar;
 use crate::memory::{self, Room};
 use crate::mesh::MeshError;
 use crate::scene::Scene;
+use nalgebra::Matrix3;
 
 /// A step under way.
 #[derive(Clone, Copy, Debug)]
@@ -104,11 +105,12 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
+        let ahead = if self.looks_ahead { dt } else { 0.0 };
         self.prepare(scene, dt, positions, velocities, free_velocities)?;
-        self.place_surfaces(scene, dt, |scene, body| !scene.is_ghost(body))
+        self.place_surfaces(scene, ahead, |scene, body| !scene.is_ghost(body))
     }
 
-    fn prepare(
+    pub(super) fn prepare(
         &mut self,
         scene: &Scene<T>,
         dt: f64,
@@ -139,13 +141,9 @@ impl<T: Scalar> ContactSystem<T> {
             twists.clear();
             twists.room_for(6 * self.rigid_count).resize(6 * self.rigid_count, 0.0);
         }
+        bodies.iter_mut().for_each(|body| body.has_joined = false);
         for body in &*bodies {
-            if let Mover::Rigid { mass, inertia, place, frame } = &body.mover {
-                let own = 6 * place..6 * place + 6;
-                buffers.twists[own.clone()].copy_from_slice(&frame.velocity);
-                buffers.free_twists[own].copy_from_slice(&frame.free_velocity);
-                self.rows.masses[*place] = (*mass, frame.rotation * inertia * frame.rotation.transpose());
-            }
+            body.start_rigid(buffers, &mut self.rows.masses);
         }
         copy(&mut buffers.ahead_twists, &buffers.free_twists);
         Ok(())
@@ -171,6 +169,16 @@ impl<T: Scalar> ContactSystem<T> {
         copy(&mut buffers.ahead, nodes);
         copy(&mut buffers.ahead_twists, &self.rows.response);
         self.detect(scene, step.dt)?;
+        scene.disregard_query();
+        let has_news = self.fold_news(step);
+        if has_news {
+            self.hold_at(velocities, step);
+        }
+        Ok(has_news)
+    }
+
+    /// Makes rows of pairs anew of which the last detection found more; gives whether there are such.
+    pub(super) fn fold_news(&mut self, step: Step) -> bool {
         self.count_pairs();
         let mut pairs = std::mem::take(&mut self.buffers.pairs);
         pairs.retain(|&(_, found, rows)| found > 2 * rows);
@@ -186,21 +194,18 @@ impl<T: Scalar> ContactSystem<T> {
         self.fold(step.dt, is_news, None);
         let has_news = !pairs.is_empty();
         self.buffers.pairs = pairs;
-        if has_news {
-            self.hold_at(velocities, step);
-        }
-        Ok(has_news)
+        has_news
     }
 
     /// Positions in the scene and the contacts there, at the end of the course of the last velocities ahead.
-    fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
+    pub(super) fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
         self.place_surfaces(scene, time, |_, _| true)?;
         scene.query(&mut self.contacts);
         Ok(())
     }
 
     /// Puts surfaces where they are at the end of that course.
-    fn place_surfaces(
+    pub(super) fn place_surfaces(
         &mut self,
         scene: &mut Scene<T>,
         time: f64,
@@ -285,9 +290,7 @@ impl<T: Scalar> ContactSystem<T> {
     fn ends_elsewhere(&self, nodes: &[f64], dt: f64) -> bool {
         let cap = self.bodies.iter().map(|body| body.material.depth_cap).fold(f64::INFINITY, f64::min) / dt;
         let differ = |a: &[f64], b: &[f64]| {
-            a.chunks_exact(3)
-                .zip(b.chunks_exact(3))
-                .any(|(a, b)| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>() > cap * cap)
+            a.chunks_exact(3).zip(b.chunks_exact(3)).any(|(a, b)| square_between(a, b) > cap * cap)
         };
         let movable = self.node_masses.iter().any(|mass| mass.is_finite());
         (movable && differ(nodes, &self.buffers.ahead))
@@ -299,7 +302,7 @@ impl<T: Scalar> ContactSystem<T> {
                 .any(|(a, b)| differ(&a[..3], &b[..3]))
     }
 
-    fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
+    pub(super) fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
         if let Some(body) = scene.body_numbers().find(|&number| self.place(number).is_err()) {
             return Err(SystemError::UnknownBody { body });
         }
@@ -361,6 +364,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// Ends a step as if it had not begun; does nothing where none has.
     pub fn cancel(&mut self) {
         self.step = None;
+        self.anchors.start_step();
     }
 
     /// The linear and angular velocity of a rigid body at the end of the last finished step.
@@ -376,10 +380,25 @@ impl<T: Scalar> ContactSystem<T> {
 }
 
 impl<T: Scalar> Body<T> {
+    /// How a rigid body moves at the start of a step, and its mass and inertia there.
+    pub(super) fn start_rigid(&self, buffers: &mut Buffers, masses: &mut [(f64, Matrix3<f64>)]) {
+        if let Mover::Rigid { mass, inertia, place, frame } = &self.mover {
+            let own = 6 * place..6 * place + 6;
+            buffers.twists[own.clone()].copy_from_slice(&frame.velocity);
+            buffers.free_twists[own].copy_from_slice(&frame.free_velocity);
+            masses[*place] = (*mass, frame.rotation * inertia * frame.rotation.transpose());
+        }
+    }
+
     /// The nodes of a deformable body.
     pub(super) fn nodes(&self) -> Option<std::ops::Range<u32>> {
         if let Mover::Nodes { nodes, .. } = &self.mover { Some(nodes.clone()) } else { None }
     }
+}
+
+/// Of two velocities.
+pub(super) fn square_between(a: &[f64], b: &[f64]) -> f64 {
+    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
 }
 
 pub(super) fn copy(to: &mut Vec<f64>, from: &[f64]) {

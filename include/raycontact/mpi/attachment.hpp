@@ -5,10 +5,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <vector>
 
 #include "raycontact/mpi/bytes.hpp"
 #include "raycontact/mpi/communicator.hpp"
+#include "raycontact/mpi/pair_settings.hpp"
 
 namespace raycontact::mpi_detail {
 
@@ -19,9 +21,15 @@ class Attachment {
   /** Whether a step is under way. */
   bool is_busy = false;
 
-  /** What a rank that has the body as a ghost needs in this step; `is_known`: it had it in the step before too. */
+  /** What a rank that has the body as a ghost needs in this step; `is_known`: it had it in the step before too, or
+   * where the step is under way, in it. */
   virtual void write_ghost(Bytes& message, uint64_t key, bool is_known) = 0;
-  virtual void read_ghost(Reader& message, uint64_t key, uint32_t number, Fault& fault) = 0;
+  /** Gives whether the ghost is told of anew. */
+  virtual bool read_ghost(Reader& message, uint64_t key, uint32_t number, Fault& fault) = 0;
+  /** These ghosts, by number, are going to be removed; what their pairs remember waits for the end of the step. */
+  virtual void keep_memories(const std::set<uint32_t>& ghosts, Fault& fault) = 0;
+  /** By numbers. */
+  virtual void set_pair_material(uint32_t first, uint32_t second, const PairSetting& setting, Fault& fault) = 0;
 
   /** All of a body that changes ranks. */
   virtual void write_body(Bytes& message, uint64_t key) = 0;

@@ -16,6 +16,7 @@
 #include "raycontact/mpi/attachment.hpp"
 #include "raycontact/mpi/boxes.hpp"
 #include "raycontact/mpi/communicator.hpp"
+#include "raycontact/mpi/pair_settings.hpp"
 #include "raycontact/scene.hpp"
 
 namespace raycontact::mpi_detail {
@@ -59,8 +60,6 @@ struct Ghost {
   bool is_current = false;
   std::vector<double> velocities;
 };
-
-enum Tag { TAG_HEADERS = 1, TAG_GHOSTS, TAG_FORCES, TAG_OWNERS, TAG_MIGRATION, TAG_KEYS, TAG_PARTS };
 
 /** Keys of own bodies that other ranks have as ghosts, by rank; or of ghosts, by the ranks that they are had from. */
 using Keys = std::map<int, std::set<uint64_t>>;
@@ -116,6 +115,7 @@ class Bodies {
   Fault fault;
   bool has_new = false;
   Attachment* attachment = nullptr;
+  PairSettings settings;
 
   void add(uint64_t key, const rayc_mesh* mesh, bool collides_with_itself) {
     const std::string what = "body of key " + std::to_string(key);
@@ -189,15 +189,66 @@ class Bodies {
       body->velocities = std::move(read);
   }
 
+  /** The host removes a body of this rank's. */
   void remove(uint64_t key) {
     Own* body = find(key);
     if (body == nullptr || is_busy("body of key " + std::to_string(key))) return;
+    settings.forget(key);
+    let_go(key, body);
+  }
+
+  /** The body is another rank's from now on. */
+  void let_go(uint64_t key) {
+    let_go(key, find(key));
+    settings.has_left(key, own);
+  }
+
+  /** The host says something of two bodies of any ranks. */
+  void set_pair(uint64_t first, uint64_t second, const PairSetting& change) {
+    const std::string what = "pair of keys " + std::to_string(first) + " and " + std::to_string(second);
+    if (first == second && change.said != PairSetting::MATERIAL)
+      fault.note(RAYC_STATUS_INVALID_OPTION, what + ": these are the same body; name two different ones");
+    else if (!is_busy(what))
+      settings.change(first, second, change);
+  }
+
+  /** Tells the scene, and the attachment, what has been said of pairs that are here, or have come here. */
+  void apply_settings() {
+    for (const PairSettings::Pair& pair : settings.take_untold()) {
+      uint32_t numbers[2];
+      if (!number(pair[0], &numbers[0]) || !number(pair[1], &numbers[1])) continue;
+      const PairSetting setting = settings.find(pair[0], pair[1]);
+      const std::string what = "pair of keys " + std::to_string(pair[0]) + " and " + std::to_string(pair[1]);
+      if (attachment != nullptr) attachment->set_pair_material(numbers[0], numbers[1], setting, fault);
+      if (pair[0] == pair[1]) continue;
+      const uint32_t is_on = setting.is_ignored == 0 ? 1 : 0, is_allowed = setting.is_bound == 0 ? 1 : 0;
+      fault.check(rayc_scene_set_pair_collision(scene.get(), numbers[0], numbers[1], is_on), what);
+      fault.check(rayc_scene_allow_escape(scene.get(), numbers[0], numbers[1], is_allowed), what);
+    }
+  }
+
+  /** The number of an own body or a ghost; false where there is none. */
+  bool number(uint64_t key, uint32_t* number) const {
+    const auto found = own.find(key);
+    const auto ghost = ghosts.find(key);
+    if (found != own.end())
+      *number = found->second.number;
+    else if (ghost != ghosts.end())
+      *number = ghost->second.number;
+    else
+      return false;
+    return true;
+  }
+
+ private:
+  void let_go(uint64_t key, Own* body) {
     if (attachment != nullptr) attachment->remove(key);
     fault.check(rayc_scene_remove_body(scene.get(), body->number), "body of key " + std::to_string(key));
     named.erase(body->number);
     own.erase(key);
   }
 
+ public:
   void remove_ghost(std::map<uint64_t, Ghost>::iterator ghost) {
     if (attachment != nullptr) attachment->remove(ghost->first);
     fault.check(rayc_scene_remove_body(scene.get(), ghost->second.number),

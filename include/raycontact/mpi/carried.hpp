@@ -17,10 +17,9 @@
 #include "raycontact/contact_system.hpp"
 #include "raycontact/mpi/attachment.hpp"
 #include "raycontact/mpi/bodies.hpp"
+#include "raycontact/mpi/grips.hpp"
 
 namespace raycontact::mpi_detail {
-
-using SystemOwner = detail::Owner<rayc_contact_system, rayc_contact_system_destroy>;
 
 /** How a body's surface is carried, and where that stands on this rank. */
 struct Carried {
@@ -34,6 +33,8 @@ struct Carried {
   double mass = 0;                         // of a rigid body
   std::array<double, 9> inertia{};         //
   rayc_motion motion{{0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0}, {0}};
+  std::map<uint32_t, rayc_material> half_space_materials;
+  std::array<double, 6> end{};        // of a rigid body: its velocities where contacts were last looked for
   uint32_t number = 0;                // in the rank's scene
   std::size_t first_node = 0;         // in the rank's system
   bool is_own = true, is_new = true;  // new: ranks that know the body do not know this of it
@@ -50,6 +51,11 @@ struct Carried {
     write(message, mass);
     write(message, inertia);
     write(message, motion);
+    write(message, uint64_t{half_space_materials.size()});
+    for (const auto& [half_space, own] : half_space_materials) {
+      write(message, half_space);
+      write(message, own);
+    }
   }
 
   static Carried read_from(Reader& message) {
@@ -63,6 +69,10 @@ struct Carried {
     body.mass = message.read<double>();
     body.inertia = message.read<std::array<double, 9>>();
     body.motion = message.read<rayc_motion>();
+    for (auto count = message.read<uint64_t>(); count > 0; --count) {
+      const auto half_space = message.read<uint32_t>();
+      body.half_space_materials[half_space] = message.read<rayc_material>();
+    }
     return body;
   }
 
@@ -79,16 +89,10 @@ struct Carried {
   }
 };
 
-/** What a pair's friction remembers, by keys; a half-space by its number. */
-struct GripMemory {
-  uint64_t first = 0, second = 0;
-  uint64_t is_half_space = 0;
-  Bytes bytes;
-};
-
 class CarriedBodies final : public Attachment {
  public:
-  CarriedBodies(Bodies& bodies, SystemOwner system) : system_(std::move(system)), scene_bodies_(bodies) {}
+  CarriedBodies(Bodies& bodies, SystemOwner system)
+      : system_(std::move(system)), scene_bodies_(bodies), grips_(bodies, system_.get()) {}
 
   rayc_contact_system* system() const { return system_.get(); }
   const std::map<uint64_t, Carried>& bodies() const { return bodies_; }
@@ -173,20 +177,21 @@ class CarriedBodies final : public Attachment {
     for (unsigned char byte : bytes) checksum_ = (checksum_ ^ byte) * 0x100000001b3ull;
   }
 
-  /** What pairs remembered on other ranks; those whose bodies do not meet any more have forgotten. */
-  void put_memories(Fault& fault) {
-    for (const GripMemory& grip : waiting_) {
-      const auto first = bodies_.find(grip.first), second = bodies_.find(grip.second);
-      const bool has_second = grip.is_half_space != 0 || second != bodies_.end();
-      if (first == bodies_.end() || !has_second) continue;
-      rayc_contact_memory pair{};
-      pair.first = first->second.number;
-      pair.second = grip.is_half_space != 0 ? static_cast<uint32_t>(grip.second) : second->second.number;
-      pair.is_half_space = static_cast<uint32_t>(grip.is_half_space);
-      pair.length = grip.bytes.size();
-      fault.check(rayc_contact_system_put_memory(system(), &pair, grip.bytes.data()), "memory of a pair");
-    }
-    waiting_.clear();
+  Grips& grips() { return grips_; }
+
+  /** What all pairs of ghosts remember waits. */
+  void keep_all_memories(Fault& fault) {
+    std::set<uint32_t> ghosts;
+    for (const auto& [key, body] : bodies_)
+      if (!body.is_own) ghosts.insert(body.number);
+    grips_.keep(ghosts, fault);
+  }
+
+  /** Where own rigid bodies end, by the rank's unknowns. */
+  void keep_ends(const std::vector<double>& unknowns) {
+    for (auto& [key, body] : bodies_)
+      if (body.is_own && body.kind == Carried::RIGID)
+        std::copy_n(unknowns.begin() + static_cast<std::ptrdiff_t>(start(key)), body.end.size(), body.end.begin());
   }
 
   void write_ghost(Bytes& message, uint64_t key, bool is_known) override {
@@ -194,28 +199,62 @@ class CarriedBodies final : public Attachment {
     const bool tells_all = !is_known || body.is_new;
     write(message, uint64_t{tells_all});
     if (tells_all) body.write_to(message);
-    write(message, body.motion);
-    write(message, uint64_t{body.masses.size()});
-    for (const std::vector<double>& field : nodes)
-      write(message, field.data() + 3 * body.first_node, 3 * body.masses.size());
+    // Within a step those who know the body know how it began.
+    if (tells_all || !is_busy) {
+      write(message, body.motion);
+      write_nodes(message, body, nodes[0]);
+      write_nodes(message, body, nodes[1]);
+    }
+    write_nodes(message, body, nodes[2]);
+    if (is_busy) write(message, body.end);
   }
 
-  void read_ghost(Reader& message, uint64_t key, uint32_t number, Fault& fault) override {
-    if (message.read<uint64_t>() != 0) {
+  bool read_ghost(Reader& message, uint64_t key, uint32_t number, Fault& fault) override {
+    const bool tells_all = message.read<uint64_t>() != 0;
+    if (tells_all) {
+      if (bodies_.count(key) != 0) grips_.keep({number}, fault);
       remove(key);
       Carried body = Carried::read_from(message);
       body.is_own = false;
       body.number = number;
       add(key, std::move(body), fault);
     }
-    const auto motion = message.read<rayc_motion>();
-    const auto count = static_cast<std::size_t>(message.read<uint64_t>());
     const auto found = bodies_.find(key);
-    for (std::vector<double>& field : nodes) {
-      const std::vector<double> read = message.read_all<double>(3 * count);
-      if (found != bodies_.end()) std::copy(read.begin(), read.end(), at(field, found->second.first_node));
+    Carried* body = found == bodies_.end() ? nullptr : &found->second;
+    if (tells_all || !is_busy) {
+      const auto motion = message.read<rayc_motion>();
+      read_nodes(message, body, nodes[0]);
+      read_nodes(message, body, nodes[1]);
+      if (body != nullptr && body->kind != Carried::DEFORMABLE) set_motion(key, motion, fault);
     }
-    if (found != bodies_.end() && found->second.kind != Carried::DEFORMABLE) set_motion(key, motion, fault);
+    read_nodes(message, body, nodes[2]);
+    const auto end = is_busy ? message.read<std::array<double, 6>>() : std::array<double, 6>();
+    if (body != nullptr) body->end = end;
+    return tells_all;
+  }
+
+  void keep_memories(const std::set<uint32_t>& ghosts, Fault& fault) override { grips_.keep(ghosts, fault); }
+
+  void set_pair_material(uint32_t first, uint32_t second, const PairSetting& setting, Fault& fault) override {
+    const rayc_material* material = setting.has_material != 0 ? &setting.material : nullptr;
+    fault.check(rayc_contact_system_set_pair_material(system(), first, second, material), "material of a pair");
+  }
+
+  /** Of an own body and a half-space; NULL takes it back. */
+  void set_half_space_material(uint64_t key, uint32_t half_space, const rayc_material* material, Fault& fault) {
+    const std::string what = "material of the body of key " + std::to_string(key) + " on a half-space";
+    const auto found = bodies_.find(key);
+    if (found == bodies_.end() || !found->second.is_own) {
+      fault.note(RAYC_STATUS_UNKNOWN_BODY, what + ": this rank does not have it");
+      return;
+    }
+    Carried& body = found->second;
+    if (!fault.check(rayc_contact_system_set_half_space_material(system(), body.number, half_space, material), what))
+      return;
+    if (material != nullptr)
+      body.half_space_materials[half_space] = *material;
+    else
+      body.half_space_materials.erase(half_space);
   }
 
   void write_body(Bytes& message, uint64_t key) override {
@@ -228,7 +267,9 @@ class CarriedBodies final : public Attachment {
     Reader reader(message);
     Carried body = Carried::read_from(reader);
     body.number = number;
+    const std::map<uint32_t, rayc_material> materials = std::move(body.half_space_materials);
     add(key, std::move(body), fault);
+    for (const auto& [half_space, material] : materials) set_half_space_material(key, half_space, &material, fault);
   }
 
   void remove(uint64_t key) override {
@@ -242,40 +283,10 @@ class CarriedBodies final : public Attachment {
   }
 
   void write_memories(std::vector<Bytes>& to_ranks, const Finder& finder, Fault& fault) override {
-    std::size_t count = 0;
-    fault.check(rayc_contact_system_memory_count(system(), &count), "memories of pairs");
-    std::vector<rayc_contact_memory> memories(count);
-    fault.check(rayc_contact_system_copy_memories(system(), count, memories.data()), "memories of pairs");
-    std::vector<GripMemory> all = std::exchange(waiting_, {});
-    for (const rayc_contact_memory& memory : memories) {
-      GripMemory grip;
-      grip.first = scene_bodies_.named.at(memory.first).key;
-      grip.second = memory.is_half_space != 0 ? memory.second : scene_bodies_.named.at(memory.second).key;
-      grip.is_half_space = memory.is_half_space;
-      grip.bytes.resize(memory.length);
-      fault.check(rayc_contact_system_pack_memory(system(), &memory, grip.bytes.data()), "memory of a pair");
-      all.push_back(std::move(grip));
-    }
-    for (const GripMemory& grip : all) {
-      const int rank = finder(grip.first, grip.is_half_space != 0 ? grip.first : grip.second);
-      if (rank < 0) continue;
-      Bytes& message = to_ranks[static_cast<std::size_t>(rank)];
-      for (uint64_t number : {grip.first, grip.second, grip.is_half_space, uint64_t{grip.bytes.size()}})
-        write(message, number);
-      write(message, grip.bytes.data(), grip.bytes.size());
-    }
+    grips_.write(to_ranks, finder, fault);
   }
 
-  void read_memories(const Bytes& message) override {
-    for (Reader reader(message); !reader.is_at_end();) {
-      GripMemory grip;
-      grip.first = reader.read<uint64_t>();
-      grip.second = reader.read<uint64_t>();
-      grip.is_half_space = reader.read<uint64_t>();
-      grip.bytes = reader.read_all<unsigned char>(static_cast<std::size_t>(reader.read<uint64_t>()));
-      waiting_.push_back(std::move(grip));
-    }
-  }
+  void read_memories(const Bytes& message) override { grips_.read(message); }
 
   uint64_t checksum() const override { return checksum_; }
 
@@ -306,15 +317,26 @@ class CarriedBodies final : public Attachment {
     return field.begin() + static_cast<std::ptrdiff_t>(3 * node);
   }
 
+  static void write_nodes(Bytes& message, const Carried& body, const std::vector<double>& field) {
+    write(message, uint64_t{body.masses.size()});
+    write(message, field.data() + 3 * body.first_node, 3 * body.masses.size());
+  }
+
+  static void read_nodes(Reader& message, const Carried* body, std::vector<double>& field) {
+    const auto count = static_cast<std::size_t>(message.read<uint64_t>());
+    const std::vector<double> numbers = message.read_all<double>(3 * count);
+    if (body != nullptr) std::copy(numbers.begin(), numbers.end(), at(field, body->first_node));
+  }
+
   SystemOwner system_;
   Bodies& scene_bodies_;
+  Grips grips_;
   std::map<uint64_t, Carried> bodies_;
   std::vector<uint64_t> rigid_;  // in the system's order
   std::vector<double> masses_;
   std::size_t used_ = 0;
   bool has_new_masses_ = false;
   std::map<std::size_t, std::vector<std::size_t>> free_nodes_;  // by how many there are together
-  std::vector<GripMemory> waiting_;
   uint64_t checksum_ = 0xcbf29ce484222325ull;
 };
 

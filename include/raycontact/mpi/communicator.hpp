@@ -42,6 +42,8 @@ struct Fault {
   }
 };
 
+enum Tag { TAG_HEADERS = 1, TAG_GHOSTS, TAG_FORCES, TAG_OWNERS, TAG_MIGRATION, TAG_KEYS, TAG_PARTS, TAG_SETTINGS };
+
 class Communicator {
  public:
   /** Whether there is a group of ranks to work with; only then may one be made. */

@@ -4,20 +4,17 @@
 #define RAYCONTACT_MPI_DISTRIBUTED_CONTACT_SYSTEM_HPP
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <ctime>
-#include <limits>
-#include <map>
 #include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "raycontact/mpi/distributed_scene.hpp"
-#include "raycontact/mpi/fixed_sum.hpp"
-#include "raycontact/mpi/part_sums.hpp"
+#include "raycontact/mpi/explicit_step.hpp"
+#include "raycontact/mpi/matrix_blocks.hpp"
+#include "raycontact/mpi/second_look.hpp"
+#include "raycontact/mpi/system_state.hpp"
 
 namespace raycontact {
 
@@ -33,8 +30,7 @@ namespace raycontact {
  *
  * Calls of one rank and collective ones are as in DistributedScene. The scene is stepped by begin() and finish() from
  * now on, its step() is refused; rebalance() and migrate() take with a body what carries it and what friction holds on
- * to. The scene must outlive the system. Left to a single process: detect_again(), materials of single pairs, energy,
- * blocks, explicit steps.
+ * to. The scene must outlive the system.
  */
 class DistributedContactSystem {
  public:
@@ -59,8 +55,9 @@ class DistributedContactSystem {
     std::vector<mpi_detail::KeyedMemory> memories;
     if (!fault) scene.state_->step.copy_memories(memories, fault);
     fault = scene.state_->comm.agree(fault);
-    if (fault) return detail::failure<DistributedContactSystem>(error(fault));
+    if (fault) return detail::failure<DistributedContactSystem>(mpi_detail::error(fault));
     scene.state_->step.drop_ghosts();
+    scene.state_->bodies.settings.drop_materials();
     scene.state_->waiting.insert(scene.state_->waiting.end(), memories.begin(), memories.end());
     scene.state_->bodies.attachment = &state->bodies;
     return DistributedContactSystem(std::move(state));
@@ -108,17 +105,34 @@ class DistributedContactSystem {
       state.bodies.note_half_space(normal.data(), offset, material);
   }
 
+  /**
+   * Gives two bodies, or a body with itself, a material of their own in place of the combined one; NULL takes it back.
+   * Any rank may say it, of any bodies, as DistributedScene::set_pair_collision() says, with the same errors at the
+   * next begin(). Noted: RAYC_STATUS_INVALID_MATERIAL, RAYC_STATUS_INVALID_STRUCT_SIZE, RAYC_STATUS_OUT_OF_ORDER within
+   * a step.
+   */
+  void set_pair_material(uint64_t first, uint64_t second, const rayc_material* material) {
+    mpi_detail::PairSetting change;
+    change.said = mpi_detail::PairSetting::MATERIAL;
+    change.has_material = material != nullptr ? 1 : 0;
+    if (material != nullptr) change.material = *material;
+    if (material == nullptr || mpi_detail::is_material(*material, state_->bodies_fault()))
+      state_->scene.bodies.set_pair(first, second, change);
+  }
+
+  /** The same for a body of this rank's and a half-space, counted in the order they were added. Noted: the errors of
+   * rayc_contact_system_set_half_space_material(). */
+  void set_half_space_material(uint64_t key, uint32_t half_space, const rayc_material* material) {
+    state_->bodies.set_half_space_material(key, half_space, material, state_->bodies_fault());
+  }
+
   /** Where a rigid or moved body of this rank's is, and how it moves; before each step. */
   void set_motion(uint64_t key, const rayc_motion& motion) {
     state_->bodies.set_motion(key, motion, state_->bodies_fault());
   }
 
   /** How many numbers this rank's vectors have. */
-  std::size_t unknown_count() const {
-    std::size_t count = 0;
-    for (const auto& [key, body] : state_->bodies.bodies()) count += body.is_own ? body.unknown_count() : 0;
-    return count;
-  }
+  std::size_t unknown_count() const { return state_->own_count(); }
 
   /**
    * Collective: begins a step of dt seconds, as rayc_contact_system_begin(). The numbers of rigid bodies in the three
@@ -130,47 +144,21 @@ class DistributedContactSystem {
   Outcome<void> begin(double dt, Span<const double> positions, Span<const double> velocities,
                       Span<const double> free_velocities) {
     State& state = *state_;
-    mpi_detail::Bodies& scene = state.scene.bodies;
-    mpi_detail::Fault& noted = scene.fault;
-    if (!(std::isfinite(dt) && dt > 0))
-      noted.note(RAYC_STATUS_INVALID_STEP,
-                 "the step is " + std::to_string(dt) + " seconds long; give a finite number above 0");
-    if (state.bodies.is_busy) noted.note(RAYC_STATUS_OUT_OF_ORDER, "a step is under way; finish it first");
-    for (const auto& [key, body] : scene.own)
-      if (state.bodies.bodies().count(key) == 0)
-        noted.note(RAYC_STATUS_UNKNOWN_BODY, "body of key " + std::to_string(key) + ": say first what carries it");
-    if (!noted) {
-      const Span<const double> given[] = {positions, velocities, free_velocities};
-      const char* const names[] = {"positions", "velocities", "free_velocities"};
-      for (std::size_t k = 0; k < 3; ++k)
-        if (state.check(given[k], names[k], noted)) state.copy_nodes(given[k], state.bodies.nodes[k]);
-    }
-    state.bodies.settle(noted);
+    const auto& nodes = state.bodies.nodes;
+    mpi_detail::Fault& noted = state.bodies_fault();
+    state.check_begin(dt, {{"positions", positions}, {"velocities", velocities}, {"free_velocities", free_velocities}},
+                      noted);
     if (!noted)
-      noted.check(rayc_contact_system_look_ahead(state.bodies.system(), scene.scene.get(), dt,
-                                                 3 * state.bodies.node_count(), state.bodies.nodes[0].data(),
-                                                 state.bodies.nodes[1].data(), state.bodies.nodes[2].data()),
+      noted.check(rayc_contact_system_look_ahead(state.system(), state.in_scene(), dt, nodes[0].size(), nodes[0].data(),
+                                                 nodes[1].data(), nodes[2].data()),
                   "where bodies will be");
-    mpi_detail::Fault fault = state.scene.step.meet(dt, state.scene.waiting);
-    if (fault) return detail::failure<void>(error(fault));
-    state.bodies.settle(fault);
-    state.bodies.put_memories(fault);
-    const std::clock_t processor = std::clock();
-    if (!fault)
-      fault.check(rayc_contact_system_begin(state.bodies.system(), scene.scene.get(), dt, 3 * state.bodies.node_count(),
-                                            state.bodies.nodes[0].data(), state.bodies.nodes[1].data(),
-                                            state.bodies.nodes[2].data()),
-                  "begin");
-    state.scene.step.count_query(std::clock() - processor);
-    state.parts.find(fault);
-    fault = state.comm().agree(fault);
-    state.bodies.is_busy = true;
-    if (fault) {
-      cancel();
-      return detail::failure<void>(error(fault));
-    }
-    state.bodies.have_been_told();
-    return Outcome<void>();
+    mpi_detail::Fault fault;
+    if (!state.meet(fault)) return outcome(fault);
+    state.detect(fault, "begin", [&] {
+      return rayc_contact_system_begin(state.system(), state.in_scene(), dt, nodes[0].size(), nodes[0].data(),
+                                       nodes[1].data(), nodes[2].data());
+    });
+    return outcome(state.have_begun(fault));
   }
 
   /** Collective: adds the forces on this rank's unknowns at these velocities, as rayc_contact_system_add_forces(). */
@@ -204,9 +192,45 @@ class DistributedContactSystem {
           rayc_contact_system_linearise(state.bodies.system(), state.unknowns.size(), state.unknowns.data(), &wrong),
           "linearise");
     fault = state.comm().agree(fault);
-    if (fault) return detail::failure<double>(error(fault));
+    if (fault) return detail::failure<double>(mpi_detail::error(fault));
     MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPI_DOUBLE, MPI_MAX, state.comm().get());
     return wrong;
+  }
+
+  /**
+   * Collective: looks for contacts where bodies end with these velocities, as rayc_contact_system_detect_again() says;
+   * true where another solve is due. Ghosts that are needed there join the step.
+   *
+   * Errors: what any rank has noted, RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT,
+   * RAYC_STATUS_NOT_FINITE; the step is then as it was. RAYC_STATUS_MPI_FAILED, RAYC_STATUS_OUT_OF_MEMORY, and
+   * RAYC_STATUS_NOT_FINITE where a position is beyond the scene's precision, cancel the step.
+   */
+  Outcome<bool> detect_again(Span<const double> velocities) {
+    bool is_more = false;
+    const mpi_detail::Fault fault = mpi_detail::detect_again(*state_, velocities, &is_more);
+    if (fault) return detail::failure<bool>(mpi_detail::error(fault));
+    return is_more;
+  }
+
+  /** Collective: the potential of the rows of all ranks in J, as rayc_contact_system_energy() says; without that of
+   * pairs that cannot move. The same bits wherever bodies are. */
+  Outcome<double> energy(Span<const double> velocities) {
+    State& state = *state_;
+    mpi_detail::Fault fault = state.spread(velocities, "velocities");
+    std::vector<double> joules(state.parts.parts().size());
+    if (!fault)
+      fault.check(rayc_contact_system_part_energies(state.system(), state.unknowns.size(), state.unknowns.data(),
+                                                    joules.size(), joules.data()),
+                  "energy");
+    fault = state.comm().agree(fault);
+    if (fault) return detail::failure<double>(mpi_detail::error(fault));
+    return mpi_detail::sum_of_all(state.comm(), joules);
+  }
+
+  /** Collective: the matrix of add_product() as 3 x 3 blocks, the rows of this rank's unknowns; replaces what `blocks`
+   * held. Errors: those of rayc_contact_system_copy_blocks(). */
+  Outcome<void> copy_blocks_to(double factor, DistributedBlocks& blocks) const {
+    return outcome(mpi_detail::copy_blocks(*state_, factor, blocks));
   }
 
   /** Collective: ends a step whose velocities at the end are these. */
@@ -214,24 +238,24 @@ class DistributedContactSystem {
     State& state = *state_;
     mpi_detail::Fault fault = state.take(velocities, "velocities");
     if (state.bodies.is_busy) state.spread_all(fault);
-    fault = state.comm().agree(fault);
-    if (!fault) {
-      fault.check(rayc_contact_system_finish(state.bodies.system(), state.unknowns.size(), state.unknowns.data()),
-                  "finish");
-      fault = state.comm().agree(fault);
-    }
-    if (fault) return detail::failure<void>(error(fault));
-    state.bodies.is_busy = false;
-    state.parts.forget();
-    return Outcome<void>();
+    return outcome(state.finish(fault));
+  }
+
+  /**
+   * Collective: a whole step for a host that integrates explicitly, as rayc_contact_system_explicit_step(): adds to
+   * `forces` those on this rank's unknowns, and gives the longest stable step of all ranks, s. The numbers of rigid
+   * bodies in `positions` and `velocities` do not count; set_motion() has said them. Errors: those of begin().
+   */
+  Outcome<double> explicit_step(double dt, Span<const double> positions, Span<const double> velocities,
+                                Span<double> forces) {
+    double longest = 0;
+    const mpi_detail::Fault fault = mpi_detail::explicit_step(*state_, dt, positions, velocities, forces, &longest);
+    if (fault) return detail::failure<double>(mpi_detail::error(fault));
+    return longest;
   }
 
   /** Ends a step as if it had not begun; all ranks do. */
-  void cancel() {
-    static_cast<void>(rayc_contact_system_cancel(state_->bodies.system()));
-    state_->parts.forget();
-    state_->bodies.is_busy = false;
-  }
+  void cancel() { state_->cancel(); }
 
   /**
    * Collective: the scalar product of two vectors over all ranks, with the same bits wherever bodies are: what
@@ -240,127 +264,29 @@ class DistributedContactSystem {
   Outcome<double> dot(Span<const double> a, Span<const double> b) const {
     const State& state = *state_;
     std::vector<double> of_bodies;
-    double numbers[2] = {0, a.size() == unknown_count() && b.size() == a.size() ? 0.0 : 1.0};
-    if (numbers[1] == 0) {
-      std::size_t at = 0;
-      for (const auto& [key, body] : state.bodies.bodies()) {
-        if (!body.is_own) continue;
-        double sum = 0;
-        for (const std::size_t end = at + body.unknown_count(); at < end; ++at) sum += a[at] * b[at];
-        of_bodies.push_back(sum);
-        numbers[0] = std::max(numbers[0], std::isfinite(sum) ? std::fabs(sum) : infinity());
-      }
+    mpi_detail::Fault fault;
+    if (a.size() != unknown_count() || b.size() != a.size())
+      fault.note(RAYC_STATUS_WRONG_COUNT, "a vector has not one number for each unknown");
+    fault = state.comm().agree(fault);
+    if (fault) return detail::failure<double>(mpi_detail::error(fault));
+    std::size_t at = 0;
+    for (const auto& [key, body] : state.bodies.bodies()) {
+      if (!body.is_own) continue;
+      double sum = 0;
+      for (const std::size_t end = at + body.unknown_count(); at < end; ++at) sum += a[at] * b[at];
+      of_bodies.push_back(sum);
     }
-    MPI_Allreduce(MPI_IN_PLACE, numbers, 2, MPI_DOUBLE, MPI_MAX, state.comm().get());
-    if (numbers[1] != 0)
-      return detail::failure<double>(Error(RAYC_STATUS_WRONG_COUNT, "a vector has not one number for each unknown"));
-    mpi_detail::FixedSum sum;
-    if (std::isfinite(numbers[0]))
-      for (double number : of_bodies) sum.add(number, numbers[0]);
-    MPI_Allreduce(MPI_IN_PLACE, sum.digits, mpi_detail::FixedSum::count, MPI_INT64_T, MPI_SUM, state.comm().get());
-    return sum.value(numbers[0]);
+    return mpi_detail::sum_of_all(state.comm(), of_bodies);
   }
 
  private:
-  struct State {
-    State(DistributedScene::State& of_scene, mpi_detail::SystemOwner system)
-        : scene(of_scene),
-          bodies(of_scene.bodies, std::move(system)),
-          parts(of_scene.comm, of_scene.bodies, bodies, of_scene.step, of_scene.traffic) {}
-    State(const State&) = delete;
-    State& operator=(const State&) = delete;
-    ~State() {
-      if (scene.bodies.attachment == &bodies) scene.bodies.attachment = nullptr;
-    }
-
-    const mpi_detail::Communicator& comm() const { return scene.comm; }
-    mpi_detail::Fault& bodies_fault() const { return scene.bodies.fault; }
-
-    /** Whether these are numbers for the rank's bodies. */
-    bool check(Span<const double> numbers, const std::string& what, mpi_detail::Fault& fault) const {
-      std::size_t expected = 0;
-      for (const auto& [key, body] : bodies.bodies()) expected += body.is_own ? body.unknown_count() : 0;
-      if (numbers.size() != expected) {
-        fault.note(RAYC_STATUS_WRONG_COUNT, what + " has " + std::to_string(numbers.size()) + " numbers; give " +
-                                                std::to_string(expected) + " for this rank's bodies");
-        return false;
-      }
-      for (std::size_t i = 0; i < expected; ++i)
-        if (!std::isfinite(numbers[i])) {
-          fault.note(RAYC_STATUS_NOT_FINITE, what + "[" + std::to_string(i) + "] is NaN or infinite");
-          return false;
-        }
-      return true;
-    }
-
-    void copy_nodes(Span<const double> numbers, std::vector<double>& field) const {
-      std::size_t at = 0;
-      for (const auto& [key, body] : bodies.bodies()) {
-        if (!body.is_own) continue;
-        if (body.kind == mpi_detail::Carried::DEFORMABLE)
-          std::copy_n(numbers.begin() + at, body.unknown_count(), field.begin() + std::ptrdiff_t(3 * body.first_node));
-        at += body.unknown_count();
-      }
-    }
-
-    /** Into the rank's unknowns. */
-    mpi_detail::Fault take(Span<const double> numbers, const char* what) {
-      mpi_detail::Fault fault;
-      if (!bodies.is_busy) fault.note(RAYC_STATUS_OUT_OF_ORDER, "no step is under way; begin one first");
-      unknowns.resize(bodies.unknown_count());
-      if (fault || !check(numbers, what, fault)) return fault;
-      std::size_t at = 0;
-      starts.clear();
-      for (const auto& [key, body] : bodies.bodies()) {
-        if (!body.is_own) continue;
-        const std::size_t start = bodies.start(key);
-        starts[key] = std::ptrdiff_t(at) - std::ptrdiff_t(start);
-        std::copy_n(numbers.begin() + at, body.unknown_count(), unknowns.begin() + std::ptrdiff_t(start));
-        at += body.unknown_count();
-      }
-      return fault;
-    }
-
-    mpi_detail::Fault spread(Span<const double> numbers, const char* what) {
-      mpi_detail::Fault fault = take(numbers, what);
-      parts.spread(unknowns, fault);
-      return fault;
-    }
-
-    /** All of each ghost: friction holds on to points that no row need have moved. */
-    void spread_all(mpi_detail::Fault& fault) {
-      const mpi_detail::Step& step = scene.step;
-      std::vector<mpi_detail::Bytes> messages;
-      for (const auto& [rank, keys] : step.lent()) {
-        mpi_detail::Bytes message;
-        for (uint64_t key : keys)
-          mpi_detail::write(message, unknowns.data() + bodies.start(key), bodies.bodies().at(key).unknown_count());
-        scene.traffic.product_bytes += message.size();
-        messages.push_back(std::move(message));
-      }
-      const std::vector<int> from = mpi_detail::ranks(step.borrowed());
-      const std::vector<mpi_detail::Bytes> received =
-          comm().swap(mpi_detail::ranks(step.lent()), messages, from, mpi_detail::TAG_PARTS, fault);
-      for (std::size_t i = 0; i < from.size(); ++i) {
-        mpi_detail::Reader reader(received[i]);
-        for (uint64_t key : step.borrowed().at(from[i]))
-          reader.read(unknowns.data() + bodies.start(key), bodies.bodies().at(key).unknown_count());
-      }
-    }
-
-    DistributedScene::State& scene;
-    mpi_detail::CarriedBodies bodies;
-    mpi_detail::PartSums parts;
-    std::vector<double> unknowns;               // of own bodies and ghosts, as the rank's system has them
-    std::map<uint64_t, std::ptrdiff_t> starts;  // from there to the host's vectors
-  };
+  using State = mpi_detail::SystemState;
 
   explicit DistributedContactSystem(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
-  static double infinity() { return std::numeric_limits<double>::infinity(); }
-
-  static Error error(const mpi_detail::Fault& fault) {
-    return Error(static_cast<rayc_status>(fault.status), fault.message);
+  static Outcome<void> outcome(const mpi_detail::Fault& fault) {
+    if (fault) return detail::failure<void>(mpi_detail::error(fault));
+    return Outcome<void>();
   }
 
   void add(uint64_t key, mpi_detail::Carried body, const rayc_material& material) {
@@ -381,11 +307,8 @@ class DistributedContactSystem {
     if (!fault) fault.check(compute(state.unknowns), what);
     state.parts.collect(fault);
     fault = state.comm().agree(fault);
-    if (fault) return detail::failure<void>(error(fault));
-    state.parts.add([&](uint64_t key, std::size_t unknown) -> double& {
-      return sums[static_cast<std::size_t>(std::ptrdiff_t(unknown) + state.starts.at(key))];
-    });
-    return Outcome<void>();
+    if (!fault) state.add_to(sums);
+    return outcome(fault);
   }
 
   std::unique_ptr<State> state_;

@@ -13,17 +13,11 @@
 
 #include "raycontact/mpi/migration.hpp"
 #include "raycontact/mpi/partition.hpp"
+#include "raycontact/mpi/scene_state.hpp"
 
 namespace raycontact {
 
 class DistributedContactSystem;
-
-/** What all ranks of a distributed scene must agree on; only the scene's threads may differ. */
-struct DistributedOptions {
-  rayc_scene_options scene = default_scene_options();              ///< precision and threads
-  rayc_detection_options detection = default_detection_options();  ///< how contacts are found
-  rayc_response_options response = default_response_options();     ///< how they push
-};
 
 /**
  * Contacts and forces of one scene whose bodies are spread over the ranks of a communicator: the same, to the bit, as a
@@ -68,7 +62,7 @@ class DistributedScene {
           rayc_contacts_sum_pair_forces(contacts, &options.response, 0, nullptr, nullptr, &counts[0], &counts[1]),
           "response options");
     fault = state->comm.agree(fault);
-    if (!fault) fault = compare(state->comm, options);
+    if (!fault) fault = mpi_detail::compare(state->comm, options);
     if (fault) return detail::failure<DistributedScene>(error(fault));
     return DistributedScene(std::move(state));
   }
@@ -83,8 +77,33 @@ class DistributedScene {
     state_->bodies.add(key, mesh.get(), collides_with_itself);
   }
 
-  /** Removes a body of this rank's. Noted: RAYC_STATUS_UNKNOWN_BODY. */
+  /** Removes a body of this rank's, with what has been said of its pairs. Noted: RAYC_STATUS_UNKNOWN_BODY. */
   void remove(uint64_t key) { state_->bodies.remove(key); }
+
+  /**
+   * Switches contacts between two bodies off or on again, as rayc_scene_set_pair_collision() does. Any rank may say it,
+   * of any two bodies; it counts from the next step() on, and moves with the bodies. Several ranks may say the same.
+   *
+   * Noted: RAYC_STATUS_INVALID_OPTION for a body and itself, RAYC_STATUS_OUT_OF_ORDER within a contact system's step.
+   * The next step() says RAYC_STATUS_UNKNOWN_BODY where no rank has one of the bodies, RAYC_STATUS_RANKS_DISAGREE where
+   * ranks have said different things of a pair; then nothing counts that any rank has said of pairs since the step
+   * before.
+   */
+  void set_pair_collision(uint64_t first, uint64_t second, bool is_on) {
+    mpi_detail::PairSetting change;
+    change.said = mpi_detail::PairSetting::COLLISION;
+    change.is_ignored = is_on ? 0 : 1;
+    state_->bodies.set_pair(first, second, change);
+  }
+
+  /** The same: lets two bodies escape from one another, as they may by default, or forbids it, as
+   * rayc_scene_allow_escape() does. */
+  void allow_escape(uint64_t first, uint64_t second, bool is_allowed) {
+    mpi_detail::PairSetting change;
+    change.said = mpi_detail::PairSetting::ESCAPE;
+    change.is_bound = is_allowed ? 0 : 1;
+    state_->bodies.set_pair(first, second, change);
+  }
 
   /** Renews a body's positions. Noted: RAYC_STATUS_UNKNOWN_BODY, and the errors of rayc_scene_set_positions(). */
   void set_positions(uint64_t key, const rayc_vectors& positions) { state_->bodies.set_positions(key, positions); }
@@ -102,8 +121,8 @@ class DistributedScene {
    * Errors: what any rank has noted; RAYC_STATUS_OUT_OF_ORDER where a DistributedContactSystem steps the scene;
    * RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite,
    * RAYC_STATUS_RANKS_DISAGREE where ranks give different ones;
-   * RAYC_STATUS_BODY_ON_TWO_RANKS, RAYC_STATUS_OTHER_MESH, RAYC_STATUS_MPI_FAILED, RAYC_STATUS_OUT_OF_MEMORY. Forces
-   * and what pairs remember are then as before.
+   * RAYC_STATUS_BODY_ON_TWO_RANKS, RAYC_STATUS_OTHER_MESH, RAYC_STATUS_MPI_FAILED, RAYC_STATUS_OUT_OF_MEMORY, and those
+   * of set_pair_collision(). Forces and what pairs remember are then as before.
    */
   Outcome<void> step(double seconds) {
     mpi_detail::Fault& noted = state_->bodies.fault;
@@ -204,45 +223,11 @@ class DistributedScene {
  private:
   friend class DistributedContactSystem;
 
-  struct State {
-    State(MPI_Comm host, const DistributedOptions& given)
-        : comm(host),
-          options(given),
-          step(comm, bodies, options.response, options.scene.precision == RAYC_SCALAR_F32, traffic) {}
-
-    mpi_detail::Communicator comm;
-    DistributedOptions options;
-    mpi_detail::Bodies bodies;
-    Traffic traffic;
-    mpi_detail::Step step;
-    std::vector<mpi_detail::KeyedMemory> waiting;
-  };
+  using State = mpi_detail::SceneState;
 
   explicit DistributedScene(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
-  static Error error(const mpi_detail::Fault& fault) {
-    return Error(static_cast<rayc_status>(fault.status), fault.message);
-  }
-
-  /** Whether all ranks have the options of the first. */
-  static mpi_detail::Fault compare(const mpi_detail::Communicator& comm, const DistributedOptions& options) {
-    const rayc_detection_options& detection = options.detection;
-    const rayc_response_options& response = options.response;
-    const double own[] = {double(options.scene.precision), double(detection.sampling), detection.sampling_value,
-                          double(detection.edges),         double(detection.escape),   double(detection.past_folds),
-                          double(detection.law),           response.stiffness,         response.damping_time,
-                          double(response.weighting)};
-    constexpr std::size_t count = sizeof own / sizeof *own;
-    double firsts[count];
-    for (std::size_t i = 0; i < count; ++i) firsts[i] = own[i];
-    MPI_Bcast(firsts, count, MPI_DOUBLE, 0, comm.get());
-    mpi_detail::Fault fault;
-    for (std::size_t i = 0; i < count; ++i)
-      if (firsts[i] != own[i])
-        fault.note(RAYC_STATUS_RANKS_DISAGREE, "an option is " + std::to_string(own[i]) + " here and " +
-                                                   std::to_string(firsts[i]) + " on rank 0; give all ranks the same");
-    return comm.agree(fault);
-  }
+  static Error error(const mpi_detail::Fault& fault) { return mpi_detail::error(fault); }
 
   Span<const double> vectors_of(uint64_t key, std::vector<double> mpi_detail::Own::*of_body) const {
     const auto found = state_->bodies.own.find(key);

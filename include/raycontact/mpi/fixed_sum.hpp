@@ -3,10 +3,14 @@
 #ifndef RAYCONTACT_MPI_FIXED_SUM_HPP
 #define RAYCONTACT_MPI_FIXED_SUM_HPP
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
+
+#include "raycontact/mpi/communicator.hpp"
 
 namespace raycontact::mpi_detail {
 
@@ -44,6 +48,19 @@ struct FixedSum {
     return exponent;
   }
 };
+
+/** Collective: the sum of all numbers of all ranks; NaN where one is not finite. */
+inline double sum_of_all(const Communicator& comm, const std::vector<double>& numbers) {
+  double largest = 0;
+  for (double number : numbers)
+    largest = std::max(largest, std::isfinite(number) ? std::fabs(number) : std::numeric_limits<double>::infinity());
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm.get());
+  FixedSum sum;
+  if (std::isfinite(largest))
+    for (double number : numbers) sum.add(number, largest);
+  MPI_Allreduce(MPI_IN_PLACE, sum.digits, FixedSum::count, MPI_INT64_T, MPI_SUM, comm.get());
+  return sum.value(largest);
+}
 
 }  // namespace raycontact::mpi_detail
 

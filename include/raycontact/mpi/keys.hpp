@@ -34,7 +34,7 @@ inline Fault check_keys(const Communicator& comm, Bodies& bodies, int tag) {
   for (const Bytes& message : comm.swap_all(twice, tag, fault))
     for (Reader reader(message); !reader.is_at_end();) {
       const auto key = reader.read<uint64_t>();
-      if (bodies.own.at(key).is_new) bodies.remove(key);
+      if (bodies.own.at(key).is_new) bodies.let_go(key);
     }
   fault = comm.agree(fault);
   if (!fault) {

@@ -129,7 +129,8 @@ class Migration {
       Bytes of_attachment;
       if (bodies_.attachment != nullptr) bodies_.attachment->write_body(of_attachment, key);
       write_part(message, of_attachment);
-      bodies_.remove(uint64_t{key});
+      bodies_.settings.write_body(message, key);
+      bodies_.let_go(uint64_t{key});
     }
   }
 
@@ -153,6 +154,7 @@ class Migration {
       body.velocities = reader.read_all<double>(3 * body.vertex_count);
       body.forces.resize(3 * body.vertex_count);
       const Bytes of_host = read_part(reader), of_attachment = read_part(reader);
+      bodies_.settings.read_body(reader, key);
       if (!bodies_.add_received(key, body.shape, &body.number)) continue;
       const std::string what = "body of key " + std::to_string(key);
       const rayc_vectors view = vectors(body.positions);

@@ -22,9 +22,11 @@ class PartSums {
            Traffic& traffic)
       : comm_(comm), scene_bodies_(scene_bodies), bodies_(bodies), step_(step), traffic_(traffic) {}
 
-  /** How many blocks this rank's system has. */
+  /** The parts of this rank's system. */
+  const std::vector<rayc_contact_part>& parts() const { return parts_; }
+  /** How many blocks it has. */
   std::size_t block_count() const { return block_count_; }
-  /** What they do, three numbers for each; those of other ranks behind them. */
+  /** What they do, three numbers for each, or as many as is said below; those of other ranks behind them. */
   std::vector<double> values;
 
   /** After a step's begin, on all ranks: asks the system, and tells the owners of ghosts what will act on them. */
@@ -32,16 +34,16 @@ class PartSums {
     std::size_t part_count = 0;
     block_count_ = 0;
     fault.check(rayc_contact_system_part_count(bodies_.system(), &part_count, &block_count_), "parts");
-    std::vector<rayc_contact_part> parts(part_count);
+    parts_.resize(part_count);
     blocks_.resize(block_count_);
     fault.check(
-        rayc_contact_system_copy_parts(bodies_.system(), part_count, parts.data(), block_count_, blocks_.data()),
+        rayc_contact_system_copy_parts(bodies_.system(), part_count, parts_.data(), block_count_, blocks_.data()),
         "parts");
-    if (fault) parts.clear();
     forget();
+    if (fault) parts_.clear();
     std::map<int, Bytes> messages;
     for (const auto& [rank, keys] : step_.borrowed()) messages[rank];
-    for (const rayc_contact_part& part : parts) {
+    for (const rayc_contact_part& part : parts_) {
       const Named& body = scene_bodies_.named.at(part.body);
       const uint64_t other = part.is_half_space != 0 ? part.other : scene_bodies_.named.at(part.other).key;
       if (body.own != nullptr) {
@@ -83,41 +85,42 @@ class PartSums {
     taken_.clear();
   }
 
-  /** The unknowns of own bodies that other ranks' rows need go there, those of ghosts come. */
-  void spread(std::vector<double>& unknowns, Fault& fault) {
+  /** The unknowns of own bodies that other ranks' rows need go there, those of ghosts come; `width` numbers a block. */
+  void spread(std::vector<double>& unknowns, Fault& fault, std::size_t width = 3) {
     std::vector<Bytes> messages;
     for (const auto& [rank, ranges] : taken_) {
       Bytes message;
       for (const Range& range : ranges)
         for (std::size_t i = range.start; i < range.start + range.count; ++i)
-          write(message, &unknowns[3 * std::size_t{blocks_[i]}], 3);
+          write(message, &unknowns[width * std::size_t{blocks_[i]}], width);
       messages.push_back(std::move(message));
     }
     swap(taken_, messages, given_, fault, [&](const Range& range, Reader& reader) {
       for (std::size_t i = range.start; i < range.start + range.count; ++i)
-        reader.read(&unknowns[3 * std::size_t{blocks_[i]}], 3);
+        reader.read(&unknowns[width * std::size_t{blocks_[i]}], width);
     });
   }
 
   /** What this rank's rows do to ghosts goes to their owners, what other ranks' do to own bodies comes. */
-  void collect(Fault& fault) {
+  void collect(Fault& fault, std::size_t width = 3) {
     std::vector<Bytes> messages;
     for (const auto& [rank, ranges] : given_) {
       Bytes message;
-      for (const Range& range : ranges) write(message, &values[3 * range.start], 3 * range.count);
+      for (const Range& range : ranges) write(message, values.data() + width * range.start, width * range.count);
       messages.push_back(std::move(message));
     }
-    swap(given_, messages, taken_, fault,
-         [&](const Range& range, Reader& reader) { reader.read(&values[3 * range.start], 3 * range.count); });
+    swap(given_, messages, taken_, fault, [&](const Range& range, Reader& reader) {
+      reader.read(values.data() + width * range.start, width * range.count);
+    });
   }
 
   /** Adds all that acts on own bodies: by their keys, then by those of the others, then half-spaces. */
   template <class At>
-  void add(At at) const {
+  void add(At at, std::size_t width = 3) const {
     for (const OwnPart& part : own_)
       for (std::size_t i = part.start; i < part.start + part.count; ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          at(part.key, 3 * std::size_t{blocks_[i]} + axis) += values[3 * i + axis];
+        for (std::size_t axis = 0; axis < width; ++axis)
+          at(part.key, width * std::size_t{blocks_[i]} + axis) += values[width * i + axis];
   }
 
  private:
@@ -151,6 +154,7 @@ class PartSums {
   const CarriedBodies& bodies_;
   const Step& step_;
   Traffic& traffic_;
+  std::vector<rayc_contact_part> parts_;
   std::size_t block_count_ = 0;
   std::vector<uint32_t> blocks_;  // of the rank's system, then of own bodies that other ranks' act on
   std::vector<OwnPart> own_;

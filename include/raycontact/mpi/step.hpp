@@ -107,21 +107,46 @@ class Step {
     if (Fault fault = find_neighbours(seconds)) return fault;
     if (any_new_)
       if (Fault fault = check_keys(comm_, bodies_, TAG_KEYS)) return fault;
+    if (any_settings_) {
+      if (Fault fault = bodies_.settings.tell(comm_, bodies_.own)) return fault;
+      const auto is_gone = [this](const KeyedMemory& keyed) {
+        return bodies_.settings.is_newly_bound(keyed.first, keyed.second);
+      };
+      waiting.erase(std::remove_if(waiting.begin(), waiting.end(), is_gone), waiting.end());
+    }
     find_pairs(swap_headers());
     Fault fault;
     fault.check(rayc_scene_find_self_contacts(bodies_.scene.get()), "contacts of bodies with themselves");
     swap_bodies(fault);
+    bodies_.apply_settings();
+    fault.take(bodies_.fault);
     for (const KeyedMemory& keyed : waiting) put_back(keyed, fault);
-    if (Fault agreed = comm_.agree(fault)) return agreed;
-    waiting.clear();
+    fault = comm_.agree(fault);
+    tells_all_ = bool(fault);
+    if (!fault) waiting.clear();
     return fault;
   }
 
+  /** The same within a step, where bodies are elsewhere now: ghosts that are needed now too join the others. */
+  Fault meet_again(double seconds) {
+    const Keys lent = lent_, borrowed = borrowed_;
+    if (Fault fault = find_neighbours(seconds)) return fault;
+    find_pairs(swap_headers());
+    for (const auto& [rank, keys] : lent) lent_[rank].insert(keys.begin(), keys.end());
+    for (const auto& [rank, keys] : borrowed) borrowed_[rank].insert(keys.begin(), keys.end());
+    Fault fault;
+    fault.check(rayc_scene_find_self_contacts(bodies_.scene.get()), "contacts of bodies with themselves");
+    swap_bodies(fault);
+    bodies_.apply_settings();
+    fault.take(bodies_.fault);
+    return comm_.agree(fault);
+  }
+
  private:
-  /** What each rank tells all others: its fault, whether it has new bodies, the step, what the attachment must have in
-   * common, and the box around its bodies. */
+  /** What each rank tells all others: its fault, whether it has new bodies (1) or something has been said of pairs (2),
+   * the step, what the attachment must have in common, and the box around its bodies. */
   struct Greeting {
-    int32_t status, has_new;
+    int32_t status, news;
     double seconds;
     uint64_t attachment;
     Box box;
@@ -141,15 +166,16 @@ class Step {
       own.box.include(body.box);
     }
     own.status = fault.status;
-    own.has_new = bodies_.has_new ? 1 : 0;
+    own.news = (bodies_.has_new ? 1 : 0) | (bodies_.settings.has_news() ? 2 : 0);
     greetings_.resize(static_cast<std::size_t>(comm_.size()));
     MPI_Allgather(&own, sizeof own, MPI_BYTE, greetings_.data(), sizeof own, MPI_BYTE, comm_.get());
     neighbours_.clear();
-    any_new_ = false;
+    any_new_ = any_settings_ = false;
     for (int rank = 0; rank < comm_.size(); ++rank) {
       const Greeting& greeting = greetings_[static_cast<std::size_t>(rank)];
       if (greeting.status != RAYC_STATUS_OK) return comm_.tell(rank, fault);
-      any_new_ = any_new_ || greeting.has_new != 0;
+      any_new_ = any_new_ || (greeting.news & 1) != 0;
+      any_settings_ = any_settings_ || (greeting.news & 2) != 0;
       if (rank != comm_.rank() && greeting.box.overlaps(own.box)) neighbours_.push_back(rank);
     }
     // All ranks see the same numbers here, and need not agree.
@@ -201,6 +227,8 @@ class Step {
     for_each_overlap(boxes, [&](std::size_t i, std::size_t j) {
       if (i > j) std::swap(i, j);
       if (i >= owns.size()) return;
+      const uint64_t key = owns[i].first, other_key = j < owns.size() ? owns[j].first : others[j - owns.size()].first;
+      if (!bodies_.settings.collides(key, other_key)) return;
       ++owns[i].second->neighbours;
       if (j < owns.size()) {
         ++owns[j].second->neighbours;
@@ -239,7 +267,8 @@ class Step {
         const std::size_t head = message.size();
         if (bodies_.attachment != nullptr) {
           const auto known = lent_before_.find(rank);
-          bodies_.attachment->write_ghost(message, key, known != lent_before_.end() && known->second.count(key) != 0);
+          const bool is_known = known != lent_before_.end() && known->second.count(key) != 0;
+          bodies_.attachment->write_ghost(message, key, is_known && !tells_all_);
           traffic_.position_bytes += message.size() - head;
           continue;
         }
@@ -254,7 +283,12 @@ class Step {
     const std::clock_t start = std::clock();
     for (auto& [key, ghost] : bodies_.ghosts) ghost.is_current = false;
     for (std::size_t i = 0; i < from.size(); ++i)
-      for (Reader reader(received[i]); !reader.is_at_end();) renew_ghost(reader, from[i], has_damping, fault);
+      for (Reader reader(received[i]); !reader.is_at_end();)
+        if (!renew_ghost(reader, from[i], has_damping, fault)) break;
+    std::set<uint32_t> gone;
+    for (const auto& [key, ghost] : bodies_.ghosts)
+      if (!ghost.is_current) gone.insert(ghost.number);
+    if (bodies_.attachment != nullptr && !gone.empty()) bodies_.attachment->keep_memories(gone, fault);
     for (auto at = bodies_.ghosts.begin(); at != bodies_.ghosts.end();) {
       const auto ghost = at++;
       if (!ghost->second.is_current) bodies_.remove_ghost(ghost);
@@ -263,7 +297,8 @@ class Step {
     traffic_.ghost_seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   }
 
-  void renew_ghost(Reader& reader, int from, bool has_damping, Fault& fault) {
+  /** False where the rest of the message cannot be read. */
+  bool renew_ghost(Reader& reader, int from, bool has_damping, Fault& fault) {
     const auto key = reader.read<uint64_t>();
     const uint64_t shape = bodies_.read_shape(reader, from);
     const auto neighbours = reader.read<uint32_t>();
@@ -279,11 +314,12 @@ class Step {
       Ghost ghost;
       if (!bodies_.add_received(key, shape, &ghost.number)) {
         fault.take(bodies_.fault);
-        return;
+        return false;
       }
       ghost.shape = shape;
       found = bodies_.ghosts.emplace(key, std::move(ghost)).first;
       bodies_.named[found->second.number] = Named{key, nullptr, &found->second};
+      bodies_.settings.has_come(key);
       ++traffic_.new_ghosts;
     }
     Ghost& ghost = found->second;
@@ -291,35 +327,26 @@ class Step {
     if (ghost.shape != shape) {
       fault.note(RAYC_STATUS_OTHER_MESH, "body of key " + std::to_string(key) +
                                              " has another mesh than in the step before; give other bodies other keys");
-      return;
+      return false;
     }
     ghost.owner = from;
     ghost.velocities = std::move(velocities);
     const rayc_vectors view = vectors(positions);
     fault.check(rayc_scene_share_body(bodies_.scene.get(), ghost.number, 1, neighbours, overlaps_itself), what);
+    bool is_told_anew = false;
     if (!has_positions)
-      bodies_.attachment->read_ghost(reader, key, ghost.number, fault);
+      is_told_anew = bodies_.attachment->read_ghost(reader, key, ghost.number, fault);
     else
       fault.check(rayc_scene_set_positions(bodies_.scene.get(), ghost.number, &view), what);
+    if (is_told_anew) bodies_.settings.has_come(key);
+    return true;
   }
 
   /** A pair whose bodies do not meet any more has forgotten. */
   void put_back(const KeyedMemory& keyed, Fault& fault) {
     rayc_pair_memory memory = keyed.memory;
-    if (number(keyed.first, &memory.first) && number(keyed.second, &memory.second))
+    if (bodies_.number(keyed.first, &memory.first) && bodies_.number(keyed.second, &memory.second))
       fault.check(rayc_scene_set_pair_memory(bodies_.scene.get(), sizeof memory, &memory), "memory of a pair");
-  }
-
-  bool number(uint64_t key, uint32_t* number) const {
-    const auto own = bodies_.own.find(key);
-    const auto ghost = bodies_.ghosts.find(key);
-    if (own != bodies_.own.end())
-      *number = own->second.number;
-    else if (ghost != bodies_.ghosts.end())
-      *number = ghost->second.number;
-    else
-      return false;
-    return true;
   }
 
   const Communicator& comm_;
@@ -330,7 +357,8 @@ class Step {
   PairForces forces_;
   std::vector<Greeting> greetings_;
   std::vector<int> neighbours_;
-  bool any_new_ = false;
+  bool any_new_ = false, any_settings_ = false;
+  bool tells_all_ = false;         // some ranks may not have heard of ghosts in the step before
   double seconds_ = 0, cost_ = 0;  // of queries since bodies were last divided
   Keys lent_, borrowed_, lent_before_;
 };

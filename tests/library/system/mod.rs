@@ -7,4 +7,5 @@ mod friction;
 mod laws;
 mod parts;
 mod refusals;
+mod shared;
 mod steps;
