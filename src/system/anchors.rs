@@ -1,9 +1,7 @@
 //! Where contacts took hold of the other body: what lets bodies at rest stay there instead of creeping.
 
-use super::body::{Body, Course};
 use super::loads::Key;
 use super::twist::V3;
-use crate::math::Scalar;
 use crate::memory::Room;
 use nalgebra::Matrix3;
 use std::cmp::Ordering;
@@ -13,6 +11,19 @@ use std::cmp::Ordering;
 pub(super) struct Corners {
     pub(super) vertices: [u32; 3],
     pub(super) weights: [f64; 3],
+}
+
+impl Corners {
+    /// Where it is, with the surface's vertices.
+    pub(super) fn point(&self, vertex: impl Fn(u32) -> V3) -> V3 {
+        let mut sum = V3::zeros();
+        for k in 0..3 {
+            if self.weights[k] != 0.0 {
+                sum += vertex(self.vertices[k]) * self.weights[k];
+            }
+        }
+        sum
+    }
 }
 
 /// What a contact holds on to.
@@ -132,7 +143,10 @@ impl Anchors {
     }
 
     fn sort(&mut self) {
-        self.kept.sort_unstable_by(in_order);
+        // Mostly they come so.
+        if !self.kept.is_sorted_by(|a, b| in_order(a, b).is_le()) {
+            self.kept.sort_unstable_by(in_order);
+        }
     }
 }
 
@@ -154,15 +168,9 @@ fn in_order(a: &Anchor, b: &Anchor) -> Ordering {
 }
 
 /// The point of the triangle's plane that lies from `point` along `direction`; where they are nearly parallel, the plane's
-/// nearest point.
-pub(super) fn in_plane<T: Scalar>(
-    body: &Body<T>,
-    vertices: &[u32; 3],
-    point: &V3,
-    direction: &V3,
-    course: &Course<'_>,
-) -> Corners {
-    let [a, b, c] = vertices.map(|vertex| body.vertex(vertex, course));
+/// nearest point. `vertex`: where the surface's are.
+pub(super) fn in_plane(vertices: &[u32; 3], point: &V3, direction: &V3, vertex: impl Fn(u32) -> V3) -> Corners {
+    let [a, b, c] = vertices.map(vertex);
     let (u, v) = (b - a, c - a);
     let normal = u.cross(&v);
     let along = if normal.dot(direction).abs() > 0.1 * normal.norm() { *direction } else { normal };

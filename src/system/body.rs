@@ -1,3 +1,4 @@
+use super::anchors::Corners;
 use super::twist::{V3, angular, linear, rotation};
 use super::{Material, SystemError};
 use crate::detection::SurfacePoint;
@@ -180,22 +181,42 @@ pub(super) struct Body<T: Scalar> {
     pub(super) outermost: [u32; 6],
     /// Of all its nodes, or its own; infinite where nothing moves it.
     pub(super) mass: f64,
+    /// Where detection has it: the vertices of a surface that nodes carry, or centre and rotation.
+    pub(super) ahead: Vec<V3>,
+    pub(super) ahead_pose: (V3, Matrix3<f64>),
     /// Room for the positions of its surface.
     pub(super) positions: Vec<[T; 3]>,
     /// Whether it was added within the step under way, or the last one.
     pub(super) has_joined: bool,
 }
 
-/// How the unknowns move: nodes by positions and velocities of their own, rigid bodies by twists one after the other.
+/// How the unknowns move: nodes by velocities of their own, rigid bodies by twists one after the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course<'a> {
     pub(super) time: f64,
-    pub(super) positions: &'a [f64],
     pub(super) velocities: &'a [f64],
     pub(super) twists: &'a [f64],
+    /// The positions of the nodes at its end.
+    pub(super) ends: &'a [f64],
 }
 
 impl<T: Scalar> Body<T> {
+    pub(super) fn new(number: u32, material: Material, mover: Mover, mesh: &Mesh<T>, mass: f64) -> Self {
+        let ahead_pose = (V3::zeros(), Matrix3::identity());
+        let outermost = outermost(mesh);
+        Self {
+            number,
+            material,
+            mover,
+            outermost,
+            mass,
+            ahead: Vec::new(),
+            ahead_pose,
+            positions: Vec::new(),
+            has_joined: false,
+        }
+    }
+
     /// Whether any of its unknowns can give way.
     pub(super) fn is_movable(&self) -> bool {
         !matches!(self.mover, Mover::Host(_))
@@ -223,68 +244,62 @@ impl<T: Scalar> Body<T> {
             centre + rotation * frame.points[vertex as usize]
         };
         match &self.mover {
-            Mover::Nodes { table, .. } => {
-                table.sum(vertex, course.positions) + table.sum(vertex, course.velocities) * course.time
-            }
+            Mover::Nodes { table, .. } => table.sum(vertex, course.ends),
             Mover::Rigid { frame, place, .. } => on_frame(frame, &course.twists[6 * place..6 * place + 6]),
             Mover::Host(frame) => on_frame(frame, &frame.free_velocity),
         }
     }
 
-    /// The pose of a body that keeps its shape at the end of a course.
-    pub(super) fn pose(&self, course: &Course<'_>) -> Option<Pose> {
-        let (centre, rotation) = match &self.mover {
-            Mover::Rigid { frame, place, .. } => frame.moved(course.time, &course.twists[6 * place..6 * place + 6]),
-            Mover::Host(frame) => frame.moved(course.time, &frame.free_velocity),
-            Mover::Nodes { .. } => return None,
-        };
+    /// Goes to the end of a course, where detection then has it.
+    pub(super) fn go(&mut self, course: &Course<'_>) {
+        let Self { mover, ahead, ahead_pose, .. } = self;
+        match mover {
+            Mover::Nodes { table, .. } => {
+                let vertices = table.offsets.len() - 1;
+                ahead.clear();
+                ahead.room_for(vertices).extend((0..vertices as u32).map(|vertex| table.sum(vertex, course.ends)));
+            }
+            Mover::Rigid { frame, place, .. } => {
+                *ahead_pose = frame.moved(course.time, &course.twists[6 * *place..6 * *place + 6]);
+            }
+            Mover::Host(frame) => *ahead_pose = frame.moved(course.time, &frame.free_velocity),
+        }
+    }
+
+    /// Where detection has a surface vertex.
+    pub(super) fn vertex_ahead(&self, vertex: u32) -> V3 {
+        match &self.mover {
+            Mover::Nodes { .. } => self.ahead[vertex as usize],
+            Mover::Rigid { frame, .. } | Mover::Host(frame) => {
+                self.ahead_pose.0 + self.ahead_pose.1 * frame.points[vertex as usize]
+            }
+        }
+    }
+
+    /// Where detection has a point of the surface.
+    pub(super) fn point_ahead(&self, corners: &Corners) -> V3 {
+        corners.point(|vertex| self.vertex_ahead(vertex))
+    }
+
+    /// Where detection has a body that keeps its shape.
+    pub(super) fn pose_ahead(&self) -> Option<Pose> {
+        if matches!(self.mover, Mover::Nodes { .. }) {
+            return None;
+        }
+        let (centre, rotation) = self.ahead_pose;
         let rotation = [0, 1, 2].map(|row| [0, 1, 2].map(|column| rotation[(row, column)]));
         Some(Pose { position: centre.into(), rotation })
     }
 
-    /// The centre of mass of a rigid body at the end of a course.
-    pub(super) fn centre(&self, course: &Course<'_>) -> V3 {
-        match &self.mover {
-            Mover::Rigid { frame, place, .. } => frame.centre + linear(&course.twists[6 * place..]) * course.time,
-            Mover::Host(frame) => frame.centre + linear(&frame.free_velocity) * course.time,
-            Mover::Nodes { .. } => V3::zeros(),
-        }
-    }
-
-    pub(super) fn point(&self, vertices: &[u32; 3], weights: &[f64; 3], course: &Course<'_>) -> V3 {
-        let mut sum = V3::zeros();
-        for k in 0..3 {
-            if weights[k] != 0.0 {
-                sum += self.vertex(vertices[k], course) * weights[k];
-            }
-        }
-        sum
-    }
-
-    /// Fills `positions` with those at the end of a course; the first vertex where one is beyond the precision.
-    pub(super) fn fill_positions(&mut self, vertices: usize, course: &Course<'_>) -> Result<(), usize> {
+    /// Fills `positions` with those that detection has; the first vertex where one is beyond the precision.
+    pub(super) fn fill_positions(&mut self) -> Result<(), usize> {
         let mut positions = std::mem::take(&mut self.positions);
         positions.clear();
-        positions.room_for(vertices);
-        match &self.mover {
-            Mover::Nodes { table, .. } => positions.extend((0..vertices as u32).map(|vertex| {
-                let sum = table.of(vertex).iter().fold(V3::zeros(), |sum, &(node, weight)| {
-                    sum + (at(course.positions, node) + at(course.velocities, node) * course.time) * weight
-                });
-                [T::of(sum.x), T::of(sum.y), T::of(sum.z)]
-            })),
-            Mover::Rigid { frame, .. } | Mover::Host(frame) => {
-                let twist = match self.mover {
-                    Mover::Rigid { place, .. } => &course.twists[6 * place..6 * place + 6],
-                    _ => &frame.free_velocity[..],
-                };
-                let (centre, rotation) = frame.moved(course.time, twist);
-                positions.extend(frame.points.iter().map(|point| {
-                    let x = centre + rotation * point;
-                    [T::of(x.x), T::of(x.y), T::of(x.z)]
-                }));
-            }
-        }
+        positions.room_for(self.vertex_count());
+        positions.extend((0..self.vertex_count() as u32).map(|vertex| {
+            let x = self.vertex_ahead(vertex);
+            [T::of(x.x), T::of(x.y), T::of(x.z)]
+        }));
         self.positions = positions;
         match self.positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
             Some(vertex) => Err(vertex),
@@ -301,7 +316,7 @@ pub(super) fn weights_of<T: Scalar>(point: &SurfacePoint<T>) -> [f64; 3] {
 }
 
 /// The vertices of a surface that lie farthest along each axis, both ways.
-pub(super) fn outermost<T: Scalar>(mesh: &Mesh<T>) -> [u32; 6] {
+fn outermost<T: Scalar>(mesh: &Mesh<T>) -> [u32; 6] {
     let positions = mesh.reference_positions();
     let along =
         |vertex: u32, k: usize| positions[vertex as usize][k / 2] * T::of(if k.is_multiple_of(2) { 1.0 } else { -1.0 });

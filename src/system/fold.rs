@@ -98,7 +98,7 @@ impl<T: Scalar> Folding<'_, T> {
 
     fn fold_contact(&mut self, contact: &Contact<T>, pushes: V3, wanted: impl Fn(u32, u32) -> bool) {
         let area = pressed_area(contact).to_f64();
-        let (bodies, course) = (self.bodies, self.course);
+        let bodies = self.bodies;
         let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
         let any_moves = first.is_movable() || second.is_movable();
         if !any_moves || area <= 0.0 || !wanted(contact.colliding, contact.collided) {
@@ -107,7 +107,7 @@ impl<T: Scalar> Folding<'_, T> {
         let (p1, p2) = (&contact.p1, &contact.p2);
         let direction: V3 = contact.direction.map(T::to_f64);
         let from = sorted(p1.vertices, weights_of(p1));
-        let point = first.point(&from.vertices, &from.weights, &course);
+        let point = first.point_ahead(&from);
         let key = (contact.colliding, Surface::Body(contact.collided));
         let pair = self.pair(key, None);
         let rubs = self.loads.now[pair].material.friction > 0.0;
@@ -124,7 +124,7 @@ impl<T: Scalar> Folding<'_, T> {
         let own = Corners { vertices: p2.vertices, weights: weights_of(p2) };
         let held = if rubs { self.held_inside(second.number, &own, &point) } else { None };
         self.add_end(&mut ends, 1, second.number, &own, held, &point);
-        let hold = || Hold::Material(in_plane(second, &p2.vertices, &point, &direction, &course));
+        let hold = || Hold::Material(in_plane(&p2.vertices, &point, &direction, |vertex| second.vertex_ahead(vertex)));
         self.finish(spring, None, ends, rubs.then(|| (p1.triangle, from, hold())));
     }
 
@@ -187,7 +187,7 @@ impl<T: Scalar> Folding<'_, T> {
                 continue;
             }
             let from = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0] };
-            let (own, point) = (body.number, body.vertex(vertex, &self.course));
+            let (own, point) = (body.number, body.vertex_ahead(vertex));
             let mut ends = Ends::default();
             self.add_end(&mut ends, 0, own, &from, None, &point);
             let key = (own, Surface::HalfSpace(number));
@@ -247,11 +247,11 @@ impl<T: Scalar> Folding<'_, T> {
                 }
             }
             Mover::Rigid { place, .. } => {
-                let arm = point - body.centre(&self.course);
+                let arm = point - body.ahead_pose.0;
                 ends.rigid[side] = Some(RigidEnd { place: *place, sign, arm });
             }
             Mover::Host(frame) => {
-                let arm = point - body.centre(&self.course);
+                let arm = point - body.ahead_pose.0;
                 let at = |twist: &[f64]| (linear(twist) + angular(twist).cross(&arm)) * sign;
                 ends.given += at(&frame.free_velocity);
                 ends.given_before += at(&frame.velocity);
@@ -266,15 +266,15 @@ impl<T: Scalar> Folding<'_, T> {
         if !matches!(body.mover, Mover::Nodes { .. }) {
             return None;
         }
-        let [a, b, c] = corners.vertices.map(|vertex| body.vertex(vertex, &self.course));
+        let [a, b, c] = corners.vertices.map(|vertex| body.vertex_ahead(vertex));
         let normal = (b - a).cross(&(c - a));
-        let height = |vertex: u32| normal.dot(&(body.vertex(vertex, &self.course) - a)).abs();
+        let height = |vertex: u32| normal.dot(&(body.vertex_ahead(vertex) - a)).abs();
         let far = body.outermost.iter().fold((0.0, None), |(most, best), &vertex| {
             let height = height(vertex);
             if height > most { (height, Some(vertex)) } else { (most, best) }
         });
         let far = far.1?;
-        let columns = [b - a, c - a, body.vertex(far, &self.course) - a];
+        let columns = [b - a, c - a, body.vertex_ahead(far) - a];
         let w = Matrix3::from_columns(&columns).try_inverse()? * (point - a);
         let weights = [1.0 - w.x - w.y - w.z, w.x, w.y, w.z];
         let [first, second, third] = corners.vertices;
@@ -332,16 +332,19 @@ impl<T: Scalar> Folding<'_, T> {
         self.rows.rows.room_for(1).push(row);
         let place = self.rows.rows.len() - 1;
         let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
+        let given = self.rows.rows[place].given;
+        let [mut slip, before] = self.rows.slips_of_last([(ahead, &given), (self.before, &ends.given_before)]);
         // Detection has moved nothing on where it did not look ahead.
-        let slip = if self.course.time > 0.0 { self.rows.slip_at(place, ahead) } else { Slip::default() };
-        let sliding = self.rows.slip(place, self.before, &ends.given_before).across;
+        if self.course.time <= 0.0 {
+            slip = Slip::default();
+        }
         if let Some((triangle, from, hold)) = hold {
             let (anchor, old) = self.anchors.find(key, triangle, from, hold);
             // A new spring is slack at the start of the step.
             let mut stretch = slip.across * self.course.time;
             if let Some(old) = old {
                 let first = self.body(key.0);
-                let from = first.point(&old.from.vertices, &old.from.weights, &self.course);
+                let from = first.point_ahead(&old.from);
                 let to = self.held_at(key, &old.hold);
                 stretch = self.rows.rows[place].across(&(to - from));
             }
@@ -349,7 +352,7 @@ impl<T: Scalar> Folding<'_, T> {
             (row.anchor, row.stretch) = (Some(anchor), stretch);
         }
         let row = &mut self.rows.rows[place];
-        (row.ahead, row.sliding) = (slip, sliding);
+        (row.ahead, row.sliding) = (slip, before.across);
         // The row is relieved only by motion along it: what deepens it otherwise, as a floor's top does the sides of what
         // falls onto it, is over when the step is.
         let unseen = (self.course.time * slip.across.dot(&pushes)).max(0.0) / cos_alpha;
@@ -360,9 +363,7 @@ impl<T: Scalar> Folding<'_, T> {
     /// Where something held is at the end of the course.
     fn held_at(&self, key: Key, hold: &Hold) -> V3 {
         match (hold, key.1) {
-            (Hold::Material(corners), Surface::Body(number)) => {
-                self.bodies[self.place(number)].point(&corners.vertices, &corners.weights, &self.course)
-            }
+            (Hold::Material(corners), Surface::Body(number)) => self.bodies[self.place(number)].point_ahead(corners),
             (Hold::Space(point), _) => *point,
             (Hold::Material(_), Surface::HalfSpace(_)) => V3::zeros(),
         }

@@ -25,6 +25,7 @@ mod explicit;
 mod fold;
 mod loads;
 mod material;
+mod matrix;
 mod part_matrix;
 mod parts;
 mod products;
@@ -47,7 +48,7 @@ use crate::math::Scalar;
 use crate::memory::{self, Room};
 use crate::scene::Scene;
 use anchors::Anchors;
-use body::{Body, Frame, Mover, Table, outermost};
+use body::{Body, Frame, Mover, Table};
 use fold::{HalfSpace, PairMaterials};
 use loads::{Key, PairLoads};
 use nalgebra::Matrix3;
@@ -158,18 +159,8 @@ impl<T: Scalar> ContactSystem<T> {
         }
         let table = Table::new(carriers, mesh.topology().vertex_count(), nodes.clone())?;
         let mass = mass_of(&self.node_masses, nodes.clone());
-        self.insert(
-            place,
-            Body {
-                number: body,
-                material,
-                mover: Mover::Nodes { table, nodes },
-                outermost: outermost(mesh),
-                mass,
-                positions: Vec::new(),
-                has_joined: false,
-            },
-        );
+        let mover = Mover::Nodes { table, nodes };
+        self.insert(place, Body::new(body, material, mover, mesh, mass));
         Ok(())
     }
 
@@ -200,12 +191,10 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Inertia);
         }
         let mover = Mover::Rigid { mass, inertia, place: self.rigid_count, frame: Frame::new(mesh) };
-        let outermost = outermost(mesh);
         // Room first: a place without a body would stay.
         self.bodies.room_for(1);
         self.rigid_count += 1;
-        let positions = Vec::new();
-        self.insert(place, Body { number: body, material, mover, outermost, mass, positions, has_joined: false });
+        self.insert(place, Body::new(body, material, mover, mesh, mass));
         Ok(())
     }
 
@@ -217,9 +206,8 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn add_moved(&mut self, scene: &Scene<T>, body: u32, material: Material) -> Result<(), SystemError> {
         let place = self.place_for(scene, body, &material)?;
         let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
-        let (mover, outermost) = (Mover::Host(Frame::new(mesh)), outermost(mesh));
-        let (mass, positions) = (f64::INFINITY, Vec::new());
-        self.insert(place, Body { number: body, material, mover, outermost, mass, positions, has_joined: false });
+        let mover = Mover::Host(Frame::new(mesh));
+        self.insert(place, Body::new(body, material, mover, mesh, f64::INFINITY));
         Ok(())
     }
 
@@ -325,6 +313,17 @@ fn mass_of(masses: &[f64], nodes: Range<u32>) -> f64 {
 }
 
 fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
+    // 0 times any other is not 0; without a way out of the loop, several are asked at once.
+    let (eights, rest) = numbers.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for eight in eights {
+        for k in 0..8 {
+            sums[k] += eight[k] * 0.0;
+        }
+    }
+    if sums.iter().chain(rest).all(|number| number.is_finite()) {
+        return Ok(());
+    }
     match numbers.iter().position(|number| !number.is_finite()) {
         Some(index) => Err(SystemError::NotFinite { what, index, value: numbers[index] }),
         None => Ok(()),

@@ -10,7 +10,8 @@ use crate::memory::Room;
 impl Rows {
     /// Takes note of how rows are held now, for the products until they are held anew.
     pub(super) fn gather_springs(&mut self) {
-        let Self { rows, springs, .. } = self;
+        let Self { rows, springs, matrix, .. } = self;
+        matrix.is_current = false;
         springs.clear();
         springs.room_for(rows.len());
         let mut begin = 0;
@@ -23,6 +24,14 @@ impl Rows {
             }
             begin = end;
         }
+    }
+
+    /// Adds `scale` · Jᵀ D J · change of the springs that are assembled. [`add_product`](Self::add_product) adds the others'.
+    pub(super) fn add_assembled(&mut self, change: &[f64], scale: f64, result: &mut [f64]) {
+        if !self.matrix.is_current {
+            self.matrix.assemble(&self.springs, &self.entries, change.len() / 3);
+        }
+        self.matrix.add_product(change, scale, result);
     }
 
     fn rigid_ends(&self, spring: &Spring) -> &[Option<RigidEnd>] {
@@ -69,7 +78,7 @@ impl Rows {
     }
 
     /// Adds `scale` · Jᵀ D J · change: the forces that rows exert against a change of the velocities, turned around; on rigid
-    /// bodies too where `twists` has room for them.
+    /// bodies too where `twists` has room for them. Of springs that are not assembled.
     pub(super) fn add_product(
         &self,
         change: Velocities<'_>,
@@ -77,7 +86,8 @@ impl Rows {
         nodes: &mut [f64],
         mut twists: Option<&mut [f64]>,
     ) {
-        for spring in &self.springs {
+        for &place in &self.matrix.apart {
+            let spring = &self.springs[place as usize];
             let slip = self.slip_of(spring, change);
             let along = spring.direction * (scale * spring.normal * slip.along);
             let mut add = |node: u32, force: V3| {

@@ -1,6 +1,7 @@
 //! One row for each contact, and the sums over all of them.
 
 use super::body::at;
+use super::matrix::NodeMatrix;
 use super::row::{RigidEnd, Row, Slip, Spring};
 use super::twist::{Factor, V3};
 use crate::memory::Room;
@@ -36,6 +37,7 @@ pub(super) struct Rows {
     pub(super) entries: Vec<Entry>,
     /// Of those that push as they are held, what products need.
     pub(super) springs: Vec<Spring>,
+    pub(super) matrix: NodeMatrix,
     /// Mass and inertia in the world of each rigid body.
     pub(super) masses: Vec<(f64, Matrix3<f64>)>,
     /// Of the rigid bodies, where they are eliminated.
@@ -82,10 +84,10 @@ impl Rows {
         self.entries.room_for(1).push(Entry { node, along, across });
     }
 
-    /// How the two points of a row move, without what the host moves.
-    pub(super) fn slip(&self, place: usize, of: Velocities<'_>, given: &V3) -> Slip {
+    /// How the two points of a row move.
+    pub(super) fn slip_at(&self, place: usize, of: Velocities<'_>) -> Slip {
         let row = &self.rows[place];
-        let [mut along, mut across] = [*given; 2];
+        let [mut along, mut across] = [row.given; 2];
         for entry in &self.entries[self.begin(place)..row.end] {
             let v = at(of.nodes, entry.node);
             along += v * entry.along;
@@ -99,9 +101,25 @@ impl Rows {
         Slip { along: row.direction.dot(&along), across: row.across(&across) }
     }
 
-    /// The slip at velocities.
-    pub(super) fn slip_at(&self, place: usize, of: Velocities<'_>) -> Slip {
-        self.slip(place, of, &self.rows[place].given)
+    /// The slips of the last row at two velocities, each with what the host moves.
+    pub(super) fn slips_of_last(&self, of: [(Velocities<'_>, &V3); 2]) -> [Slip; 2] {
+        let Some(row) = self.rows.last() else { return Default::default() };
+        let mut sums = of.map(|(_, given)| [*given; 2]);
+        for entry in &self.entries[self.begin(self.rows.len() - 1)..row.end] {
+            for ([along, across], (of, _)) in sums.iter_mut().zip(of) {
+                let v = at(of.nodes, entry.node);
+                *along += v * entry.along;
+                *across += v * entry.across;
+            }
+        }
+        for end in row.rigid.iter().flatten() {
+            for ([along, across], (of, _)) in sums.iter_mut().zip(of) {
+                let v = end.velocity(of.twists);
+                *along += v;
+                *across += v;
+            }
+        }
+        sums.map(|[along, across]| Slip { along: row.direction.dot(&along), across: row.across(&across) })
     }
 
     pub(super) fn begin(&self, place: usize) -> usize {

@@ -5,7 +5,7 @@ use super::body::Course;
 use super::loads::Surface;
 use super::row::Row;
 use super::rows::Velocities;
-use super::step::Step;
+use super::step::{Buffers, Step};
 use super::twist::V3;
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::Scalar;
@@ -40,6 +40,7 @@ impl<T: Scalar> ContactSystem<T> {
             self.rows.respond_to_change(nodes, step.dt);
         }
         let (to, to_twists) = result.split_at_mut(3 * self.node_masses.len());
+        self.rows.add_assembled(nodes, factor, to);
         let is_kept = self.rigid_unknowns == RigidUnknowns::Kept;
         let twists = if is_kept { twists } else { &self.rows.response };
         self.rows.add_product(Velocities { nodes, twists }, factor, to, is_kept.then_some(to_twists));
@@ -186,6 +187,8 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// What the next step is told: loads, and where contacts hold on to one another at the end of this one.
     pub(super) fn remember(&mut self, velocities: &[f64], step: Step) {
+        let nodes = &velocities[..3 * self.node_masses.len()];
+        Buffers::find_ends(&mut self.buffers.ends, &self.buffers.positions, nodes, step.dt);
         for place in 0..self.rows.rows.len() {
             let slip = self.rows.slip_at(place, self.velocities(velocities));
             let row = self.rows.rows[place];
@@ -204,21 +207,18 @@ impl<T: Scalar> ContactSystem<T> {
             if !is_dragged && self.anchors.keep(anchor) {
                 continue;
             }
-            let Self { bodies, anchors, buffers, node_masses, rows, .. } = &mut *self;
-            let course = Course {
-                time: step.dt,
-                positions: &buffers.positions,
-                velocities: &velocities[..3 * node_masses.len()],
-                twists: &rows.response,
-            };
+            let Self { bodies, anchors, buffers, rows, .. } = &mut *self;
+            let course = Course { time: step.dt, velocities: nodes, twists: &rows.response, ends: &buffers.ends };
             let body = |number: u32| bodies.binary_search_by_key(&number, |body| body.number).map(|k| &bodies[k]);
             let pending = anchors.pending[anchor];
             let Ok(first) = body(pending.key.0) else { continue };
-            let point = first.point(&pending.from.vertices, &pending.from.weights, &course) + offset;
+            let point = pending.from.point(|vertex| first.vertex(vertex, &course)) + offset;
             let hold = match (pending.hold, pending.key.1) {
                 (Hold::Material(corners), Surface::Body(second)) => {
                     let Ok(second) = body(second) else { continue };
-                    Hold::Material(in_plane(second, &corners.vertices, &point, &row.direction, &course))
+                    Hold::Material(in_plane(&corners.vertices, &point, &row.direction, |vertex| {
+                        second.vertex(vertex, &course)
+                    }))
                 }
                 _ => Hold::Space(point),
             };

@@ -23,6 +23,8 @@ pub(super) struct Step {
 pub(super) struct Buffers {
     pub(super) positions: Vec<f64>,
     pub(super) velocities: Vec<f64>,
+    /// Positions at the end of a course.
+    pub(super) ends: Vec<f64>,
     /// With which the last detection moved nodes on, and rigid bodies.
     pub(super) ahead: Vec<f64>,
     pub(super) ahead_twists: Vec<f64>,
@@ -42,7 +44,13 @@ impl Buffers {
     }
 
     fn course(&self, time: f64) -> Course<'_> {
-        Course { time, positions: &self.positions, velocities: &self.ahead, twists: &self.ahead_twists }
+        Course { time, velocities: &self.ahead, twists: &self.ahead_twists, ends: &self.ends }
+    }
+
+    /// Finds where nodes are after a time with these velocities.
+    pub(super) fn find_ends(ends: &mut Vec<f64>, positions: &[f64], velocities: &[f64], time: f64) {
+        ends.clear();
+        memory::append(ends, positions.iter().zip(velocities).map(|(x, v)| x + v * time));
     }
 }
 
@@ -212,26 +220,27 @@ impl<T: Scalar> ContactSystem<T> {
         wanted: impl Fn(&Scene<T>, u32) -> bool,
     ) -> Result<(), SystemError> {
         let Self { bodies, buffers, half_spaces, .. } = self;
+        Buffers::find_ends(&mut buffers.ends, &buffers.positions, &buffers.ahead, time);
         let course = buffers.course(time);
         for body in &mut *bodies {
             if !wanted(scene, body.number) {
                 continue;
             }
             let number = body.number;
+            body.go(&course);
             // Half-spaces ask for all vertices of what can move.
             let is_asked = body.is_movable() && !half_spaces.is_empty();
-            if !is_asked && body.pose(&course).is_some_and(|pose| scene.may_follow(number, &pose)) {
+            if !is_asked && body.pose_ahead().is_some_and(|pose| scene.may_follow(number, &pose)) {
                 continue;
             }
-            let vertices = scene.mesh(number).map_or(0, |mesh| mesh.topology().vertex_count());
-            body.fill_positions(vertices, &course).map_err(|vertex| SystemError::Mesh {
+            body.fill_positions().map_err(|vertex| SystemError::Mesh {
                 body: number,
                 source: MeshError::NotFinite { vertex, is_renewal: true },
             })?;
         }
         for body in &*bodies {
             let is_moved =
-                |scene: &mut Scene<T>| body.pose(&course).is_some_and(|pose| scene.follow(body.number, &pose));
+                |scene: &mut Scene<T>| body.pose_ahead().is_some_and(|pose| scene.follow(body.number, &pose));
             if !wanted(scene, body.number) || is_moved(scene) {
                 continue;
             }
