@@ -31,6 +31,7 @@ mod parts;
 mod products;
 mod row;
 mod rows;
+mod second_look;
 mod shared;
 mod solve;
 mod step;

@@ -1,8 +1,7 @@
 use super::body::{Body, Course, Mover};
-use super::fold::{Folding, pressed_area};
+use super::fold::Folding;
 use super::rows::Velocities;
 use super::{ContactSystem, RigidUnknowns, SystemError, check_finite};
-use crate::detection::Contact;
 use crate::math::Scalar;
 use crate::memory::{self, Room};
 use crate::mesh::MeshError;
@@ -35,7 +34,7 @@ pub(super) struct Buffers {
     pub(super) areas: Vec<f64>,
     pub(super) unknowns: Vec<f64>,
     /// Pairs, how many contacts a later detection found of them, and how many rows they have.
-    pairs: Vec<([u32; 2], usize, usize)>,
+    pub(super) pairs: Vec<([u32; 2], usize, usize)>,
 }
 
 impl Buffers {
@@ -157,54 +156,6 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
-    /// Looks for contacts where bodies end with these velocities, in place of where they were sought before: one that is
-    /// stopped may be in the way of another, which detection took to be moving on. To be called after a solve. Rows of pairs
-    /// that had none, or less than half as many, are made anew; true if there are such: another solve is due. Where no
-    /// unknown ends further from where it was sought than the smallest depth cap there is nothing to look for. Rows are then
-    /// held at these velocities.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::Mesh`].
-    pub fn detect_again(&mut self, scene: &mut Scene<T>, velocities: &[f64]) -> Result<bool, SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
-        self.check_bodies(scene)?;
-        self.find_twists(velocities, step);
-        let nodes = &velocities[..3 * self.node_masses.len()];
-        if !self.looks_ahead || !self.ends_elsewhere(nodes, step.dt) {
-            return Ok(false);
-        }
-        let buffers = &mut self.buffers;
-        copy(&mut buffers.ahead, nodes);
-        copy(&mut buffers.ahead_twists, &self.rows.response);
-        self.detect(scene, step.dt)?;
-        scene.disregard_query();
-        let has_news = self.fold_news(step);
-        if has_news {
-            self.hold_at(velocities, step);
-        }
-        Ok(has_news)
-    }
-
-    /// Makes rows of pairs anew of which the last detection found more; gives whether there are such.
-    pub(super) fn fold_news(&mut self, step: Step) -> bool {
-        self.count_pairs();
-        let mut pairs = std::mem::take(&mut self.buffers.pairs);
-        pairs.retain(|&(_, found, rows)| found > 2 * rows);
-        let is_news = |a: u32, b: u32| pairs.binary_search_by_key(&[a.min(b), a.max(b)], |(pair, ..)| *pair).is_ok();
-        for row in &mut self.rows.rows {
-            let (first, second) = self.loads.now[row.pair].key;
-            if matches!(second, super::Surface::Body(second) if is_news(first, second)) {
-                // It pushes no longer.
-                row.coefficient = 0.0;
-                row.anchor = None;
-            }
-        }
-        self.fold(step.dt, is_news, None);
-        let has_news = !pairs.is_empty();
-        self.buffers.pairs = pairs;
-        has_news
-    }
-
     /// Positions in the scene and the contacts there, at the end of the course of the last velocities ahead.
     pub(super) fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
         self.place_surfaces(scene, time, |_, _| true)?;
@@ -252,7 +203,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Rows of the contacts that are wanted; with a scene, of escapes and half-spaces too.
-    fn fold(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
+    pub(super) fn fold(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
         self.parts.forget();
         let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
         let mut areas = std::mem::take(&mut buffers.areas);
@@ -271,44 +222,6 @@ impl<T: Scalar> ContactSystem<T> {
             }
         }
         buffers.areas = areas;
-    }
-
-    /// How many contacts and rows each pair of the last detection has.
-    fn count_pairs(&mut self) {
-        let Self { contacts, rows, loads, buffers, .. } = self;
-        let pairs = &mut buffers.pairs;
-        pairs.clear();
-        // Those of pairs that are pushed as whole bodies push nothing themselves: such a pair keeps its push.
-        let pushing = |contact: &&Contact<T>| pressed_area(contact) > T::zero();
-        for contact in contacts.contacts.iter().filter(pushing) {
-            let pair = [contact.colliding.min(contact.collided), contact.colliding.max(contact.collided)];
-            match pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
-                Ok(place) => pairs[place].1 += 1,
-                Err(place) => pairs.room_for(1).insert(place, (pair, 1, 0)),
-            }
-        }
-        for row in rows.rows.iter().filter(|row| row.coefficient > 0.0) {
-            let (first, super::Surface::Body(second)) = loads.now[row.pair].key else { continue };
-            let pair = [first.min(second), first.max(second)];
-            if let Ok(place) = pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
-                pairs[place].2 += 1;
-            }
-        }
-    }
-
-    fn ends_elsewhere(&self, nodes: &[f64], dt: f64) -> bool {
-        let cap = self.bodies.iter().map(|body| body.material.depth_cap).fold(f64::INFINITY, f64::min) / dt;
-        let differ = |a: &[f64], b: &[f64]| {
-            a.chunks_exact(3).zip(b.chunks_exact(3)).any(|(a, b)| square_between(a, b) > cap * cap)
-        };
-        let movable = self.node_masses.iter().any(|mass| mass.is_finite());
-        (movable && differ(nodes, &self.buffers.ahead))
-            || self
-                .rows
-                .response
-                .chunks_exact(6)
-                .zip(self.buffers.ahead_twists.chunks_exact(6))
-                .any(|(a, b)| differ(&a[..3], &b[..3]))
     }
 
     pub(super) fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {

@@ -86,6 +86,8 @@ class SurfaceSet {
         std::find_if(bodies_.begin(), bodies_.end(), [&](const ContactBody& b) { return object(b) == body; });
     if (gone == bodies_.end()) return;
     scene_.remove(gone->number);
+    // Contacts, which name it, are dropped below.
+    scene_.release_body_numbers();
     bodies_.erase(gone);
     std::fill(index_of_number_.begin(), index_of_number_.end(), no_body);
     for (std::size_t i = 0; i < bodies_.size(); ++i) index_of_number_[bodies_[i].number] = i;

@@ -281,6 +281,8 @@ class Step {
     const std::vector<int> from = ranks(borrowed_);
     const std::vector<Bytes> received = comm_.swap(ranks(lent_), messages, from, TAG_GHOSTS, fault);
     const std::clock_t start = std::clock();
+    // Ghosts come and go without end.
+    fault.check(rayc_scene_release_body_numbers(bodies_.scene.get()), "numbers of bodies that have left");
     for (auto& [key, ghost] : bodies_.ghosts) ghost.is_current = false;
     for (std::size_t i = 0; i < from.size(); ++i)
       for (Reader reader(received[i]); !reader.is_at_end();)
