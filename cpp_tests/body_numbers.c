@@ -1,5 +1,5 @@
-/* The number of a body that was removed is refused, and no other body gets it before the host says that it has done with
-   it: rayc_scene_release_body_numbers(). */
+/* The number of a body that was removed is refused, and no other body gets it before the host says that it has done
+   with it: rayc_scene_release_body_numbers(). */
 #include "check.h"
 #include "shapes.h"
 
