@@ -15,6 +15,7 @@ demo_packages=(
 other_packages=(
     bsdutils        # lends a terminal to programs that colour one
     dpkg-dev        # makes the Debian packages
+    file            # tells CPack which files are programs and libraries
     python3-venv    # for the Conan client and the Python package, with parts from PyPI
     python3-pil     # makes a moving picture of pictures
     doxygen         # the manual
