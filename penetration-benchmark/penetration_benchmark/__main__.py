@@ -54,7 +54,7 @@ def parse(arguments):
     return parser, parser.parse_args(arguments)
 
 
-def open_libraries(options):
+def open_libraries(options, tells=True):
     is_all = options.libraries == "all"
     names = list(libraries.KNOWN) if is_all else [name for name in options.libraries.split(",") if name]
     opened = []
@@ -64,7 +64,8 @@ def open_libraries(options):
         except (ImportError, OSError, KeyError) as error:  # KeyError: PENETRATION_BUILD is not set
             if not is_all:
                 raise
-            print(f"{name} is left out: {error!r}", file=sys.stderr)
+            if tells:
+                print(f"{name} is left out: {error!r}", file=sys.stderr)
     opened += [CLibrary(path, pathlib.Path(path).stem) for path in options.c_library]
     for path in options.python_library:
         module, kind = path.split(":")
@@ -95,13 +96,14 @@ def main(arguments=None):
         generate(folder, options.seed, options.share, Progress("poses"))
     if options.generate_only:
         return
-    opened = open_libraries(options)
     surfaces = {path.stem: files.read_shape(path) for path in (folder / "shapes").glob("*.obj")}
     # Neighbours in the list have the same shapes, so that what a library keeps of a pair serves the next.
     poses = sorted(files.read_poses(folder / "poses.csv"), key=lambda pose: (pose.pair, pose.id))
     deep = [pose for pose in poses if pose.kind in FREE]
     out.mkdir(parents=True, exist_ok=True)
     for task in chosen:
+        # Anew, since a library may keep shapes by their names, and those of the next task are others.
+        opened = open_libraries(options, tells=task == chosen[0])
         if task == "measure":
             shapes = {path.stem: files.read_shape(path) for path in (files.REFERENCES / "shapes").glob("*.obj")}
             every = max(1, round(1 / options.share))

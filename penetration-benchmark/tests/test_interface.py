@@ -14,7 +14,7 @@ from penetration_benchmark import __main__ as command_line
 from penetration_benchmark import exact, files, motion, shapes
 from penetration_benchmark.c_library import CLibrary
 from penetration_benchmark.generate import generate
-from penetration_benchmark.library import CONTACT, Contacts, Surface, found
+from penetration_benchmark.library import CONTACT, Contacts, Library, Surface, found
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PUBLISHED = ROOT / "docs/penetration"
@@ -90,6 +90,38 @@ def test_the_example_frees_a_corner(example):
 def read(path):
     with open(path, newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
+
+
+class Remembering(Library):
+    """Has one contact, where the pair's shapes are those whose names it met first."""
+
+    name = version = settings = documentation = "remembering"
+
+    def __init__(self):
+        self.shapes = {}
+
+    def load(self, first, second):
+        shapes = [(surface.name, surface.positions.tobytes()) for surface in (first, second)]
+        self.is_known = all(self.shapes.setdefault(name, shape) == shape for name, shape in shapes)
+
+    def move(self, poses, positions):
+        self.positions = positions
+
+    def inside(self):
+        return tuple(np.zeros(len(positions), bool) for positions in self.positions)
+
+    def contacts(self):
+        up = np.array([[0.0, 0.0, 1.0]] * self.is_known).reshape(-1, 3)
+        return Contacts.make(up, up, up, 1.0)
+
+
+def test_what_a_library_keeps_ends_with_the_task(tmp_path, monkeypatch):
+    monkeypatch.setattr(command_line.libraries, "KNOWN", {"remembering": None})
+    monkeypatch.setattr(command_line.libraries, "make", lambda _: Remembering())
+    for tasks in ("measure", "detect,measure"):
+        command_line.main([str(tmp_path / tasks), "--share", "0.05", "--tasks", tasks])
+    alone, after = (read(tmp_path / tasks / "measure.csv") for tasks in ("measure", "detect,measure"))
+    assert alone == after and all(row["silent"] == "0" for row in alone)
 
 
 def test_own_rows_are_those_published(tmp_path):
