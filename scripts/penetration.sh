@@ -10,7 +10,7 @@ Runs penetration-benchmark/ in a virtual environment of its own in target/penetr
 its peers from PyPI and Debian, in fixed versions.
   --quick   (default) every tenth pose; the CSV files go to target/penetration/quick. A few minutes
   --full    installs the peers, runs all poses and bodies, and renews the CSV files in docs/penetration, the charts
-            beside them and the tables of docs/penetration.md. Some five minutes
+            beside them and the tables of docs/penetration.md. Some ten minutes
   --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
             still answers as in docs/penetration/quick. Under a minute
 Exit status: 0 when done, 1 when something fails, 2 for a wrong command line.
