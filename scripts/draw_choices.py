@@ -21,7 +21,7 @@ except ModuleNotFoundError:
     matplotlib = None  # --help works without
 
 SCENE = "deep-tori"
-OWN = "sampling={} precision={} layout=wide edges=on weights=area"
+OWN = "law=pressure sampling={} precision={} layout=wide edges=on weights=area"
 # Method and settings, the label, and where that stands beside its point, in points.
 POINTS = [
     ("raycontact", OWN.format("automatic", "f64"), "default", (8, -3)),
@@ -32,7 +32,7 @@ POINTS = [
     ("raycontact", OWN.format("spacing:0.32", "f64"), "spacing of eight edges", (8, 2)),
     ("raycontact", OWN.format("tolerance:0.1", "f64"), "tolerance 0.1", (8, 0)),
     ("raycontact", OWN.format("tolerance:0.03", "f64"), "tolerance 0.03", (8, 0)),
-    ("paper", "sampling=vertices precision=f32 layout=wide edges=off weights=paper", "the paper's mode in single precision", (-8, 1)),
+    ("paper", "law=ray-length sampling=vertices precision=f32 layout=wide edges=off weights=paper", "the paper's mode in single precision", (-8, 1)),
     ("embree-refit", "precision=f32 weights=paper", "Embree, Algorithm 1", (8, 3)),
     ("embree-refit", "precision=f32 weights=area", "Embree, area weights", (-8, -3)),
     ("bullet-vf", "precision=f32 weights=paper", "Bullet, vertices near faces", (-8, -3)),
