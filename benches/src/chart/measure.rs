@@ -83,9 +83,9 @@ pub fn run(
         }
     }
     let mut rows = Vec::new();
-    for running in &mut running {
+    for running in &running {
         progress.set_message(format!("{}: judging {}", scene.name, running.setting.method()));
-        rows.extend(running.judge(scene, &truths, &mut host));
+        rows.extend(running.judge(scene, &truths, &mut host, libraries)?);
     }
     Ok(rows)
 }
@@ -184,8 +184,15 @@ fn limit_loads(workload: &Workload, law: ContactLaw, sampling: Sampling<f64>) ->
 }
 
 impl Running {
-    fn judge(&mut self, scene: &Scene, truths: &[Truth], host: &mut Host) -> Vec<Row> {
+    fn judge(
+        &self,
+        scene: &Scene,
+        truths: &[Truth],
+        host: &mut Host,
+        libraries: &Libraries,
+    ) -> Result<Vec<Row>, String> {
         let setting = self.setting;
+        let mut method = setting.without_escapes().start(&scene.workload, host, libraries)?;
         let weights = setting.weights();
         let mut rows: Vec<Row> = weights
             .iter()
@@ -204,9 +211,9 @@ impl Running {
         let own_law = LAWS.iter().position(|law| *law == setting.law()).expect("both laws are there");
         for truth in truths {
             host.write(&truth.frame);
-            self.method.step(host);
+            method.step(host);
             let moment = Moment::new(&scene.workload, host);
-            let pushes = self.method.pushes();
+            let pushes = method.pushes();
             for (row, weights) in rows.iter_mut().zip(weights) {
                 let loads = moment.loads(&pushes, *weights);
                 let force = moment.difference(&truth.limits[own_law], &loads).force;
@@ -216,7 +223,7 @@ impl Running {
                 row.contacts = pushes.len();
             }
         }
-        rows
+        Ok(rows)
     }
 }
 

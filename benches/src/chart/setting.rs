@@ -149,6 +149,14 @@ impl Setting {
         self.has_comparable_force()
     }
 
+    /// For judging forces: the push of a pair that escapes follows neither law.
+    pub fn without_escapes(self) -> Self {
+        match self {
+            Self::Ours(ours) => Self::Ours(Ours { escape: false, ..ours }),
+            other => other,
+        }
+    }
+
     pub fn start(&self, workload: &Workload, host: &Host, libraries: &Libraries) -> Result<Box<dyn Method>, String> {
         match self {
             Self::Ours(DEFAULT) => Ok(Box::new(Defaults::new(&libraries.raycontact, workload, host)?)),
