@@ -1,6 +1,6 @@
-# The page of all measurements is made from the files as they are now. DOCS: the folder docs. The page holds the name and the
-# hash of each file that it was made from.
-file(STRINGS "${DOCS}/report/index.html" line REGEX "<meta name=\"sources\"" LIMIT_COUNT 1)
+# The page of all measurements is made from the files as they are now. ROOT: the repository's folder. The page holds the name
+# and the hash of each file that it was made from.
+file(STRINGS "${ROOT}/docs/report/index.html" line REGEX "<meta name=\"sources\"" LIMIT_COUNT 1)
 if(NOT line MATCHES "content=\"([^\"]+)\"")
     message(FATAL_ERROR "docs/report/index.html does not say what it was made from: run scripts/report.sh")
 endif()
@@ -9,8 +9,8 @@ foreach(source IN LISTS sources)
     string(REPLACE "=" ";" source "${source}")
     list(GET source 0 name)
     list(GET source 1 hash)
-    file(SHA256 "${DOCS}/${name}" now)
+    file(SHA256 "${ROOT}/${name}" now)
     if(NOT now STREQUAL hash)
-        message(FATAL_ERROR "docs/${name} has changed since docs/report/index.html was made: run scripts/report.sh")
+        message(FATAL_ERROR "${name} has changed since docs/report/index.html was made: run scripts/report.sh")
     endif()
 endforeach()

@@ -59,8 +59,8 @@
 
 /**
  * How many bytes of stack a call needs of the thread that makes it, and a task of a rayc_parallel_for of the thread that
- * calls it, beside what is in use there and what the system keeps at its end: what was measured, 58 KB (88 KB in an
- * unoptimised build), and room to spare. Threads of a pool have stacks of their own, large enough.
+ * calls it, beside what is in use there and what the system keeps at its end: what was measured, 98 KB, and room to
+ * spare. Threads of a pool have stacks of their own, large enough.
  */
 #define RAYC_STACK_SIZE 131072
 

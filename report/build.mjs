@@ -2,21 +2,21 @@
 // Makes docs/report/index.html from the measurements under docs/: one file that needs no network.
 import { build } from "esbuild";
 import { createHash } from "node:crypto";
-import { existsSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const docs = join(here, "../docs");
-const output = join(docs, "report/index.html");
+const root = join(here, "..");
+const output = join(root, "docs/report/index.html");
 
 /** What the page is made from: a hash for each file, by which cpp_tests/page_sources.cmake knows whether it is up to date. */
 const sources = [];
 
-function read(name) {
-  const bytes = readFileSync(join(docs, name));
-  sources.push(`${name}=${createHash("sha256").update(bytes).digest("hex")}`);
+function read(path) {
+  const bytes = readFileSync(join(root, path));
+  sources.push(`${path}=${createHash("sha256").update(bytes).digest("hex")}`);
   return bytes;
 }
 
@@ -28,15 +28,16 @@ function fields(line) {
 
 /** Rows as objects; numbers as numbers, empty fields as null. */
 function readCsv(name) {
-  if (!existsSync(join(docs, name))) return null;
-  const [head, ...lines] = read(name).toString().trim().split("\n").map(fields);
+  const path = `docs/${name}`;
+  if (!existsSync(join(root, path))) return null;
+  const [head, ...lines] = read(path).toString().trim().split("\n").map(fields);
   const value = (text) => (text === "" ? null : Number.isNaN(Number(text)) ? text : Number(text));
   return lines.map((line) => Object.fromEntries(head.map((name, i) => [name, value(line[i])])));
 }
 
 /** The table of failures in docs/stability.md, with its pictures. */
 function readFailures() {
-  const lines = readFileSync(join(docs, "stability.md"), "utf8").split("\n");
+  const lines = read("docs/stability.md").toString().split("\n");
   const first = lines.findIndex((line) => line.startsWith("| failure |"));
   if (first < 0) return null;
   const last = lines.findIndex((line, i) => i > first && !line.startsWith("|"));
@@ -44,7 +45,7 @@ function readFailures() {
   const rows = lines.slice(first + 2, last).map((line) => {
     const [name, ...counts] = cells(line);
     const link = /^\[(.*)\]\((.*)\)$/.exec(name);
-    const picture = link && read(link[2]).toString();
+    const picture = link && read(`docs/${link[2]}`).toString();
     return { name: link ? link[1] : name, counts, picture };
   });
   return { modes: cells(lines[first]).slice(1), rows };
@@ -52,11 +53,11 @@ function readFailures() {
 
 /** The demos of report/recordings.json that were recorded, gzip in base 64. */
 function readRecordings() {
-  const known = JSON.parse(readFileSync(join(here, "recordings.json"), "utf8"));
-  const path = ({ name }) => join(docs, `report/recordings/${name}.gz`);
-  return known.filter((recording) => existsSync(path(recording))).map((recording) => {
+  const known = JSON.parse(read("report/recordings.json").toString());
+  const path = ({ name }) => `docs/report/recordings/${name}.gz`;
+  return known.filter((recording) => existsSync(join(root, path(recording)))).map((recording) => {
     const { name, title, floor = false } = recording;
-    return { name, title, floor, packed: read(`report/recordings/${name}.gz`).toString("base64") };
+    return { name, title, floor, packed: read(path(recording)).toString("base64") };
   });
 }
 
@@ -76,7 +77,7 @@ const data = {
     measure: readCsv("penetration/measure.csv"),
     free: readCsv("penetration/free.csv"),
   },
-  scaling: read("distributed/scaling.svg").toString(),
+  scaling: read("docs/distributed/scaling.svg").toString(),
 };
 const recordings = readRecordings();
 
@@ -89,14 +90,18 @@ const bundle = await build({
   legalComments: "none",
   target: "es2022",
 });
+// What the bundle is made of, but for npm's packages, which package-lock.json holds fast.
+for (const name of readdirSync(join(here, "source")).filter((name) => name.endsWith(".js"))) read(`report/source/${name}`);
+read("report/package-lock.json");
+const style = read("report/source/style.css").toString();
+let page = read("report/source/index.html").toString();
 const replacements = {
-  "/* style */": readFileSync(join(here, "source/style.css"), "utf8"),
+  "/* style */": style,
   "/* sources */": sources.join(" "),
   "/* recordings */": JSON.stringify(recordings).replaceAll("<", "\\u003c"),
   "/* data */": packed(JSON.stringify(data)),
   "/* program */": packed(bundle.outputFiles[0].text),
 };
-let page = readFileSync(join(here, "source/index.html"), "utf8");
 for (const [place, text] of Object.entries(replacements)) page = page.replace(place, () => text);
 writeFileSync(output, page);
 const absent = Object.entries(data).filter(([, value]) => !value || value.length === 0).map(([name]) => name);

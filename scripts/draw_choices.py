@@ -21,42 +21,52 @@ except ModuleNotFoundError:
     matplotlib = None  # --help works without
 
 SCENE = "deep-tori"
-OWN = "sampling={} precision={} layout=wide edges=on weights=area"
-# Method and settings, the label, and where that stands beside its point, in points.
+OWN = "law={} sampling={} precision={} layout=wide edges={} weights={}"
+# Method and settings, the label, and where that stands beside its point in the left and the right panel, in points.
 POINTS = [
-    ("raycontact", OWN.format("automatic", "f64"), "default", (8, -3)),
-    ("raycontact", OWN.format("automatic", "f32"), "default in single precision", (0, -12)),
-    ("raycontact", OWN.format("vertices", "f64"), "vertices", (8, -7)),
-    ("raycontact", OWN.format("spacing:0.081", "f64"), "spacing of two edges", (-8, -3)),
-    ("raycontact", OWN.format("spacing:0.16", "f64"), "spacing of four edges", (-8, -3)),
-    ("raycontact", OWN.format("spacing:0.32", "f64"), "spacing of eight edges", (8, 2)),
-    ("raycontact", OWN.format("tolerance:0.1", "f64"), "tolerance 0.1", (8, 0)),
-    ("raycontact", OWN.format("tolerance:0.03", "f64"), "tolerance 0.03", (8, 0)),
-    ("paper", "sampling=vertices precision=f32 layout=wide edges=off weights=paper", "the paper's mode in single precision", (-8, 1)),
-    ("embree-refit", "precision=f32 weights=paper", "Embree, Algorithm 1", (8, 3)),
-    ("embree-refit", "precision=f32 weights=area", "Embree, area weights", (-8, -3)),
-    ("bullet-vf", "precision=f32 weights=paper", "Bullet, vertices near faces", (-8, -3)),
-    ("proximity", "precision=f64 weights=paper", "closest features", (-8, -3)),
+    ("raycontact", OWN.format("pressure", "automatic", "f64", "on", "area"), "default", (8, -3), (8, -3)),
+    ("raycontact", OWN.format("pressure", "automatic", "f32", "on", "area"), "default, single", (-8, -3), (-8, -3)),
+    ("raycontact", OWN.format("pressure", "vertices", "f64", "on", "area"), "vertices", (8, -3), (8, -3)),
+    ("raycontact", OWN.format("pressure", "spacing:0.16", "f64", "on", "area"), "spacing of four edges", (-8, -8), (-8, -8)),
+    ("raycontact", OWN.format("pressure", "spacing:0.32", "f64", "on", "area"), "spacing of eight edges", (8, 2), (-8, -3)),
+    ("raycontact", OWN.format("pressure", "tolerance:0.1", "f64", "on", "area"), "tolerance 0.1", (8, -1), (8, -1)),
+    ("raycontact", OWN.format("pressure", "tolerance:0.03", "f64", "on", "area"), "tolerance 0.03", (8, -3), (8, -3)),
+    ("raycontact", OWN.format("ray-length", "automatic", "f64", "on", "area"), "ray lengths", (-8, -3), (8, -9)),
+    ("paper", OWN.format("ray-length", "vertices", "f32", "off", "paper"), "the paper's mode, single", (-8, 1), (-8, -1)),
+    ("embree-refit", "precision=f32 weights=paper", "Embree, Algorithm 1", (8, 3), (4, 5)),
+    ("embree-refit", "precision=f32 weights=area", "Embree, area weights", (8, -3), None),
+    ("bullet-vf", "precision=f32 weights=paper", "Bullet, vertices near faces", (-8, -3), (-8, -3)),
+    ("bullet-cl", "precision=f32 weights=paper", "Bullet, clusters", None, (8, -1)),
+    ("fcl-aabb", "precision=f32 weights=paper", "FCL, crossing triangles", None, (-8, -3)),
+    ("proximity", "precision=f64 weights=paper", "closest features", (-8, -3), (0, -14)),
+]
+# The column, what its numbers are multiplied with, the label of the axis, and its ends.
+PANELS = [
+    ("force_error", 100, "force and torque off the limit of the own law, %", (0.005, 300)),
+    ("direction_error", 1, "force off the direction of the pressure law's limit, degrees", (0.0005, 400)),
 ]
 
 
 def draw(folder):
     with open(os.path.join(folder, "chart.csv"), newline="", encoding="utf-8") as file:
         rows = {(row["method"], row["settings"]): row for row in csv.DictReader(file) if row["scene"] == SCENE}
-    figure, axes = plot.subplots(figsize=(7.6, 4.6), layout="constrained")
-    for method, settings, label, offset in POINTS:
-        row = rows[method, settings]
-        time, error = float(row["time_over_lower_bound"]), 100 * float(row["force_error"])
-        is_own = method in ("raycontact", "paper")
-        axes.plot(time, error, "o" if is_own else "s", color="#1b6ab3" if is_own else "#888888", markersize=6)
-        side = {-1: "right", 0: "center", 1: "left"}[(offset[0] > 0) - (offset[0] < 0)]
-        weight = "bold" if label.startswith("default") else "normal"
-        axes.annotate(label, (time, error), offset, textcoords="offset points", ha=side, fontsize=9, fontweight=weight)
-    axes.set(xscale="log", yscale="log", xlim=(2, 8000), ylim=(0.015, 200))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter("{x:g}")
-    axes.set(xlabel="time of a step, as a multiple of one pass over the positions", ylabel="error of net force and torque, %")
-    axes.grid(linewidth=0.4)
+    figure, panels = plot.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+    for number, (axes, (column, factor, name, ends)) in enumerate(zip(panels, PANELS)):
+        for method, settings, label, *offsets in POINTS:
+            row, offset = rows[method, settings], offsets[number]
+            if offset is None:
+                continue
+            time, error = float(row["time_over_lower_bound"]), factor * float(row[column])
+            is_own = method in ("raycontact", "paper")
+            axes.plot(time, error, "o" if is_own else "s", color="#1b6ab3" if is_own else "#888888", markersize=6)
+            side = {-1: "right", 0: "center", 1: "left"}[(offset[0] > 0) - (offset[0] < 0)]
+            weight = "bold" if label.startswith("default") else "normal"
+            axes.annotate(label, (time, error), offset, textcoords="offset points", ha=side, fontsize=9, fontweight=weight)
+        axes.set(xscale="log", yscale="log", xlim=(2, 20000), ylim=ends, ylabel=name)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter("{x:g}")
+        axes.grid(linewidth=0.4)
+    figure.supxlabel("time of a step, as a multiple of one pass over the positions", fontsize=9)
     # Neither date nor random names: the same figures give the same file.
     figure.savefig(os.path.join(folder, "choices.svg"), bbox_inches="tight", metadata={"Date": None})
 

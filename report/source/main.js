@@ -161,3 +161,4 @@ new ResizeObserver(([{ contentRect }]) => {
   drawAll();
 }).observe(document.querySelector("main"));
 drawAll();
+at("code").textContent = code((data.chart ?? []).find(isDefault) ?? { method: "raycontact is not measured", settings: "" });

@@ -2,6 +2,7 @@
 
 /** What has one colour; the first that fits counts. */
 export const families = [
+  { name: "ray lengths", colour: "#d0a020", fits: (row) => row.method === "raycontact" && row.settings.includes("law=ray-length") },
   { name: "tolerance", colour: "#3b8fd0", fits: (row) => is(row, "sampling=tolerance") },
   { name: "spacing", colour: "#0b9c88", fits: (row) => is(row, "sampling=spacing") },
   { name: "automatic", colour: "#dd4422", fits: (row) => is(row, "sampling=automatic") },
@@ -14,7 +15,7 @@ export const families = [
 ];
 
 function is(row, sampling) {
-  return row.method === "raycontact" && row.settings.startsWith(sampling);
+  return row.method === "raycontact" && row.settings.includes(sampling);
 }
 
 export function family(row) {
@@ -27,6 +28,8 @@ export const variants = [
   { key: "classic", name: "classic octree", isShown: false, fits: (row) => row.settings.includes("layout=classic") },
   { key: "no-edges", name: "without edges", isShown: false,
     fits: (row) => row.method === "raycontact" && row.settings.includes("edges=off") },
+  { key: "ray-lengths", name: "ray lengths instead of pressure", isShown: true,
+    fits: (row) => row.method === "raycontact" && row.settings.includes("law=ray-length") },
   { key: "weights", name: "the paper's weights", isShown: true,
     fits: (row) => row.method === "raycontact" && row.settings.includes("weights=paper") },
   { key: "others", name: "other programs", isShown: true, fits: (row) => !isOurs(row) },
@@ -49,7 +52,7 @@ function percent(part) {
 }
 
 /** C's. */
-const defaults = "sampling=automatic precision=f64 layout=wide edges=on weights=area";
+const defaults = "law=pressure sampling=automatic precision=f64 layout=wide edges=on weights=area";
 
 export function isDefault(row) {
   return row.method === "raycontact" && row.settings === defaults;
@@ -81,11 +84,12 @@ function settingsOf(row) {
 
 /** In a few words: what is not said is as in the defaults. */
 export function short(row) {
-  const { sampling, precision, layout, edges, weights } = settingsOf(row);
+  const { law, sampling, precision, layout, edges, weights } = settingsOf(row);
   if (!isOurs(row)) return row.method + (row.settings.includes("weights=area") ? ", area weights" : "");
   const words = [row.method === "paper" ? "the paper's mode" : sampling.replace(":", " ")];
   if (precision === "f32") words.push("single");
   if (layout === "classic") words.push("classic");
+  if (row.method === "raycontact" && law === "ray-length") words.push("ray lengths");
   if (row.method === "raycontact" && edges === "off") words.push("no edges");
   if (row.method === "raycontact" && weights === "paper") words.push("paper's weights");
   return words.join(", ");
@@ -94,27 +98,26 @@ export function short(row) {
 /** The options in C; a comment for what is not the library. */
 export function code(row) {
   if (!isOurs(row)) return `/* ${row.method}: not a setting of raycontact */\n`;
-  const settings = settingsOf(row);
-  const [sampling, amount] = settings.sampling.split(":");
+  const { law, sampling, precision, layout, edges, weights } = settingsOf(row);
+  const isPaper = row.method === "paper";
   const lines = [
     "rayc_detection_options detection;",
-    "rayc_default_detection_options(sizeof detection, &detection);",
+    `rayc_${isPaper ? "paper" : "default"}_detection_options(sizeof detection, &detection);`,
   ];
-  if (sampling === "spacing") {
-    lines.push("detection.sampling = RAYC_SAMPLING_SPACING;");
-    lines.push(`detection.sampling_value = ${amount}; /* in the scene's unit of length */`);
+  if (!isPaper) {
+    const [kind, amount] = sampling.split(":");
+    if (law === "ray-length") lines.push("detection.law = RAYC_LAW_RAY_LENGTH;");
+    if (kind !== "automatic") lines.push(`detection.sampling = RAYC_SAMPLING_${kind.toUpperCase()};`);
+    if (amount) lines.push(`detection.sampling_value = ${amount};${kind === "spacing" ? " /* in the scene's unit of length */" : ""}`);
+    if (edges === "off") lines.push("detection.edges = 0;");
   }
-  if (sampling === "vertices") lines.push("detection.sampling = RAYC_SAMPLING_VERTICES;");
-  if (sampling === "tolerance") {
-    lines.push("detection.sampling = RAYC_SAMPLING_TOLERANCE;");
-    lines.push(`detection.sampling_value = ${amount};`);
-  }
-  if (settings.edges === "off") lines.push("detection.edges = 0;");
-  if (row.method === "paper") lines.push("detection.escape = 0;");
   lines.push("rayc_response_options response;", "rayc_default_response_options(sizeof response, &response);");
-  if (settings.weights === "paper") lines.push("response.weighting = RAYC_WEIGHTING_VERTEX; /* stiffness in N/m */");
-  const precision = settings.precision === "f32" ? "RAYC_SCALAR_F32" : "RAYC_SCALAR_F64";
-  lines.push(`/* meshes with precision ${precision} */`);
-  if (settings.layout === "classic") lines.push("/* the classic octree: Octree::with_layout in Rust alone */");
+  if (weights === "paper") lines.push("response.weighting = RAYC_WEIGHTING_VERTEX; /* stiffness in N/m */");
+  lines.push(`/* meshes with precision ${precision === "f32" ? "RAYC_SCALAR_F32" : "RAYC_SCALAR_F64"} */`);
+  if (layout === "classic") {
+    lines.push("/* for rayc_query_pair; scenes have the fast tree */");
+    lines.push("rayc_octree_options octree;", "rayc_default_octree_options(sizeof octree, &octree);");
+    lines.push("octree.layout = RAYC_OCTREE_LAYOUT_CLASSIC;");
+  }
   return lines.join("\n") + "\n";
 }

@@ -18,7 +18,10 @@ const PANEL: u32 = 328;
 type Family = (&'static str, RGBColor, fn(&Row) -> bool);
 
 /// Told apart by most eyes (after Paul Tol). The first that fits counts.
-const FAMILIES: [Family; 9] = [
+const FAMILIES: [Family; 10] = [
+    ("ray lengths", RGBColor(221, 170, 51), |row| {
+        row.method == "raycontact" && row.settings.contains("law=ray-length")
+    }),
     ("tolerance", RGBColor(0, 119, 187), |row| is_ours(row, "sampling=tolerance")),
     ("spacing", RGBColor(0, 153, 136), |row| is_ours(row, "sampling=spacing")),
     ("automatic", RGBColor(204, 51, 17), |row| is_ours(row, "sampling=automatic")),
@@ -31,7 +34,7 @@ const FAMILIES: [Family; 9] = [
 ];
 
 fn is_ours(row: &Row, sampling: &str) -> bool {
-    row.method == "raycontact" && row.settings.starts_with(sampling)
+    row.method == "raycontact" && row.settings.contains(sampling)
 }
 
 fn colour(row: &Row) -> RGBColor {

@@ -13,7 +13,7 @@ use crate::method::{Method, Push};
 use crate::oracle;
 use crate::workload::{Body, Workload};
 use indicatif::ProgressBar;
-use raycontact::contact::{DetectionOptions, Sampling};
+use raycontact::contact::{ContactLaw, DetectionOptions, Sampling};
 use std::collections::BTreeSet;
 
 const ROUNDS: u32 = 5;
@@ -25,6 +25,9 @@ const JUDGED: [u32; 3] = [0, 5, 10];
 const ROUND: f64 = 4e5;
 const FEWEST_STEPS: usize = 3;
 
+/// Force errors are against the limit of a method's own law, directions against that of the first.
+const LAWS: [ContactLaw; 2] = [ContactLaw::Pressure, ContactLaw::RayLength];
+
 struct Running {
     setting: Setting,
     method: Box<dyn Method>,
@@ -35,7 +38,8 @@ struct Running {
 /// What every method is held against at one step.
 struct Truth {
     frame: Frame,
-    limit: Loads,
+    /// Of each of [`LAWS`].
+    limits: [Loads; 2],
     inside: Vec<[u32; 2]>,
 }
 
@@ -79,9 +83,9 @@ pub fn run(
         }
     }
     let mut rows = Vec::new();
-    for running in &mut running {
+    for running in &running {
         progress.set_message(format!("{}: judging {}", scene.name, running.setting.method()));
-        rows.extend(running.judge(scene, &truths, &mut host));
+        rows.extend(running.judge(scene, &truths, &mut host, libraries)?);
     }
     Ok(rows)
 }
@@ -122,51 +126,54 @@ fn truths(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Truth>, String> {
         let frame = Frame::new(&scene.workload, step);
         host.write(&frame);
         let inside = oracle::inside(&scene.workload, &host);
-        found.push(Truth { frame, limit: Loads::default(), inside });
+        found.push(Truth { frame, limits: Default::default(), inside });
     }
-    let mut coarser: Option<Vec<Loads>> = None;
-    for level in 0..2 {
-        let (workload, sampling) = match &scene.limits {
-            Limits::Finer(workloads) => (&workloads[level], Sampling::Automatic),
-            Limits::Spacings(spacings) => (&scene.workload, Sampling::Spacing(spacings[level])),
-        };
-        let loads = limit_loads(workload, sampling)?;
-        if let Some(coarser) = &coarser {
-            let mut still = 0.0f64;
-            for ((truth, loads), coarser) in found.iter_mut().zip(&loads).zip(coarser) {
-                host.write(&truth.frame);
-                truth.limit = loads.extrapolated(coarser);
-                still = still.max(Moment::new(&scene.workload, &host).difference(&truth.limit, loads).force);
+    let inside: usize = found.iter().map(|truth| truth.inside.len()).sum::<usize>() / found.len();
+    say(progress, format!("{}: {inside} vertices inside", scene.name));
+    for (number, law) in LAWS.into_iter().enumerate() {
+        let [coarser, finer] = match &scene.limits {
+            Limits::Finer(workloads) => [0, 1].map(|level| limit_loads(&workloads[level], law, Sampling::Automatic)),
+            Limits::Spacings(spacings) => {
+                spacings.map(|spacing| limit_loads(&scene.workload, law, Sampling::Spacing(spacing)))
             }
-            let inside: usize = found.iter().map(|truth| truth.inside.len()).sum::<usize>() / found.len();
-            let name = &scene.name;
-            say(progress, format!("{name}: {inside} vertices inside, limit known to {:.4} %", still * 100.0));
+        };
+        let mut still = 0.0f64;
+        for ((truth, finer), coarser) in found.iter_mut().zip(finer?).zip(coarser?) {
+            host.write(&truth.frame);
+            let limit = finer.extrapolated(&coarser);
+            still = still.max(Moment::new(&scene.workload, &host).difference(&limit, &finer).force);
+            truth.limits[number] = limit;
         }
-        coarser = Some(loads);
+        let law = setting::name_of(law);
+        say(progress, format!("{}, {law}: limit known to {:.4} %", scene.name, still * 100.0));
     }
     if matches!(scene.limits, Limits::Finer(_)) {
-        let surfaces = surface_error(&scene.workload, &found, &mut host)?;
-        say(progress, format!("{}: the surfaces themselves are off by {:.3} %", scene.name, surfaces * 100.0));
+        for (number, law) in LAWS.into_iter().enumerate() {
+            let error = surface_error(&scene.workload, number, &found, &mut host)? * 100.0;
+            let law = setting::name_of(law);
+            say(progress, format!("{}, {law}: the surfaces themselves are off by {error:.3} %", scene.name));
+        }
     }
     Ok(found)
 }
 
-/// The force error of the triangulation, which no rays can mend: that of the law on the surfaces as they are measured.
-fn surface_error(workload: &Workload, truths: &[Truth], host: &mut Host) -> Result<f64, String> {
+/// The force error of the triangulation, which no rays can mend: that of a law on the surfaces as they are measured.
+fn surface_error(workload: &Workload, law: usize, truths: &[Truth], host: &mut Host) -> Result<f64, String> {
     let edge = shortest_mean_edge(workload);
-    let [coarser, finer] = [edge / 4.0, edge / 8.0].map(|spacing| limit_loads(workload, Sampling::Spacing(spacing)));
+    let [coarser, finer] =
+        [edge / 4.0, edge / 8.0].map(|spacing| limit_loads(workload, LAWS[law], Sampling::Spacing(spacing)));
     let mut sum = 0.0;
     for ((truth, coarser), finer) in truths.iter().zip(coarser?).zip(finer?) {
         host.write(&truth.frame);
-        sum += Moment::new(workload, host).difference(&truth.limit, &finer.extrapolated(&coarser)).force;
+        sum += Moment::new(workload, host).difference(&truth.limits[law], &finer.extrapolated(&coarser)).force;
     }
     Ok(sum / truths.len() as f64)
 }
 
-/// The law at the judged steps with as many rays as `sampling` says, in double precision.
-fn limit_loads(workload: &Workload, sampling: Sampling<f64>) -> Result<Vec<Loads>, String> {
+/// A law at the judged steps with as many rays as `sampling` says, in double precision.
+fn limit_loads(workload: &Workload, law: ContactLaw, sampling: Sampling<f64>) -> Result<Vec<Loads>, String> {
     let mut host = Host::new(workload);
-    let options = DetectionOptions { sampling, escape: false, ..DetectionOptions::default() };
+    let options = DetectionOptions { law, sampling, escape: false, ..DetectionOptions::default() };
     let mut method = Whole::<f64>::new(workload, &host, 0, options)?;
     let at_step = |step: &u32| {
         host.write(&Frame::new(workload, *step));
@@ -177,8 +184,15 @@ fn limit_loads(workload: &Workload, sampling: Sampling<f64>) -> Result<Vec<Loads
 }
 
 impl Running {
-    fn judge(&mut self, scene: &Scene, truths: &[Truth], host: &mut Host) -> Vec<Row> {
+    fn judge(
+        &self,
+        scene: &Scene,
+        truths: &[Truth],
+        host: &mut Host,
+        libraries: &Libraries,
+    ) -> Result<Vec<Row>, String> {
         let setting = self.setting;
+        let mut method = setting.without_escapes().start(&scene.workload, host, libraries)?;
         let weights = setting.weights();
         let mut rows: Vec<Row> = weights
             .iter()
@@ -194,20 +208,22 @@ impl Running {
             })
             .collect();
         let share = 1.0 / truths.len() as f64;
+        let own_law = LAWS.iter().position(|law| *law == setting.law()).expect("both laws are there");
         for truth in truths {
             host.write(&truth.frame);
-            self.method.step(host);
+            method.step(host);
             let moment = Moment::new(&scene.workload, host);
-            let pushes = self.method.pushes();
+            let pushes = method.pushes();
             for (row, weights) in rows.iter_mut().zip(weights) {
-                let difference = moment.difference(&truth.limit, &moment.loads(&pushes, *weights));
-                row.force_error = row.force_error.map(|sum| sum + difference.force * share);
+                let loads = moment.loads(&pushes, *weights);
+                let force = moment.difference(&truth.limits[own_law], &loads).force;
+                row.force_error = row.force_error.map(|sum| sum + force * share);
                 row.recall = row.recall.map(|sum| sum + recall(&truth.inside, &pushes) * share);
-                row.direction_error += difference.direction * share;
+                row.direction_error += moment.difference(&truth.limits[0], &loads).direction * share;
                 row.contacts = pushes.len();
             }
         }
-        rows
+        Ok(rows)
     }
 }
 

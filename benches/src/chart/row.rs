@@ -10,17 +10,18 @@ pub struct Row {
     pub settings: String,
     /// The time of a step over the lower bound's.
     pub time_over_lower_bound: f64,
-    /// The larger of the errors of net force and torque; empty where the method's depths are not the law's.
+    /// The larger of the errors of net force and torque, against the limit of the method's own law; empty where its depths are
+    /// of neither law.
     pub force_error: Option<f64>,
     /// Part of the vertices inside that have a contact; empty where contacts do not belong to vertices.
     pub recall: Option<f64>,
-    /// Degrees.
+    /// Degrees from the limit of the pressure law.
     pub direction_error: f64,
     pub contacts: usize,
 }
 
 /// C's default options, as settings are written.
-pub const DEFAULT: &str = "sampling=automatic precision=f64 layout=wide edges=on weights=area";
+pub const DEFAULT: &str = "law=pressure sampling=automatic precision=f64 layout=wide edges=on weights=area";
 
 /// What is drawn upward against the time; less is better.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -61,10 +62,11 @@ impl Row {
         let also = [
             ("precision", "f32", "single"),
             ("layout", "classic", "classic"),
+            ("law", "ray-length", "ray lengths"),
             ("edges", "off", "no edges"),
             ("weights", "paper", "paper's weights"),
         ];
-        // The paper's mode knows no edges and no other weights.
+        // The paper's mode knows no other law, no edges and no other weights.
         let known = if self.method == "paper" { &also[..2] } else { &also[..] };
         words.extend(known.iter().filter(|(name, other, _)| value(name) == *other).map(|also| also.2.to_owned()));
         words.join(", ")
@@ -124,8 +126,8 @@ mod tests {
     fn settings_in_short_say_what_is_not_as_in_the_defaults() {
         let short = |settings: &str| Row { settings: settings.to_owned(), ..row(1.0, 1.0) }.short();
         assert_eq!(short(DEFAULT), "automatic");
-        let other = "sampling=spacing:0.1 precision=f32 layout=classic edges=off weights=paper";
-        assert_eq!(short(other), "spacing 0.1, single, classic, no edges, paper's weights");
+        let other = "law=ray-length sampling=spacing:0.1 precision=f32 layout=classic edges=off weights=paper";
+        assert_eq!(short(other), "spacing 0.1, single, classic, ray lengths, no edges, paper's weights");
     }
 
     #[test]

@@ -8,12 +8,13 @@ use crate::libraries::Libraries;
 use crate::library::{Classic, HostScalar, Whole};
 use crate::method::{Description, Method, Precision};
 use crate::workload::Workload;
-use raycontact::contact::{DetectionOptions, Sampling};
+use raycontact::contact::{ContactLaw, DetectionOptions, Sampling};
 use raycontact::math::Scalar;
 use raycontact::octree::Layout;
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Ours {
+    pub law: ContactLaw,
     pub sampling: Sampling<f64>,
     pub precision: Precision,
     pub layout: Layout,
@@ -29,13 +30,21 @@ pub enum Setting {
     Closest,
 }
 
-const DEFAULT: Ours =
-    Ours { sampling: Sampling::Automatic, precision: Precision::F64, layout: Layout::Wide, edges: true, escape: true };
-const PAPER: Ours = Ours { sampling: Sampling::Vertices, edges: false, escape: false, ..DEFAULT };
+const DEFAULT: Ours = Ours {
+    law: ContactLaw::Pressure,
+    sampling: Sampling::Automatic,
+    precision: Precision::F64,
+    layout: Layout::Wide,
+    edges: true,
+    escape: true,
+};
+const PAPER: Ours =
+    Ours { law: ContactLaw::RayLength, sampling: Sampling::Vertices, edges: false, escape: false, ..DEFAULT };
 
 const TOLERANCES: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
 
-/// Every setting for a scene: one thing at a time beside the defaults, or with `full` each with each.
+/// Every setting for a scene: one thing at a time beside the defaults, or with `full` each with each. Rays' own length is the
+/// force at every sampling, but with no other option changed.
 pub fn all(spacings: impl Iterator<Item = f64>, full: bool) -> Vec<Setting> {
     let mut samplings = vec![Sampling::Vertices, Sampling::Automatic];
     samplings.extend(spacings.map(|length| Sampling::Spacing(round(length))));
@@ -49,10 +58,11 @@ pub fn all(spacings: impl Iterator<Item = f64>, full: bool) -> Vec<Setting> {
                     let is_plain = matches!(sampling, Sampling::Vertices | Sampling::Automatic);
                     let most = if is_plain && precision == DEFAULT.precision { 1 } else { 0 };
                     if full || changed <= most {
-                        settings.push(Setting::Ours(Ours { sampling, precision, layout, edges, escape: true }));
+                        settings.push(Setting::Ours(Ours { sampling, precision, layout, edges, ..DEFAULT }));
                     }
                 }
             }
+            settings.push(Setting::Ours(Ours { law: ContactLaw::RayLength, sampling, precision, ..DEFAULT }));
         }
     }
     for precision in [Precision::F32, Precision::F64] {
@@ -98,7 +108,10 @@ impl Setting {
                 let layout = if ours.layout == Layout::Wide { "wide" } else { "classic" };
                 let edges = if ours.edges { "on" } else { "off" };
                 let precision = ours.precision.name();
-                format!("sampling={sampling} precision={precision} layout={layout} edges={edges} weights={weights}")
+                let law = name_of(ours.law);
+                format!(
+                    "law={law} sampling={sampling} precision={precision} layout={layout} edges={edges} weights={weights}"
+                )
             }
             Self::Peer(_) => format!("precision=f32 weights={weights}"),
             Self::Closest => format!("precision=f64 weights={weights}"),
@@ -109,8 +122,19 @@ impl Setting {
     pub fn weights(&self) -> &'static [Weights] {
         match self {
             Self::Ours(ours) if !ours.escape => &[Weights::Paper],
+            // A pressure without an area is none.
+            Self::Ours(ours) if ours.law == ContactLaw::Pressure => &[Weights::Area],
             Self::Ours(_) | Self::Peer("embree-refit" | "embree-low") => &[Weights::Area, Weights::Paper],
             _ => &[Weights::Paper],
+        }
+    }
+
+    /// By what its forces grow: Algorithm 1 by the length of rays, closest features by a distance.
+    pub fn law(&self) -> ContactLaw {
+        match self {
+            Self::Ours(ours) => ours.law,
+            Self::Peer("embree-refit" | "embree-low") => ContactLaw::RayLength,
+            Self::Peer(_) | Self::Closest => ContactLaw::Pressure,
         }
     }
 
@@ -125,6 +149,14 @@ impl Setting {
         self.has_comparable_force()
     }
 
+    /// For judging forces: the push of a pair that escapes follows neither law.
+    pub fn without_escapes(self) -> Self {
+        match self {
+            Self::Ours(ours) => Self::Ours(Ours { escape: false, ..ours }),
+            other => other,
+        }
+    }
+
     pub fn start(&self, workload: &Workload, host: &Host, libraries: &Libraries) -> Result<Box<dyn Method>, String> {
         match self {
             Self::Ours(DEFAULT) => Ok(Box::new(Defaults::new(&libraries.raycontact, workload, host)?)),
@@ -133,6 +165,13 @@ impl Setting {
             Self::Peer(name) => Ok(Box::new(libraries.peers.start(&peer_of(name), workload, host)?)),
             Self::Closest => Ok(Box::new(Closest::new(workload, host))),
         }
+    }
+}
+
+pub fn name_of(law: ContactLaw) -> &'static str {
+    match law {
+        ContactLaw::Pressure => "pressure",
+        ContactLaw::RayLength => "ray-length",
     }
 }
 
@@ -156,9 +195,8 @@ impl Ours {
             Sampling::Spacing(length) => Sampling::Spacing(T::of(length)),
             Sampling::Tolerance(part) => Sampling::Tolerance(T::of(part)),
         };
-        let (edges, escape) = (self.edges, self.escape);
-        // The law whose limit `measure` takes for the truth.
-        DetectionOptions { sampling, edges, escape, ..DetectionOptions::default() }
+        let Self { law, edges, escape, .. } = *self;
+        DetectionOptions { law, sampling, edges, escape, ..DetectionOptions::default() }
     }
 }
 

@@ -50,6 +50,7 @@ fn options(rows: &[Row]) -> Table {
         ("double / float", "precision=f32", "precision=f64"),
         ("classic octree / wide", "layout=wide", "layout=classic"),
         ("without edges / with", "edges=on", "edges=off"),
+        ("ray lengths / pressure", "law=pressure", "law=ray-length"),
     ];
     for (name, from, to) in pairs {
         let cells = scenes.iter().map(|scene| {
