@@ -105,34 +105,31 @@ fn clamped<T: Scalar, L: Lanes<T>>(along: L, foot: Vectors<T, L>, at_start: L, a
 }
 
 /// Sixteen triangles made ready to be held against points, one after the other.
-pub(crate) struct NearTriangles<'a, T: Scalar, L> {
-    /// Sixteen vertices, and the places of the corners among them.
-    vertices: Vectors<T, L>,
-    places: &'a [[u8; LANE_COUNT]; 3],
+pub(crate) struct NearTriangles<T: Scalar, L> {
+    corners: [Vectors<T, L>; 3],
     edges: EdgeLanes<T, L>,
 }
 
-impl<'a, T: Scalar, L: Lanes<T>> NearTriangles<'a, T, L> {
+impl<T: Scalar, L: Lanes<T>> NearTriangles<T, L> {
     /// Of sixteen vertices, axis by axis, and the places of the triangles' corners among them in ascending order of the
     /// vertices' numbers; in the scale of a query point.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn new(positions: &[[T; LANE_COUNT]; 3], places: &'a [[u8; LANE_COUNT]; 3], factor: T) -> Self {
+    pub(crate) fn new(positions: &[[T; LANE_COUNT]; 3], places: &[[u8; LANE_COUNT]; 3], factor: T) -> Self {
         let vertices = Vectors::<T, L>::load(positions).scaled(L::splat(factor));
         // No closures here: they would be compiled for any processor.
         let a = vertices.permuted(&places[0]);
         let b = vertices.permuted(&places[1]);
         let c = vertices.permuted(&places[2]);
-        Self { vertices, places, edges: EdgeLanes::new(a, b, c) }
+        Self { corners: [a, b, c], edges: EdgeLanes::new(a, b, c) }
     }
 
     /// The squared distance of each triangle's nearest point to a scaled point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn squares(&self, point: &Vector3<T>) -> L {
-        let from_point = self.vertices.sub(Vectors::splat(point));
-        let squares = from_point.dot(from_point);
-        let [first, second, third] = self.places;
-        let squares = [squares.permute(first), squares.permute(second), squares.permute(third)];
-        let feet = self.edges.feet(from_point.permuted(first), from_point.permuted(second), squares);
+        let point = Vectors::splat(point);
+        let [a, b, c] = self.corners;
+        let (a, b, c) = (a.sub(point), b.sub(point), c.sub(point));
+        let feet = self.edges.feet(a, b, [a.dot(a), b.dot(b), c.dot(c)]);
         let on_edges = feet.on_bc.smaller(feet.on_ac.smaller(feet.on_ab));
         feet.or_inside(on_edges)
     }
