@@ -25,7 +25,29 @@ struct Feet<L> {
     second: L,
     third: L,
     inside: L,
-    is_inside: Mask,
+}
+
+impl<L> Feet<L> {
+    /// Which triangles have the foot of the perpendicular inside.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn are_inside<T: Scalar>(&self) -> Mask
+    where
+        L: Lanes<T>,
+    {
+        let (zero, one) = (L::splat(T::zero()), L::splat(T::one()));
+        zero.is_less(self.second) & zero.is_less(self.third) & self.second.add(self.third).is_less(one)
+    }
+
+    /// The squared distances, given those of the edges' nearest points.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn or_inside<T: Scalar>(&self, on_edges: L) -> L
+    where
+        L: Lanes<T>,
+    {
+        let (zero, one) = (L::splat(T::zero()), L::splat(T::one()));
+        let nearer = self.second.add(self.third).where_less(one, self.inside.smaller(on_edges), on_edges);
+        zero.where_less(self.second, zero.where_less(self.third, nearer, on_edges), on_edges)
+    }
 }
 
 impl<T: Scalar, L: Lanes<T>> EdgeLanes<T, L> {
@@ -53,7 +75,6 @@ impl<T: Scalar, L: Lanes<T>> EdgeLanes<T, L> {
     /// point, and the squared distances of all three.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn feet(&self, a: Vectors<T, L>, b: Vectors<T, L>, [square_a, square_b, square_c]: [L; 3]) -> Feet<L> {
-        let (zero, one) = (L::splat(T::zero()), L::splat(T::one()));
         let along_ab = a.dot(self.ab).negate().mul(self.inverse_ab);
         let foot_on_ab = a.add(self.ab.scaled(along_ab));
         let along_ac = a.dot(self.ac).negate().mul(self.inverse_ac);
@@ -71,7 +92,6 @@ impl<T: Scalar, L: Lanes<T>> EdgeLanes<T, L> {
             second,
             third,
             inside: foot.dot(foot),
-            is_inside: zero.is_less(second) & zero.is_less(third) & second.add(third).is_less(one),
         }
     }
 }
@@ -80,41 +100,38 @@ impl<T: Scalar, L: Lanes<T>> EdgeLanes<T, L> {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn clamped<T: Scalar, L: Lanes<T>>(along: L, foot: Vectors<T, L>, at_start: L, at_end: L) -> L {
     let (zero, one) = (L::splat(T::zero()), L::splat(T::one()));
-    let between = L::select(zero.is_less(along), foot.dot(foot), at_start);
-    L::select(one.is_at_most(along), at_end, between)
+    let between = zero.where_less(along, foot.dot(foot), at_start);
+    one.where_at_most(along, at_end, between)
 }
 
 /// Sixteen triangles made ready to be held against points, one after the other.
-pub(crate) struct NearTriangles<'a, T: Scalar, L> {
-    /// Sixteen vertices, and the places of the corners among them.
-    vertices: Vectors<T, L>,
-    places: &'a [[u8; LANE_COUNT]; 3],
+pub(crate) struct NearTriangles<T: Scalar, L> {
+    corners: [Vectors<T, L>; 3],
     edges: EdgeLanes<T, L>,
 }
 
-impl<'a, T: Scalar, L: Lanes<T>> NearTriangles<'a, T, L> {
+impl<T: Scalar, L: Lanes<T>> NearTriangles<T, L> {
     /// Of sixteen vertices, axis by axis, and the places of the triangles' corners among them in ascending order of the
     /// vertices' numbers; in the scale of a query point.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn new(positions: &[[T; LANE_COUNT]; 3], places: &'a [[u8; LANE_COUNT]; 3], factor: T) -> Self {
+    pub(crate) fn new(positions: &[[T; LANE_COUNT]; 3], places: &[[u8; LANE_COUNT]; 3], factor: T) -> Self {
         let vertices = Vectors::<T, L>::load(positions).scaled(L::splat(factor));
         // No closures here: they would be compiled for any processor.
         let a = vertices.permuted(&places[0]);
         let b = vertices.permuted(&places[1]);
         let c = vertices.permuted(&places[2]);
-        Self { vertices, places, edges: EdgeLanes::new(a, b, c) }
+        Self { corners: [a, b, c], edges: EdgeLanes::new(a, b, c) }
     }
 
     /// The squared distance of each triangle's nearest point to a scaled point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn squares(&self, point: &Vector3<T>) -> L {
-        let from_point = self.vertices.sub(Vectors::splat(point));
-        let squares = from_point.dot(from_point);
-        let [first, second, third] = self.places;
-        let squares = [squares.permute(first), squares.permute(second), squares.permute(third)];
-        let feet = self.edges.feet(from_point.permuted(first), from_point.permuted(second), squares);
+        let point = Vectors::splat(point);
+        let [a, b, c] = self.corners;
+        let (a, b, c) = (a.sub(point), b.sub(point), c.sub(point));
+        let feet = self.edges.feet(a, b, [a.dot(a), b.dot(b), c.dot(c)]);
         let on_edges = feet.on_bc.smaller(feet.on_ac.smaller(feet.on_ab));
-        L::select(feet.is_inside, feet.inside.smaller(on_edges), on_edges)
+        feet.or_inside(on_edges)
     }
 }
 
@@ -163,7 +180,7 @@ impl<T: Scalar> TrianglePoints<T> {
         let is_nearer = feet.on_bc.is_less(square);
         square = L::select(is_nearer, feet.on_bc, square);
         weights = Vectors::select(is_nearer, Vectors::new(zero, one.sub(along_bc), along_bc), weights);
-        let is_nearer = feet.is_inside & feet.inside.is_less(square);
+        let is_nearer = feet.are_inside() & feet.inside.is_less(square);
         square = L::select(is_nearer, feet.inside, square);
         let (second, third) = (feet.second, feet.third);
         weights = Vectors::select(is_nearer, Vectors::new(one.sub(second.add(third)), second, third), weights);
@@ -198,6 +215,5 @@ impl<T: Scalar> TrianglePoints<T> {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn ending<T: Scalar, L: Lanes<T>>(along: L) -> L {
     let (zero, one) = (L::splat(T::zero()), L::splat(T::one()));
-    let from_start = L::select(zero.is_less(along), along, zero);
-    L::select(one.is_at_most(along), one, from_start)
+    one.where_at_most(along, one, zero.where_less(along, along, zero))
 }

@@ -2,7 +2,7 @@ use super::classify::{past_folds, starts_outside};
 use super::contact::{Contact, ContactKind};
 use super::options::ContactLaw;
 use super::pair::Direction;
-use super::sample::{Cutter, Pieces, Sample, SamplePacket, Sampler, Starts};
+use super::sample::{Cutter, InsidePart, Pieces, SamplePacket, Sampler, Starts};
 use super::statistics::Statistics;
 use super::trace::Rays;
 use super::weigh::distance::distances_over_depths;
@@ -78,7 +78,7 @@ struct Tracing<'a, 'b, T: Scalar> {
     statistics: &'a mut Statistics,
     crossings: &'a mut Vec<Hit<T>>,
     /// For what is inside of pieces that the other body's surface crosses.
-    inside: &'a mut Vec<Sample<T>>,
+    inside: &'a mut Vec<InsidePart<T>>,
     contacts: &'a mut Vec<Contact<T>>,
 }
 
@@ -99,13 +99,14 @@ impl<T: Scalar> Tracing<'_, '_, T> {
             followed = past_folds::follow(other, packet, hits, self.crossings);
             self.statistics.past_folds += u64::from(followed.count_ones());
         }
+        let mut known = samples.known;
         let exits = hits.found & hits.exits;
         self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
         self.statistics.entry_hits += u64::from((hits.found & !exits).count_ones());
         let crossed = if samples.cut != 0 && pair.measures_distances() {
             let (direction, exits) = (self.direction, exits & !followed);
-            let distances = &mut rays.distances;
-            L::outlined(CutAtSurface { direction, samples, exits, distances, inside: self.inside })
+            let (known, distances) = (&mut known, &mut rays.distances);
+            L::outlined(CutAtSurface { direction, samples, exits, known, distances, inside: self.inside })
         } else {
             0
         };
@@ -124,7 +125,7 @@ impl<T: Scalar> Tracing<'_, '_, T> {
             cos_alpha = cosines::<T, L>(&rays.packet, &rays.hits, by_normals, other.mesh());
         }
         let Rays { packet, hits, distances, .. } = rays;
-        distances_over_depths::<T, L>(other, packet, measured, hits, distances, &mut cos_alpha);
+        distances_over_depths::<T, L>(other, packet, measured, &known, hits, distances, &mut cos_alpha);
         accept(self.kind, self.direction, samples, rays, accepted, &cos_alpha, self.contacts);
     }
 

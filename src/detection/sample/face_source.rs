@@ -42,7 +42,7 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
     ) -> bool {
         let mut count = 0;
         let thirds = Vector3::repeat(T::one() / T::of(3.0));
-        packet.cut = 0;
+        (packet.cut, packet.known.lanes) = (0, 0);
         if pieces.inside.len() >= LANE_COUNT {
             return packet.take_last(&mut pieces.inside);
         }

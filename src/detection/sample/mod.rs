@@ -8,8 +8,8 @@ mod sampler;
 
 pub(crate) use cutter::{CutPiece, Cutter, largest_face, part_of_rays};
 pub(crate) use edges::for_each_inside_stretch;
-pub(crate) use packet::SamplePacket;
-pub(crate) use sampler::{Collect, Pieces, Sampler, Starts};
+pub(crate) use packet::{KnownDistances, SamplePacket};
+pub(crate) use sampler::{Collect, InsidePart, Pieces, Sampler, Starts};
 
 use face_source::FaceSource;
 

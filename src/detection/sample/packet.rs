@@ -1,6 +1,6 @@
 //! Up to sixteen samples side by side.
 
-use super::{CutPiece, Sample, VERTEX, WHOLE, vertex_point};
+use super::{CutPiece, InsidePart, Sample, VERTEX, WHOLE, vertex_point};
 use crate::detection::contact::{SurfacePoint, touched_of};
 use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, set_lane, vector_in_lane};
 use crate::mesh::{Mesh, NormalLanes};
@@ -20,6 +20,15 @@ pub(crate) struct SamplePacket<T: Scalar> {
     /// Which lanes stand for a piece of their triangle, and the barycentric weights of its corners.
     pub(crate) cut: Mask,
     pub(crate) corner_weights: [[Vector3<T>; 3]; LANE_COUNT],
+    /// How far the other body's surface is, where it was found out before.
+    pub(crate) known: KnownDistances<T>,
+}
+
+/// How far some of the samples of a packet are from the other body's surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KnownDistances<T> {
+    pub(crate) lanes: Mask,
+    pub(crate) distances: [T; LANE_COUNT],
 }
 
 impl<T: Scalar> SamplePacket<T> {
@@ -32,6 +41,7 @@ impl<T: Scalar> SamplePacket<T> {
             pieces: [if are_vertices { VERTEX } else { WHOLE }; LANE_COUNT],
             cut: 0,
             corner_weights: [[Vector3::zeros(); 3]; LANE_COUNT],
+            known: KnownDistances { lanes: 0, distances: [T::zero(); LANE_COUNT] },
         }
     }
 
@@ -59,12 +69,20 @@ impl<T: Scalar> SamplePacket<T> {
         !taken.is_empty()
     }
 
-    /// The last of these samples; false where there are none.
-    pub(crate) fn take_last(&mut self, samples: &mut Vec<Sample<T>>) -> bool {
-        let first = samples.len() - samples.len().min(LANE_COUNT);
-        let is_any = self.take(&samples[first..], &mut 0);
-        samples.truncate(first);
-        is_any
+    /// The last of these parts; false where there are none.
+    pub(crate) fn take_last(&mut self, parts: &mut Vec<InsidePart<T>>) -> bool {
+        let first = parts.len() - parts.len().min(LANE_COUNT);
+        let taken = &parts[first..];
+        for (lane, part) in taken.iter().enumerate() {
+            self.set_sample(lane, &part.sample);
+            if let Some(distance) = part.distance {
+                self.known.lanes |= 1 << lane;
+                self.known.distances[lane] = distance;
+            }
+        }
+        self.lanes.found = ((1u32 << taken.len()) - 1) as Mask;
+        parts.truncate(first);
+        self.lanes.found != 0
     }
 
     pub(crate) fn set_sample(&mut self, lane: usize, sample: &Sample<T>) {

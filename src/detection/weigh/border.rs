@@ -4,7 +4,7 @@
 use super::part::{Cut, Part};
 use crate::closest::ClosestPoint;
 use crate::detection::pair::Direction;
-use crate::detection::sample::{CutPiece, Sample, SamplePacket};
+use crate::detection::sample::{CutPiece, InsidePart, KnownDistances, Sample, SamplePacket};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, direction, vector_in_lane};
 use crate::memory::Room;
 use crate::mesh::Mesh;
@@ -19,8 +19,10 @@ pub(crate) struct CutAtSurface<'a, 'b, T: Scalar> {
     pub(crate) direction: &'a Direction<'b, T>,
     pub(crate) samples: &'a SamplePacket<T>,
     pub(crate) exits: Mask,
+    /// Of the samples that are left as they are.
+    pub(crate) known: &'a mut KnownDistances<T>,
     pub(crate) distances: &'a mut PointDistances<T>,
-    pub(crate) inside: &'a mut Vec<Sample<T>>,
+    pub(crate) inside: &'a mut Vec<InsidePart<T>>,
 }
 
 impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
@@ -30,7 +32,7 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
     fn run<L: Lanes<T>>(self) -> Mask {
         let Direction { pair, side } = *self.direction;
         let (own, other) = (pair.tracers[side].mesh(), pair.tracers[1 - side]);
-        let Self { samples, exits, distances, inside, .. } = self;
+        let Self { samples, exits, known, distances, inside, .. } = self;
         let lanes = |mask: Mask| (0..LANE_COUNT).filter(move |lane| mask >> lane & 1 == 1);
         let mut parts = [Part::none(); LANE_COUNT];
         let (mut middles, mut reaches) = (samples.lanes.position, [T::zero(); LANE_COUNT]);
@@ -40,11 +42,14 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
             reaches[lane] = parts[lane].reach(&corners, &vector_in_lane(&middles, lane));
         }
         // Those that another plane may cut, and those of which a plane has cut something off, but not all.
-        let (mut open, mut cut) = (samples.cut, 0);
+        let (mut open, mut cut, mut ever_cut) = (samples.cut, 0, 0);
         for round in 0..MOST_PLANES {
             other.distances_of_packet::<L>(&middles, open, &reaches, distances);
+            let near = open & !L::load(&reaches).is_at_most(L::load(&distances.distances));
+            L::select(near, L::load(&distances.distances), L::load(&known.distances)).store(&mut known.distances);
+            known.lanes |= near;
             if round == 0 {
-                open &= !L::load(&reaches).is_at_most(L::load(&distances.distances));
+                open = near;
             }
             if open == 0 {
                 break;
@@ -55,8 +60,8 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                 let (middle, corners) = (vector_in_lane(&middles, lane), own.corners(samples.indices[lane]));
                 let nearest = other.closest_of_packet(&middle, reaches[lane], lane, distances);
                 // After the first cut nobody knows on which side the new middle is; a triangle tells only within its face.
-                let known = (round == 0).then_some(exits & bit != 0);
-                let inward = nearest.and_then(|nearest| inward(other.mesh(), &middle, &nearest, known));
+                let is_inside = (round == 0).then_some(exits & bit != 0);
+                let inward = nearest.and_then(|nearest| inward(other.mesh(), &middle, &nearest, is_inside));
                 let plane = nearest.zip(inward);
                 match plane.map(|(nearest, inward)| parts[lane].beyond(&corners, &nearest.position, &inward)) {
                     None | Some(Cut::All) => open &= !bit,
@@ -65,7 +70,7 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                         let (middle, _) = part.middle(&corners);
                         (parts[lane], reaches[lane]) = (part, part.reach(&corners, &middle));
                         (0..3).for_each(|axis| middles[axis][lane] = middle[axis]);
-                        cut |= bit;
+                        (cut, ever_cut, known.lanes) = (cut | bit, ever_cut | bit, known.lanes & !bit);
                     }
                 }
             }
@@ -73,10 +78,12 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
         let mut crossed = 0;
         for lane in lanes(cut) {
             if let Some(sample) = sample_of_part(&samples.piece(lane, own), own, &parts[lane]) {
-                inside.room_for(1).push(sample);
+                let distance = (known.lanes >> lane & 1 == 1).then(|| known.distances[lane]);
+                inside.room_for(1).push(InsidePart { sample, distance });
                 crossed |= exits & 1 << lane;
             }
         }
+        known.lanes &= !ever_cut;
         crossed
     }
 }

@@ -1,5 +1,6 @@
 //! The pressure at surface points inside the other body: by their distance to its surface.
 
+use crate::detection::sample::KnownDistances;
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
 use crate::octree::{PacketHits, PointDistances, Tracer};
 use crate::ray::RayPacket;
@@ -11,13 +12,16 @@ pub(crate) fn distances_over_depths<T: Scalar, L: Lanes<T>>(
     other: &Tracer<'_, T>,
     packet: &RayPacket<T>,
     asked: Mask,
+    known: &KnownDistances<T>,
     hits: &PacketHits<T>,
     room: &mut PointDistances<T>,
     cosines: &mut [T; LANE_COUNT],
 ) {
-    other.distances_of_packet::<L>(&packet.origin, asked, &hits.t, room);
+    other.distances_of_packet::<L>(&packet.origin, asked & !known.lanes, &hits.t, room);
     for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
-        cosines[lane] = ratio(room.distances[lane], hits.t[lane], cosines[lane]);
+        let is_known = known.lanes >> lane & 1 == 1;
+        let distance = if is_known { known.distances[lane].min(hits.t[lane]) } else { room.distances[lane] };
+        cosines[lane] = ratio(distance, hits.t[lane], cosines[lane]);
     }
 }
 

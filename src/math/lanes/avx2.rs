@@ -45,6 +45,7 @@ impl Lanes<f32> for SinglesAvx2 {
         _mm256_max_ps,
         less_ps,
         at_most_ps,
+        _mm256_blendv_ps,
         _mm256_movemask_ps
     );
 
@@ -182,6 +183,7 @@ impl Lanes<f64> for DoublesAvx2 {
         _mm256_max_pd,
         less_pd,
         at_most_pd,
+        _mm256_blendv_pd,
         _mm256_movemask_pd
     );
 

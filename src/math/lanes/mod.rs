@@ -92,6 +92,16 @@ pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     }
     /// Lane i is this one's where bit i is set, else the other's.
     fn select(bits: Mask, this: Self, other: Self) -> Self;
+    /// `if self < limit { this } else { other }`. One instruction fewer than with a mask, or ten.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn where_less(self, limit: Self, this: Self, other: Self) -> Self {
+        Self::select(self.is_less(limit), this, other)
+    }
+    /// `if self <= limit { this } else { other }`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn where_at_most(self, limit: Self, this: Self, other: Self) -> Self {
+        Self::select(self.is_at_most(limit), this, other)
+    }
     /// The coordinates of sixteen of the points.
     ///
     /// # Panics

@@ -6,7 +6,7 @@ macro_rules! register_by_register {
     (
         $scalar:ty, [$($i:literal),*], $width:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
         $mul:ident, $div:ident, $sqrt:ident, $mul_add:ident, $xor:ident, $min:ident, $max:ident, $less:ident,
-        $at_most:ident, $bits:ident
+        $at_most:ident, $blend:ident, $bits:ident
     ) => {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn splat(value: $scalar) -> Self {
@@ -91,6 +91,18 @@ macro_rules! register_by_register {
         fn is_at_most(self, other: Self) -> Mask {
             // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { 0 $(| ($bits($at_most(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn where_less(self, limit: Self, this: Self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            unsafe { Self([$($blend(other.0[$i], this.0[$i], $less(self.0[$i], limit.0[$i]))),*]) }
+        }
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn where_at_most(self, limit: Self, this: Self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            unsafe { Self([$($blend(other.0[$i], this.0[$i], $at_most(self.0[$i], limit.0[$i]))),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]

@@ -37,6 +37,7 @@ impl Lanes<f32> for SinglesSse2 {
         _mm_max_ps,
         _mm_cmplt_ps,
         _mm_cmple_ps,
+        blend_ps,
         _mm_movemask_ps
     );
 
@@ -184,6 +185,7 @@ impl Lanes<f64> for DoublesSse2 {
         _mm_max_pd,
         _mm_cmplt_pd,
         _mm_cmple_pd,
+        blend_pd,
         _mm_movemask_pd
     );
 
@@ -292,6 +294,19 @@ impl DoublesSse2 {
             [_mm_unpacklo_pd(a, b), _mm_unpackhi_pd(a, b)]
         }
     }
+}
+
+/// The second's lanes where the mask has all bits set, else the first's.
+#[cfg_attr(not(debug_assertions), inline(always))]
+unsafe fn blend_ps(other: __m128, this: __m128, mask: __m128) -> __m128 {
+    // SAFETY: every x86-64 processor has SSE2.
+    unsafe { _mm_or_ps(_mm_and_ps(mask, this), _mm_andnot_ps(mask, other)) }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+unsafe fn blend_pd(other: __m128d, this: __m128d, mask: __m128d) -> __m128d {
+    // SAFETY: every x86-64 processor has SSE2.
+    unsafe { _mm_or_pd(_mm_and_pd(mask, this), _mm_andnot_pd(mask, other)) }
 }
 
 /// There is no such instruction: in doubles, where the product is exact, and the sum is rounded to odd, so that rounding it

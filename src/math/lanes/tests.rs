@@ -64,6 +64,12 @@ impl<T: Scalar> Kernel<T> for &Operands<T> {
         let made =
             [a.negate(), a.smaller(b), a.larger(b), a.magnitude(), a.permute(&corners[0]), L::select(*bits, a, b)];
         results.note(made);
+        results.note([
+            a.where_less(b, b, c),
+            a.where_at_most(b, b, c),
+            a.where_less(a, b, c),
+            a.where_at_most(a, b, c),
+        ]);
         results.masks.extend([a.is_less(b), a.is_at_most(b), a.is_less(a), a.is_at_most(a)]);
         results.masks.extend(L::sides([a, b], corners));
         results.masks.extend([
