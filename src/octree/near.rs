@@ -17,7 +17,7 @@ pub(crate) struct NearParts<T: Scalar> {
 pub(crate) struct Reach<T: Scalar> {
     /// Boxes that are farther apart along any axis do not touch.
     pub(crate) touch: T,
-    /// Triangles are offered whose boxes are that and this much apart.
+    /// Steep triangles are offered whose boxes are that and this much apart.
     pub(crate) margin: T,
     /// Parts are listed whose boxes are that and this much apart.
     pub(crate) part_margin: T,
@@ -25,37 +25,78 @@ pub(crate) struct Reach<T: Scalar> {
     pub(crate) most_pairs: usize,
 }
 
+/// Sheltered triangles have to be so many times as far apart as ones that touch: strain may leave a quarter of it.
+const SHELTERED: f64 = 8.0;
+
+impl<T: Scalar> Reach<T> {
+    /// Sheltered triangles whose boxes are that far apart are not offered.
+    pub(crate) fn of_sheltered(&self) -> T {
+        if self.margin > T::zero() { self.touch * T::of(SHELTERED) } else { self.touch }
+    }
+
+    /// A path over the surface between points `touch + margin` apart, at a slope of at most 60°, stays within that.
+    pub(super) fn of_surroundings(&self) -> T {
+        (self.touch + self.margin) * T::of(2.0)
+    }
+
+    pub(super) fn of_parts(&self) -> T {
+        let parts = self.touch + self.part_margin;
+        if self.margin > T::zero() { parts.max(self.of_surroundings()).max(self.of_sheltered()) } else { parts }
+    }
+}
+
+/// What has changed since positions were kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lapse<T: Scalar> {
+    /// How far any two vertices have moved against each other, at most; not known where triangles are strained by more than
+    /// they may be.
+    pub(crate) spread: Option<T>,
+    /// Which part of the near parts have come nearer than they may; all, where that is not known.
+    pub(crate) part: f64,
+}
+
 impl<T: Scalar> Octree<T> {
-    /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others; `offer` gives
-    /// how much nearer they may come, or `None` to end the search. Triangles of which two corners are one point are left
-    /// out: no ray meets them. Gives false where it was ended, or gave up since there are too many pairs.
+    /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others, and whether both
+    /// are steep; `offer` gives how much nearer they may come, or `None` to end the search. Triangles of which two corners
+    /// are one point are left out: no ray meets them. Gives false where it was ended, or gave up since there are too many
+    /// pairs.
+    ///
+    /// With a margin, two triangles of which one is not steep are sheltered: offered only where they nearly touch. The
+    /// surface around is then a graph of slopes below 60° over a plane; a path leads from one to the other that is at most
+    /// twice as long as they are apart. So they come no nearer than a quarter of that, while no triangle is strained by
+    /// more than three eighths ([`find_lapsed`](Self::find_lapsed) holds them to less).
     pub(crate) fn search_near(
         &self,
         mesh: &Mesh<T>,
         reach: &Reach<T>,
         near: &mut NearParts<T>,
-        mut offer: impl FnMut(u32, u32) -> Option<T>,
+        mut offer: impl FnMut(u32, u32, bool) -> Option<T>,
     ) -> bool {
         match &self.cells {
-            Cells::Wide(cells) => {
-                let distances = [reach.touch + reach.part_margin, reach.touch + reach.margin, reach.margin];
-                cells.search_near(mesh, distances, reach.most_pairs, &mut near.tiles, &mut offer)
-            }
-            Cells::Classic(_) => sweep(mesh, reach.touch, &mut near.sorted, |a, b| offer(a, b).is_some()),
+            Cells::Wide(cells) => cells.search_near(mesh, reach, &mut near.tiles, &mut offer),
+            Cells::Classic(_) => sweep(mesh, reach.touch, &mut near.sorted, |a, b| offer(a, b, true).is_some()),
         }
     }
 
-    /// Finds what [`search_near`](Self::search_near) has listed at the positions `then` and has come nearer by more than it
-    /// may: gives which part of all that is. Parts that it has not listed may come nearer by its `part_margin`.
-    pub(crate) fn find_lapsed(&self, near: &mut NearParts<T>, [then, now]: [&[Vector3<T>]; 2]) -> f64 {
+    /// Keeps the positions of a search. By vertex, `allowed` is how far the triangles around it may be strained.
+    pub(crate) fn keep(&self, mesh: &Mesh<T>, allowed: &[T], near: &mut NearParts<T>) {
+        if let Cells::Wide(cells) = &self.cells {
+            cells.keep(mesh, allowed, &mut near.tiles);
+        }
+    }
+
+    /// Finds what [`search_near`](Self::search_near) has listed and has come nearer by more than it may since positions were
+    /// kept, but not where vertices have moved against each other by more than `most`. A turn of the whole does not count.
+    /// The octree need not follow the mesh.
+    pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearParts<T>) -> Lapse<T> {
         match &self.cells {
-            Cells::Wide(cells) => cells.find_lapsed(&mut near.tiles, then, now),
-            Cells::Classic(_) => 1.0,
+            Cells::Wide(cells) => cells.find_lapsed(mesh, most, &mut near.tiles),
+            Cells::Classic(_) => Lapse { spread: None, part: 1.0 },
         }
     }
 
     /// Offers, of what [`find_lapsed`](Self::find_lapsed) has found, each two triangles that have no vertex in common and
-    /// whose boxes are at most `distance` apart along every axis. The octree follows the mesh.
+    /// whose boxes are at most `distance` apart along every axis. The octree need not follow the mesh.
     pub(crate) fn search_lapsed(
         &self,
         mesh: &Mesh<T>,
@@ -64,7 +105,7 @@ impl<T: Scalar> Octree<T> {
         mut offer: impl FnMut(u32, u32),
     ) {
         if let Cells::Wide(cells) = &self.cells {
-            cells.search_lapsed(mesh, distance, &mut near.tiles, &mut offer);
+            cells.search_lapsed(mesh, self.stamp == mesh.stamp(), distance, &mut near.tiles, &mut offer);
         }
     }
 }

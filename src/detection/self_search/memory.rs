@@ -1,34 +1,52 @@
 use super::nearness::rounding;
 use super::tangled::is_tangled;
 use super::touching::Touching;
-use crate::math::{Aabb, Scalar, Vector3, length};
+use crate::math::{Scalar, Vector3};
 use crate::memory;
 use crate::mesh::Mesh;
-use crate::octree::{NearParts, Octree, Reach};
+use crate::octree::{Lapse, NearParts, Octree, Reach};
 
 /// What a body remembers between steps of its search for contacts with itself: where its vertices were when the search found
 /// nothing, and how far they may move against each other before it has to search again. The contacts do not depend on it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct SelfMemory<T: Scalar> {
     /// Triangles around one vertex do not touch each other until an edge is strained by more than this.
     fans: Certificate<T>,
-    /// Triangles without a common vertex do not touch until two vertices have moved against each other by more than this, or
-    /// parts that are near each other by more than was found for them.
-    pairs: Certificate<T>,
+    /// By vertex: how far the triangles around it may be strained, as a part of their size.
+    strains: Vec<T>,
+    /// Triangles do not touch until one is strained by more than this holds, parts that are near each other have moved
+    /// against each other by more,
     near: NearParts<T>,
-    /// The positions that the next two are about.
+    /// or any two vertices by more than this. Negative where nothing is known of that.
+    allowed: T,
+    /// With coordinates that round by more nothing is known.
+    rounding: T,
+    /// Whether the body passed through itself nowhere when `near` was found.
+    is_valid: bool,
+    /// The positions that the rest is about.
     stamp: u64,
     is_clear: bool,
-    /// Whether the first certificate holds.
-    fans_hold: bool,
-    /// Which part of what is near has come nearer than it may.
-    lapsed: f64,
+    /// What has happened to `near` since.
+    lapse: Lapse<T>,
+    /// Whether triangles touch where it has lapsed.
+    touches: bool,
     /// The mean altitude of the triangles.
     fineness: T,
     /// Steps since triangles without a common vertex were looked at.
     steps: u32,
     /// Steps until a clearance is looked for again.
     pause: u32,
+}
+
+impl<T: Scalar> Default for SelfMemory<T> {
+    fn default() -> Self {
+        let (fans, strains, near) = (Certificate::default(), Vec::new(), NearParts::default());
+        let (allowed, rounding, fineness) = (-T::one(), T::zero(), T::zero());
+        let (is_valid, is_clear, touches) = (false, false, true);
+        let (stamp, steps, pause) = (0, 0, 0);
+        let lapse = Lapse { spread: None, part: 1.0 };
+        Self { fans, strains, near, allowed, rounding, is_valid, stamp, is_clear, lapse, touches, fineness, steps, pause }
+    }
 }
 
 /// Something that was found at some positions, and holds near them.
@@ -48,6 +66,11 @@ const FEWEST_STEPS: u32 = 3;
 const PAUSE: u32 = 30;
 /// If more than this part of the near pairs have come too close, the whole surface is searched.
 const MOST_LAPSED: f64 = 0.25;
+/// Steep triangles may come nearer by at most this, in mean altitudes: about as far as parts of one tile and the next move
+/// against each other while strain allows it.
+const STEEP_MARGIN: f64 = 1.0;
+/// Coordinates may grow by this before what was kept for rounding is used up.
+const MOST_GROWTH: f64 = 1.5;
 
 impl<T: Scalar> SelfMemory<T> {
     /// Whether the body cannot touch itself at its present positions, by what is remembered. The octree is always the same
@@ -56,35 +79,43 @@ impl<T: Scalar> SelfMemory<T> {
         if self.stamp != mesh.stamp() {
             self.stamp = mesh.stamp();
             self.steps = self.steps.saturating_add(1);
-            let pairs = &self.pairs;
-            self.fans_hold = self.fans.is_known(mesh) && self.fans.is_strained_at_most(mesh);
-            let is_known = self.fans_hold && pairs.is_known(mesh) && pairs.spread(mesh) <= pairs.allowed;
-            let moves = [&pairs.positions, mesh.positions()];
-            self.lapsed = if is_known { octree.find_lapsed(&mut self.near, moves) } else { 1.0 };
-            self.is_clear = self.lapsed == 0.0;
+            self.lapse = Lapse { spread: None, part: 1.0 };
+            if self.is_valid && self.allowed >= T::zero() && rounding(mesh) <= self.rounding {
+                self.lapse = octree.find_lapsed(mesh, self.allowed, &mut self.near);
+            }
+            let part = self.lapse.part;
+            self.touches = part > MOST_LAPSED || part > 0.0 && Touching::any_lapsed_touch(octree, mesh, &mut self.near);
+            // Of several components one may have come inside another meanwhile.
+            self.is_clear = part == 0.0 || !self.touches && mesh.topology().components().len() == 1;
         }
         self.is_clear
+    }
+
+    /// Nothing is known any more: parts lie inside others.
+    pub(in crate::detection) fn forget(&mut self) {
+        self.is_valid = false;
     }
 
     /// Looks at the whole surface but for what is known of it. [`is_clear`](Self::is_clear) has been asked before.
     pub(in crate::detection) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>, touching: &mut Touching<T>) {
         touching.reset(mesh);
-        if self.lapsed <= MOST_LAPSED && !touching.any && !Touching::any_lapsed_touch(octree, mesh, &mut self.near) {
+        if !self.touches && !touching.any {
             return;
         }
         touching.is_tangled = is_tangled(mesh);
         if touching.is_tangled {
             return;
         }
-        let mut part_margin = self.part_margin(mesh);
-        let margin = part_margin.min(self.fineness * T::of(0.25));
-        if !self.fans_hold {
+        let mut part_margin = self.part_margin();
+        let margin = part_margin.min(self.fineness * T::of(STEEP_MARGIN));
+        if part_margin > T::zero() || !self.fans.is_known(mesh) || !self.fans.is_strained_at_most(mesh) {
             let found = touching.search_fans(mesh);
             self.fineness = found.fineness;
+            std::mem::swap(&mut self.strains, &mut touching.strains);
             self.fans.set(mesh, found.strain, !touching.any);
         }
+        self.is_valid = false;
         if touching.is_tangled {
-            self.pairs.is_valid = false;
             return;
         }
         let reach = Reach { margin, part_margin, ..Touching::reach(mesh) };
@@ -95,34 +126,35 @@ impl<T: Scalar> SelfMemory<T> {
             touching.search_pairs(octree, mesh, &Touching::reach(mesh), &mut self.near);
         }
         if touching.is_tangled {
-            self.pairs.is_valid = false;
             return;
         }
+        self.is_valid = !touching.any;
+        self.rounding = rounding(mesh) * T::of(MOST_GROWTH);
         // Where no clearance has been looked for, the positions are only needed to know the pace.
-        if part_margin > T::zero() || self.pause <= 1 {
-            self.pairs.set(mesh, part_margin, !touching.any);
-        } else {
-            self.pairs.allowed = -T::one();
+        self.allowed = -T::one();
+        if self.is_valid && (part_margin > T::zero() || self.pause <= 1) {
+            octree.keep(mesh, &self.strains, &mut self.near);
+            self.allowed = part_margin;
         }
         self.steps = 0;
     }
 
     /// How far parts that are not near may move against each other: some steps at the present pace; nothing where that
     /// does not pay.
-    fn part_margin(&mut self, mesh: &Mesh<T>) -> T {
-        if !self.pairs.is_known(mesh) {
+    fn part_margin(&mut self) -> T {
+        if !self.is_valid {
             return T::zero();
         }
         if self.pause > 0 {
             self.pause -= 1;
             return T::zero();
         }
-        if self.pairs.allowed > T::zero() && self.steps < FEWEST_STEPS {
+        let spread = self.lapse.spread;
+        if (self.allowed > T::zero() || spread.is_none()) && self.steps < FEWEST_STEPS {
             self.pause = PAUSE;
             return T::zero();
         }
-        let pace = self.pairs.spread(mesh) / T::of(f64::from(self.steps.max(1)));
-        pace * T::of(STEPS_WANTED)
+        spread.unwrap_or(self.allowed) / T::of(f64::from(self.steps.max(1))) * T::of(STEPS_WANTED)
     }
 }
 
@@ -136,15 +168,6 @@ impl<T: Scalar> Certificate<T> {
 
     fn is_known(&self, mesh: &Mesh<T>) -> bool {
         self.is_valid && self.positions.len() == mesh.positions().len() && rounding(mesh) <= self.rounding
-    }
-
-    /// How far any two vertices have moved against each other, at most.
-    fn spread(&self, mesh: &Mesh<T>) -> T {
-        let mut moves = Aabb::empty();
-        for (then, now) in self.positions.iter().zip(mesh.positions()) {
-            moves.include(&(now - then));
-        }
-        length(&(moves.upper - moves.lower))
     }
 
     /// Whether the two ends of no edge have moved against each other by more than allowed.
