@@ -45,13 +45,20 @@ impl<T: Scalar> Reach<T> {
     }
 }
 
+impl<T: Scalar> Lapse<T> {
+    /// Nothing is known.
+    pub(crate) fn unknown() -> Self {
+        Self { spread: T::zero(), part: 1.0 }
+    }
+}
+
 /// What has changed since positions were kept.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lapse<T: Scalar> {
-    /// How far any two vertices have moved against each other, at most; not known where triangles are strained by more than
-    /// they may be.
-    pub(crate) spread: Option<T>,
-    /// Which part of the near parts have come nearer than they may; all, where that is not known.
+    /// How far any two vertices have moved against each other, at most.
+    pub(crate) spread: T,
+    /// Which part of the near parts have come nearer than they may; all, where triangles are strained by more than they
+    /// may be, and where nothing is known.
     pub(crate) part: f64,
 }
 
@@ -91,7 +98,7 @@ impl<T: Scalar> Octree<T> {
     pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearParts<T>) -> Lapse<T> {
         match &self.cells {
             Cells::Wide(cells) => cells.find_lapsed(mesh, most, &mut near.tiles),
-            Cells::Classic(_) => Lapse { spread: None, part: 1.0 },
+            Cells::Classic(_) => Lapse::unknown(),
         }
     }
 

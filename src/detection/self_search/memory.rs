@@ -44,7 +44,7 @@ impl<T: Scalar> Default for SelfMemory<T> {
         let (allowed, rounding, fineness) = (-T::one(), T::zero(), T::zero());
         let (is_valid, is_clear, touches) = (false, false, true);
         let (stamp, steps, pause) = (0, 0, 0);
-        let lapse = Lapse { spread: None, part: 1.0 };
+        let lapse = Lapse::unknown();
         Self { fans, strains, near, allowed, rounding, is_valid, stamp, is_clear, lapse, touches, fineness, steps, pause }
     }
 }
@@ -79,7 +79,7 @@ impl<T: Scalar> SelfMemory<T> {
         if self.stamp != mesh.stamp() {
             self.stamp = mesh.stamp();
             self.steps = self.steps.saturating_add(1);
-            self.lapse = Lapse { spread: None, part: 1.0 };
+            self.lapse = Lapse::unknown();
             if self.is_valid && self.allowed >= T::zero() && rounding(mesh) <= self.rounding {
                 self.lapse = octree.find_lapsed(mesh, self.allowed, &mut self.near);
             }
@@ -149,12 +149,11 @@ impl<T: Scalar> SelfMemory<T> {
             self.pause -= 1;
             return T::zero();
         }
-        let spread = self.lapse.spread;
-        if (self.allowed > T::zero() || spread.is_none()) && self.steps < FEWEST_STEPS {
+        if self.allowed > T::zero() && self.steps < FEWEST_STEPS {
             self.pause = PAUSE;
             return T::zero();
         }
-        spread.unwrap_or(self.allowed) / T::of(f64::from(self.steps.max(1))) * T::of(STEPS_WANTED)
+        self.lapse.spread / T::of(f64::from(self.steps.max(1))) * T::of(STEPS_WANTED)
     }
 }
 

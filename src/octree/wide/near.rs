@@ -138,11 +138,10 @@ impl<T: Scalar> Wide<T> {
         let NearTiles { rest, moves, lapsed, tile_pairs, clearances, .. } = near;
         lapsed.clear();
         rest.follow_turn(&self.outlines, mesh);
-        let whole = dispatch::<T, _>(FindMoves { cells: self, mesh, rest, moves });
-        let Some(whole) = whole else { return Lapse { spread: None, part: 1.0 } };
+        let (whole, is_held) = dispatch::<T, _>(FindMoves { cells: self, mesh, rest, moves });
         let spread = length(&(whole.upper - whole.lower));
-        if spread > most {
-            return Lapse { spread: Some(spread), part: 1.0 };
+        if !is_held || spread > most {
+            return Lapse { spread, part: 1.0 };
         }
         let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
             let (a, b) = (&moves[first as usize], &moves[second as usize]);
@@ -152,7 +151,7 @@ impl<T: Scalar> Wide<T> {
         };
         let pairs = tile_pairs.iter().zip(clearances.iter());
         memory::append(lapsed, pairs.filter(has_lapsed).map(|(pair, _)| *pair));
-        Lapse { spread: Some(spread), part: lapsed.len() as f64 / tile_pairs.len() as f64 }
+        Lapse { spread, part: lapsed.len() as f64 / tile_pairs.len() as f64 }
     }
 
     /// The search among the pairs that have lapsed; nothing is noted. `is_current`: the tiles follow the mesh.
@@ -250,6 +249,9 @@ impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32, bool) -> b
             if a_steep == 0 || b_steep == 0 {
                 (a_steep, b_steep) = (0, 0);
             }
+            if are_apart(&a.whole, &b.whole, if a_steep == 0 { self.close } else { self.far }) {
+                continue;
+            }
             let is_same = first == second;
             let mut candidates = a_tile.present;
             if !is_same {
@@ -290,6 +292,16 @@ impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32, bool) -> b
         }
         true
     }
+}
+
+/// Whether two boxes are farther apart along some axis.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn are_apart(a: &Sides, b: &Sides, distance: f32) -> bool {
+    let mut are_apart = false;
+    for side in 0..6 {
+        are_apart |= a[side] + b[(side + 3) % 6] > distance;
+    }
+    are_apart
 }
 
 /// The positions of one corner of each triangle.

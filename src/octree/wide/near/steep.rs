@@ -1,6 +1,6 @@
 //! Which triangles lie where the surface bends: others near them face as they do, as seen from them it is a graph.
 
-use super::{Block, Narrow};
+use super::{Block, Narrow, are_apart};
 use crate::math::{Kernel, Lanes, Mask, Scalar, Vectors};
 use crate::memory;
 use crate::mesh::Mesh;
@@ -69,6 +69,9 @@ impl<T: Scalar> Kernel<f32> for FindSteep<'_, T> {
         for pair in tile_pairs {
             let [first, second] = pair.map(|tile| tile as usize);
             let (a, b) = (&blocks[first], &blocks[second]);
+            if are_apart(&a.whole, &b.whole, distance) {
+                continue;
+            }
             let present = cells.tiles[second].present;
             let facing = Vectors::<f32, L>::load(&normals[second]);
             let mut candidates = a.near::<L>(&b.whole, distance);

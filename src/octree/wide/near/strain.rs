@@ -125,11 +125,11 @@ pub(super) struct FindMoves<'a, T: Scalar> {
 }
 
 impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
-    /// The box around all moves; `None` where a triangle is strained by more than it may be.
-    type Output = Option<Aabb<T>>;
+    /// The box around all moves, and whether no triangle is strained by more than it may be.
+    type Output = (Aabb<T>, bool);
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<L: Lanes<T>>(self) -> Option<Aabb<T>> {
+    fn run<L: Lanes<T>>(self) -> (Aabb<T>, bool) {
         let Self { cells, mesh, rest, moves } = self;
         let rotation = rest.back.to_rotation_matrix();
         let rows = rotation.matrix().transpose();
@@ -137,7 +137,7 @@ impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
             [Vectors::splat(&rows.column(0).into()), Vectors::splat(&rows.column(1).into()), Vectors::splat(&rows.column(2).into())];
         let centre = Vectors::splat(&mesh.aabb().centre());
         let one = L::splat(T::one());
-        let mut whole = Aabb::empty();
+        let (mut whole, mut strained) = (Aabb::empty(), 0);
         moves.clear();
         memory::append(moves, std::iter::repeat_n(whole, cells.tiles.len()));
         for index in 0..cells.tiles.len() {
@@ -154,10 +154,8 @@ impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
             let across = q.scaled(L::load(&rest.factors[1])).sub(p.scaled(L::load(&rest.factors[2])));
             let held = along.dot(along).add(across.dot(across)).is_at_most(one);
             // In this form NaN counts as strained.
-            if tile.present & !held != 0 {
-                return None;
-            }
+            strained |= tile.present & !held;
         }
-        Some(whole)
+        (whole, strained == 0)
     }
 }
