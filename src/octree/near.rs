@@ -34,14 +34,20 @@ impl<T: Scalar> Reach<T> {
         if self.margin > T::zero() { self.touch * T::of(SHELTERED) } else { self.touch }
     }
 
-    /// A path over the surface between points `touch + margin` apart, at a slope of at most 60°, stays within that.
-    pub(super) fn of_surroundings(&self) -> T {
-        (self.touch + self.margin) * T::of(2.0)
+    /// So much nearer parts may come that are sheltered in wider surroundings.
+    pub(super) fn wide_margin(&self) -> T {
+        self.margin * T::of(2.0)
+    }
+
+    /// A path over the surface between points `touch` and a margin apart, at slopes of at most 60°, stays within that: for
+    /// either margin.
+    pub(super) fn of_surroundings(&self) -> [T; 2] {
+        [self.margin, self.wide_margin()].map(|margin| (self.touch + margin) * T::of(2.0))
     }
 
     pub(super) fn of_parts(&self) -> T {
         let parts = self.touch + self.part_margin;
-        if self.margin > T::zero() { parts.max(self.of_surroundings()).max(self.of_sheltered()) } else { parts }
+        if self.margin > T::zero() { parts.max(self.of_surroundings()[1]).max(self.of_sheltered()) } else { parts }
     }
 }
 
@@ -194,6 +200,16 @@ mod tests {
     /// Narrow numbers round outward by a few millionths of the mesh's size.
     const ROUNDING: f64 = 2e-5;
 
+    /// Of each triangle, whether one within the distance faces away by more than 60°.
+    fn are_steep(mesh: &Mesh<f64>, distance: f64) -> Vec<bool> {
+        let boxes = boxes(mesh);
+        let count = boxes.len();
+        let normal = |triangle: usize| mesh.scaled_normal(triangle as u32).normalize();
+        let is_steep =
+            |a: usize| (0..count).any(|b| gap(&boxes, [a, b]) <= distance && normal(a).dot(&normal(b)) < 0.5);
+        (0..count).map(is_steep).collect()
+    }
+
     #[test]
     fn near_triangles_are_offered_once_and_far_ones_never() {
         let mesh = torus([16, 8]);
@@ -203,20 +219,27 @@ mod tests {
             (Layout::Classic, 3.0, 0.0),
             (Layout::Wide, 0.0, 0.0),
             (Layout::Wide, 0.07, 0.0),
-            (Layout::Wide, 0.01, 0.06),
+            (Layout::Wide, 0.001, 0.02),
+            (Layout::Wide, 0.001, 0.06),
             (Layout::Wide, 3.0, 0.0),
         ] {
             let (octree, mut near) = (Octree::with_layout(&mesh, layout), NearParts::default());
             // What lies in the same part, or in one that is listed, is offered by its own distance.
             let reach = Reach { touch, margin, part_margin: margin, most_pairs: usize::MAX };
             let offered = collect(|offer| {
-                octree.search_near(&mesh, &reach, &mut near, |a, b| {
+                octree.search_near(&mesh, &reach, &mut near, |a, b, _| {
                     offer(a, b);
                     Some(0.0)
                 });
             });
-            assert!(offered.is_superset(&pairs_within(&mesh, touch + margin)), "{layout:?} {touch} {margin}");
+            assert!(offered.is_superset(&pairs_within(&mesh, reach.of_sheltered())), "{layout:?} {touch} {margin}");
             assert!(offered.is_subset(&pairs_within(&mesh, touch + margin + ROUNDING)), "{layout:?} {touch} {margin}");
+            if margin > 0.0 {
+                let steep = are_steep(&mesh, 2.0 * (touch + margin));
+                let mut both = pairs_within(&mesh, touch + margin);
+                both.retain(|pair| pair.iter().all(|&triangle| steep[triangle as usize]));
+                assert!(!both.is_empty() && offered.is_superset(&both), "{touch} {margin}");
+            }
         }
     }
 
@@ -234,12 +257,16 @@ mod tests {
             };
             mesh.set_positions_with(rest.len(), |vertex| at(vertex, 0.0, 0.3)).expect("finite");
             let (mut octree, mut near) = (Octree::new(&mesh), NearParts::default());
-            let (then, boxes, known) = (mesh.positions().to_vec(), boxes(&mesh), pairs_within(&mesh, touch));
+            let (boxes, known) = (boxes(&mesh), pairs_within(&mesh, touch));
             let reach = Reach { touch, margin, part_margin, most_pairs: usize::MAX };
-            octree.search_near(&mesh, &reach, &mut near, |a, b| Some(gap(&boxes, [a as usize, b as usize]) - touch));
+            octree.search_near(&mesh, &reach, &mut near, |a, b, _| Some(gap(&boxes, [a as usize, b as usize]) - touch));
+            // Strain shall not tell.
+            octree.keep(&mesh, &vec![1e3; rest.len()], &mut near);
             mesh.set_positions_with(rest.len(), |vertex| at(vertex, 5.0, 0.3 * left)).expect("finite");
-            octree.update(&mesh).expect("its own");
-            let part = octree.find_lapsed(&mut near, [&then, mesh.positions()]);
+            let part = octree.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
+            if left > 0.0 {
+                octree.update(&mesh).expect("its own");
+            }
             let offered = collect(|offer| octree.search_lapsed(&mesh, touch, &mut near, offer));
             let come_near: BTreeSet<_> = pairs_within(&mesh, touch).difference(&known).copied().collect();
             assert!(!come_near.is_empty() && offered.is_superset(&come_near), "{left}");

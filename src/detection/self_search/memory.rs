@@ -36,6 +36,8 @@ pub(crate) struct SelfMemory<T: Scalar> {
     steps: u32,
     /// Steps until a clearance is looked for again.
     pause: u32,
+    /// Clearances in a row that lasted too short.
+    failures: u32,
 }
 
 impl<T: Scalar> Default for SelfMemory<T> {
@@ -43,9 +45,24 @@ impl<T: Scalar> Default for SelfMemory<T> {
         let (fans, strains, near) = (Certificate::default(), Vec::new(), NearParts::default());
         let (allowed, rounding, fineness) = (-T::one(), T::zero(), T::zero());
         let (is_valid, is_clear, touches) = (false, false, true);
-        let (stamp, steps, pause) = (0, 0, 0);
+        let (stamp, steps, pause, failures) = (0, 0, 0, 0);
         let lapse = Lapse::unknown();
-        Self { fans, strains, near, allowed, rounding, is_valid, stamp, is_clear, lapse, touches, fineness, steps, pause }
+        Self {
+            fans,
+            strains,
+            near,
+            allowed,
+            rounding,
+            is_valid,
+            stamp,
+            is_clear,
+            lapse,
+            touches,
+            fineness,
+            steps,
+            pause,
+            failures,
+        }
     }
 }
 
@@ -61,9 +78,11 @@ struct Certificate<T: Scalar> {
 /// The clearance that a search looks for should last this many steps at the present pace.
 const STEPS_WANTED: f64 = 16.0;
 /// A clearance that lasts fewer steps than this costs more than it saves;
-const FEWEST_STEPS: u32 = 3;
+const FEWEST_STEPS: u32 = 5;
 /// after one, none is looked for during this many steps.
 const PAUSE: u32 = 30;
+/// Twice as many after the next, so many times.
+const MOST_DOUBLINGS: u32 = 3;
 /// If more than this part of the near pairs have come too close, the whole surface is searched.
 const MOST_LAPSED: f64 = 0.25;
 /// Steep triangles may come nearer by at most this, in mean altitudes: about as far as parts of one tile and the next move
@@ -122,7 +141,8 @@ impl<T: Scalar> SelfMemory<T> {
         touching.search_pairs(octree, mesh, &reach, &mut self.near);
         if touching.is_tangled && part_margin > T::zero() {
             // More parts may soon be near each other than are listed; those that are near now decide.
-            (part_margin, self.pause) = (T::zero(), PAUSE);
+            part_margin = T::zero();
+            self.fail();
             touching.search_pairs(octree, mesh, &Touching::reach(mesh), &mut self.near);
         }
         if touching.is_tangled {
@@ -139,6 +159,12 @@ impl<T: Scalar> SelfMemory<T> {
         self.steps = 0;
     }
 
+    /// A clearance was of no use: the next one is looked for later each time.
+    fn fail(&mut self) {
+        self.pause = PAUSE << self.failures;
+        self.failures = (self.failures + 1).min(MOST_DOUBLINGS);
+    }
+
     /// How far parts that are not near may move against each other: some steps at the present pace; nothing where that
     /// does not pay.
     fn part_margin(&mut self) -> T {
@@ -150,10 +176,17 @@ impl<T: Scalar> SelfMemory<T> {
             return T::zero();
         }
         if self.allowed > T::zero() && self.steps < FEWEST_STEPS {
-            self.pause = PAUSE;
+            self.fail();
             return T::zero();
         }
-        self.lapse.spread / T::of(f64::from(self.steps.max(1))) * T::of(STEPS_WANTED)
+        let lasted = f64::from(self.steps.max(1));
+        let mut wanted = STEPS_WANTED;
+        if self.allowed > T::zero() {
+            self.failures = 0;
+            // What something else has ended sooner need not last much longer.
+            wanted = wanted.min(2.0 * lasted);
+        }
+        self.lapse.spread * T::of(wanted / lasted)
     }
 }
 
@@ -181,124 +214,4 @@ impl<T: Scalar> Certificate<T> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::octree::test_mesh::{torus, torus_positions};
-    use std::collections::BTreeSet;
-
-    const CORNERS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-    fn tetrahedron(map: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Mesh<f64> {
-        let positions: Vec<_> = CORNERS.iter().enumerate().map(|(vertex, &corner)| map(vertex, corner)).collect();
-        Mesh::new(&positions, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).expect("it is closed")
-    }
-
-    /// What is found at one position of a body, with so much allowed.
-    fn certificate(allowed: f64, is_valid: bool) -> Certificate<f64> {
-        let mut certificate = Certificate::default();
-        certificate.set(&tetrahedron(|_, corner| corner), allowed, is_valid);
-        certificate
-    }
-
-    #[test]
-    fn what_moves_as_a_whole_is_not_strained() {
-        let moved = tetrahedron(|_, [x, y, z]| [x - 0.5, y + 0.25, z - 0.75]);
-        let certificate = certificate(0.0, true);
-        assert!(certificate.is_known(&moved) && certificate.is_strained_at_most(&moved));
-        assert_eq!(certificate.spread(&moved), 0.0);
-    }
-
-    #[test]
-    fn strain_counts_along_edges_and_spread_between_any_two() {
-        // One vertex goes 0.3 to one side, another 0.4 across it: 0.5 against each other.
-        let offsets = [[0.0; 3], [0.0, 0.3, 0.0], [0.0; 3], [0.4, 0.0, 0.0]];
-        let moved = tetrahedron(|vertex, corner| std::array::from_fn(|axis| corner[axis] + offsets[vertex][axis]));
-        assert!(certificate(0.51, true).is_strained_at_most(&moved));
-        assert!(!certificate(0.49, true).is_strained_at_most(&moved));
-        assert!((certificate(0.0, true).spread(&moved) - 0.5).abs() < 1e-15);
-    }
-
-    #[test]
-    fn certificates_hold_where_they_are_valid_and_coordinates_have_not_grown() {
-        assert!(certificate(1.0, true).is_known(&tetrahedron(|_, corner| corner.map(|x| 1.9 * x))));
-        assert!(!certificate(1.0, true).is_known(&tetrahedron(|_, corner| corner.map(|x| 2.1 * x))));
-        assert!(!certificate(1.0, false).is_known(&tetrahedron(|_, corner| corner)));
-        assert!(!Certificate::default().is_known(&tetrahedron(|_, corner| corner)));
-    }
-
-    const SIDES: [u32; 2] = [32, 8];
-
-    /// A torus pinched in the middle, so that its inner sides are so far apart; where they are, they pass through each
-    /// other. Folded: one vertex lies beyond the triangles of its neighbour.
-    fn pose(mesh: &mut Mesh<f64>, gap: f64, is_folded: bool) {
-        let inner = 0.7_f64;
-        let depth = inner.hypot(0.3) * (1.0 - gap / (2.0 * inner));
-        let pinched = |[x, y, z]: [f64; 3]| [x, y * (1.0 - depth * (-4.0 * x * x).exp() / y.hypot(0.3)), z];
-        let mut positions: Vec<_> = torus_positions(SIDES, 0).into_iter().map(pinched).collect();
-        if is_folded {
-            positions[0] = std::array::from_fn(|axis| 3.0 * positions[1][axis] - 2.0 * positions[0][axis]);
-        }
-        mesh.set_positions(&positions).expect("finite");
-    }
-
-    /// How a step was settled.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-    enum Settled {
-        Remembered,
-        PartSearched,
-        Searched { any: bool, lapsed_alone: bool },
-    }
-
-    /// One step, held to a search that remembers nothing.
-    fn step(memory: &mut SelfMemory<f64>, octree: &mut Octree<f64>, mesh: &Mesh<f64>) -> Settled {
-        octree.update(mesh).expect("its own");
-        let [mut found, mut expected] = [(); 2].map(|()| Touching::default());
-        expected.search(octree, mesh);
-        if memory.is_clear(mesh, octree) {
-            assert!(!expected.any);
-            return Settled::Remembered;
-        }
-        memory.search(octree, mesh, &mut found);
-        assert_eq!((&found.touched, found.any), (&expected.touched, expected.any));
-        let lapsed_alone = memory.lapsed <= MOST_LAPSED;
-        if memory.steps > 0 {
-            return Settled::PartSearched;
-        }
-        // What may spare the next search is of these positions, at which nothing touches.
-        let Certificate { is_valid, allowed, positions, .. } = &memory.pairs;
-        assert!(!is_valid || *allowed < 0.0 || (!expected.any && positions == mesh.positions()), "{:?}", memory.pause);
-        Settled::Searched { any: expected.any, lapsed_alone }
-    }
-
-    #[test]
-    fn what_is_remembered_never_tells_other_than_a_search() {
-        let mut mesh = torus(SIDES);
-        let mut octree = Octree::new(&mesh);
-        let mut memory = SelfMemory::default();
-        let mut settled = BTreeSet::new();
-        let mut pass = |gap: f64, is_folded: bool| {
-            pose(&mut mesh, gap, is_folded);
-            settled.insert(step(&mut memory, &mut octree, &mesh));
-        };
-        // Slowly nearer, from far apart to touching and back.
-        let nearer = (0..80).map(|i| 0.3 - 0.004 * f64::from(i));
-        nearer.clone().chain(nearer.rev()).for_each(|gap| pass(gap, false));
-        // A fold that comes, stays and goes, while nothing else moves and while it does.
-        for (step, gap) in [0.2, 0.2, 0.2, 0.2, 0.21, 0.2, 0.21, 0.2].into_iter().enumerate() {
-            (0..4).for_each(|_| pass(gap, step % 2 == 1));
-        }
-        // Too fast for anything to be worth remembering, then slowly again.
-        let fast = (0..80).map(|i| [0.5, 0.2, -0.01][i % 3]);
-        fast.chain([-0.004, -0.003, -0.002, -0.001, 0.001]).for_each(|gap| pass(gap, false));
-        (0..80).for_each(|i| pass(0.1 - 0.0015 * f64::from(i), false));
-        // At rest after all that.
-        (0..41).for_each(|_| pass(0.2, false));
-        assert_eq!(step(&mut memory, &mut octree, &mesh), Settled::Remembered);
-        let searched = |any, lapsed_alone| Settled::Searched { any, lapsed_alone };
-        let searches = [searched(false, false), searched(true, false), searched(true, true)];
-        assert!(
-            settled.iter().eq([&Settled::Remembered, &Settled::PartSearched].into_iter().chain(&searches)),
-            "{settled:?}"
-        );
-    }
-}
+mod tests;

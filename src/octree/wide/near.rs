@@ -24,8 +24,9 @@ pub(in crate::octree) struct NearTiles<T: Scalar> {
     clearances: Vec<T>,
     blocks: Vec<Block>,
     normals: Vec<Normals>,
-    /// By tile: the triangles whose surroundings do not all face as they do.
+    /// By tile: the triangles whose surroundings do not all face as they do, and those whose wider ones do not.
     steep: Vec<Mask>,
+    steep_wide: Vec<Mask>,
     rest: Rest<T>,
     /// By tile: the box around its vertices' moves.
     moves: Vec<Aabb<T>>,
@@ -88,7 +89,7 @@ impl<T: Scalar> Wide<T> {
         near: &mut NearTiles<T>,
         offer: &mut impl FnMut(u32, u32, bool) -> Option<T>,
     ) -> bool {
-        let NearTiles { blocks, tile_pairs, clearances, normals, steep, .. } = near;
+        let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
         let Reach { touch, margin, most_pairs, .. } = *reach;
         let narrow = Narrow::new(mesh.aabb());
         let tiles = 0..self.tile_count();
@@ -104,13 +105,20 @@ impl<T: Scalar> Wide<T> {
         steep.clear();
         if margin > T::zero() {
             dispatch::<T, _>(MakeNormals { cells: self, mesh, narrow, normals });
-            let distance = narrow.distance(reach.of_surroundings());
-            dispatch::<f32, _>(FindSteep { cells: self, blocks, normals, tile_pairs, distance, steep });
+            let [distance, wide] = reach.of_surroundings().map(|distance| narrow.distance(distance));
+            let (cells, among, found) = (self, None, &mut *steep_wide);
+            dispatch::<f32, _>(FindSteep { cells, blocks, normals, tile_pairs, distance: wide, among, steep: found });
+            let among = Some(&**steep_wide);
+            dispatch::<f32, _>(FindSteep { cells, blocks, normals, tile_pairs, distance, among, steep });
         }
-        let clearance = |[a, b]: &[u32; 2]| {
-            let (a, b) = (&self.outlines[*a as usize].aabb, &self.outlines[*b as usize].aabb);
+        let clearance = |pair: &[u32; 2]| {
+            if margin == T::zero() {
+                return margin;
+            }
+            let [a, b] = pair.map(|tile| &self.outlines[tile as usize].aabb);
             let gap = (a.lower - b.upper).sup(&(b.lower - a.upper)).sup(&Vector3::zeros());
-            margin.max(if margin > T::zero() { length(&gap) - touch } else { margin })
+            let is_sheltered = pair.iter().any(|&tile| steep_wide[tile as usize] == 0);
+            (length(&gap) - touch).max(if is_sheltered { reach.wide_margin() } else { margin })
         };
         memory::append(clearances, tile_pairs.iter().map(clearance));
         let [close, far] = [reach.of_sheltered(), touch + margin].map(|distance| narrow.distance(distance));
@@ -144,6 +152,9 @@ impl<T: Scalar> Wide<T> {
             return Lapse { spread, part: 1.0 };
         }
         let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
+            if clearance > spread {
+                return false;
+            }
             let (a, b) = (&moves[first as usize], &moves[second as usize]);
             // The largest difference of two moves, one in each box.
             let farthest = (a.upper - b.lower).sup(&(b.upper - a.lower));

@@ -55,6 +55,8 @@ pub(super) struct FindSteep<'a, T: Scalar> {
     pub(super) normals: &'a [Normals],
     pub(super) tile_pairs: &'a [[u32; 2]],
     pub(super) distance: f32,
+    /// Those of a larger distance, among which all are; `None`: not known.
+    pub(super) among: Option<&'a [Mask]>,
     pub(super) steep: &'a mut Vec<Mask>,
 }
 
@@ -63,12 +65,15 @@ impl<T: Scalar> Kernel<f32> for FindSteep<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<f32>>(self) {
-        let Self { cells, blocks, normals, tile_pairs, distance, steep } = self;
+        let Self { cells, blocks, normals, tile_pairs, distance, among, steep } = self;
         steep.clear();
         memory::append(steep, std::iter::repeat_n(0, blocks.len()));
         for pair in tile_pairs {
             let [first, second] = pair.map(|tile| tile as usize);
             let (a, b) = (&blocks[first], &blocks[second]);
+            if among.is_some_and(|among| among[first] == 0 || among[second] == 0) {
+                continue;
+            }
             if are_apart(&a.whole, &b.whole, distance) {
                 continue;
             }

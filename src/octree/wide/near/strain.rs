@@ -36,6 +36,12 @@ const LEAST_TURN: f64 = 1e-3;
 const VERTICES_OF_TURN: usize = 64;
 
 impl<T: Scalar> Rest<T> {
+    /// What turns the present positions back.
+    #[cfg(test)]
+    pub(super) fn back(&self) -> UnitQuaternion<T> {
+        self.back
+    }
+
     /// Turns back by what fits some vertices best. Any turn will do: bounds hold, only less tightly.
     pub(super) fn follow_turn(&mut self, outlines: &[Outline<T>], mesh: &Mesh<T>) {
         let stride = outlines.len().div_ceil(VERTICES_OF_TURN);
@@ -133,8 +139,11 @@ impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
         let Self { cells, mesh, rest, moves } = self;
         let rotation = rest.back.to_rotation_matrix();
         let rows = rotation.matrix().transpose();
-        let [x, y, z]: [Vectors<T, L>; 3] =
-            [Vectors::splat(&rows.column(0).into()), Vectors::splat(&rows.column(1).into()), Vectors::splat(&rows.column(2).into())];
+        let [x, y, z]: [Vectors<T, L>; 3] = [
+            Vectors::splat(&rows.column(0).into()),
+            Vectors::splat(&rows.column(1).into()),
+            Vectors::splat(&rows.column(2).into()),
+        ];
         let centre = Vectors::splat(&mesh.aabb().centre());
         let one = L::splat(T::one());
         let (mut whole, mut strained) = (Aabb::empty(), 0);
