@@ -1,6 +1,7 @@
 //! Which triangles lie where the surface bends: others near them face as they do, as seen from them it is a graph.
 
-use super::{Block, Narrow, are_apart};
+use super::Narrow;
+use super::block::{Block, are_apart};
 use crate::math::{Kernel, Lanes, Mask, Scalar, Vectors};
 use crate::memory;
 use crate::mesh::Mesh;
