@@ -82,7 +82,7 @@ pub(crate) fn detect_self<T: Scalar>(
         contacts.statistics.open_bodies += 1;
         return false;
     }
-    if memory.as_mut().is_some_and(|memory| memory.is_clear(mesh, octree)) {
+    if memory.as_deref_mut().is_some_and(|memory| memory.is_clear(mesh, octree)) {
         return false;
     }
     if is_collapsed(mesh) {
@@ -90,7 +90,7 @@ pub(crate) fn detect_self<T: Scalar>(
     }
     let ContactList { statistics, workspace, .. } = &mut *contacts;
     let SelfWorkspace { touching, culling, .. } = &mut workspace.own;
-    match memory {
+    match memory.as_deref_mut() {
         Some(memory) => memory.search(octree, mesh, touching),
         None => touching.search(octree, mesh),
     }
@@ -100,6 +100,9 @@ pub(crate) fn detect_self<T: Scalar>(
     }
     let is_any_wanted = culling.choose(&tracer, touching, &mut workspace.crossings, statistics);
     if is_any_wanted {
+        if let Some(memory) = memory {
+            memory.forget();
+        }
         let body = Body { number: body, tracer, options };
         body.trace(true, contacts);
         body.add_contacts(contacts);

@@ -15,7 +15,7 @@ mod wide;
 mod winding;
 
 pub(crate) use closest::PointDistances;
-pub(crate) use near::{NearParts, Reach, is_merged};
+pub(crate) use near::{Lapse, NearParts, Reach, is_merged};
 pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};
 

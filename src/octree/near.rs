@@ -17,7 +17,7 @@ pub(crate) struct NearParts<T: Scalar> {
 pub(crate) struct Reach<T: Scalar> {
     /// Boxes that are farther apart along any axis do not touch.
     pub(crate) touch: T,
-    /// Triangles are offered whose boxes are that and this much apart.
+    /// Steep triangles are offered whose boxes are that and this much apart.
     pub(crate) margin: T,
     /// Parts are listed whose boxes are that and this much apart.
     pub(crate) part_margin: T,
@@ -25,37 +25,91 @@ pub(crate) struct Reach<T: Scalar> {
     pub(crate) most_pairs: usize,
 }
 
+/// Sheltered triangles have to be so many times as far apart as ones that touch: strain may leave a quarter of it.
+const SHELTERED: f64 = 8.0;
+
+impl<T: Scalar> Reach<T> {
+    /// Sheltered triangles whose boxes are that far apart are not offered.
+    pub(crate) fn of_sheltered(&self) -> T {
+        if self.margin > T::zero() { self.touch * T::of(SHELTERED) } else { self.touch }
+    }
+
+    /// So much nearer parts may come that are sheltered in wider surroundings.
+    pub(super) fn wide_margin(&self) -> T {
+        self.margin * T::of(2.0)
+    }
+
+    /// A path over the surface between points `touch` and a margin apart, at slopes of at most 60°, stays within that: for
+    /// either margin.
+    pub(super) fn of_surroundings(&self) -> [T; 2] {
+        [self.margin, self.wide_margin()].map(|margin| (self.touch + margin) * T::of(2.0))
+    }
+
+    pub(super) fn of_parts(&self) -> T {
+        let parts = self.touch + self.part_margin;
+        if self.margin > T::zero() { parts.max(self.of_surroundings()[1]).max(self.of_sheltered()) } else { parts }
+    }
+}
+
+impl<T: Scalar> Lapse<T> {
+    /// Nothing is known.
+    pub(crate) fn unknown() -> Self {
+        Self { spread: T::zero(), part: 1.0 }
+    }
+}
+
+/// What has changed since positions were kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lapse<T: Scalar> {
+    /// How far any two vertices have moved against each other, at most.
+    pub(crate) spread: T,
+    /// Which part of the near parts have come nearer than they may; all, where triangles are strained by more than they
+    /// may be, and where nothing is known.
+    pub(crate) part: f64,
+}
+
 impl<T: Scalar> Octree<T> {
-    /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others; `offer` gives
-    /// how much nearer they may come, or `None` to end the search. Triangles of which two corners are one point are left
-    /// out: no ray meets them. Gives false where it was ended, or gave up since there are too many pairs.
+    /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others, and whether both
+    /// are steep; `offer` gives how much nearer they may come, or `None` to end the search. Triangles of which two corners
+    /// are one point are left out: no ray meets them. Gives false where it was ended, or gave up since there are too many
+    /// pairs.
+    ///
+    /// With a margin, two triangles of which one is not steep are sheltered: offered only where they nearly touch. The
+    /// surface around is then a graph of slopes below 60° over a plane; a path leads from one to the other that is at most
+    /// twice as long as they are apart. So they come no nearer than a quarter of that, while no triangle is strained by
+    /// more than three eighths ([`find_lapsed`](Self::find_lapsed) holds them to less).
     pub(crate) fn search_near(
         &self,
         mesh: &Mesh<T>,
         reach: &Reach<T>,
         near: &mut NearParts<T>,
-        mut offer: impl FnMut(u32, u32) -> Option<T>,
+        mut offer: impl FnMut(u32, u32, bool) -> Option<T>,
     ) -> bool {
         match &self.cells {
-            Cells::Wide(cells) => {
-                let distances = [reach.touch + reach.part_margin, reach.touch + reach.margin, reach.margin];
-                cells.search_near(mesh, distances, reach.most_pairs, &mut near.tiles, &mut offer)
-            }
-            Cells::Classic(_) => sweep(mesh, reach.touch, &mut near.sorted, |a, b| offer(a, b).is_some()),
+            Cells::Wide(cells) => cells.search_near(mesh, reach, &mut near.tiles, &mut offer),
+            Cells::Classic(_) => sweep(mesh, reach.touch, &mut near.sorted, |a, b| offer(a, b, true).is_some()),
         }
     }
 
-    /// Finds what [`search_near`](Self::search_near) has listed at the positions `then` and has come nearer by more than it
-    /// may: gives which part of all that is. Parts that it has not listed may come nearer by its `part_margin`.
-    pub(crate) fn find_lapsed(&self, near: &mut NearParts<T>, [then, now]: [&[Vector3<T>]; 2]) -> f64 {
+    /// Keeps the positions of a search. By vertex, `allowed` is how far the triangles around it may be strained.
+    pub(crate) fn keep(&self, mesh: &Mesh<T>, allowed: &[T], near: &mut NearParts<T>) {
+        if let Cells::Wide(cells) = &self.cells {
+            cells.keep(mesh, allowed, &mut near.tiles);
+        }
+    }
+
+    /// Finds what [`search_near`](Self::search_near) has listed and has come nearer by more than it may since positions were
+    /// kept, but not where vertices have moved against each other by more than `most`. A turn of the whole does not count.
+    /// The octree need not follow the mesh.
+    pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearParts<T>) -> Lapse<T> {
         match &self.cells {
-            Cells::Wide(cells) => cells.find_lapsed(&mut near.tiles, then, now),
-            Cells::Classic(_) => 1.0,
+            Cells::Wide(cells) => cells.find_lapsed(mesh, most, &mut near.tiles),
+            Cells::Classic(_) => Lapse::unknown(),
         }
     }
 
     /// Offers, of what [`find_lapsed`](Self::find_lapsed) has found, each two triangles that have no vertex in common and
-    /// whose boxes are at most `distance` apart along every axis. The octree follows the mesh.
+    /// whose boxes are at most `distance` apart along every axis. The octree need not follow the mesh.
     pub(crate) fn search_lapsed(
         &self,
         mesh: &Mesh<T>,
@@ -64,7 +118,7 @@ impl<T: Scalar> Octree<T> {
         mut offer: impl FnMut(u32, u32),
     ) {
         if let Cells::Wide(cells) = &self.cells {
-            cells.search_lapsed(mesh, distance, &mut near.tiles, &mut offer);
+            cells.search_lapsed(mesh, self.stamp == mesh.stamp(), distance, &mut near.tiles, &mut offer);
         }
     }
 }
@@ -146,6 +200,16 @@ mod tests {
     /// Narrow numbers round outward by a few millionths of the mesh's size.
     const ROUNDING: f64 = 2e-5;
 
+    /// Of each triangle, whether one within the distance faces away by more than 60°.
+    fn are_steep(mesh: &Mesh<f64>, distance: f64) -> Vec<bool> {
+        let boxes = boxes(mesh);
+        let count = boxes.len();
+        let normal = |triangle: usize| mesh.scaled_normal(triangle as u32).normalize();
+        let is_steep =
+            |a: usize| (0..count).any(|b| gap(&boxes, [a, b]) <= distance && normal(a).dot(&normal(b)) < 0.5);
+        (0..count).map(is_steep).collect()
+    }
+
     #[test]
     fn near_triangles_are_offered_once_and_far_ones_never() {
         let mesh = torus([16, 8]);
@@ -155,20 +219,27 @@ mod tests {
             (Layout::Classic, 3.0, 0.0),
             (Layout::Wide, 0.0, 0.0),
             (Layout::Wide, 0.07, 0.0),
-            (Layout::Wide, 0.01, 0.06),
+            (Layout::Wide, 0.001, 0.02),
+            (Layout::Wide, 0.001, 0.06),
             (Layout::Wide, 3.0, 0.0),
         ] {
             let (octree, mut near) = (Octree::with_layout(&mesh, layout), NearParts::default());
             // What lies in the same part, or in one that is listed, is offered by its own distance.
             let reach = Reach { touch, margin, part_margin: margin, most_pairs: usize::MAX };
             let offered = collect(|offer| {
-                octree.search_near(&mesh, &reach, &mut near, |a, b| {
+                octree.search_near(&mesh, &reach, &mut near, |a, b, _| {
                     offer(a, b);
                     Some(0.0)
                 });
             });
-            assert!(offered.is_superset(&pairs_within(&mesh, touch + margin)), "{layout:?} {touch} {margin}");
+            assert!(offered.is_superset(&pairs_within(&mesh, reach.of_sheltered())), "{layout:?} {touch} {margin}");
             assert!(offered.is_subset(&pairs_within(&mesh, touch + margin + ROUNDING)), "{layout:?} {touch} {margin}");
+            if margin > 0.0 {
+                let steep = are_steep(&mesh, 2.0 * (touch + margin));
+                let mut both = pairs_within(&mesh, touch + margin);
+                both.retain(|pair| pair.iter().all(|&triangle| steep[triangle as usize]));
+                assert!(!both.is_empty() && offered.is_superset(&both), "{touch} {margin}");
+            }
         }
     }
 
@@ -186,12 +257,16 @@ mod tests {
             };
             mesh.set_positions_with(rest.len(), |vertex| at(vertex, 0.0, 0.3)).expect("finite");
             let (mut octree, mut near) = (Octree::new(&mesh), NearParts::default());
-            let (then, boxes, known) = (mesh.positions().to_vec(), boxes(&mesh), pairs_within(&mesh, touch));
+            let (boxes, known) = (boxes(&mesh), pairs_within(&mesh, touch));
             let reach = Reach { touch, margin, part_margin, most_pairs: usize::MAX };
-            octree.search_near(&mesh, &reach, &mut near, |a, b| Some(gap(&boxes, [a as usize, b as usize]) - touch));
+            octree.search_near(&mesh, &reach, &mut near, |a, b, _| Some(gap(&boxes, [a as usize, b as usize]) - touch));
+            // Strain shall not tell.
+            octree.keep(&mesh, &vec![1e3; rest.len()], &mut near);
             mesh.set_positions_with(rest.len(), |vertex| at(vertex, 5.0, 0.3 * left)).expect("finite");
-            octree.update(&mesh).expect("its own");
-            let part = octree.find_lapsed(&mut near, [&then, mesh.positions()]);
+            let part = octree.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
+            if left > 0.0 {
+                octree.update(&mesh).expect("its own");
+            }
             let offered = collect(|offer| octree.search_lapsed(&mesh, touch, &mut near, offer));
             let come_near: BTreeSet<_> = pairs_within(&mesh, touch).difference(&known).copied().collect();
             assert!(!come_near.is_empty() && offered.is_superset(&come_near), "{left}");

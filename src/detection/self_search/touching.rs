@@ -22,6 +22,8 @@ pub(in crate::detection) struct Touching<T: Scalar> {
     /// Vertices around which the surface folds over.
     folds: usize,
     facets: Vec<Facet<T>>,
+    /// By vertex: how far the triangles around it may be strained, as a part of their size, before they may touch.
+    pub(in crate::detection) strains: Vec<T>,
     near: NearParts<T>,
     /// Pairs of triangles held against each other.
     #[cfg(test)]
@@ -32,6 +34,8 @@ pub(in crate::detection) struct Touching<T: Scalar> {
 #[derive(Clone, Copy, Debug)]
 struct Facet<T: Scalar> {
     scaled_normal: Vector3<T>,
+    /// Twice its area.
+    area: T,
     longest_edge: T,
 }
 
@@ -105,13 +109,16 @@ impl<T: Scalar> Touching<T> {
         let count = mesh.topology().triangles().len();
         self.facets.clear();
         memory::append(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
-        let altitudes = self.facets.iter().map(|facet| length(&facet.scaled_normal) / facet.longest_edge);
+        let altitudes = self.facets.iter().map(|facet| facet.area / facet.longest_edge);
         let fineness = altitudes.fold(T::zero(), |sum, altitude| sum + altitude) / T::of(count as f64);
         // A ray from a triangle's middle stays a third of this away from the others.
         let least_allowed = rounding(mesh) * T::of(64.0);
         let mut least = T::INFINITY;
+        self.strains.clear();
+        self.strains.room_for(mesh.topology().vertex_count()).resize(mesh.topology().vertex_count(), T::zero());
         for &vertex in mesh.topology().surface_vertices() {
-            let altitude = self.altitude_of_fan(mesh, vertex);
+            let (altitude, cosine) = self.altitude_of_fan(mesh, vertex);
+            self.strains[vertex as usize] = strain_of_fan(cosine, least_allowed / altitude);
             self.folds += usize::from(altitude == T::zero());
             if altitude < least_allowed {
                 mesh.topology().triangles_around(vertex).iter().for_each(|&triangle| self.touch(triangle));
@@ -125,11 +132,12 @@ impl<T: Scalar> Touching<T> {
     }
 
     /// Looks along the mean normal of the triangles around a vertex. If each is seen from outside and they go around only once,
-    /// they cover a plane once, and none crosses another. Returns the least altitude of a triangle seen so, 0 if they do not.
-    fn altitude_of_fan(&self, mesh: &Mesh<T>, vertex: u32) -> T {
+    /// they cover a plane once, and none crosses another. Returns the least altitude of a triangle seen so, 0 if they do not,
+    /// and the least cosine between its normal and the line of sight.
+    fn altitude_of_fan(&self, mesh: &Mesh<T>, vertex: u32) -> (T, T) {
         let around = mesh.topology().triangles_around(vertex);
         let sum = around.iter().fold(Vector3::zeros(), |sum, &t| sum + self.facets[t as usize].scaled_normal);
-        let Some(axis) = direction(&sum) else { return T::zero() };
+        let Some(axis) = direction(&sum) else { return (T::zero(), T::zero()) };
         let corners = |triangle: u32| {
             let corners = mesh.topology().triangles()[triangle as usize];
             let first = if corners[0] == vertex { 0 } else { 1 + usize::from(corners[1] != vertex) };
@@ -139,16 +147,18 @@ impl<T: Scalar> Touching<T> {
         let [p, q] = corners(around[0]);
         let across = (p + q).cross(&axis);
         let mut turns = 0;
-        let mut least = T::INFINITY;
+        let (mut least, mut least_cosine) = (T::INFINITY, T::INFINITY);
         for &triangle in around {
             let facet = &self.facets[triangle as usize];
-            let altitude = facet.scaled_normal.dot(&axis) / facet.longest_edge;
+            let seen = facet.scaled_normal.dot(&axis);
+            let (altitude, cosine) = (seen / facet.longest_edge, seen / facet.area);
+            least_cosine = if cosine >= least_cosine { least_cosine } else { cosine };
             // In this form NaN counts as none.
             least = if altitude >= least { least } else { altitude };
             let [p, q] = corners(triangle);
             turns += u32::from(p.dot(&across) >= T::zero() && q.dot(&across) < T::zero());
         }
-        if turns == 1 && least > T::zero() { least } else { T::zero() }
+        if turns == 1 && least > T::zero() { (least, least_cosine) } else { (T::zero(), T::zero()) }
     }
 
     /// Looks at the triangles without a common vertex; a margin of 0 is quickest. Where more touch, or are close beside
@@ -164,7 +174,8 @@ impl<T: Scalar> Touching<T> {
         let Reach { touch, margin, .. } = *reach;
         let (most_touching, most_close) = (self.limits.touching, self.limits.close(self.folds));
         let mut close = 0;
-        let is_done = octree.search_near(mesh, reach, near, |a, b| {
+        let sheltered = reach.of_sheltered();
+        let is_done = octree.search_near(mesh, reach, near, |a, b, is_steep| {
             #[cfg(test)]
             (self.tried += 1);
             // The smaller number first, so that the layout does not matter to the last bit.
@@ -177,10 +188,10 @@ impl<T: Scalar> Touching<T> {
                     return None;
                 }
             }
-            if margin == T::zero() && are_apart(&corners, touch) {
-                return Some(T::zero());
+            if !(is_steep && margin > T::zero()) && are_apart(&corners, sheltered) {
+                return Some(sheltered - touch);
             }
-            let distance = separation(&corners, touch);
+            let distance = separation(&corners, if is_steep { touch + margin } else { sheltered });
             if distance < touch {
                 pair.into_iter().for_each(|triangle| self.touch(triangle));
                 self.pairs.room_for(1).push(pair);
@@ -205,8 +216,23 @@ impl<T: Scalar> Facet<T> {
     fn new(corners: &[Vector3<T>; 3]) -> Self {
         let [a, b, c] = corners;
         let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-        Self { scaled_normal: (b - a).cross(&(c - a)), longest_edge: longest.sqrt() }
+        let scaled_normal = (b - a).cross(&(c - a));
+        Self { scaled_normal, area: length(&scaled_normal), longest_edge: longest.sqrt() }
     }
+}
+
+/// How far the triangles of a fan may be strained, seen at no less than a cosine, with the least altitude that is allowed
+/// as a part of theirs.
+///
+/// The strain s of a triangle is the square root of the sum of squares of what a map adds to the unit map along the triangle
+/// and across it. Its normal, scaled by the area, changes by at most √2 s + s²/2 of that, less than 1.665 s for s up to
+/// ½, and edges grow by at most s of their length. So its altitude as seen is still at least (1 − 1.665 s / cosine) / (1 + s)
+/// of what it was.
+fn strain_of_fan<T: Scalar>(cosine: T, part: T) -> T {
+    // A little less, for rounding.
+    let most = T::of(0.98) * (T::one() - part) * cosine / (cosine + T::of(1.67));
+    // In this form NaN counts as none.
+    if most > T::zero() { most } else { T::zero() }
 }
 
 /// Whether the line of centres alone parts two triangles by more than `distance`: quicker than its length.

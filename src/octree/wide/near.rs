@@ -1,14 +1,21 @@
 // Lanes side by side read best as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
 
+mod block;
 mod descent;
+mod steep;
+mod strain;
 
 use super::Wide;
-use super::tile::{Outline, TILE_SIZE};
-use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch};
+use super::tile::TILE_SIZE;
+use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch, length};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
+use crate::octree::near::{Lapse, Reach};
+use block::{Block, are_apart};
 use descent::Descent;
+use steep::{FindSteep, MakeNormals, Normals};
+use strain::{FindMoves, MakeRest, Rest};
 
 /// The tiles that are near each other, and what the search for them needs; kept by the caller, so that a steady step
 /// allocates nothing.
@@ -18,19 +25,15 @@ pub(in crate::octree) struct NearTiles<T: Scalar> {
     /// How much nearer the triangles of each pair may come.
     clearances: Vec<T>,
     blocks: Vec<Block>,
+    normals: Vec<Normals>,
+    /// By tile: the triangles whose surroundings do not all face as they do, and those whose wider ones do not.
+    steep: Vec<Mask>,
+    steep_wide: Vec<Mask>,
+    rest: Rest<T>,
     /// By tile: the box around its vertices' moves.
     moves: Vec<Aabb<T>>,
     /// The pairs that have come nearer by more than they may.
     lapsed: Vec<[u32; 2]>,
-}
-
-/// The boxes of a tile's triangles, side by side; places beyond the last triangle hold boxes that are near nothing.
-#[derive(Clone, Debug)]
-struct Block {
-    /// Around all of them.
-    whole: Sides,
-    sides: [[f32; TILE_SIZE]; 6],
-    vertices: [[u32; TILE_SIZE]; 3],
 }
 
 /// A box in narrow numbers: its lower coordinates and the negatives of its upper ones, within the mesh's box and in units
@@ -71,70 +74,95 @@ impl<T: Scalar> Narrow<T> {
 }
 
 impl<T: Scalar> Wide<T> {
-    /// Lists the pairs of tiles whose boxes are at most `tile_distance` apart along every axis; of these, offers each two
-    /// triangles that have no vertex in common and are at most `distance` apart along every axis. `offer` gives how much
-    /// nearer they may come; two that are not offered may by `margin`. Gives up, and false, where it gives `None` and where
-    /// more pairs of tiles than `most_pairs` are near.
+    /// See [`Octree::search_near`](crate::octree::Octree).
     pub(in crate::octree) fn search_near(
         &self,
         mesh: &Mesh<T>,
-        [tile_distance, distance, margin]: [T; 3],
-        most_pairs: usize,
+        reach: &Reach<T>,
         near: &mut NearTiles<T>,
-        offer: &mut impl FnMut(u32, u32) -> Option<T>,
+        offer: &mut impl FnMut(u32, u32, bool) -> Option<T>,
     ) -> bool {
-        let NearTiles { blocks, tile_pairs, clearances, .. } = near;
+        let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
+        let Reach { touch, margin, most_pairs, .. } = *reach;
         let narrow = Narrow::new(mesh.aabb());
-        dispatch::<T, _>(MakeBlocks { cells: self, tiles: 0..self.tile_count(), mesh, narrow, blocks });
+        let tiles = 0..self.tile_count();
+        dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current: true, narrow, blocks });
         tile_pairs.clear();
-        Descent { cells: self, distance: tile_distance, tile_pairs, most_pairs }.within_all();
+        let distance = reach.of_parts();
+        Descent { cells: self, distance, tile_pairs, most_pairs }.within_all();
         clearances.clear();
         if tile_pairs.len() > most_pairs {
             tile_pairs.clear();
             return false;
         }
-        clearances.room_for(tile_pairs.len()).resize(tile_pairs.len(), margin);
-        let distance = narrow.distance(distance);
+        steep.clear();
+        if margin > T::zero() {
+            dispatch::<T, _>(MakeNormals { cells: self, mesh, narrow, normals });
+            let [distance, wide] = reach.of_surroundings().map(|distance| narrow.distance(distance));
+            let (cells, among, found) = (self, None, &mut *steep_wide);
+            dispatch::<f32, _>(FindSteep { cells, blocks, normals, tile_pairs, distance: wide, among, steep: found });
+            let among = Some(&**steep_wide);
+            dispatch::<f32, _>(FindSteep { cells, blocks, normals, tile_pairs, distance, among, steep });
+        }
+        let clearance = |pair: &[u32; 2]| {
+            if margin == T::zero() {
+                return margin;
+            }
+            let [a, b] = pair.map(|tile| &self.outlines[tile as usize].aabb);
+            let gap = (a.lower - b.upper).sup(&(b.lower - a.upper)).sup(&Vector3::zeros());
+            let is_sheltered = pair.iter().any(|&tile| steep_wide[tile as usize] == 0);
+            (length(&gap) - touch).max(if is_sheltered { reach.wide_margin() } else { margin })
+        };
+        memory::append(clearances, tile_pairs.iter().map(clearance));
+        let [close, far] = [reach.of_sheltered(), touch + margin].map(|distance| narrow.distance(distance));
         let block_of = |_: usize, tile: u32| tile as usize;
-        let offer = |place: usize, a: u32, b: u32| {
-            let clearance = offer(a, b);
-            clearances[place] = clearance.map_or(clearances[place], |clearance| clearances[place].min(clearance));
+        let offer = |place: usize, a: u32, b: u32, is_steep: bool| {
+            let clearance = offer(a, b, is_steep);
+            if let Some(clearance) = clearance
+                && (is_steep || clearance < reach.of_sheltered() - touch)
+            {
+                clearances[place] = clearances[place].min(clearance);
+            }
             clearance.is_some()
         };
-        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, distance, offer })
+        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, close, far, steep, offer })
     }
 
-    /// Looks for the listed pairs of tiles that have come nearer by more than they may, from `then` to `now`; gives which
-    /// part of all they are.
-    pub(in crate::octree) fn find_lapsed(
-        &self,
-        near: &mut NearTiles<T>,
-        then: &[Vector3<T>],
-        now: &[Vector3<T>],
-    ) -> f64 {
-        near.moves.clear();
-        let moves_of = |outline: &Outline<T>| {
-            let mut moves = Aabb::empty();
-            outline.vertices.iter().for_each(|&vertex| moves.include(&(now[vertex as usize] - then[vertex as usize])));
-            moves
-        };
-        memory::append(&mut near.moves, self.outlines.iter().map(moves_of));
-        near.lapsed.clear();
+    /// Keeps the positions of a search; `allowed`: how far triangles around each vertex may be strained.
+    pub(in crate::octree) fn keep(&self, mesh: &Mesh<T>, allowed: &[T], near: &mut NearTiles<T>) {
+        dispatch::<T, _>(MakeRest { cells: self, mesh, allowed, rest: &mut near.rest });
+    }
+
+    /// Looks for the listed pairs of tiles that have come nearer by more than they may since positions were kept; for
+    /// none, where all may have.
+    pub(in crate::octree) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearTiles<T>) -> Lapse<T> {
+        let NearTiles { rest, moves, lapsed, tile_pairs, clearances, .. } = near;
+        lapsed.clear();
+        rest.follow_turn(&self.outlines, mesh);
+        let (whole, is_held) = dispatch::<T, _>(FindMoves { cells: self, mesh, rest, moves });
+        let spread = length(&(whole.upper - whole.lower));
+        if !is_held || spread > most {
+            return Lapse { spread, part: 1.0 };
+        }
         let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
-            let (a, b) = (&near.moves[first as usize], &near.moves[second as usize]);
+            if clearance > spread {
+                return false;
+            }
+            let (a, b) = (&moves[first as usize], &moves[second as usize]);
             // The largest difference of two moves, one in each box.
             let farthest = (a.upper - b.lower).sup(&(b.upper - a.lower));
             farthest.norm_squared() > clearance * clearance
         };
-        let pairs = near.tile_pairs.iter().zip(&near.clearances);
-        memory::append(&mut near.lapsed, pairs.filter(has_lapsed).map(|(pair, _)| *pair));
-        near.lapsed.len() as f64 / near.tile_pairs.len() as f64
+        let pairs = tile_pairs.iter().zip(clearances.iter());
+        memory::append(lapsed, pairs.filter(has_lapsed).map(|(pair, _)| *pair));
+        Lapse { spread, part: lapsed.len() as f64 / tile_pairs.len() as f64 }
     }
 
-    /// The search among the pairs that have lapsed; nothing is noted.
+    /// The search among the pairs that have lapsed; nothing is noted. `is_current`: the tiles follow the mesh.
     pub(in crate::octree) fn search_lapsed(
         &self,
         mesh: &Mesh<T>,
+        is_current: bool,
         distance: T,
         near: &mut NearTiles<T>,
         offer: &mut impl FnMut(u32, u32),
@@ -142,15 +170,16 @@ impl<T: Scalar> Wide<T> {
         let NearTiles { blocks, lapsed, .. } = near;
         let narrow = Narrow::new(mesh.aabb());
         let tiles = lapsed.as_flattened().iter().copied();
-        dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, narrow, blocks });
+        dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current, narrow, blocks });
         // Each pair has its own two blocks.
         let block_of = |place: usize, tile: u32| 2 * place + usize::from(lapsed[place][0] != tile);
-        let distance = narrow.distance(distance);
-        let offer = |_: usize, a: u32, b: u32| {
+        let close = narrow.distance(distance);
+        let offer = |_: usize, a: u32, b: u32, _: bool| {
             offer(a, b);
             true
         };
-        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs: lapsed, distance, offer });
+        let (tile_pairs, steep) = (&*lapsed, &[]);
+        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, close, far: close, steep, offer });
     }
 }
 
@@ -159,6 +188,8 @@ struct MakeBlocks<'a, T: Scalar, I> {
     cells: &'a Wide<T>,
     tiles: I,
     mesh: &'a Mesh<T>,
+    /// Whether the tiles follow the mesh.
+    is_current: bool,
     narrow: Narrow<T>,
     blocks: &'a mut Vec<Block>,
 }
@@ -173,7 +204,13 @@ impl<T: Scalar, I: Iterator<Item = u32>> Kernel<T> for MakeBlocks<'_, T, I> {
             if self.blocks.len() == count {
                 self.blocks.room_for(1).push(Block::EMPTY);
             }
-            self.blocks[count].fill::<T, L>(self.cells, tile as usize, self.mesh, &self.narrow);
+            let positions = if self.is_current {
+                let mut room = [[T::zero(); TILE_SIZE]; 3];
+                Vectors::load(self.cells.positions_of::<L>(tile as usize, self.mesh, &mut room))
+            } else {
+                self.mesh.gather(&self.cells.outlines[tile as usize].vertices)
+            };
+            self.blocks[count].fill::<T, L>(self.cells, tile as usize, positions, &self.narrow);
             count += 1;
         }
         self.blocks.truncate(count);
@@ -187,12 +224,19 @@ struct TilePairs<'a, T: Scalar, B, O> {
     /// Where a tile's block is, for the place of its pair.
     block_of: B,
     tile_pairs: &'a [[u32; 2]],
-    distance: f32,
-    /// Is told the place of the pair, and two triangles; gives whether to go on.
+    /// Triangles are offered that are so near each other,
+    close: f32,
+    /// or, both of them steep, so near.
+    far: f32,
+    /// By tile; empty where none is.
+    steep: &'a [Mask],
+    /// Is told the place of the pair, two triangles and whether both are steep; gives whether to go on.
     offer: O,
 }
 
-impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32) -> bool> Kernel<f32> for TilePairs<'_, T, B, O> {
+impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32, bool) -> bool> Kernel<f32>
+    for TilePairs<'_, T, B, O>
+{
     /// Whether it came to the end.
     type Output = bool;
 
@@ -202,20 +246,39 @@ impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32) -> bool> K
             let mut a = &self.blocks[(self.block_of)(pair, first)];
             let mut b = &self.blocks[(self.block_of)(pair, second)];
             let (mut a_tile, mut b_tile) = (&self.cells.tiles[first as usize], &self.cells.tiles[second as usize]);
+            let (mut a_steep, mut b_steep) = match self.steep {
+                [] => (0, 0),
+                steep => (steep[first as usize], steep[second as usize]),
+            };
+            if a_steep == 0 || b_steep == 0 {
+                (a_steep, b_steep) = (0, 0);
+            }
+            if are_apart(&a.whole, &b.whole, if a_steep == 0 { self.close } else { self.far }) {
+                continue;
+            }
             let is_same = first == second;
             let mut candidates = a_tile.present;
             if !is_same {
-                candidates = a.near::<L>(&b.whole, self.distance);
-                let others = b.near::<L>(&a.whole, self.distance);
+                candidates = a.near::<L>(&b.whole, self.close);
+                let mut others = b.near::<L>(&a.whole, self.close);
+                if a_steep != 0 {
+                    candidates |= a_steep & a.near::<L>(&b.whole, self.far);
+                    others |= b_steep & b.near::<L>(&a.whole, self.far);
+                }
                 // The fewer against all of the other tile.
                 if others.count_ones() < candidates.count_ones() {
                     (a, b, a_tile, b_tile, candidates) = (b, a, b_tile, a_tile, others);
+                    (a_steep, b_steep) = (b_steep, a_steep);
                 }
             }
             while candidates != 0 {
                 let place = candidates.trailing_zeros() as usize;
                 candidates &= candidates - 1;
-                let mut others = b.near::<L>(&a.sides_of(place), self.distance);
+                let steep = if a_steep >> place & 1 == 0 { 0 } else { b_steep };
+                let mut others = b.near::<L>(&a.sides_of(place), self.close);
+                if steep != 0 {
+                    others |= steep & b.near::<L>(&a.sides_of(place), self.far);
+                }
                 // Each pair within one tile once.
                 others &= if is_same { !1 << place } else { !0 };
                 if others != 0 {
@@ -224,105 +287,14 @@ impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32) -> bool> K
                 while others != 0 {
                     let other = others.trailing_zeros() as usize;
                     others &= others - 1;
-                    if !(self.offer)(pair, a_tile.triangles[place], b_tile.triangles[other]) {
+                    let is_steep = steep >> other & 1 != 0;
+                    if !(self.offer)(pair, a_tile.triangles[place], b_tile.triangles[other], is_steep) {
                         return false;
                     }
                 }
             }
         }
         true
-    }
-}
-
-/// The positions of one corner of each triangle.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn corners_at<T: Scalar, L: Lanes<T>>(positions: Vectors<T, L>, places: &[u8; TILE_SIZE]) -> Vectors<T, L> {
-    Vectors::new(positions.x.permute(places), positions.y.permute(places), positions.z.permute(places))
-}
-
-/// Bit i: both have the same coordinates there.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn are_equal<T: Scalar, L: Lanes<T>>(a: Vectors<T, L>, b: Vectors<T, L>) -> Mask {
-    a.are_at_most(b) & b.are_at_most(a)
-}
-
-impl Block {
-    const EMPTY: Self =
-        Self { whole: [f32::INFINITY; 6], sides: [[f32::INFINITY; TILE_SIZE]; 6], vertices: [[0; TILE_SIZE]; 3] };
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fill<T: Scalar, L: Lanes<T>>(&mut self, cells: &Wide<T>, tile: usize, mesh: &Mesh<T>, narrow: &Narrow<T>) {
-        let mut room = [[T::zero(); TILE_SIZE]; 3];
-        let positions = Vectors::<T, L>::load(cells.positions_of::<L>(tile, mesh, &mut room));
-        let (tile, all_vertices) = (&cells.tiles[tile], &cells.outlines[tile].vertices);
-        // No closures here: they would be compiled for any processor.
-        let a = corners_at(positions, &tile.corners[0]);
-        let b = corners_at(positions, &tile.corners[1]);
-        let c = corners_at(positions, &tile.corners[2]);
-        // No ray meets a triangle of which two corners are one point.
-        let merged = are_equal(a, b) | are_equal(b, c) | are_equal(c, a);
-        let (mut lower, mut upper) = ([[T::zero(); TILE_SIZE]; 3], [[T::zero(); TILE_SIZE]; 3]);
-        a.smaller(b).smaller(c).store(&mut lower);
-        a.larger(b).larger(c).store(&mut upper);
-        let Self { whole, sides, vertices } = self;
-        for axis in 0..3 {
-            for place in 0..TILE_SIZE {
-                sides[axis][place] = narrow.lower(axis, lower[axis][place]);
-                sides[axis + 3][place] = narrow.upper(axis, upper[axis][place]);
-            }
-        }
-        let mut absent = !tile.present | merged;
-        while absent != 0 {
-            let place = absent.trailing_zeros() as usize;
-            absent &= absent - 1;
-            sides.iter_mut().for_each(|side| side[place] = f32::INFINITY);
-        }
-        *whole = [f32::INFINITY; 6];
-        for side in 0..6 {
-            for place in 0..TILE_SIZE {
-                whole[side] = if sides[side][place] < whole[side] { sides[side][place] } else { whole[side] };
-            }
-        }
-        for corner in 0..3 {
-            for place in 0..TILE_SIZE {
-                vertices[corner][place] = all_vertices[tile.corners[corner][place] as usize % TILE_SIZE];
-            }
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sides_of(&self, place: usize) -> Sides {
-        let [a, b, c, d, e, f] = &self.sides;
-        [a[place], b[place], c[place], d[place], e[place], f[place]]
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn vertices_of(&self, place: usize) -> [u32; 3] {
-        let [a, b, c] = &self.vertices;
-        [a[place], b[place], c[place]]
-    }
-
-    /// Bit i: triangle i's box is at most `distance` from `other` along every axis.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn near<L: Lanes<f32>>(&self, other: &Sides, distance: f32) -> Mask {
-        let mut near = !0;
-        for side in 0..6 {
-            let gap = L::load(&self.sides[side]).add(L::splat(other[(side + 3) % 6]));
-            near &= gap.is_at_most(L::splat(distance));
-        }
-        near
-    }
-
-    /// Bit i: triangle i has one of these vertices.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sharing<L: Lanes<f32>>(&self, vertices: [u32; 3]) -> Mask {
-        let mut sharing = 0;
-        for own in &self.vertices {
-            for vertex in vertices {
-                sharing |= L::equal(own, vertex);
-            }
-        }
-        sharing
     }
 }
 
