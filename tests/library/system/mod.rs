@@ -1,6 +1,7 @@
 //! The contact system against closed forms, finite differences and the laws of motion.
 
 mod bodies;
+mod closed;
 mod conduct;
 mod energy;
 mod friction;
