@@ -137,6 +137,8 @@ fn main() -> ExitCode {
             tolerance
         );
     }
-    println!("{starts} starts of {steps} steps, {touching} steps in contact, {unsolved} of them not solved; seed {seed}");
+    println!(
+        "{starts} starts of {steps} steps, {touching} steps in contact, {unsolved} of them not solved; seed {seed}"
+    );
     if risen[0] == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -51,7 +51,8 @@ impl Closed {
             let (turn, material) = (rotation(&V3::from(random.point(1.8))), material(&mut random));
             materials.push(material);
             let apart = if is_deep { 0.0 } else { 0.55 };
-            let corner = V3::new((k & 1) as f64, (k >> 1) as f64, 0.0) - V3::new(0.5, if count > 2 { 0.5 } else { 0.0 }, 0.0);
+            let corner =
+                V3::new((k & 1) as f64, (k >> 1) as f64, 0.0) - V3::new(0.5, if count > 2 { 0.5 } else { 0.0 }, 0.0);
             let by = corner * apart + V3::from(random.point(0.15));
             let speed = V3::from(random.point(if is_fast { 1.5 } else { 0.0 })) - by * if is_fast { 3.0 } else { 0.0 };
             let nodes = host.masses.len();
@@ -73,7 +74,8 @@ impl Closed {
             }
         }
         if has_walls {
-            let (reach, material) = (0.25 + 0.1 * random.signed() + if is_deep { 0.0 } else { 0.3 }, material(&mut random));
+            let (reach, material) =
+                (0.25 + 0.1 * random.signed() + if is_deep { 0.0 } else { 0.3 }, material(&mut random));
             let (outside, inside) = (shapes::cube(1).scaled(reach + 1.0), shapes::cube(1).map(|[x, y, z]| [-x, y, z]));
             let body = host.scene.add(outside.joined(&inside.scaled(reach)).mesh());
             host.system.add_moved(&host.scene, body, material).expect("a room");
