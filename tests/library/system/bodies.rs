@@ -8,7 +8,12 @@ use raycontact::system::{Carriers, Material};
 type V3 = Vector3<f64>;
 
 pub fn add_box(host: &mut Host, material: Material, position: V3, turn: Matrix3<f64>) {
-    let body = host.scene.add(shapes::cube(1).scaled(0.2).mesh());
+    add_rigid(host, &shapes::cube(1).scaled(0.2), material, position, turn);
+}
+
+/// With the inertia of that box, whatever its shape.
+pub fn add_rigid(host: &mut Host, shape: &Shape, material: Material, position: V3, turn: Matrix3<f64>) {
+    let body = host.scene.add(shape.mesh());
     let inertia = box_inertia(10.0, [0.4; 3]);
     host.system.add_rigid(&host.scene, body, 10.0, inertia, material).expect("a box");
     host.rigids.push(Rigid {
