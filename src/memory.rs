@@ -3,7 +3,7 @@
 //! program in Rust may catch it.
 
 use std::cell::Cell;
-use std::collections::{HashSet, VecDeque};
+use std::collections::HashSet;
 use std::fmt;
 use std::hash::Hash;
 use std::hint::black_box;
@@ -69,15 +69,6 @@ fn make_room<V>(list: &mut Vec<V>, more: usize) {
 }
 
 impl<V: Eq + Hash> Room for HashSet<V> {
-    fn room_for(&mut self, more: usize) -> &mut Self {
-        if self.try_reserve(more).is_err() {
-            unwind();
-        }
-        self
-    }
-}
-
-impl<V> Room for VecDeque<V> {
     fn room_for(&mut self, more: usize) -> &mut Self {
         if self.try_reserve(more).is_err() {
             unwind();

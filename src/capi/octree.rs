@@ -4,7 +4,7 @@ use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::numbers::check_numbers;
 use super::octree_options::rayc_octree_options;
-use super::own_exits::OwnExitsRoom;
+use super::own_exits_room::OwnExitsRoom;
 use super::pointers::{Output, slice};
 use super::sized_structs::read_options;
 use crate::math::{Scalar, Vector3};

@@ -3,6 +3,7 @@ use super::guard::guard;
 use super::handles::{changing, reading};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, RAYC_NO_TRIANGLE, rayc_octree};
+use super::own_exits_room::OwnExitsRoom;
 use super::pointers::Output;
 use crate::contact::{OwnExit, OwnExits, OwnExitsError};
 use crate::math::Scalar;
@@ -26,18 +27,6 @@ pub struct rayc_own_exit {
     pub weights: [f64; 3],
     /// The end: the weighted sum of the corners.
     pub position: [f64; 3],
-}
-
-/// What the octree of a mesh keeps for rayc_octree_own_exits().
-pub(super) struct OwnExitsRoom {
-    singles: OwnExits<f32>,
-    doubles: OwnExits<f64>,
-}
-
-impl OwnExitsRoom {
-    pub(super) fn new() -> Self {
-        Self { singles: OwnExits::default(), doubles: OwnExits::default() }
-    }
 }
 
 /// Finds the vertices of a closed surface that lie inside another part of their own body, and for each the shortest way

@@ -3,7 +3,7 @@ use super::wide::{Candidates, PacketHits};
 use super::{Cells, Octree};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, dispatch};
 use crate::memory::Room;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Standing};
 use crate::ray::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
 use std::cmp::Ordering;
 
@@ -29,6 +29,23 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// The mesh.
     pub fn mesh(&self) -> &'a Mesh<T> {
         self.mesh
+    }
+
+    /// The triangles that stand for patches of at most about this area; `None` where each stands for itself.
+    pub(crate) fn standing(&self, area: T) -> Option<&'a Standing> {
+        let group_count = match self.cells {
+            Cells::Wide(cells) => cells.tile_count(),
+            Cells::Classic(_) => self.mesh.topology().triangles().len().div_ceil(LANE_COUNT) as u32,
+        };
+        self.standing.at(self.mesh, area, group_count, |group, offer| self.triangles_of(group, offer))
+    }
+
+    /// How many triangles of these groups stand for patches of at most about this area, if only for themselves.
+    pub(crate) fn casting_in(&self, groups: &[u32], area: T) -> usize {
+        match self.standing(area) {
+            Some(standing) => groups.iter().map(|&group| standing.count_in(group)).sum(),
+            None => groups.iter().map(|&group| self.triangle_count_of(group)).sum(),
+        }
     }
 
     /// The first hit along the ray; at equal `t` the triangle with the smallest index. With the watertight test it is

@@ -1,4 +1,4 @@
-use super::SavedStateError;
+use super::saved_state_error::SavedStateError;
 use crate::math::PoseError;
 use std::fmt;
 

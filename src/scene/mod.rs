@@ -7,11 +7,12 @@ mod error;
 mod pairs;
 mod posed;
 mod saved;
+mod saved_state_error;
 mod shared_body;
 mod sharing;
 
 pub use error::SceneError;
-pub use saved::SavedStateError;
+pub use saved_state_error::SavedStateError;
 pub use shared_body::{Sharing, finds_pair};
 
 use crate::detection::{ContactList, DetectionOptions, SelfMemory};

@@ -1,8 +1,7 @@
 //! The rows' matrix on nodes, assembled. Where many rows act on few nodes, as those of fine skins do in coarse cages, products
 //! with it take a small part of the time that they take row by row.
 
-use super::row::Spring;
-use super::rows::Entry;
+use super::row::{Entry, Spring};
 use crate::math::{Kernel, Lanes, dispatch};
 use crate::memory::Room;
 

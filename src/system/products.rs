@@ -3,7 +3,7 @@
 
 use super::body::at;
 use super::row::{RigidEnd, Slip, Spring};
-use super::rows::{Entry, RowForce, Rows, Velocities};
+use super::rows::{RowForce, Rows, Velocities};
 use super::twist::V3;
 use crate::memory::Room;
 

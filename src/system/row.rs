@@ -1,5 +1,21 @@
 use super::twist::{V3, angular, linear};
 
+/// A node's part in a row. Positive for the second body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub(super) node: u32,
+    /// At the row's own points.
+    pub(super) along: f64,
+    /// At the first body's point, of both bodies: friction acts in one point, so that angular momentum is kept.
+    pub(super) across: f64,
+}
+
+impl Entry {
+    pub(super) fn largest(&self) -> f64 {
+        self.along.abs().max(self.across.abs())
+    }
+}
+
 /// Where a rigid body takes part in a row: velocity = sign · (linear + angular × arm).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RigidEnd {

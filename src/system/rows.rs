@@ -2,26 +2,10 @@
 
 use super::body::at;
 use super::matrix::NodeMatrix;
-use super::row::{RigidEnd, Row, Slip, Spring};
+use super::row::{Entry, RigidEnd, Row, Slip, Spring};
 use super::twist::{Factor, V3};
 use crate::memory::Room;
 use nalgebra::Matrix3;
-
-/// A node's part in a row. Positive for the second body.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
-    pub(super) node: u32,
-    /// At the row's own points.
-    pub(super) along: f64,
-    /// At the first body's point, of both bodies: friction acts in one point, so that angular momentum is kept.
-    pub(super) across: f64,
-}
-
-impl Entry {
-    pub(super) fn largest(&self) -> f64 {
-        self.along.abs().max(self.across.abs())
-    }
-}
 
 /// What a row acts on: an entry, or the linear or angular velocity of its first or second rigid body.
 pub(super) enum Coupled {

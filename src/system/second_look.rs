@@ -1,7 +1,7 @@
 //! A second look for contacts within a step: one body that is stopped may be in the way of another.
 
 use super::fold::pressed_area;
-use super::step::{Step, copy, square_between};
+use super::step::Step;
 use super::{ContactSystem, SystemError};
 use crate::detection::Contact;
 use crate::math::Scalar;
@@ -20,14 +20,12 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn detect_again(&mut self, scene: &mut Scene<T>, velocities: &[f64]) -> Result<bool, SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
         self.check_bodies(scene)?;
-        self.find_twists(velocities, step);
-        let nodes = &velocities[..3 * self.node_masses.len()];
-        if !self.looks_ahead || !self.ends_elsewhere(nodes, step.dt) {
+        let cap = self.bodies.iter().map(|body| body.material.depth_cap).fold(f64::INFINITY, f64::min) / step.dt;
+        let [nodes, rigids] = self.off_course(scene, velocities)?;
+        if nodes.max(rigids) <= cap * cap {
             return Ok(false);
         }
-        let buffers = &mut self.buffers;
-        copy(&mut buffers.ahead, nodes);
-        copy(&mut buffers.ahead_twists, &self.rows.response);
+        self.go_on_with(velocities);
         self.detect(scene, step.dt)?;
         scene.disregard_query();
         let has_news = self.fold_news(step);
@@ -78,20 +76,5 @@ impl<T: Scalar> ContactSystem<T> {
                 pairs[place].2 += 1;
             }
         }
-    }
-
-    fn ends_elsewhere(&self, nodes: &[f64], dt: f64) -> bool {
-        let cap = self.bodies.iter().map(|body| body.material.depth_cap).fold(f64::INFINITY, f64::min) / dt;
-        let differ = |a: &[f64], b: &[f64]| {
-            a.chunks_exact(3).zip(b.chunks_exact(3)).any(|(a, b)| square_between(a, b) > cap * cap)
-        };
-        let movable = self.node_masses.iter().any(|mass| mass.is_finite());
-        (movable && differ(nodes, &self.buffers.ahead))
-            || self
-                .rows
-                .response
-                .chunks_exact(6)
-                .zip(self.buffers.ahead_twists.chunks_exact(6))
-                .any(|(a, b)| differ(&a[..3], &b[..3]))
     }
 }

@@ -89,7 +89,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Bodies are sought where these velocities lead.
-    fn go_on_with(&mut self, velocities: &[f64]) {
+    pub(super) fn go_on_with(&mut self, velocities: &[f64]) {
         let Some(step) = self.step else { return };
         self.find_twists(velocities, step);
         copy(&mut self.buffers.ahead, &velocities[..3 * self.node_masses.len()]);
