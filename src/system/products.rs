@@ -2,7 +2,7 @@
 //! what they need lies side by side.
 
 use super::body::at;
-use super::row::{RigidEnd, Slip, Spring};
+use super::row::{Entry, RigidEnd, Slip, Spring};
 use super::rows::{RowForce, Rows, Velocities};
 use super::twist::V3;
 use crate::memory::Room;
