@@ -26,7 +26,6 @@ mod octree;
 mod octree_options;
 mod options;
 mod own_exits;
-mod own_exits_room;
 mod packed_mesh;
 mod pair_forces;
 mod pair_memory;

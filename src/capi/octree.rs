@@ -4,9 +4,9 @@ use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::numbers::check_numbers;
 use super::octree_options::rayc_octree_options;
-use super::own_exits_room::OwnExitsRoom;
 use super::pointers::{Output, slice};
 use super::sized_structs::read_options;
+use crate::contact::OwnExits;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::mesh::Mesh;
@@ -25,6 +25,18 @@ pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
 pub struct rayc_octree {
     pub(super) octree: AnyOctree,
     pub(super) own_exits: OwnExitsRoom,
+}
+
+/// What the octree of a mesh keeps for rayc_octree_own_exits().
+pub(super) struct OwnExitsRoom {
+    pub(super) singles: OwnExits<f32>,
+    pub(super) doubles: OwnExits<f64>,
+}
+
+impl OwnExitsRoom {
+    pub(super) fn new() -> Self {
+        Self { singles: OwnExits::default(), doubles: OwnExits::default() }
+    }
 }
 
 impl Handle for rayc_octree {
