@@ -30,7 +30,7 @@ export function speedAndAccuracy(rows, measure, { width, everyLabel, told }) {
   const title = (row) => `${row.method}\n${row.settings.replaceAll(" ", "\n")}\n${figures(row)}`;
   const text = (row) => (isDefault(row) ? `${short(row)} (default)` : short(row));
   return Plot.plot({
-    style, width, height: everyLabel ? 720 : 540, marginLeft: 60, marginBottom: 48, marginRight: 30, grid: true,
+    style, width, height: everyLabel ? 820 : 680, marginLeft: 60, marginBottom: 48, marginRight: 30, grid: true,
     // Room for labels.
     insetLeft: width < 600 ? 30 : 80, insetBottom: 24, insetTop: 16, insetRight: width < 600 ? 30 : 80,
     x: { type: "log", label: "time of a step, times the lower bound's →", labelOffset: 42, tickFormat: "~g" },

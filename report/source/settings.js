@@ -30,7 +30,7 @@ export const variants = [
     fits: (row) => row.method === "raycontact" && row.settings.includes("edges=off") },
   { key: "ray-lengths", name: "ray lengths instead of pressure", isShown: true,
     fits: (row) => row.method === "raycontact" && row.settings.includes("law=ray-length") },
-  { key: "weights", name: "the paper's weights", isShown: true,
+  { key: "weights", name: "the paper's weights", isShown: false,
     fits: (row) => row.method === "raycontact" && row.settings.includes("weights=paper") },
   { key: "others", name: "other programs", isShown: true, fits: (row) => !isOurs(row) },
 ];
