@@ -5,13 +5,15 @@ mod support;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use raycontact::contact::{ContactList, DetectionOptions, query_self_with_all_rays};
-use raycontact::mesh::Mesh;
+use raycontact::mesh::{Mesh, read_obj_file};
 use raycontact::octree::Octree;
 use raycontact::scene::Scene;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use support::Vector;
 use support::arguments::Arguments;
-use support::{Vector, shapes};
+use support::shapes::{self, Shape};
 
 const HELP: &str = "\
 usage: cargo run --release --example self_collision -- [options]
@@ -24,9 +26,10 @@ the contacts of a folding body, step by step, with those found by casting every 
   --idle-steps N    steps timed for each size, after 5 to warm up (default 50)
   --sizes LIST      tori timed: comma-separated numbers of quads around the ring, half as many across (default 40,160)
   --motions LIST    which of the motions below (default 1,2)
+  --file PATH       a Wavefront .obj file instead of tori, closed; brought to the origin, and to a length of 2
   --help            this text
 
-Prints a line for each torus and motion: the time of a scene query with self-collision on, as a part of that of an octree
+Prints a line for each surface and motion: the time of a scene query with self-collision on, as a part of that of an octree
 update and every ray, timed in turns; means over the steps, each the median of 5 runs. The motions:
   1  standard: a ripple of height 0.02 on a ring of radius 1, moving by 0.3 radians a step
   2  tenth: a tenth of its height
@@ -36,7 +39,7 @@ update and every ray, timed in turns; means over the steps, each the median of 5
   6  touching: pinched until two sides pass through each other, with the standard ripple
 Last line: steps=N touching=… contacts=… different=…
 Targets: at most 0.05 for motion 1, 0.02 for motion 2.
-Exit status: 0; 1 where a step differs; 2 for a wrong command line.";
+Exit status: 0; 1 where a step differs, or the file is not a closed surface; 2 for a wrong command line.";
 
 fn main() -> ExitCode {
     let mut arguments = Arguments::new(HELP);
@@ -48,19 +51,42 @@ fn main() -> ExitCode {
     if sizes.iter().any(|&size| size < 6) || idle_steps == 0 || motions.iter().any(|m| !(1..=6).contains(m)) {
         arguments.fail("at least 6 quads around, and 1 step; motions 1 to 6");
     }
+    let path: String = arguments.value("--file", String::new());
     arguments.finish();
-    println!("torus     motion    ratio    all rays/us");
-    for &size in &sizes {
+    let surfaces: Vec<(String, Shape)> = if path.is_empty() {
+        let torus = |&size: &usize| (format!("{size}x{}", size / 2), shapes::torus(size, size / 2, 0.4, false));
+        sizes.iter().map(torus).collect()
+    } else {
+        match file(&path) {
+            Ok(surface) => vec![surface],
+            Err(error) => {
+                eprintln!("error: {error}");
+                return ExitCode::FAILURE;
+            }
+        }
+    };
+    println!("surface      motion    ratio    all rays/us");
+    for (surface, shape) in &surfaces {
         for &motion in &motions {
             let (name, motion) = MOTIONS[motion - 1];
-            let (ratio, whole) = idle_ratio(size, motion, idle_steps);
-            println!("{:9} {name:9} {ratio:.5} {:11.0}", format!("{size}x{}", size / 2), whole.as_secs_f64() * 1e6);
+            let (ratio, whole) = idle_ratio(shape, motion, idle_steps);
+            println!("{surface:12} {name:9} {ratio:.5} {:11.0}", whole.as_secs_f64() * 1e6);
         }
     }
     if compare(steps, seed) == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Where a point of the torus is at a step.
+/// The surface of a file, by its name.
+fn file(path: &str) -> Result<(String, Shape), String> {
+    let (positions, triangles) = read_obj_file(Path::new(path)).map_err(|error| error.to_string())?;
+    let mesh = Mesh::<f64>::new(&positions, &triangles).map_err(|error| format!("{path}: {error}"))?;
+    let (centre, half) = (mesh.aabb().centre(), mesh.aabb().longest_side() / 2.0);
+    let points = mesh.positions().iter().map(|point| (point - centre) / half).collect();
+    let name = Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy().into_owned());
+    Ok((name, Shape { points, triangles }))
+}
+
+/// Where a point of the surface is at a step.
 type Motion = fn(&Vector, f64) -> Vector;
 
 const MOTIONS: [(&str, Motion); 6] = [
@@ -84,9 +110,9 @@ fn rippled(p: &Vector, height: f64, step: f64) -> Vector {
 }
 
 /// The scene's mean time as a part of that of every ray, and the latter: of each step the median of several runs.
-fn idle_ratio(size: usize, motion: Motion, steps: usize) -> (f64, Duration) {
+fn idle_ratio(shape: &Shape, motion: Motion, steps: usize) -> (f64, Duration) {
     const RUNS: usize = 5;
-    let runs: Vec<Vec<[Duration; 2]>> = (0..RUNS).map(|_| idle_run(size, motion, steps)).collect();
+    let runs: Vec<Vec<[Duration; 2]>> = (0..RUNS).map(|_| idle_run(shape, motion, steps)).collect();
     let mean = |which: usize| {
         let median = |step: usize| {
             let mut times: Vec<Duration> = runs.iter().map(|run| run[step][which]).collect();
@@ -100,9 +126,8 @@ fn idle_ratio(size: usize, motion: Motion, steps: usize) -> (f64, Duration) {
 }
 
 /// The times of each step: scene, every ray.
-fn idle_run(size: usize, motion: Motion, steps: usize) -> Vec<[Duration; 2]> {
+fn idle_run(shape: &Shape, motion: Motion, steps: usize) -> Vec<[Duration; 2]> {
     const WARM_UP: usize = 5;
-    let shape = shapes::torus(size, size / 2, 0.4, false);
     let mut mesh = shape.mesh(|point| *point);
     let mut octree = Octree::new(&mesh);
     let mut scene = Scene::new(1).expect("no threads are needed");

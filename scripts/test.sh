@@ -8,7 +8,7 @@ usage: scripts/test.sh [--long]
 
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the pages of the Rust
 library, the oracle with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the
-instructions of a step, the hash of all results, the versions that the library is made of, inputs that nobody chose for
+instructions of a step, the hash of all results, the versions that the library is made of, random inputs for
 a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the benchmark of deep contact without
 its peers, the C and C++ tests with the packages and the manual (cmake --workflow --preset test), and the command lines of
 all programs. Missing Debian packages are installed first, and MuJoCo is fetched. With --long the oracle asks 1e7 queries, self-collision takes 1e5 steps, forces are measured at every

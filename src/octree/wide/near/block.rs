@@ -25,12 +25,6 @@ pub(super) fn are_apart(a: &Sides, b: &Sides, distance: f32) -> bool {
     are_apart
 }
 
-/// The positions of one corner of each triangle.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn corners_at<T: Scalar, L: Lanes<T>>(positions: Vectors<T, L>, places: &[u8; TILE_SIZE]) -> Vectors<T, L> {
-    Vectors::new(positions.x.permute(places), positions.y.permute(places), positions.z.permute(places))
-}
-
 /// Bit i: both have the same coordinates there.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn are_equal<T: Scalar, L: Lanes<T>>(a: Vectors<T, L>, b: Vectors<T, L>) -> Mask {
@@ -51,9 +45,9 @@ impl Block {
     ) {
         let (tile, all_vertices) = (&cells.tiles[tile], &cells.outlines[tile].vertices);
         // No closures here: they would be compiled for any processor.
-        let a = corners_at(positions, &tile.corners[0]);
-        let b = corners_at(positions, &tile.corners[1]);
-        let c = corners_at(positions, &tile.corners[2]);
+        let a = positions.permuted(&tile.corners[0]);
+        let b = positions.permuted(&tile.corners[1]);
+        let c = positions.permuted(&tile.corners[2]);
         // No ray meets a triangle of which two corners are one point.
         let merged = are_equal(a, b) | are_equal(b, c) | are_equal(c, a);
         let (mut lower, mut upper) = ([[T::zero(); TILE_SIZE]; 3], [[T::zero(); TILE_SIZE]; 3]);
