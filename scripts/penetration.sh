@@ -30,7 +30,7 @@ peers=(coal==3.0.3 drake==1.51.1 embreex==4.4.0.post1 ipctk==1.6.1 matplotlib==3
 folder="$root/target/penetration"
 environment="$folder/venv"
 wheels="$folder/wheel"
-# numpy's products are rounded as the processor likes best unless it is told, and poses on the brink then end differently.
+# Otherwise numpy's matrix products round differently on each processor, and poses on the brink end differently.
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OPENBLAS_CORETYPE=Haswell
 
 source scripts/wheel.sh

@@ -1,5 +1,5 @@
 //! Closed systems from random starts, and their energy: of motion, of springs, and of contact, whose potential is the volume
-//! integral of the pressure law. The contact system has no part in that.
+//! integral of the pressure law. Of the library it takes positions, nearest points, and how two bodies share their load.
 
 use super::bodies::{add_box, add_cage, add_rigid, add_soft};
 use crate::common::host::{Host, rotation};
