@@ -6,12 +6,13 @@ targets=(surface obj_file differential host options)
 
 usage() {
     cat <<END
-usage: scripts/fuzz.sh [--seconds N] [--only TARGET] [--input FILE]
+usage: scripts/fuzz.sh [--seconds N] [--seed S] [--only TARGET] [--input FILE]
 
 Builds fuzz/ with libFuzzer, which sees the code that an input reaches, and the address sanitizer, then runs each target
 from the inputs in fuzz/corpus/, a few that together reach what all that were tried did. The stable compiler does it;
 RUSTC_BOOTSTRAP allows the sanitizer.
   --seconds N    for each target (default 15)
+  --seed S       of the random changes (default: another each time)
   --only TARGET  one of ${targets[*]} (default: all)
   --input FILE   this input of --only alone
 What is new is kept in target/fuzz/corpus/, an input that ends in a fault in target/fuzz/faults/.
@@ -24,11 +25,13 @@ END
 }
 
 seconds=15
+seed=0
 only=''
 input=''
 while (($#)); do
     case "$1" in
         --seconds) seconds="${2:-}" && shift ;;
+        --seed) seed="${2:-}" && shift ;;
         --only) only="${2:-}" && shift ;;
         --input) input="$(absolute_path "${2:-}")" && shift ;;
         -h | --help) usage && exit 0 ;;
@@ -37,6 +40,7 @@ while (($#)); do
     shift
 done
 [[ "$seconds" =~ ^[0-9]+$ ]] || fail "--seconds takes a whole number, not '$seconds'" 2
+[[ "$seed" =~ ^[0-9]+$ ]] || fail "--seed takes a whole number, not '$seed'" 2
 [[ -z "$only" || " ${targets[*]} " == *" $only "* ]] || fail "there is no target '$only'; give one of: ${targets[*]}" 2
 [[ -z "$input" || -n "$only" ]] || fail '--input needs --only' 2
 [[ -z "$only" ]] || targets=("$only")
@@ -65,8 +69,8 @@ for target in "${targets[@]}"; do
     log="$folder/$target.log"
     most_seconds=120
     [[ "$target" != options ]] || most_seconds=30
-    "$program" -max_total_time="$seconds" -max_len=512 -timeout="$most_seconds" -rss_limit_mb=4096 -print_final_stats=1 \
-        -artifact_prefix="$folder/faults/$target-" "$new" "$known" >"$log" 2>&1 ||
+    "$program" -seed="$seed" -max_total_time="$seconds" -max_len=512 -timeout="$most_seconds" -rss_limit_mb=4096 \
+        -print_final_stats=1 -artifact_prefix="$folder/faults/$target-" "$new" "$known" >"$log" 2>&1 ||
         fail "$target: a fault. $(grep -m 1 -E 'ERROR|panicked|SUMMARY' "$log"); all of it: $log; the input: \
 $(sed -n 's/.*Test unit written to //p' "$log")"
     executions="$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")"

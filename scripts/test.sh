@@ -63,7 +63,8 @@ check 'failure table' "${example[@]}" poses -- --failures --count 20
 check 'instructions' scripts/instructions.sh
 check 'hashes' scripts/hashes.sh
 check 'supply chain' scripts/supply_chain.sh "${supply_chain[@]}"
-check 'fuzzing' scripts/fuzz.sh --seconds 10
+# The same changes in every run, so that no run fails by chance; other seeds are tried apart from this.
+check 'fuzzing' scripts/fuzz.sh --seconds 10 --seed 1
 check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
 check 'Python' scripts/python.sh
 check 'penetration' scripts/penetration.sh --check

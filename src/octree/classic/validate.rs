@@ -34,7 +34,8 @@ impl<T: Scalar> Classic<T> {
             entry(self.entries[place].triangle, node.level, cell);
         }
         let mut expected = node.own_end;
-        let middle = (cell.lower + cell.upper) * T::of(0.5);
+        // Halves first: the sum of both corners may be beyond the precision.
+        let middle = cell.lower + (cell.upper - cell.lower) * T::of(0.5);
         let octants = (0..8usize).filter(|octant| node.children >> octant & 1 == 1);
         for (rank, octant) in octants.enumerate() {
             let child_index = node.first_child as usize + rank;
@@ -85,6 +86,7 @@ impl<T: Scalar> Classic<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cuboid::CUBOID_FACES;
 
     /// A ball of 2 · 12 · 10 triangles, of many sizes.
     fn ball() -> Mesh<f64> {
@@ -115,6 +117,24 @@ mod tests {
         change(&mut cells);
         let what = cells.validate(&mesh).expect_err(part);
         assert!(what.contains(part), "{what:?} does not say {part:?}");
+    }
+
+    /// Found by fuzzing: with coordinates this large, the sum of two corners of a cell is beyond double precision.
+    #[test]
+    fn cells_of_the_largest_positions_are_found_whole() {
+        let far = [-1.371_505_903_715_674_6e304, -1.068_201_699_677_931e308];
+        let positions = [
+            [-0.03125, -0.03125, -2.1875],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 0.0, 1.0],
+            [far[0], -0.03125, -0.03125],
+            [far[1], -0.03125, -0.03125],
+        ];
+        let mesh = Mesh::open(&positions, &CUBOID_FACES).expect("all is finite");
+        assert_eq!(Classic::new(&mesh).validate(&mesh), Ok(()));
     }
 
     /// The places of the entries at one level.
