@@ -93,6 +93,14 @@ int main(void) {
   CHECK_OK(rayc_scene_body_state(scene, 1, sizeof state, &state));
   CHECK(state.lower[0] == -0.75 && state.upper[2] == 1.25);
   CHECK(state.cost > 0 && state.overlaps_itself == 0);
+  rayc_pair_cost cost = {42, 42, -1};
+  size_t cost_count = 42;
+  CHECK_OK(rayc_scene_pair_cost_count(scene, &cost_count));
+  CHECK(cost_count == 1);
+  CHECK_STATUS(rayc_scene_copy_pair_costs(scene, 1, 1, sizeof cost, &cost), RAYC_STATUS_WRONG_COUNT, "there are 1");
+  CHECK(cost.first == 42);
+  CHECK_OK(rayc_scene_copy_pair_costs(scene, 0, 1, sizeof cost, &cost));
+  CHECK(cost.first == 1 && cost.second == 0 && cost.cost > 0 && cost.cost <= 2 * state.cost);
 
   /* A ghost's pair is found here or there. */
   uint32_t here = 2, there = 2;

@@ -1085,6 +1085,25 @@ typedef struct rayc_body_state {
 } rayc_body_state;
 
 /**
+ * What the newest query took for one pair of bodies; later versions may tell more, at the end.
+ */
+typedef struct rayc_pair_cost {
+  /**
+   * The pair's bodies, the one that comes first in their order first.
+   */
+  uint32_t first;
+  /**
+   * The other.
+   */
+  uint32_t second;
+  /**
+   * How many rays as long as this the query took. Reading the bodies' triangles is no pair's cost; it is in that of
+   * rayc_body_state.
+   */
+  double cost;
+} rayc_pair_cost;
+
+/**
  * The forces of one pair of bodies, or of a body with itself: where they lie among those of all pairs.
  */
 typedef struct rayc_pair_forces {
@@ -2358,6 +2377,26 @@ enum rayc_status rayc_scene_body_state(const struct rayc_scene *scene,
                                        struct rayc_body_state *state);
 
 /**
+ * How many pairs the newest query looked at: those whose boxes overlap, but for pairs that do not collide or are found
+ * by another process. *count: 0 before the first query.
+ */
+enum rayc_status rayc_scene_pair_cost_count(const struct rayc_scene *scene, size_t *count);
+
+/**
+ * Copies what the newest query took for pairs first … first + count − 1 to `out`, which has room for `count`: to balance
+ * work between processes. They stand in the order of their first, then their second body; one that was removed since
+ * is still named. struct_size: sizeof(rayc_pair_cost), so that a later library writes no more of each than the caller
+ * knows.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_scene_copy_pair_costs(const struct rayc_scene *scene,
+                                            size_t first,
+                                            size_t count,
+                                            size_t struct_size,
+                                            struct rayc_pair_cost *out);
+
+/**
  * Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, for this scene or for another: for
  * bodies that move from one process to another. Give the pair's bodies by their numbers in this scene, the one that
  * comes first in their order first. A query forgets it if the two boxes do not overlap then. struct_size:
@@ -2405,8 +2444,8 @@ enum rayc_status rayc_contacts_copy_pair_forces(const struct rayc_contacts *cont
 enum rayc_status rayc_mesh_packed_length(const struct rayc_mesh *mesh, size_t *length);
 
 /**
- * Writes the mesh as it was created to `bytes`: its triangles, and the positions at creation instead of the present
- * ones. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
+ * Writes the mesh as it was created to `bytes`: its triangles, the positions at creation instead of the present ones,
+ * and the clusters of triangles that are the leaves of its octree, which need not be found again. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
  * same on every machine.
  *
  * The positions at creation decide patches, tiles and the order of contacts. So a mesh that rayc_mesh_unpack() makes
@@ -2415,7 +2454,9 @@ enum rayc_status rayc_mesh_packed_length(const struct rayc_mesh *mesh, size_t *l
  *
  * Errors: RAYC_STATUS_WRONG_COUNT.
  */
-enum rayc_status rayc_mesh_pack(const struct rayc_mesh *mesh, size_t length, uint8_t *bytes);
+enum rayc_status rayc_mesh_pack(const struct rayc_mesh *mesh,
+                                size_t length,
+                                uint8_t *bytes);
 
 /**
  * Makes a mesh from packed bytes, with the same precision and at the positions of its creation. *mesh: the new

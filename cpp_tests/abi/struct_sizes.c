@@ -38,6 +38,10 @@ static rayc_status pair_memory_of_scene(size_t size, rayc_pair_memory* place) {
   return rayc_scene_copy_pair_memories(scene, 0, 1, size, place);
 }
 
+static rayc_status cost_of_pair(size_t size, rayc_pair_cost* place) {
+  return rayc_scene_copy_pair_costs(scene, 0, 1, size, place);
+}
+
 static rayc_status push_of_contacts(size_t size, rayc_escape_push* place) {
   return rayc_contacts_copy_escape_pushes(contacts, 0, 1, size, place);
 }
@@ -124,6 +128,7 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_pair_memory, state) == sizeof(rayc_pair_memory));
   CHECK(END_OF(rayc_escape_push, area) == sizeof(rayc_escape_push));
   CHECK(END_OF(rayc_body_state, reserved) == sizeof(rayc_body_state));
+  CHECK(END_OF(rayc_pair_cost, cost) == sizeof(rayc_pair_cost));
 }
 
 /* Nor a hole within, whose bytes would be whatever they were. */
@@ -136,6 +141,7 @@ static void arrays_elements_have_no_holes(void) {
   CHECK(sizeof(rayc_contact) ==
         4 * sizeof(uint32_t) + sizeof(uint64_t) + 2 * sizeof(rayc_surface_point) + 6 * sizeof(double));
   CHECK(sizeof(rayc_surface_point) == 4 * sizeof(uint32_t) + 6 * sizeof(double));
+  CHECK(sizeof(rayc_pair_cost) == 2 * sizeof(uint32_t) + sizeof(double));
   CHECK(sizeof(rayc_vertex_force) == 2 * sizeof(uint32_t) + 3 * sizeof(double));
   CHECK(sizeof(rayc_hit) == 2 * sizeof(uint32_t) + 4 * sizeof(double));
   CHECK(sizeof(rayc_own_exit) == 2 * sizeof(uint32_t) + 7 * sizeof(double));
@@ -156,6 +162,7 @@ int main(void) {
   make_escapes();
   CHECK_SIZES(rayc_pair_memory, END_OF(rayc_pair_memory, state), pair_memory_of_scene);
   CHECK_SIZES(rayc_body_state, END_OF(rayc_body_state, reserved), state_of_body);
+  CHECK_SIZES(rayc_pair_cost, END_OF(rayc_pair_cost, cost), cost_of_pair);
   CHECK_SIZES(rayc_escape_push, END_OF(rayc_escape_push, area), push_of_contacts);
   arrays_are_written_in_steps_of_the_callers_size();
   CHECK_OK(rayc_scene_destroy(scene));

@@ -207,6 +207,16 @@ class Scene {
     return check(status);
   }
 
+  /** What the newest query took for each pair; replaces what `costs` held. */
+  Outcome<void> copy_pair_costs_to(std::vector<rayc_pair_cost>& costs) const {
+    std::size_t count = 0;
+    rayc_status status = rayc_scene_pair_cost_count(get(), &count);
+    costs.resize(count);
+    if (status == RAYC_STATUS_OK)
+      status = rayc_scene_copy_pair_costs(get(), 0, count, sizeof(rayc_pair_cost), costs.data());
+    return check(status);
+  }
+
   /** Replaces what one pair remembers: rayc_scene_set_pair_memory(). */
   Outcome<void> set_pair_memory(const rayc_pair_memory& memory) {
     return check(rayc_scene_set_pair_memory(get(), sizeof memory, &memory));

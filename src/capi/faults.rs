@@ -165,6 +165,8 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_finds_pair(0, 1, null_mut());
         rayc_scene_find_self_contacts(null_mut());
         rayc_scene_body_state(null(), 0, 0, null_mut());
+        rayc_scene_pair_cost_count(null(), null_mut());
+        rayc_scene_copy_pair_costs(null(), 0, 0, 0, null_mut());
         rayc_scene_set_pair_memory(null_mut(), 0, null());
         rayc_scene_remove_body(null_mut(), 0);
         rayc_scene_release_body_numbers(null_mut());

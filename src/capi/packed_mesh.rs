@@ -20,8 +20,8 @@ pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length:
     })
 }
 
-/// Writes the mesh as it was created to `bytes`: its triangles, and the positions at creation instead of the present
-/// ones. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
+/// Writes the mesh as it was created to `bytes`: its triangles, the positions at creation instead of the present ones,
+/// and the clusters of triangles that are the leaves of its octree, which need not be found again. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
 /// same on every machine.
 ///
 /// The positions at creation decide patches, tiles and the order of contacts. So a mesh that rayc_mesh_unpack() makes

@@ -5,12 +5,12 @@ use super::numbers::flag;
 use super::pair_memory::rayc_pair_memory;
 use super::pointers::{Output, reference};
 use super::scene::{AnyScene, rayc_scene};
-use super::sized_structs::{Growing, check_size, write_known};
+use super::sized_structs::{Growing, Known, check_size, write_known};
 use crate::bytes::Reader;
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::recovery::PairMemory;
-use crate::scene::{Scene, SceneError, Sharing, finds_pair};
+use crate::scene::{PairCost, Scene, SceneError, Sharing, finds_pair};
 
 /// For rayc_scene_share_body(): a body has as many neighbours as are in the scene.
 pub const RAYC_NEIGHBOURS_COUNTED: u32 = u32::MAX;
@@ -35,6 +35,24 @@ pub struct rayc_body_state {
 
 impl Growing for rayc_body_state {
     const NAME: &'static str = "rayc_body_state";
+    const SMALLEST: usize = size_of::<Self>();
+}
+
+/// What the newest query took for one pair of bodies; later versions may tell more, at the end.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_pair_cost {
+    /// The pair's bodies, the one that comes first in their order first.
+    pub first: u32,
+    /// The other.
+    pub second: u32,
+    /// How many rays as long as this the query took. Reading the bodies' triangles is no pair's cost; it is in that of
+    /// rayc_body_state.
+    pub cost: f64,
+}
+
+impl Growing for rayc_pair_cost {
+    const NAME: &'static str = "rayc_pair_cost";
     const SMALLEST: usize = size_of::<Self>();
 }
 
@@ -133,6 +151,56 @@ pub unsafe extern "C" fn rayc_scene_body_state(
         };
         write_known(struct_size, state, "state", found)
     })
+}
+
+/// How many pairs the newest query looked at: those whose boxes overlap, but for pairs that do not collide or are found
+/// by another process. *count: 0 before the first query.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_pair_cost_count(scene: *const rayc_scene, count: *mut usize) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = reading(scene, "scene")?;
+        Output::new(count, "count")?.write(pair_costs(&scene.scene).len());
+        Ok(())
+    })
+}
+
+/// Copies what the newest query took for pairs first … first + count − 1 to `out`, which has room for `count`: to balance
+/// work between processes. They stand in the order of their first, then their second body; one that was removed since
+/// is still named. struct_size: sizeof(rayc_pair_cost), so that a later library writes no more of each than the caller
+/// knows.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end, RAYC_STATUS_INVALID_STRUCT_SIZE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_copy_pair_costs(
+    scene: *const rayc_scene,
+    first: usize,
+    count: usize,
+    struct_size: usize,
+    out: *mut rayc_pair_cost,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let scene = reading(scene, "scene")?;
+        let costs = pair_costs(&scene.scene);
+        let Some(asked) = first.checked_add(count).and_then(|end| costs.get(first..end)) else {
+            let message = text!(
+                "costs of pairs {first} to {first} + {count} were asked for, but there are {}; ask for fewer",
+                costs.len()
+            );
+            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+        };
+        let of = |&PairCost { bodies: [first, second], cost }: &PairCost| rayc_pair_cost { first, second, cost };
+        Known::new(struct_size, out, count, "out")?.write_all(asked.iter().map(of));
+        Ok(())
+    })
+}
+
+fn pair_costs(scene: &AnyScene) -> &[PairCost] {
+    match scene {
+        AnyScene::F32(scene) => scene.pair_costs(),
+        AnyScene::F64(scene) => scene.pair_costs(),
+    }
 }
 
 /// Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, for this scene or for another: for

@@ -1,5 +1,6 @@
 //! One outward-oriented triangle surface, closed unless asked otherwise: fixed topology, positions renewed each step.
 
+mod clusters;
 mod error;
 mod facing;
 mod normals;
@@ -16,6 +17,7 @@ mod survey;
 mod topology;
 mod winding;
 
+pub(crate) use clusters::{CLUSTER_SIZE, Clusters, capacity_below, middle};
 pub(crate) use error::InFile;
 pub use error::MeshError;
 pub(crate) use facing::Facing;
@@ -64,7 +66,8 @@ pub struct Mesh<T: Scalar> {
 #[derive(Debug)]
 struct Reference<T: Scalar> {
     positions: Vec<Vector3<T>>,
-    /// Found when first asked for.
+    /// Found when first asked for, like all that follows.
+    clusters: OnceLock<Clusters>,
     patches: OnceLock<Patches<T>>,
     /// The triangles, in an order that numbering does not change.
     triangles_in_space: OnceLock<Vec<u32>>,
@@ -142,6 +145,7 @@ impl<T: Scalar> Mesh<T> {
             all: OnceLock::new(),
             reference: memory::shared(Reference {
                 positions: reference,
+                clusters: OnceLock::new(),
                 patches: OnceLock::new(),
                 triangles_in_space: OnceLock::new(),
                 roundness: OnceLock::new(),
@@ -212,6 +216,11 @@ impl<T: Scalar> Mesh<T> {
     /// first asked for.
     pub(crate) fn triangles_in_space(&self) -> &[u32] {
         self.reference.triangles_in_space.get_or_init(|| OrderInSpace::new(self).order)
+    }
+
+    /// Its triangles, cluster by cluster, by its reference positions; found when they are first asked for.
+    pub(crate) fn clusters(&self) -> &Clusters {
+        self.reference.clusters.get_or_init(|| Clusters::new(self))
     }
 
     /// Its patches, by its reference positions; found when they are first asked for.

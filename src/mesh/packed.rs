@@ -1,5 +1,6 @@
 //! A mesh as it was created, as bytes: what another process needs to make the same mesh.
 
+use super::clusters::Clusters;
 use super::{Mesh, MeshError};
 use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
 use crate::math::Scalar;
@@ -51,11 +52,12 @@ impl fmt::Display for PackedMeshError {
 impl std::error::Error for PackedMeshError {}
 
 const MARK: [u8; 8] = *b"raycmesh";
-const VERSION: u32 = 1;
-const HEAD: usize = 8 + 3 * 4 + 2 * 8;
+const VERSION: u32 = 2;
+const HEAD: usize = 8 + 3 * 4 + 3 * 8;
 /// Of one vertex: three numbers, always in double precision, which holds both.
 const VERTEX: usize = 3 * 8;
-const TRIANGLE: usize = 3 * 4;
+/// Its corners, and its number among the clusters' triangles.
+const TRIANGLE: usize = 3 * 4 + 4;
 
 /// Bytes of one number of a packed mesh, by which its precision is known; and what follows.
 pub(crate) fn packed_number_size(bytes: &[u8]) -> Result<(u32, Reader<'_>), PackedMeshError> {
@@ -75,28 +77,32 @@ impl<T: Scalar> Mesh<T> {
     /// How many bytes [`pack`](Self::pack) appends.
     pub fn packed_length(&self) -> usize {
         let [vertices, triangles] = [self.reference.positions.len(), self.topology.triangles().len()];
-        HEAD + vertices * VERTEX + triangles * TRIANGLE + CHECKSUM
+        HEAD + vertices * VERTEX + triangles * TRIANGLE + self.clusters().len() + CHECKSUM
     }
 
-    /// Appends the mesh as it was created: its triangles and reference positions, not the present ones. What is
-    /// [unpacked](Self::unpack) from it and given the same positions has the same contacts in the same order, to the bit, in
-    /// any process on any machine.
+    /// Appends the mesh as it was created: its triangles, its reference positions, not the present ones, and the clusters of
+    /// triangles that are the leaves of its tree, so that these need not be found again. What is [unpacked](Self::unpack)
+    /// from it and given the same positions has the same contacts in the same order, to the bit, in any process on any
+    /// machine.
     pub fn pack(&self, bytes: &mut Vec<u8>) {
         let start = bytes.len();
         let (positions, triangles) = (&self.reference.positions, self.topology.triangles());
+        let clusters = self.clusters();
         bytes.room_for(self.packed_length());
         bytes.extend(MARK);
         [VERSION, size_of::<T>() as u32, u32::from(self.is_open())]
             .into_iter()
             .for_each(|word| bytes.extend(word.to_le_bytes()));
-        bytes.extend((positions.len() as u64).to_le_bytes());
-        bytes.extend((triangles.len() as u64).to_le_bytes());
+        [positions.len(), triangles.len(), clusters.len()]
+            .into_iter()
+            .for_each(|count| bytes.extend((count as u64).to_le_bytes()));
         for number in positions.iter().flat_map(|position| position.iter()) {
             bytes.extend(number.to_f64().to_le_bytes());
         }
-        for vertex in triangles.as_flattened() {
-            bytes.extend(vertex.to_le_bytes());
+        for number in triangles.as_flattened().iter().chain(clusters.triangles()) {
+            bytes.extend(number.to_le_bytes());
         }
+        bytes.extend(clusters.sizes());
         let checksum = checksum(&bytes[start..]);
         bytes.extend(checksum.to_le_bytes());
     }
@@ -107,23 +113,32 @@ impl<T: Scalar> Mesh<T> {
     /// [`PackedMeshError`].
     pub fn unpack(bytes: &[u8]) -> Result<Self, PackedMeshError> {
         let (number_size, mut head) = packed_number_size(bytes)?;
-        let (open, vertices, triangles) = (head.whole(), head.long(), head.long());
+        let open = head.whole();
+        let mut count = || usize::try_from(head.long()?).ok();
+        let counts = [count(), count(), count()];
         let counted = || {
-            let [vertices, triangles] = [usize::try_from(vertices?).ok()?, usize::try_from(triangles?).ok()?];
+            let [vertices, triangles, clusters] = [counts[0]?, counts[1]?, counts[2]?];
             let numbers = vertices.checked_mul(VERTEX)?.checked_add(triangles.checked_mul(TRIANGLE)?)?;
-            Some((numbers.checked_add(HEAD + CHECKSUM)?, vertices, triangles))
+            Some((numbers.checked_add(clusters)?.checked_add(HEAD + CHECKSUM)?, vertices, triangles, clusters))
         };
-        let (length, vertices, triangles) = counted().ok_or_else(|| refused(BytesError::Foreign, bytes))?;
+        let (length, vertices, triangles, clusters) = counted().ok_or_else(|| refused(BytesError::Foreign, bytes))?;
         bytes::check::<T>(bytes, Some(length), number_size).map_err(|error| refused(error, bytes))?;
         let mut vector = || Some([head.number()?, head.number()?, head.number()?]);
         let positions = memory::tried((0..vertices).map(|_| vector().ok_or(PackedMeshError::Damaged)))?;
         let mut corners = || Some([head.whole()?, head.whole()?, head.whole()?]);
         let triangles = memory::tried((0..triangles).map(|_| corners().ok_or(PackedMeshError::Damaged)))?;
+        let in_clusters = memory::tried((0..triangles.len()).map(|_| head.whole().ok_or(PackedMeshError::Damaged)))?;
+        let sizes = memory::tried(
+            (0..clusters).map(|_| head.take().map(|[size]: [u8; 1]| size).ok_or(PackedMeshError::Damaged)),
+        )?;
         let made = match open {
             Some(0) => Self::new(&positions, &triangles),
             Some(1) => Self::open(&positions, &triangles),
             _ => return Err(PackedMeshError::Damaged),
         };
-        made.map_err(PackedMeshError::Mesh)
+        let mesh = made.map_err(PackedMeshError::Mesh)?;
+        let known = Clusters::known(&mesh.topology, in_clusters, sizes).ok_or(PackedMeshError::Damaged)?;
+        mesh.reference.clusters.get_or_init(|| known);
+        Ok(mesh)
     }
 }

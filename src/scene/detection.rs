@@ -1,7 +1,7 @@
 use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
 use super::pairs::{Remembered, by_number};
-use super::shared_body::finds_pair;
+use super::shared_body::{PairCost, finds_pair};
 use super::{OwnContacts, Scene};
 use crate::detection::{ContactLaw, ContactList, DetectionOptions, Statistics, detect_self, reach_region};
 use crate::math::{Aabb, Scalar};
@@ -58,6 +58,7 @@ impl<T: Scalar> Scene<T> {
         let numbers = |pair: &[u32; 2]| pair.map(|place| list[place as usize][0].number);
         pairs.history.start_query(broad_phase.pairs().iter().map(numbers), stamp, |pair| bodies.order(pair));
         bodies.iter_mut().for_each(Body::start_cost);
+        self.pair_costs.clear();
         self.order_lists();
         if self.threads.helpers().are_there() && self.rays_expected() >= FEWEST_RAYS_TO_SHARE {
             self.detect_side_by_side(contacts);
@@ -95,7 +96,7 @@ impl<T: Scalar> Scene<T> {
     fn detect_alone(&mut self, contacts: &mut ContactList<T>) {
         contacts.clear();
         contacts.set_helpers(Helpers::Nobody);
-        let Self { bodies, broad_phase, lists, pairs, options, .. } = self;
+        let Self { bodies, broad_phase, lists, pairs, pair_costs, options, .. } = self;
         let mut next = 0;
         for (list, _) in lists {
             let last = match *list {
@@ -114,14 +115,15 @@ impl<T: Scalar> Scene<T> {
                 List::Body(place) => contacts.append(narrow_phase.own(place)),
                 List::Pair(place) => narrow_phase.detect(&mut pairs.history.after[place], contacts),
             }
-            bodies.add_cost(list, broad_phase.pairs(), all_rays(&contacts.statistics) - before);
+            let rays = all_rays(&contacts.statistics) - before;
+            bodies.add_cost(list, broad_phase.pairs(), rays, pair_costs);
         }
     }
 
     /// Threads fill a list for each pair, which are then joined.
     fn detect_side_by_side(&mut self, contacts: &mut ContactList<T>) {
         self.threads.follow_fork();
-        let Self { bodies, broad_phase, pair_contacts, lists, pairs, options, threads } = self;
+        let Self { bodies, broad_phase, pair_contacts, pair_costs, lists, pairs, options, threads } = self;
         let count = broad_phase.pairs().len();
         if pair_contacts.len() < count {
             pair_contacts.room_for(count - pair_contacts.len()).resize_with(count, ContactList::default);
@@ -164,7 +166,8 @@ impl<T: Scalar> Scene<T> {
                 List::Body(place) => bodies.list()[place][0].own.as_ref().map(|own| own.contacts.statistics),
                 List::Pair(place) => Some(pair_contacts[place].statistics),
             };
-            bodies.add_cost(list, broad_phase.pairs(), statistics.map_or(0, |statistics| all_rays(&statistics)));
+            let rays = statistics.map_or(0, |statistics| all_rays(&statistics));
+            bodies.add_cost(list, broad_phase.pairs(), rays, pair_costs);
         }
     }
 }
@@ -288,8 +291,8 @@ impl<T: Scalar> Body<T> {
 }
 
 impl<T: Scalar> Bodies<T> {
-    /// Shares out what a list of contacts took.
-    fn add_cost(&mut self, list: &List, pairs: &[[u32; 2]], rays: u64) {
+    /// Shares out what a list of contacts took, and notes it where it is a pair's.
+    fn add_cost(&mut self, list: &List, pairs: &[[u32; 2]], rays: u64, costs: &mut Vec<PairCost>) {
         let rays = rays as f64;
         match *list {
             List::Body(place) => self.list_mut()[place][0].cost += rays,
@@ -297,6 +300,7 @@ impl<T: Scalar> Bodies<T> {
                 let both = self.two_mut(pairs[place].map(|place| place as usize));
                 // A ghost's scene does not hear of it.
                 let share = if both.iter().any(|body| body.sharing.is_ghost) { rays } else { rays * 0.5 };
+                costs.room_for(1).push(PairCost { bodies: both.each_ref().map(|body| body.number), cost: rays });
                 both.into_iter().for_each(|body| body.cost += share);
             }
         }

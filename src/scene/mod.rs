@@ -13,7 +13,7 @@ mod sharing;
 
 pub use error::SceneError;
 pub use saved_state_error::SavedStateError;
-pub use shared_body::{Sharing, finds_pair};
+pub use shared_body::{PairCost, Sharing, finds_pair};
 
 use crate::detection::{ContactList, DetectionOptions, SelfMemory};
 use crate::math::Scalar;
@@ -37,6 +37,8 @@ pub struct Scene<T: Scalar> {
     /// The contacts of each overlapping pair, where threads find them side by side; kept so that a steady step allocates
     /// nothing.
     pair_contacts: Vec<ContactList<T>>,
+    /// What the newest query took for each pair.
+    pair_costs: Vec<PairCost>,
     /// All lists of the last step in the order of their contacts, and how many contacts are in the lists before.
     lists: Vec<(List, usize)>,
     /// What is known of pairs from step to step.
@@ -78,6 +80,7 @@ impl<T: Scalar> Scene<T> {
             bodies: Bodies::default(),
             broad_phase: BroadPhase::default(),
             pair_contacts: Vec::new(),
+            pair_costs: Vec::new(),
             lists: Vec::new(),
             pairs: Pairs::default(),
             options: DetectionOptions::default(),

@@ -12,6 +12,16 @@ pub struct Sharing {
     pub overlaps_itself: bool,
 }
 
+/// What a query took for one pair of bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairCost {
+    /// The pair's bodies by number, the one that comes first in their order first.
+    pub bodies: [u32; 2],
+    /// How many rays as long it took. Reading the bodies' triangles is no pair's: see
+    /// [`Scene::body_cost`](super::Scene::body_cost).
+    pub cost: f64,
+}
+
 /// Whether the scene that has the body of key `own` finds the contacts with the other, of which it has a ghost; the scene
 /// that has it the other way round says the opposite. Each finds about half of such pairs.
 pub fn finds_pair(own: u64, ghost: u64) -> bool {

@@ -1,7 +1,7 @@
 //! Scenes that share their bodies: each has some of its own, and ghosts of those of others that meet them.
 
 use super::bodies::Body;
-use super::shared_body::Sharing;
+use super::shared_body::{PairCost, Sharing};
 use super::{Scene, SceneError};
 use crate::math::{Aabb, Scalar};
 use crate::recovery::PairMemory;
@@ -58,6 +58,11 @@ impl<T: Scalar> Scene<T> {
     /// [`SceneError::UnknownBody`].
     pub fn body_cost(&self, body: u32) -> Result<f64, SceneError> {
         self.bodies.get(body).map(|body| body.cost).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// What the newest query took for each pair whose boxes overlapped, in the order of the pairs; none before the first.
+    pub fn pair_costs(&self) -> &[PairCost] {
+        &self.pair_costs
     }
 
     /// Replaces what one pair remembers, as [`pair_memories`](Self::pair_memories) of this scene or another gave it; the

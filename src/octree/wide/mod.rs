@@ -3,7 +3,6 @@
 //! for a mesh; new positions only renew boxes, from the tiles upward.
 
 mod closest;
-mod cluster;
 mod group;
 mod leaving;
 mod near;
@@ -63,11 +62,12 @@ pub(super) struct Wide<T: Scalar> {
 impl<T: Scalar> Wide<T> {
     pub(super) fn new(mesh: &Mesh<T>) -> Self {
         let topology = mesh.topology();
-        let (nodes, groups) = group::group(mesh, cluster::cluster(mesh));
-        let (mut tiles, mut outlines) = (memory::with_room(groups.len()), memory::with_room(groups.len()));
+        let clusters = mesh.clusters();
+        let nodes = group::nodes_above(clusters.len());
+        let (mut tiles, mut outlines) = (memory::with_room(clusters.len()), memory::with_room(clusters.len()));
         let mut is_owned = memory::filled(false, topology.vertex_count());
-        for group in &groups {
-            let (mut tile, outline) = Tile::new(topology.triangles(), group);
+        for cluster in clusters.iter() {
+            let (mut tile, outline) = Tile::new(topology.triangles(), cluster);
             tile.own_vertices(&outline.vertices, &mut is_owned);
             tiles.push(tile);
             outlines.push(outline);

@@ -1,7 +1,8 @@
-use crate::math::{Aabb, LANE_COUNT, Mask, Scalar, Vector3};
+use crate::math::{Aabb, Mask, Scalar, Vector3};
+use crate::mesh::CLUSTER_SIZE;
 
-/// At most so many triangles, and so many vertices, form a tile.
-pub(super) const TILE_SIZE: usize = LANE_COUNT;
+/// At most so many triangles, and so many vertices, form a tile: those of a cluster.
+pub(super) const TILE_SIZE: usize = CLUSTER_SIZE;
 
 /// Up to 16 neighbouring triangles and their up to 16 vertices.
 #[derive(Clone, Debug)]

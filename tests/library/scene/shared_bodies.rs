@@ -87,6 +87,33 @@ fn the_order_is_that_of_the_keys() {
     assert!(matches!(scene.add_with_key(shapes::cube(1).mesh(), 7), Err(SceneError::KeyTaken { key: 7 })));
 }
 
+/// What pairs and bodies took adds up, whoever worked on it.
+#[test]
+fn costs_of_pairs_add_up_to_those_of_bodies() {
+    for threads in [1, 3] {
+        let mut scene = Scene::<f64>::new(threads).expect("the threads start");
+        assert!(scene.pair_costs().is_empty());
+        let numbers: Vec<u32> = bodies()
+            .into_iter()
+            .map(|(key, shape)| scene.add_with_key(shape.mesh(), key).expect("a new key"))
+            .collect();
+        let mut list = ContactList::default();
+        scene.query(&mut list);
+        let costs = scene.pair_costs();
+        assert_eq!(costs.len() as u64, list.statistics.pairs);
+        let rays: f64 = costs.iter().map(|pair| pair.cost).sum();
+        assert_eq!(rays, (list.statistics.rays + list.statistics.estimate_rays) as f64);
+        for &body in &numbers {
+            let of_pairs: f64 =
+                costs.iter().filter(|pair| pair.bodies.contains(&body)).map(|pair| 0.5 * pair.cost).sum();
+            let read = scene.mesh(body).expect("it was added").topology().triangles().len() as f64 / 50.0;
+            assert_eq!(scene.body_cost(body).expect("it was added"), read + of_pairs);
+        }
+        let pairs: Vec<[u32; 2]> = scene.pair_memories().iter().map(|(pair, _)| *pair).collect();
+        assert!(costs.iter().map(|pair| pair.bodies).eq(pairs), "{threads} threads");
+    }
+}
+
 /// Two scenes, each with half of the bodies and ghosts of the others, find each pair once, and just what one scene finds.
 #[test]
 fn scenes_with_ghosts_find_what_one_scene_finds() {
@@ -229,6 +256,15 @@ fn a_packed_mesh_comes_back_as_it_was() {
         refused(&broken);
         assert_eq!(refused(&bytes[..place]), PackedMeshError::NotPacked { length: place });
     }
+    // Also what fits its checksum: the last cluster's size.
+    let mut forged = bytes.clone();
+    let end = bytes.len() - 8;
+    forged[end - 1] += 1;
+    let sum = forged[..end]
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3));
+    forged[end..].copy_from_slice(&sum.to_le_bytes());
+    assert_eq!(refused(&forged), PackedMeshError::Damaged);
     let mut newer = bytes.clone();
     newer[8] = 9;
     assert_eq!(refused(&newer), PackedMeshError::OtherVersion { version: 9 });
