@@ -23,14 +23,15 @@ struct Drifter {
 
 inline bool is_small(uint64_t key) { return key % 10 == 9; }
 
-/** In a block of space about as high as wide, every torus across its neighbours. */
-inline Drifter drifter(uint64_t key, uint64_t count) {
+/** In a block of space about as high as wide, every torus across its neighbours, `apart` times as far off as usual. */
+inline Drifter drifter(uint64_t key, uint64_t count, double apart = 1) {
   const auto side = static_cast<uint64_t>(std::ceil(std::cbrt(static_cast<double>(count))));
   const uint64_t place = is_small(key) ? key - 1 : key;
   Drifter body;
   body.key = key;
-  body.place = {1.9 * static_cast<double>(place % side) + (is_small(key) ? 1 : 0),
-                0.75 * static_cast<double>(place / side % side), 1.9 * static_cast<double>(place / side / side)};
+  body.place = {1.9 * apart * static_cast<double>(place % side) + (is_small(key) ? 1 : 0),
+                0.75 * apart * static_cast<double>(place / side % side),
+                1.9 * apart * static_cast<double>(place / side / side)};
   for (std::size_t axis = 0; axis < 3 && !is_small(key); ++axis)
     body.velocity[axis] = 0.8 * std::sin(12.9898 * static_cast<double>(key) + 4.1 * static_cast<double>(axis));
   return body;

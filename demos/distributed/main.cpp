@@ -15,7 +15,7 @@
 namespace {
 
 struct Options {
-  long bodies = 220, steps = 60, around = 24, rebalance = 10, every = 4;
+  long bodies = 220, steps = 60, around = 24, apart = 100, rebalance = 10, every = 4;
   std::string out, csv;
 };
 
@@ -29,6 +29,7 @@ const char* const usage =
     "  --bodies N      how many bodies (220)\n"
     "  --steps N       steps of 1/60 s (60)\n"
     "  --around N      quads around each torus, half as many across (24)\n"
+    "  --apart N       how far apart bodies start, in per cent of the usual (100)\n"
     "  --rebalance N   steps between two divisions of the bodies among the ranks (10)\n"
     "  --out FOLDER    write distributed.pvd and its frames there, for ParaView\n"
     "  --every N       steps between two frames (4)\n"
@@ -42,6 +43,7 @@ int parse(int argc, char** argv, Options& options) {
   const std::map<std::string, long*> numbers = {{"--bodies", &options.bodies},
                                                 {"--steps", &options.steps},
                                                 {"--around", &options.around},
+                                                {"--apart", &options.apart},
                                                 {"--rebalance", &options.rebalance},
                                                 {"--every", &options.every}};
   for (int i = 1; i < argc; ++i)
@@ -78,7 +80,7 @@ class Run {
     const auto count = static_cast<uint64_t>(options.bodies);
     for (uint64_t key = 0; key < count; ++key) {
       if (static_cast<int>(key * static_cast<uint64_t>(size) / count) != rank) continue;
-      bodies_[key] = demo::drifter(key, count);
+      bodies_[key] = demo::drifter(key, count, static_cast<double>(options.apart) / 100);
       const demo::Surface& surface = shape(key);
       scene_.add(key, {raycontact::vectors(surface.positions), surface.triangles});
     }
