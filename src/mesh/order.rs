@@ -55,25 +55,27 @@ impl<'a, T: Scalar> OrderInSpace<'a, T> {
     }
 }
 
-fn first_rank_first(mut corners: [u32; 3], ranks: &[u32]) -> [u32; 3] {
-    let [a, b, c] = corners.map(|vertex| ranks[vertex as usize]);
-    let first = if a <= b && a <= c { 0 } else { 1 + usize::from(c < b) };
-    corners.rotate_left(first);
-    corners
+fn first_rank_first(corners: [u32; 3], ranks: &[u32]) -> [u32; 3] {
+    let [a, b, c] = corners;
+    let [of_a, of_b, of_c] = corners.map(|vertex| ranks[vertex as usize]);
+    if of_a <= of_b && of_a <= of_c {
+        [a, b, c]
+    } else if of_b <= of_c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
 }
 
 /// How many other places come before each position's.
 fn ranks<T: Scalar>(positions: &[Vector3<T>]) -> Vec<u32> {
-    let compare = |a: u32, b: u32| {
-        let [a, b] = [a, b].map(|vertex| positions[vertex as usize]);
-        [a.x, a.y, a.z].partial_cmp(&[b.x, b.y, b.z]).unwrap_or(Ordering::Equal)
-    };
-    let mut sorted = memory::listed(0..positions.len() as u32);
-    sorted.sort_unstable_by(|&a, &b| compare(a, b));
+    // Beside one another, so that sorting does not look them up.
+    let mut sorted = memory::listed(positions.iter().zip(0u32..).map(|(p, vertex)| ([p.x, p.y, p.z], vertex)));
+    sorted.sort_unstable_by(|(a, _), (b, _)| a.partial_cmp(b).unwrap_or(Ordering::Equal));
     let mut ranks = memory::filled(0, positions.len());
     let mut rank = 0;
-    for (place, &vertex) in sorted.iter().enumerate() {
-        rank += u32::from(place > 0 && compare(sorted[place - 1], vertex) != Ordering::Equal);
+    for (place, &(position, vertex)) in sorted.iter().enumerate() {
+        rank += u32::from(place > 0 && sorted[place - 1].0 != position);
         ranks[vertex as usize] = rank;
     }
     ranks

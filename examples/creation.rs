@@ -1,0 +1,113 @@
+//! What a mesh and its octree cost when they are made: time and memory for each triangle.
+
+mod support;
+
+use allocation_counter::measure;
+use raycontact::math::Scalar;
+use raycontact::mesh::{Mesh, read_obj_file};
+use raycontact::octree::Octree;
+use std::hint::black_box;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+use support::arguments::Arguments;
+use support::shapes;
+
+const HELP: &str = "\
+usage: cargo run --release --example creation -- [options]
+
+Times how a mesh and its octree are made, in single and in double precision: from arrays; for a clone, whose clusters of
+triangles are known; and from packed bytes.
+
+  --sizes LIST      tori: comma-separated numbers of quads around the ring, half as many across (default 24,80,320)
+  --file PATH       a Wavefront .obj file instead, of a closed surface
+  --rounds N        how often each is made, in turns (default 25)
+  --help            this text
+
+Prints a line for each surface and precision. Times are medians, in microseconds a triangle; bytes a triangle are those that
+stay allocated. The first octree also finds the mesh's clusters, which stay with the mesh and are counted there.
+Exit status: 0; 1 where the file is not a closed surface; 2 for a wrong command line.";
+
+fn main() -> ExitCode {
+    let mut arguments = Arguments::new(HELP);
+    let sizes = arguments.list("--sizes", &[24, 80, 320]);
+    let path: String = arguments.value("--file", String::new());
+    let rounds: usize = arguments.value("--rounds", 25);
+    if sizes.iter().any(|&size| size < 6) || rounds == 0 {
+        arguments.fail("at least 6 quads around, and 1 round");
+    }
+    arguments.finish();
+    let surfaces: Vec<Surface> = if path.is_empty() {
+        sizes.iter().map(|&size| torus(size)).collect()
+    } else {
+        match read_obj_file(Path::new(&path)) {
+            Ok((points, triangles)) => vec![(points, triangles)],
+            Err(error) => {
+                eprintln!("error: {error}");
+                return ExitCode::FAILURE;
+            }
+        }
+    };
+    println!("                        us a triangle                                    bytes a triangle");
+    println!("triangles  precision    mesh  octree  clone, octree  unpacked, octree    mesh  octree");
+    for surface in &surfaces {
+        if let Err(error) = Mesh::<f64>::new(&surface.0, &surface.1) {
+            eprintln!("error: {error}");
+            return ExitCode::FAILURE;
+        }
+        print_line::<f32>("single", surface, rounds);
+        print_line::<f64>("double", surface, rounds);
+    }
+    ExitCode::SUCCESS
+}
+
+type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+fn torus(size: usize) -> Surface {
+    let shape = shapes::torus(size, size / 2, 0.4, false);
+    (shape.points.iter().map(|point| (*point).into()).collect(), shape.triangles)
+}
+
+fn print_line<T: Scalar>(precision: &str, (points, triangles): &Surface, rounds: usize) {
+    let points: Vec<[T; 3]> = points.iter().map(|point| point.map(T::of)).collect();
+    let mut times = [const { Vec::new() }; 4];
+    for _ in 0..rounds {
+        let start = Instant::now();
+        let mesh = Mesh::new(&points, triangles).expect("closed, as double precision said");
+        let made = Instant::now();
+        let octree = Octree::new(&mesh);
+        let searchable = Instant::now();
+        let clone = mesh.clone();
+        let of_clone = Octree::new(&clone);
+        let cloned = Instant::now();
+        let mut bytes = Vec::new();
+        mesh.pack(&mut bytes);
+        let packed = Instant::now();
+        let unpacked = Mesh::<T>::unpack(&bytes).expect("just packed");
+        let of_unpacked = Octree::new(&unpacked);
+        let end = Instant::now();
+        black_box((octree, of_clone, of_unpacked));
+        let parts = [made - start, searchable - made, cloned - searchable, end - packed];
+        times.iter_mut().zip(parts).for_each(|(list, part)| list.push(part.as_secs_f64() * 1e6));
+    }
+    let count = triangles.len() as f64;
+    let [mesh, octree, clone, unpacked] = [0, 1, 2, 3].map(|part: usize| {
+        times[part].sort_by(f64::total_cmp);
+        times[part][rounds / 2] / count
+    });
+    let (mut kept, mut dropped) = (None, None);
+    let both = measure(|| {
+        let mesh = Mesh::new(&points, triangles).expect("closed, as before");
+        kept = Some((Octree::new(&mesh), mesh));
+    });
+    if let Some((octree, mesh)) = kept {
+        dropped = Some(measure(|| drop(octree)));
+        drop(mesh);
+    }
+    let of_octree = dropped.map_or(0.0, |freed| -freed.bytes_current as f64) / count;
+    let of_mesh = both.bytes_current as f64 / count - of_octree;
+    println!(
+        "{count:9}  {precision:9} {mesh:7.3} {octree:7.3} {clone:14.3} {unpacked:17.3} {:7.1} {:7.1}",
+        of_mesh, of_octree
+    );
+}
