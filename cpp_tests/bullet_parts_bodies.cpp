@@ -44,6 +44,7 @@ std::size_t parts(const char* scene, const bullet::Cage& first, const bullet::Ca
   options.sampling_value = force_tolerance;
   options.stiffness = bullet::suggested_stiffness(youngs_modulus, first.cell_edge);
   demo::SoftWorld world(youngs_modulus, poisson_ratio, options);
+  world.keep_momentum();
   const std::vector<btSoftBody*> bodies{&world.add(first, 1), &world.add(second, 1)};
 
   world.step(time_step);
@@ -61,7 +62,8 @@ std::size_t parts(const char* scene, const bullet::Cage& first, const bullet::Ca
               contacts_at_start, world.contact().contact_count(), steps, inverted, share);
   expect(world.contact().contact_count() == 0, scene, "no contact after 100 steps");
   expect(inverted == 0, scene, "no tetrahedron is inverted");
-  expect(share < 0.01, scene, "momentum is kept");
+  // With thousands of contacts a step, single precision spends up to 3.3e-6 by rounding.
+  expect(share < 10 * demo::SoftWorld::rounding, scene, "momentum is kept");
   return contacts_at_start;
 }
 

@@ -64,6 +64,15 @@ class SoftWorld {
         std::find_if(bodies_.begin(), bodies_.end(), [&](const auto& other) { return other.get() == &body; }));
   }
 
+  /** The part of a momentum that rounding may spend once nothing else does. */
+  static constexpr double rounding = raycontact::bullet::double_precision ? 1e-12 : 1e-6;
+
+  /** Takes away what else spends momentum in Bullet: conjugate gradients cut short, and damping by 1 % a second. */
+  void keep_momentum() {
+    solver_.solve_to_rounding();
+    elasticity_.setDamping(0, elasticity_.m_damping_beta);
+  }
+
   void step(double dt) { world_.stepSimulation(static_cast<btScalar>(dt), 0); }
 
   btDeformableMultiBodyDynamicsWorld& world() { return world_; }
@@ -71,11 +80,18 @@ class SoftWorld {
   const raycontact::bullet::ContactForce& contact() const { return contact_; }
 
  private:
+  struct Solver : btDeformableBodySolver {
+    void solve_to_rounding() {
+      m_cg.m_maxIterations = 1000;
+      m_cg.m_tolerance = SIMD_EPSILON * SIMD_EPSILON;
+    }
+  };
+
   btDeformableGravityForce gravity_;
   btSoftBodyRigidBodyCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
-  btDeformableBodySolver solver_;
+  Solver solver_;
   btDeformableMultiBodyConstraintSolver constraint_solver_;
   btDeformableMultiBodyDynamicsWorld world_;
   btDeformableLinearElasticityForce elasticity_;

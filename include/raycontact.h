@@ -4,12 +4,25 @@
  *
  * Every call that can fail returns a rayc_status; outputs come last and are written only on success. After any other
  * status than RAYC_STATUS_OK nothing has changed, and rayc_last_error_message() says what was wrong where and what to
- * do. Of the errors, a NULL pointer (RAYC_STATUS_NULL_POINTER), what is no handle of its type (RAYC_STATUS_INVALID_HANDLE),
- * a handle that another call is using (RAYC_STATUS_BUSY) and a fault inside the library (RAYC_STATUS_PANIC) are not listed
- * again at each call. Lengths are in the caller's unit, metres in this text.
+ * do. Some errors are not listed again at each call: RAYC_STATUS_NULL_POINTER, RAYC_STATUS_INVALID_HANDLE (the pointer is no
+ * handle of its type), RAYC_STATUS_BUSY (another call is using the handle) and RAYC_STATUS_PANIC (a fault inside the library).
+ * A call that takes options may also return RAYC_STATUS_INVALID_STRUCT_SIZE, RAYC_STATUS_UNKNOWN_ENUM and
+ * RAYC_STATUS_INVALID_OPTION, and one that takes rayc_vectors RAYC_STATUS_INVALID_STRIDE and RAYC_STATUS_UNKNOWN_ENUM.
+ * Lengths are in the caller's unit, metres in this text.
  *
  * Handles are freed by the caller, by the rayc_…_destroy() of their type. Arrays stay the caller's; the library copies what
  * it needs and keeps no pointer to them. A call with a const handle only reads it and may run beside others that do.
+ *
+ * Words of this text:
+ *
+ * - host: the program that calls the library
+ * - body: a mesh in a scene, which has a number
+ * - overlap box: where the bounding boxes of two bodies overlap
+ * - the paper: Hermann, Faure, Raffin 2008, "Ray-traced collision detection for deformable bodies"
+ * - contact: a point of one body's surface inside another body, or inside another part of its own, and the point where a ray
+ *   from it along the inward normal leaves that body
+ * - escape: a pair that contacts cannot part, such as one body inside the other, is pushed along one direction until it is apart
+ * - ghost: a copy of a body that belongs to the scene of another process (rayc_scene_share_body())
  *
  * One step of a simulation: rayc_scene_set_positions() for each body that moved, or rayc_scene_set_pose() where it keeps its
  * shape, rayc_scene_query(), rayc_contacts_add_forces(), rayc_scene_advance().
@@ -24,7 +37,8 @@
  * - the contact system, with friction, rigid bodies and cages: rayc_contact_system_…
  * - pairs that escape, and what the scene remembers of pairs: rayc_contacts_…escape_push…, rayc_scene_…escape, …memor…
  * - bodies shared by several processes: rayc_scene_share_body() to rayc_mesh_unpack()
- * - a search tree of one's own: rays, nearest points, winding numbers, ways out of oneself: rayc_default_octree_options(), rayc_octree_…
+ * - rays, nearest points, winding numbers and ways out of oneself, by the search tree of one mesh: rayc_default_octree_options(),
+ *   rayc_octree_…
  */
 
 #ifndef RAYCONTACT_H
@@ -58,19 +72,20 @@
 #define RAYC_ABI_VERSION 2
 
 /**
- * How many bytes of stack a call needs of the thread that makes it, and a task of a rayc_parallel_for of the thread that
- * calls it, beside what is in use there and what the system keeps at its end: what was measured, 98 KB, and room to
- * spare. Threads of a pool have stacks of their own, large enough.
+ * Bytes of free stack that a thread must have when it calls the library, or when it runs a task of a
+ * rayc_parallel_for. 98 KB were measured; the rest is room to spare. Do not count what the system keeps at the end of
+ * a stack. Threads of a scene's own pool have stacks that are large enough.
  */
 #define RAYC_STACK_SIZE 131072
 
 /**
- * For rayc_scene_share_body(): a body has as many neighbours as are in the scene.
+ * For rayc_scene_share_body(): the neighbours of a body are counted in this scene alone.
  */
 #define RAYC_NEIGHBOURS_COUNTED UINT32_MAX
 
 /**
- * The triangle number of a ray that meets nothing.
+ * Stands where a triangle's number would be and there is no triangle: a ray that meets nothing, no surface within a
+ * bound.
  */
 #define RAYC_NO_TRIANGLE UINT32_MAX
 
@@ -122,13 +137,14 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_OTHER_ABI = 108,
   /**
-   * A pointer that should be a handle is none, is one of another type, or has been destroyed. Only what still lies
-   * there can tell, so after its end this is no promise: the memory may have been used again, or be gone.
+   * A pointer that should be a handle is not one, is a handle of another type, or was destroyed. Do not rely on the
+   * last: a destroyed handle is recognised only while its memory has not been used for something else or returned to
+   * the system.
    */
   RAYC_STATUS_INVALID_HANDLE = 109,
   /**
-   * A call that has not returned is using the handle, and one of the two changes it: another thread's, or the query
-   * around a parallel_for. That call is not disturbed; wait for it.
+   * A call that has not returned is using the handle, and at least one of the two calls changes it. The other call
+   * is one of another thread, or the query whose parallel_for is running. It is not disturbed; wait for it.
    */
   RAYC_STATUS_BUSY = 110,
   /**
@@ -160,7 +176,7 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_MESH_NON_MANIFOLD = 205,
   /**
-   * A closed part of the surface is inside out, and no cavity of another.
+   * A closed part of the surface is inside out and is not a cavity in another part.
    */
   RAYC_STATUS_MESH_INWARD = 206,
   /**
@@ -197,11 +213,11 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_FILE_BROKEN = 401,
   /**
-   * Bytes are not what was saved, or have been changed since.
+   * The bytes given are not what the library saved or packed, or have been changed since.
    */
   RAYC_STATUS_SAVED_STATE_BROKEN = 402,
   /**
-   * Bytes were saved by a version of the library that wrote them in another form.
+   * The bytes given were saved by another version of the library, which wrote them in another form.
    */
   RAYC_STATUS_SAVED_STATE_OTHER_VERSION = 403,
   /**
@@ -209,13 +225,14 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_THREADS_NOT_STARTED = 500,
   /**
-   * There is no memory for what the call makes. Any call may say so. A contact list that it was to fill is as before or
-   * empty. What still ends the process, where memory ends within them: reading a file, and starting the threads of a
-   * pool or handing them work.
+   * There is not enough memory. Any call may return this. A contact list that the call was to fill is then as before
+   * or empty. Three things still end the process if memory runs out in them: reading a file, starting the threads of
+   * a pool, and handing them work.
    */
   RAYC_STATUS_OUT_OF_MEMORY = 501,
   /**
-   * A contact system's step is under way and should not be, or the other way round.
+   * A step of the contact system is under way and the call must come outside a step, or none is and the call must
+   * come within one.
    */
   RAYC_STATUS_OUT_OF_ORDER = 600,
   /**
@@ -247,7 +264,8 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_INVALID_STEP = 607,
   /**
-   * The contact system eliminates rigid bodies, and for this call it must keep them.
+   * The call needs the velocities of rigid bodies among the unknowns: see keeps_rigid_unknowns in
+   * rayc_contact_system_options.
    */
   RAYC_STATUS_RIGID_ELIMINATED = 608,
   /**
@@ -289,7 +307,8 @@ typedef enum rayc_contact_kind {
    */
   RAYC_CONTACT_KIND_RAY = 1,
   /**
-   * The same from the middle of an edge that pierces the other body, where no point of either surface does.
+   * The same from the middle of that stretch of an edge which lies inside the other body. Only where no ray from the
+   * surface points of either body finds the overlap.
    */
   RAYC_CONTACT_KIND_EDGE = 2,
   /**
@@ -303,15 +322,17 @@ typedef enum rayc_contact_kind {
  */
 typedef enum rayc_law {
   /**
-   * Pressure by depth below the surface: at every surface point inside the other body, k times the distance to the nearest
-   * point of that body's surface, along the inward normal; a contact's cos_alpha is that distance over its depth. The
-   * force is a gradient, so closed paths cost no work; it is that of Archimedes on round bodies in flat faces, and near that
-   * of hydroelastic contact (Elandt et al., IROS 2019) elsewhere. Where a body folds over itself, the rays' own law stays.
+   * Pressure by depth below the surface: at every surface point inside the other body, k times the distance to the
+   * nearest point of that body's surface, along the inward normal; a contact's cos_alpha is that distance over its
+   * depth. The force is the negative gradient of an energy, so on a closed path it does no work. On a round body in
+   * a flat face it is the buoyancy of Archimedes; elsewhere it is near hydroelastic contact (Elandt et al., IROS
+   * 2019). Where a body folds over itself, forces follow RAYC_LAW_RAY_LENGTH instead.
    */
   RAYC_LAW_PRESSURE = 0,
   /**
-   * The paper's: k times the ray's length times the cosine of its angle, at points whose ray leaves the other body before
-   * their own (Hermann, Faure, Raffin 2008, section 4). Beside edges such forces may point the wrong way.
+   * The paper's: k times the ray's length times the cosine of its angle, at points whose ray leaves the other body
+   * before it leaves their own (Hermann, Faure, Raffin 2008, section 4). Beside edges such forces may point the
+   * wrong way.
    */
   RAYC_LAW_RAY_LENGTH = 1,
 } rayc_law;
@@ -337,22 +358,25 @@ typedef enum rayc_octree_layout {
  */
 typedef enum rayc_sampling {
   /**
-   * In the middle of each triangle, larger ones being cut so that about 128 rays stand on the overlap's largest side;
-   * forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes. In a scene, where the
-   * boxes of both bodies of a pair overlap those of more than 12 others, n at the least, it is 12/n as many, but no fewer
-   * than 8: crowded_pairs in rayc_statistics.
+   * In the middle of each triangle. Triangles that are large beside the overlap are cut first, so that about 128
+   * rays start from an area as large as the largest face of the overlap box. So forces hardly depend on the
+   * triangulation; on fine meshes it is about two rays for each vertex. A crowd gets fewer rays: where the boxes of
+   * both bodies of a pair overlap those of at least n others, n > 12, it is 128 · 12 / n, but no fewer than 8. Such
+   * pairs are counted as crowded_pairs in rayc_statistics.
    */
   RAYC_SAMPLING_AUTOMATIC = 0,
   /**
-   * sampling_value, a length > 0, apart or about so far, in the middles of faces: larger triangles are cut into pieces of
-   * that size, and smaller ones joined to patches, connected and nearly flat, of which one triangle casts for all.
+   * About sampling_value apart, a length > 0. Larger triangles are cut into pieces of that size, and a ray starts
+   * from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
+   * and one ray starts from one triangle of each patch.
    */
   RAYC_SAMPLING_SPACING = 1,
   /**
-   * As automatic, with triangles joined to patches as large as leave the net force of each pair within the part
-   * sampling_value, > 0 and at most 1, of that of all rays, and its torque within that part of the force times half the
-   * overlap box's diagonal. It is an estimate: patches get smaller until two tries agree clearly better than that; where
-   * two tries would take more than a third of the triangles, or leave no hope to agree, all cast.
+   * As automatic, but with triangles joined to patches, as large as the error allowed lets them be. sampling_value,
+   * > 0 and at most 1, is that error of the net force of each pair, as a part of the force that all rays would give;
+   * the net torque may be off by as much times half the diagonal of the overlap box. It is an estimate: patches get
+   * smaller until two tries agree clearly better than that. Where two tries would take more than a third of the
+   * triangles, or cannot be expected to agree, all triangles cast rays.
    */
   RAYC_SAMPLING_TOLERANCE = 2,
   /**
@@ -391,12 +415,14 @@ typedef enum rayc_weighting {
 
 /**
  * Contact on the unknowns that a simulator solves for. It knows what carries each body of a scene, its material, its
- * friction, and which bodies are rigid. It looks where bodies will be at the end of the step, turns each contact
- * into a row (a spring that only pushes, with friction) on the host's nodes and rigid bodies, and gives a solver the
- * forces and the products with their derivative.
+ * friction, and which bodies are rigid. It looks where bodies will be at the end of the step, turns each contact into
+ * a row (a spring that only pushes, with friction) on the host's nodes and rigid bodies, and gives a solver the forces
+ * and the products with their derivative. Rows are held: which of them push and how they rub is decided when a step
+ * begins, and anew only by rayc_contact_system_linearise() and rayc_contact_system_detect_again(). In between, forces
+ * are linear in the velocities.
  *
- * One step: rayc_contact_system_set_motion() for bodies that are not deformable, rayc_contact_system_begin(); as often as
- * needed a solve with rayc_contact_system_add_forces() and rayc_contact_system_add_product(), then
+ * One step: rayc_contact_system_set_motion() for bodies that are not deformable, rayc_contact_system_begin(); then, as
+ * often as needed, a solve with rayc_contact_system_add_forces() and rayc_contact_system_add_product(), then
  * rayc_contact_system_linearise() and rayc_contact_system_detect_again(); rayc_contact_system_finish(). A steady step
  * allocates nothing.
  *
@@ -529,7 +555,7 @@ typedef struct rayc_response_options {
    */
   double stiffness;
   /**
-   * Seconds, ≥ 0: the damping along the ray is k · damping_time. Default 0.
+   * Damping over stiffness, in s; ≥ 0. The damping along the ray is k · damping_time. Default 0.
    */
   double damping_time;
   /**
@@ -676,7 +702,7 @@ typedef struct rayc_surface_point {
    */
   double weights[3];
   /**
-   * Where it was at detection.
+   * Where it was at detection, in m.
    */
   double position[3];
 } rayc_surface_point;
@@ -699,16 +725,16 @@ typedef struct rayc_contact {
    */
   uint32_t collided;
   /**
-   * Which part of p1's triangle the ray stands for: 1 the whole, and of piece n the halves are 2 n and 2 n + 1; 0 for a
-   * vertex. Of the n-th stretch of an edge that lies inside, from 0 on,
-   * 3 n + k, where the edge lies across from corner k.
+   * Which part of p1's triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and 2
+   * n + 1. 0 for a ray from a vertex. For a contact of an edge it is 3 n + k: the edge lies across from corner k,
+   * and the contact is on its n-th stretch inside the other body, counted from 0.
    */
   uint32_t piece;
   /**
-   * For hosts that keep something for each contact: the same from step to step as long as the same point of the surface
-   * meets the same body, and another for every other contact. It follows from kind, bodies, p1's triangle and piece; large
-   * triangles are cut anew where the size of an overlap changes much. A hash of 64 bits: two of 100 000 contacts are the
-   * same with a probability of 3e-10.
+   * Names the contact from step to step, for hosts that keep something for each: the same as long as the same piece
+   * of surface meets the same body, and another for every other contact. It is a hash of 64 bits of kind, bodies,
+   * p1's triangle and piece: that any two of 100 000 contacts share one has a probability of 3e-10. Where the size
+   * of an overlap changes much, large triangles are cut anew, and their contacts get other names.
    */
   uint64_t id;
   /**
@@ -724,7 +750,7 @@ typedef struct rayc_contact {
    */
   double direction[3];
   /**
-   * The distance from p1 to p2, ≥ 0.
+   * The distance from p1 to p2, in m; ≥ 0.
    */
   double depth;
   /**
@@ -734,8 +760,9 @@ typedef struct rayc_contact {
    */
   double cos_alpha;
   /**
-   * The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
-   * the rays of this direction carry; the two directions' shares sum to 1.
+   * The surface area the contact stands for, in m²: that of the piece of surface behind the ray, times the share of
+   * the pair's load that the rays of the colliding body carry. The rays of both bodies find the same overlap, so the
+   * two bodies' shares sum to 1.
    */
   double area;
 } rayc_contact;
@@ -759,8 +786,8 @@ typedef struct rayc_statistics {
    */
   uint64_t rays;
   /**
-   * Rays that left the overlap box without meeting the other mesh, or along an escape its box; for a body with itself,
-   * rays from points that lie inside no other part of it.
+   * Rays that left the overlap box without meeting the other mesh; while a pair escapes, rays that left that mesh's
+   * own box. For a body with itself, rays from points that lie inside no other part of it.
    */
   uint64_t misses;
   /**
@@ -777,7 +804,7 @@ typedef struct rayc_statistics {
    */
   uint64_t without_normal;
   /**
-   * Pieces of triangles left larger than the spacing asks, because their surface had been cut as often as it may.
+   * Pieces of triangles left larger than the sampling asks, because triangles are not cut more often than this.
    */
   uint64_t uncut_pieces;
   /**
@@ -813,11 +840,13 @@ typedef struct rayc_statistics {
    */
   uint64_t escape_contacts;
   /**
-   * Pairs whose escape was held fast by others and has turned to the line of centres, from the next query on.
+   * Pairs whose escape other bodies blocked: from the next query on they escape along the line between their
+   * centres.
    */
   uint64_t escapes_turned;
   /**
-   * Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
+   * Pairs that contacts cannot part, and that would have begun to escape if rayc_scene_allow_escape() did not forbid
+   * it.
    */
   uint64_t escapes_forbidden;
   /**
@@ -865,9 +894,10 @@ typedef struct rayc_contact_system_options {
    */
   uint32_t precision;
   /**
-   * 1: the velocities of rigid bodies are unknowns of the host, behind those of its nodes. 0: the host solves for its nodes
-   * alone, and rigid bodies give way exactly as if they were solved for; rayc_contact_system_rigid_velocity() has the
-   * result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
+   * 1: the velocities of rigid bodies are unknowns of the host, behind those of its nodes. 0: the host solves for
+   * its nodes alone, and rigid bodies give way exactly as if they were solved for;
+   * rayc_contact_system_rigid_velocity() gives their velocities. A step then factors a dense matrix of six rows for
+   * each, so fifty of them are about the most. Default 0.
    */
   uint32_t keeps_rigid_unknowns;
   /**
@@ -902,8 +932,8 @@ typedef struct rayc_material {
    */
   double friction;
   /**
-   * The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
-   * bodies close within the step is met in full.
+   * At more than this depth, in m, a contact pushes no harder in one step than at this depth; > 0, and infinity for
+   * no cap. By as much as bodies come nearer within the step they are pushed back in full.
    */
   double depth_cap;
 } rayc_material;
@@ -931,7 +961,8 @@ typedef struct rayc_motion {
 } rayc_motion;
 
 /**
- * What the rows of one pair do to one of its bodies: where its blocks lie among those of all parts.
+ * One pair's rows as they act on one of its bodies: which of the blocks of rayc_contact_system_copy_parts() are
+ * theirs.
  */
 typedef struct rayc_contact_part {
   /**
@@ -987,10 +1018,10 @@ typedef struct rayc_contact_memory {
 } rayc_contact_memory;
 
 /**
- * Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. It says
- * nothing that the contacts do not: hosts that move bodies themselves translate the first by a part of depth · direction,
- * and the second against it; hosts with very soft bodies, which contacts would draw out, spread the push evenly, as the
- * contact system does. Later versions may tell more, at the end.
+ * Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. It
+ * says nothing that the contacts do not: hosts that move bodies themselves translate the first by a part of depth ·
+ * direction, and the second against it; hosts with very soft bodies, which contacts would stretch, spread the push
+ * evenly over each body, as the contact system does. Later versions may tell more, at the end.
  */
 typedef struct rayc_escape_push {
   /**
@@ -1024,8 +1055,8 @@ typedef struct rayc_escape_push {
 } rayc_escape_push;
 
 /**
- * What a pair of bodies of a scene remembers from step to step, which rayc_scene_advance() ends, while their boxes overlap;
- * later versions may tell more, at the end.
+ * What a pair of bodies of a scene remembers from step to step while their boxes overlap; rayc_scene_advance() ends a
+ * step. Later versions may tell more, at the end.
  */
 typedef struct rayc_pair_memory {
   /**
@@ -1037,7 +1068,8 @@ typedef struct rayc_pair_memory {
    */
   uint32_t second;
   /**
-   * 1: the pair is escaping; 0: its contacts part it. Only told: rayc_scene_set_pair_memory() reads it from `state`.
+   * 1: the pair is escaping; 0: its contacts part it. For reading: rayc_scene_set_pair_memory() takes it from
+   * `state`.
    */
   uint32_t escaping;
   /**
@@ -1045,8 +1077,8 @@ typedef struct rayc_pair_memory {
    */
   uint32_t reserved;
   /**
-   * The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping. Only
-   * told, too.
+   * The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
+   * For reading, too.
    */
   double direction[3];
   /**
@@ -1069,8 +1101,9 @@ typedef struct rayc_body_state {
    */
   double upper[3];
   /**
-   * How many rays as long as the newest query took for the body, 0 before the first: those of its contacts with itself,
-   * half of those of its pairs, and all of those with ghosts. Fifty triangles that are read count as a ray.
+   * What the newest query took for this body, counted in rays; 0 before the first. These are the rays of its
+   * contacts with itself, half of those of its pairs, all of those of its pairs with ghosts
+   * (rayc_scene_share_body()), and one ray for every fifty triangles that were read.
    */
   double cost;
   /**
@@ -1469,10 +1502,10 @@ enum rayc_status rayc_scene_set_positions(struct rayc_scene *scene,
  * whose contacts with itself are switched on is moved as a whole, as with positions.
  *
  * Contacts are the same, to the bit, as with rayc_scene_set_positions() where coordinate k of each vertex is
- * `rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k]`, in double precision, each product and sum
- * rounded, added from left to right; in a scene of single precision x, y, z are the mesh's coordinates in that precision and
- * the sum is rounded once more. As new positions do, it makes what the last query found old, and ends a step
- * where rayc_scene_advance() is not used. Contacts, forces and boxes are in the world's coordinates.
+ * `rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k]`, in double precision, each product and
+ * sum rounded, added from left to right; in a scene of single precision x, y, z are the mesh's coordinates in that
+ * precision and the sum is rounded once more. As new positions do, it ends a step where rayc_scene_advance() is not
+ * used; contacts found before it are those of the old pose. Contacts, forces and boxes are in the world's coordinates.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY; RAYC_STATUS_NOT_FINITE where a number of the pose is not; RAYC_STATUS_INVALID_DIRECTION
  * where the rotation is no rotation matrix, or mirrors; RAYC_STATUS_MESH_BEYOND_RANGE where the body might reach beyond the
@@ -1619,14 +1652,14 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
  * p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
  *
  * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
- * order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions
- * at detection. velocities NULL: no damping. Contacts are held: each keeps its two points and its direction,
- * whatever the positions. Where the points have moved apart, the force pulls, because an implicit integrator's
- * linear step needs that.
+ * order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
+ * detection. velocities NULL: no damping. Contacts stay as they were found: each keeps its two points of the surfaces
+ * and its direction, whatever the positions. Where the points have moved apart, the force pulls, because an implicit
+ * integrator's linear step needs that.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
- * what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
- * precision; what no contact needs is not looked at.
+ * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
+ * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
+ * the precision of the contacts. Numbers that no contact needs are not checked.
  */
 enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
                                           const struct rayc_response_options *options,
@@ -1657,9 +1690,9 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
  * The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
  * elastic force is its negative gradient.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
- * what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
- * precision; what no contact needs is not looked at.
+ * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
+ * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
+ * the precision of the contacts. Numbers that no contact needs are not checked.
  */
 enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
                                       const struct rayc_response_options *options,
@@ -1852,8 +1885,9 @@ enum rayc_status rayc_contact_system_add_forces(struct rayc_contact_system *syst
 
 /**
  * Adds factor · (−∂force/∂velocity) · change to `result`, as the rows are held: a product with a symmetric, positive
- * semi-definite matrix, what an implicit solver asks once per iteration. Solving for velocities, M + dt · K, it takes dt as
- * factor; for displacements 1 / dt times as much. count: that of the unknowns. The two arrays are not the same.
+ * semi-definite matrix, what an implicit solver asks once per iteration. A step that solves for velocities, with the
+ * matrix M + dt · (−∂force/∂velocity), gives dt as factor. By displacements the derivative is 1 / dt times as large.
+ * count: that of the unknowns. The two arrays must not overlap.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
  * RAYC_STATUS_INVALID_OPTION where the arrays overlap.
@@ -1911,10 +1945,10 @@ enum rayc_status rayc_contact_system_linearise(struct rayc_contact_system *syste
                                                double *wrong);
 
 /**
- * Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped
- * may be in the way of another one, although detection took it to be moving on. *is_more: 1 where pairs have
- * contacts that had none, or less than half as many; then solve again. It looks only if some unknown ends farther
- * than the smallest depth cap from where it was looked for.
+ * Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped may
+ * be in the way of another one, although detection took it to be moving on. *is_more: 1 where pairs have contacts that
+ * had none, or less than half as many; then solve again. It looks only if some node or rigid body ends farther than
+ * the smallest depth cap from where it was when contacts were last looked for.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
  * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH.
@@ -1991,9 +2025,9 @@ enum rayc_status rayc_contact_system_copy_contacts(const struct rayc_contact_sys
                                                    struct rayc_contacts *contacts);
 
 /**
- * The part of all force, 0 to 1, that would prove to be predicted wrongly at these velocities: what
- * rayc_contact_system_linearise() gives, but the rows are held as before. A host whose last solve is right keeps the forces
- * that it solved with.
+ * Finds what rayc_contact_system_linearise() would write to *wrong, and leaves the rows as they are: the part of all
+ * force, 0 to 1, that was predicted wrongly. So a host whose last solve was right keeps the forces that it solved
+ * with.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
  */
@@ -2017,8 +2051,8 @@ enum rayc_status rayc_contact_system_pair_force(const struct rayc_contact_system
 
 /**
  * Puts the scene's own bodies where rayc_contact_system_begin() with the same numbers would look for contacts, and
- * does no more. These places show which ghosts the scene needs. rayc_contact_system_begin() puts the ghosts in
- * place, once the system knows them and their nodes.
+ * does no more. Their boxes there (rayc_scene_body_state()) show which ghosts the scene needs.
+ * rayc_contact_system_begin() puts the ghosts in place, once the system knows them and their nodes.
  *
  * Errors: those of rayc_contact_system_begin().
  */
@@ -2098,9 +2132,9 @@ enum rayc_status rayc_contact_system_copy_memories(const struct rayc_contact_sys
                                                    struct rayc_contact_memory *memories);
 
 /**
- * Writes what a pair remembers: for another system that is to find its contacts from now on, in this process or another.
- * pair: as rayc_contact_system_copy_memories() gave it, for whose length there is room. The bytes carry their version and
- * a checksum, and are the same on every machine.
+ * Writes what a pair remembers to `bytes`, for another system that finds its contacts from now on, in this process or
+ * another. pair: as rayc_contact_system_copy_memories() gave it. bytes: room for pair->length bytes. The bytes carry
+ * their version and a checksum, and are the same on every machine.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where the pair remembers nothing, or not so much; RAYC_STATUS_UNKNOWN_ENUM.
  */
@@ -2121,10 +2155,10 @@ enum rayc_status rayc_contact_system_put_memory(struct rayc_contact_system *syst
                                                 const uint8_t *bytes);
 
 /**
- * How far the scene's bodies, but ghosts, end from where contacts were last looked for, if these are the velocities at
- * the end of the step. *nodes and *rigid: the largest square of a difference of velocities in m²/s², of nodes and of
- * rigid bodies' centres. rayc_contact_system_detect_again() looks again where one is more than (d / dt)², d the
- * smallest depth cap of all bodies; that of nodes counts where any node has a finite mass.
+ * Finds how far the scene's bodies, without ghosts, end from where they were when contacts were last looked for, if
+ * these are the velocities at the end of the step. *nodes and *rigid: the largest square of a difference of velocities
+ * in m²/s², of nodes and of rigid bodies' centres. rayc_contact_system_detect_again() looks again where one is more
+ * than (d / dt)², d the smallest depth cap of all bodies; that of nodes counts where any node has a finite mass.
  *
  * Systems that share bodies all ask first. If one of them has to look, all call rayc_contact_system_look_again(), add
  * the ghosts that their scenes need there, and call rayc_contact_system_detect_among(). Ghosts may be added within a
@@ -2207,9 +2241,10 @@ enum rayc_status rayc_contact_system_part_couplings(struct rayc_contact_system *
                                                     double *couplings);
 
 /**
- * By sums of couplings, one for each block of three unknowns: a bound λ on the largest eigenvalue of M⁻¹ K in 1/s², and the
- * largest damping time τ of rows that push, in s; both zero without contact. Of systems that share bodies the larger
- * count. Symplectic Euler is stable up to √(τ² + 4 / λ) − τ.
+ * Finds from the sums of couplings, one for each block of three unknowns, what limits an explicit step. *largest: a
+ * bound λ on the largest eigenvalue of M⁻¹ K, in 1/s²; *damping_time: the largest damping time τ of the rows that
+ * push, in s; both are zero without contact. Where systems share bodies, take the largest λ and τ of all. Symplectic
+ * Euler is stable for steps up to √(τ² + 4 / λ) − τ.
  *
  * count: a third of that of the unknowns. Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT,
  * RAYC_STATUS_NOT_FINITE.
@@ -2336,12 +2371,12 @@ enum rayc_status rayc_scene_restore_pair_memories(struct rayc_scene *scene, size
  * copies of bodies of other scenes that meet its own. The call takes effect from the next query on; a new body is
  * not shared.
  *
- * is_ghost: 1 for a body that belongs to another scene. A ghost has no contacts with itself here, and none with
- * other ghosts. The contacts of a ghost and a body of this scene are found by only one of the two scenes. The two
- * keys (rayc_scene_add_mesh_with_key()) decide which one; each of the two is about as likely. 0 for a body of this
- * scene. neighbours: how many bodies' boxes overlap its own in all scenes together, by which crowds are known, or
- * RAYC_NEIGHBOURS_COUNTED. overlaps_itself: for a ghost, what rayc_scene_body_state() says in its own scene;
- * otherwise 0.
+ * is_ghost: 1 for a body that belongs to another scene. A ghost has no contacts with itself here, and none with other
+ * ghosts. The contacts of a ghost and a body of this scene are found by only one of the two scenes. The two keys
+ * (rayc_scene_add_mesh_with_key()) decide which one; each of the two is about as likely. 0 for a body of this scene.
+ * neighbours: how many bodies of all scenes together have boxes that overlap its own, which decides how many rays a
+ * crowd gets (RAYC_SAMPLING_AUTOMATIC); or RAYC_NEIGHBOURS_COUNTED. overlaps_itself: for a ghost, what
+ * rayc_scene_body_state() says in its own scene; otherwise 0.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a flag is neither 0 nor 1.
  */
@@ -2548,9 +2583,9 @@ enum rayc_status rayc_octree_closest_points(const struct rayc_octree *octree,
  * Counts how often a closed surface winds around some points: `numbers[i]` for point i; 0 outside, 1 inside, more where the
  * surface folds over itself, negative where it is inside out.
  *
- * points: finite, anywhere. numbers: room for points->count numbers. The count is exact, through edges and vertices too. A
- * point on the surface, or so near that rounding decides, has the number of one of its sides. Where coordinates differ by
- * more than 10¹⁹ (float meshes) or 10¹⁵⁴ (double), crossings are lost.
+ * points: finite, anywhere. numbers: room for points->count numbers. The count is exact, through edges and vertices
+ * too. A point on the surface, or so near that rounding decides, has the number of one of its sides. Where coordinates
+ * differ by more than 10¹⁹ (float meshes) or 10¹⁵⁴ (double), the numbers may be wrong.
  *
  * Errors: RAYC_STATUS_MESH_OPEN, since an open surface has no inside; and those of rayc_octree_closest_points().
  */
@@ -2564,15 +2599,16 @@ enum rayc_status rayc_octree_winding_numbers(const struct rayc_octree *octree,
  * out: where a body overlaps itself, and by how much.
  *
  * A vertex lies inside another part if the surface winds around the point just under it more than once; see
- * rayc_octree_winding_numbers(). Vertices without a normal, because the triangles around them have no area or cancel out,
- * are left out. The end of the way is the nearest point of the surface without the triangles that have a vertex of the same
- * part inside: those vertices inside that are connected with it along edges. Where that point is one of those triangles' too,
- * the surface goes on there into the part, and the part grows by the vertices around it until the point is no more. That is
- * the end of the shortest path out of the other part, as in Chen, Diaz and Yuksel 2023, "Shortest path to boundary for
- * self-intersecting meshes", but without a volume mesh. Where a body lies in itself all around, as a ring of two full turns,
- * it may be a longer one. Distances are as right as those of rayc_octree_closest_points().
+ * rayc_octree_winding_numbers(). Vertices without a normal, because the triangles around them have no area or cancel
+ * out, are left out. The end of the way is the nearest point of the surface without the triangles that have a vertex
+ * of the same part inside: those vertices inside that are connected with it along edges. Where that point also lies on
+ * a triangle that was left out, the surface continues there into the part. Then the part takes in the vertices around
+ * the point, and the nearest point is sought again. That is the end of the shortest path out of the other part, as in
+ * Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", but without a volume mesh.
+ * Where a body lies in itself all around, as a ring of two full turns, it may be a longer one. Distances are as right
+ * as those of rayc_octree_closest_points().
  *
- * octree: its memory is used again, so that a steady step allocates nothing; it changes nothing else of it.
+ * octree: its working memory is used again, so that a steady step allocates nothing; nothing else of it changes.
  * exits: room for `capacity` structs, in ascending order of vertices; as many as the mesh has vertices always suffice.
  * *count: how many there are.
  *

@@ -9,7 +9,8 @@ usage: scripts/bench.sh [quick|full|docs] [options of the measuring program]
 quick (default): every method on the ordinary workloads and two deep pairs, about ten minutes after the build.
 full: also up to 409 600 triangles a body and up to 1000 bodies.
 docs: measures nothing; takes the last measurement over into docs/performance.md and docs/performance/.
-Writes out/bench/detect.csv and charts beside it, and prints how many times as long as raycontact each peer takes.
+Writes out/bench/detect.csv and charts beside it, and prints how many times as long as raycontact-paper (the paper's
+work) each method takes.
 Further options go to the measuring program; with --help it lists them.
 Exit status: 0 when measured, 1 when something failed, 2 for a wrong command line.
 END

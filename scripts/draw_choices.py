@@ -25,7 +25,7 @@ OWN = "law={} sampling={} precision={} layout=wide edges={} weights={}"
 # Method and settings, the label, and where that stands beside its point in the left and the right panel, in points.
 POINTS = [
     ("raycontact", OWN.format("pressure", "automatic", "f64", "on", "area"), "default", (8, -3), (8, -3)),
-    ("raycontact", OWN.format("pressure", "automatic", "f32", "on", "area"), "default, single", (-8, -3), (-8, -3)),
+    ("raycontact", OWN.format("pressure", "automatic", "f32", "on", "area"), "single precision", (-8, -3), (-8, -3)),
     ("raycontact", OWN.format("pressure", "vertices", "f64", "on", "area"), "vertices", (8, -3), (8, -3)),
     ("raycontact", OWN.format("pressure", "spacing:0.16", "f64", "on", "area"), "spacing of four edges", (-8, -8), (-8, -8)),
     ("raycontact", OWN.format("pressure", "spacing:0.32", "f64", "on", "area"), "spacing of eight edges", (8, 2), (-8, -3)),

@@ -28,8 +28,8 @@ except ModuleNotFoundError:
     matplotlib = None  # --help works without
 
 METHODS = {
-    "ours": "raycontact, implicit",
-    "paper": "raycontact, paper mode",
+    "ours": "raycontact, paper's law",
+    "paper": "raycontact, paper's mode",
     "classic": "raycontact, classic bodies",
     "vf_dd_implicit": "Bullet VF_DD, implicit",
     "vf_dd_explicit": "Bullet VF_DD, explicit",

@@ -7,8 +7,8 @@ usage() {
 usage: scripts/python.sh [--help]
 
 Builds the wheel in target/python/wheel around cargo's release build, installs it in a virtual environment of its own in
-target/python, where it stays, and runs python/tests against it from outside of the sources, the listings of
-docs/tutorial.md and docs/recipes.md included. Tools and numpy come from PyPI, in fixed versions.
+target/python, where it stays, checks its types with mypy, and runs python/tests against it from outside of the sources,
+the listings of README.md, docs/tutorial.md and docs/recipes.md included. Tools and numpy come from PyPI, in fixed versions.
 Exit status: 0 when all tests pass, 1 when something fails, 2 for a wrong command line.
 END
 }
@@ -19,7 +19,7 @@ case "${1:-}" in
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
-tools=(hatchling==1.33.0 cffi==2.1.1 numpy==2.4.6 pytest==9.2.0)
+tools=(hatchling==1.33.0 cffi==2.1.1 mypy==2.4.1 numpy==2.4.6 pytest==9.2.0)
 wheels="$root/target/python/wheel"
 environment="$root/target/python/environment"
 
@@ -27,5 +27,7 @@ source scripts/wheel.sh
 install_wheel "$environment" "$wheels" "${tools[@]}"
 
 cd "$environment"
+"$environment/bin/python" -m mypy --config-file "$root/pyproject.toml" --cache-dir "$environment/.mypy_cache" \
+    --package raycontact || fail 'the Python types are wrong'
 "$environment/bin/python" -m pytest -p no:cacheprovider --quiet --strict-markers -W error "$root/python/tests" ||
     fail 'the Python tests failed'

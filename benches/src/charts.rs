@@ -1,5 +1,6 @@
 //! The charts, drawn from the rows as SVG.
 
+use crate::method::PAPER;
 use crate::row::{Row, labels};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -27,7 +28,7 @@ const COLOURS: [RGBColor; 10] = [
 ];
 /// Methods in the growth charts, one thread each.
 const SHOWN: [&str; 10] = [
-    "raycontact",
+    PAPER,
     "embree-refit",
     "embree-low",
     "obvhs-refit",
@@ -35,8 +36,8 @@ const SHOWN: [&str; 10] = [
     "fcl-aabb",
     "bullet-vf",
     "lower-bound",
-    "raycontact-avx2",
-    "raycontact-classic",
+    "raycontact-paper-avx2",
+    "raycontact-paper-classic",
 ];
 
 /// Draws every chart for which there are rows.
@@ -106,7 +107,7 @@ fn growth(area: &Area, title: &str, unit: &str, curves: &[Curve]) -> Result<(), 
         .label_style(("sans-serif", 14))
         .draw()?;
     for ((label, points), colour) in curves.iter().zip(COLOURS) {
-        let style = colour.stroke_width(if label == "raycontact" { 3 } else { 2 });
+        let style = colour.stroke_width(if label == PAPER { 3 } else { 2 });
         let line = chart.draw_series(LineSeries::new(points.iter().copied(), style).point_size(3))?;
         line.label(label.as_str()).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
     }

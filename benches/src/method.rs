@@ -77,10 +77,13 @@ pub struct Description {
     pub simd: Option<&'static str>,
 }
 
-/// The default: what a C program gets that changes no option, in double precision.
-pub const C_DEFAULTS: &str = "raycontact-c-defaults";
+/// The default, as in every chart: what a C program gets that changes no option, in double precision.
+pub const C_DEFAULTS: &str = "raycontact";
 /// The same options from Rust, in either precision.
-pub const RUST_DEFAULTS: &str = "raycontact-rust-defaults";
+pub const RUST_DEFAULTS: &str = "raycontact-rust";
+/// What the paper does and nothing else, from Rust, as the peers do it: what their times are divided by.
+pub const PAPER: &str = "raycontact-paper";
+const PAPER_CLASSIC: &str = "raycontact-paper-classic";
 
 /// Every method, in the order of the report.
 pub fn all() -> Vec<Description> {
@@ -89,16 +92,16 @@ pub fn all() -> Vec<Description> {
     let other = |name, precision, threads| Description { same_contacts: false, ..method(name, precision, threads) };
     let path = |name, simd| Description { simd: Some(simd), ..method(name, F32, 1) };
     vec![
-        method("raycontact", F32, 1),
-        path("raycontact-avx2", "avx2"),
-        path("raycontact-baseline", "baseline"),
+        method(PAPER, F32, 1),
+        path("raycontact-paper-avx2", "avx2"),
+        path("raycontact-paper-baseline", "baseline"),
         // Rays start from other points than the vertices: C's defaults, and the same options from Rust.
         other(C_DEFAULTS, F64, 1),
         other(RUST_DEFAULTS, F64, 1),
         other(RUST_DEFAULTS, F32, 1),
-        method("raycontact", F64, 1),
-        method("raycontact", F32, 2),
-        method("raycontact-classic", F32, 1),
+        method(PAPER, F64, 1),
+        method(PAPER, F32, 2),
+        method(PAPER_CLASSIC, F32, 1),
         other("lower-bound", F32, 1),
         other("lower-bound", F64, 1),
         method("embree-refit", F32, 1),
@@ -130,12 +133,12 @@ impl Description {
 
     pub fn start(&self, workload: &Workload, host: &Host, libraries: &Libraries) -> Result<Box<dyn Method>, String> {
         match (self.name, self.precision) {
-            ("raycontact", Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::paper()),
-            ("raycontact", Precision::F64) => self.whole::<f64>(workload, host, DetectionOptions::paper()),
+            (PAPER, Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::paper()),
+            (PAPER, Precision::F64) => self.whole::<f64>(workload, host, DetectionOptions::paper()),
             (C_DEFAULTS, _) => Ok(Box::new(Defaults::new(&libraries.raycontact, workload, host)?)),
             (RUST_DEFAULTS, Precision::F32) => self.whole::<f32>(workload, host, DetectionOptions::default()),
             (RUST_DEFAULTS, Precision::F64) => self.whole::<f64>(workload, host, DetectionOptions::default()),
-            ("raycontact-classic", _) => {
+            (PAPER_CLASSIC, _) => {
                 Ok(Box::new(library::Classic::<f32>::new(workload, host, DetectionOptions::paper())?))
             }
             _ => Ok(Box::new(libraries.peers.start(self, workload, host)?)),

@@ -1,9 +1,9 @@
 //! The tables: for the terminal, and for documents, of which `docs/performance.md` has these.
 
+use crate::method::PAPER;
 use crate::row::{Row, labels, total, workloads};
 use std::path::Path;
 
-const OURS: &str = "raycontact";
 const LOWER_BOUND: &str = "lower-bound";
 
 pub type Table = Vec<Vec<String>>;
@@ -13,7 +13,7 @@ pub fn all(rows: &[Row]) -> [(&'static str, Table); 3] {
     [("ratios", ratios(rows)), ("times", times(rows)), ("growth", growth(rows))]
 }
 
-/// How many times as long as raycontact each peer takes, and how raycontact stands to the lower bound, by workload.
+/// How many times as long as the paper's work each method takes, and how that stands to the lower bound, by workload.
 pub fn ratios(rows: &[Row]) -> Table {
     let workloads = workloads(rows);
     let line = |name: String, cell: &dyn Fn(&str) -> Option<String>| {
@@ -25,14 +25,14 @@ pub fn ratios(rows: &[Row]) -> Table {
     };
     let mut table = vec![
         line(String::new(), &|workload| Some(workload.to_owned())),
-        line("raycontact, µs".to_owned(), &|workload| Some(format!("{:.1}", total(rows, workload, OURS)?))),
-        line("raycontact / lower-bound".to_owned(), &|workload| ratio(workload, OURS, LOWER_BOUND)),
+        line(format!("{PAPER}, µs"), &|workload| Some(format!("{:.1}", total(rows, workload, PAPER)?))),
+        line(format!("{PAPER} / lower-bound"), &|workload| ratio(workload, PAPER, LOWER_BOUND)),
     ];
     for label in labels(rows) {
-        if label.starts_with(LOWER_BOUND) || label == OURS {
+        if label.starts_with(LOWER_BOUND) || label == PAPER {
             continue;
         }
-        table.push(line(format!("{label} / raycontact"), &|workload| ratio(workload, &label, OURS)));
+        table.push(line(format!("{label} / {PAPER}"), &|workload| ratio(workload, &label, PAPER)));
     }
     table
 }

@@ -1,5 +1,6 @@
 //! One line of `detect.csv`.
 
+use crate::method::{C_DEFAULTS, RUST_DEFAULTS};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -23,9 +24,14 @@ pub struct Row {
 }
 
 impl Row {
-    /// How a reader should find the method named.
+    /// How a reader should find the method named. The default is in double precision; all else that names none is in single.
     pub fn label(&self) -> String {
-        let precision = if self.precision == "f64" { " f64" } else { "" };
+        let is_default = [C_DEFAULTS, RUST_DEFAULTS].contains(&self.method.as_str());
+        let precision = match (is_default, self.precision == "f64") {
+            (true, false) => " f32",
+            (false, true) => " f64",
+            _ => "",
+        };
         let threads = if self.threads > 1 { format!(", {} threads", self.threads) } else { String::new() };
         format!("{}{precision}{threads}", self.method)
     }

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Callable, Optional
+from typing import Any, Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,12 +22,19 @@ def pointer(array: NDArray[Any]) -> Any:
     return ffi.cast("void *", array.__array_interface__["data"][0])
 
 
-def numbers(given: ArrayLike, name: str, count: Optional[int] = None) -> NDArray[np.float64]:
+def numbers(given: ArrayLike, name: str, count: int | None = None) -> NDArray[np.float64]:
     """Packed doubles in any shape; used where they lie if they are so already."""
     array = np.ascontiguousarray(given, np.float64)
     if count not in (None, array.size):
         raise ValueError(f"{name} has {array.size} numbers; give {count}")
     return array
+
+
+def packed(kind: str, *fields: tuple[str, ArrayLike, int]) -> Any:
+    """A struct of doubles alone, of the name, the numbers and their count for each field."""
+    struct = ffi.new(f"{kind} *")
+    ffi.buffer(struct)[:] = b"".join(numbers(given, name, count).tobytes() for name, given, count in fields)
+    return struct
 
 
 def copied(kind: str, count: int, function: Any, *arguments: Any) -> NDArray[Any]:
@@ -105,10 +112,10 @@ class BodyVectors:
 
     def __init__(
         self,
-        given: Optional[Iterable[Any]],
+        given: Iterable[Any] | None,
         name: str,
         prepare: Callable[[Any, str], NDArray[Any]] = to_read,
-        count: Optional[int] = None,
+        count: int | None = None,
     ) -> None:
         arrays = [] if given is None else list(given)
         self.arrays = [NONE if array is None else prepare(array, f"{name}[{i}]") for i, array in enumerate(arrays)]

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import numbers, pointer
+from ._arrays import numbers, packed, pointer
 from ._ffi import ffi
 from ._header import ContactSystemOptions
 from ._library import NULL, answer, check, create, library, options
@@ -35,21 +35,20 @@ class Material(NamedTuple):
         """One that bears `pressure` in Pa at `depth` in m: of an elastic body, a quarter of Young's modulus at a quarter
         of its elements' edge; of a rigid or still one, ten times the pressure at rest at ten times the depth to which
         bodies may sink in."""
-        found = ffi.new("rayc_material *")
-        check(library.rayc_bearing_material(pressure, depth, ffi.sizeof("rayc_material"), found))
+        found = answer("rayc_material", library.rayc_bearing_material, pressure, depth, ffi.sizeof("rayc_material"))
         return cls(found.stiffness, found.damping_time, found.friction, found.depth_cap)
 
-    def given(self) -> Any:
-        """The C struct."""
-        return ffi.new("rayc_material *", (ffi.sizeof("rayc_material"), *self))
+
+def struct_of(material: Material | None) -> Any:
+    """The C struct; NULL for none."""
+    return NULL if material is None else ffi.new("rayc_material *", (ffi.sizeof("rayc_material"), *material))
 
 
 def added_to(given: Any, name: str) -> NDArray[np.float64]:
     """The array itself: its owner would not see what is added to a copy."""
-    flags = given.flags if isinstance(given, np.ndarray) and given.dtype == np.float64 else None
-    if flags is None or not (flags.c_contiguous and flags.writeable):
-        raise ValueError(f"{name} cannot be added to where it lies; give a packed array of float64, such as np.zeros(n)")
-    return given
+    if isinstance(given, np.ndarray) and given.dtype == np.float64 and given.flags.carray:
+        return given
+    raise ValueError(f"{name} cannot be added to where it lies; give a packed array of float64, such as np.zeros(n)")
 
 
 class ContactSystem:
@@ -70,47 +69,44 @@ class ContactSystem:
         check(library.rayc_contact_system_set_node_masses(self._handle, m.size, pointer(m)))
 
     def add_deformable(
-        self, scene: Scene, body: int, first: int, count: int, material: Material, weights: Optional[Weights] = None
+        self, scene: Scene, body: int, first: int, count: int, material: Material, weights: Weights | None = None
     ) -> None:
         """Adds body `body` of the scene with the nodes first, …, first + count − 1: one for each surface vertex, or the
         offsets, nodes and weights of a table in compressed rows, a row for each surface vertex."""
         table, entries = [NULL] * 3, 0
         if weights is not None:
-            kinds = np.uint32, np.uint32, np.float64
-            arrays = [np.ascontiguousarray(part, kind) for part, kind in zip(weights, kinds)]
+            arrays = [np.ascontiguousarray(*part) for part in zip(weights, (np.uint32, np.uint32, np.float64))]
             table, entries = [pointer(array) for array in arrays], arrays[1].size
             if arrays[2].size != entries:
                 raise ValueError(f"{entries} nodes have {arrays[2].size} weights; give one for each")
-        given = table[0], entries, table[1], table[2], material.given()
+        given = table[0], entries, table[1], table[2], struct_of(material)
         check(library.rayc_contact_system_add_deformable(self._handle, scene._handle, body, first, count, *given))
 
     def add_rigid(self, scene: Scene, body: int, mass: float, inertia: ArrayLike, material: Material) -> None:
         """Adds a rigid body: mass in kg, inertia in kg m², (3, 3), about the origin of the mesh, its centre of mass."""
-        tensor, given = numbers(inertia, "inertia", 9), material.given()
+        tensor, given = numbers(inertia, "inertia", 9), struct_of(material)
         check(library.rayc_contact_system_add_rigid(self._handle, scene._handle, body, mass, pointer(tensor), given))
 
     def add_moved(self, scene: Scene, body: int, material: Material) -> None:
         """Adds a body that stands still or that the host moves."""
-        given = material.given()
-        check(library.rayc_contact_system_add_moved(self._handle, scene._handle, body, given))
+        check(library.rayc_contact_system_add_moved(self._handle, scene._handle, body, struct_of(material)))
 
     def add_half_space(self, normal: ArrayLike, offset: float, material: Material) -> None:
         """Adds a floor, solid where normal · x < offset."""
-        n, given = numbers(normal, "normal", 3), material.given()
-        check(library.rayc_contact_system_add_half_space(self._handle, pointer(n), offset, given))
+        n = numbers(normal, "normal", 3)
+        check(library.rayc_contact_system_add_half_space(self._handle, pointer(n), offset, struct_of(material)))
 
     def remove_body(self, body: int) -> None:
         """Removes a body from the system; to be removed from the scene too."""
         check(library.rayc_contact_system_remove_body(self._handle, body))
 
-    def set_pair_material(self, a: int, b: int, material: Optional[Material]) -> None:
+    def set_pair_material(self, a: int, b: int, material: Material | None) -> None:
         """Gives two bodies a material of their own in place of the combined one; None takes it back."""
-        given = NULL if material is None else material.given()
-        check(library.rayc_contact_system_set_pair_material(self._handle, a, b, given))
+        check(library.rayc_contact_system_set_pair_material(self._handle, a, b, struct_of(material)))
 
-    def set_half_space_material(self, body: int, half_space: int, material: Optional[Material]) -> None:
+    def set_half_space_material(self, body: int, half_space: int, material: Material | None) -> None:
         """The same for a body and a half-space, counted in the order they were added."""
-        given = NULL if material is None else material.given()
+        given = struct_of(material)
         check(library.rayc_contact_system_set_half_space_material(self._handle, body, half_space, given))
 
     def set_motion(
@@ -118,11 +114,9 @@ class ContactSystem:
     ) -> None:
         """Where a rigid or moved body is and how it moves: (3,), (3, 3), and linear and angular velocity, (6,), at the
         start of the step and at its end without contact."""
-        sizes = {"position": 3, "rotation": 9, "velocity": 6, "free_velocity": 6}
-        given = zip(sizes.items(), (position, rotation, velocity, free_velocity))
-        packed = np.concatenate([numbers(array, name, size).ravel() for (name, size), array in given])
-        motion = ffi.cast("rayc_motion *", pointer(packed))
-        check(library.rayc_contact_system_set_motion(self._handle, body, motion))
+        pose = ("position", position, 3), ("rotation", rotation, 9)
+        velocities = ("velocity", velocity, 6), ("free_velocity", free_velocity, 6)
+        check(library.rayc_contact_system_set_motion(self._handle, body, packed("rayc_motion", *pose, *velocities)))
 
     def unknown_count(self) -> int:
         """How many numbers a vector of unknowns has."""
@@ -157,27 +151,27 @@ class ContactSystem:
         check(library.rayc_contact_system_copy_blocks(self._handle, factor, count, *map(pointer, found)))
         return found
 
+    def _answer(self, kind: str, function: Any, velocities: ArrayLike, *others: Any) -> Any:
+        """What a call finds out about these velocities at the end of the step."""
+        v = numbers(velocities, "velocities")
+        return answer(kind, function, self._handle, *others, v.size, pointer(v))
+
     def energy(self, velocities: ArrayLike) -> float:
         """The potential of the rows, in J: the forces are its negative gradient by the positions at the end of the step."""
-        v = numbers(velocities, "velocities")
-        return float(answer("double", library.rayc_contact_system_energy, self._handle, v.size, pointer(v)))
+        return float(self._answer("double", library.rayc_contact_system_energy, velocities))
 
     def linearise(self, velocities: ArrayLike) -> float:
         """Decides anew which rows push and rub, after a solve; returns the part of all force, 0 to 1, that was predicted
         wrongly: above 0.05 or so another solve is due."""
-        v = numbers(velocities, "velocities")
-        return float(answer("double", library.rayc_contact_system_linearise, self._handle, v.size, pointer(v)))
+        return float(self._answer("double", library.rayc_contact_system_linearise, velocities))
 
     def misjudged(self, velocities: ArrayLike) -> float:
         """What linearise() would return; the rows stay as they are."""
-        v = numbers(velocities, "velocities")
-        return float(answer("double", library.rayc_contact_system_misjudged, self._handle, v.size, pointer(v)))
+        return float(self._answer("double", library.rayc_contact_system_misjudged, velocities))
 
     def detect_again(self, scene: Scene, velocities: ArrayLike) -> bool:
         """Looks whether bodies that were stopped are in the way of others; True: another solve is due."""
-        v = numbers(velocities, "velocities")
-        given = self._handle, scene._handle, v.size, pointer(v)
-        return bool(answer("uint32_t", library.rayc_contact_system_detect_again, *given))
+        return bool(self._answer("uint32_t", library.rayc_contact_system_detect_again, velocities, scene._handle))
 
     def finish(self, velocities: ArrayLike) -> None:
         """Ends the step with these velocities: loads and what friction holds on to are remembered."""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,8 @@ from .mesh import Mesh
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    Arrays = Iterable[Optional[ArrayLike]]
+    Arrays = Iterable[ArrayLike | None]
+    Targets = Iterable[NDArray[Any] | None]
 
 
 class Contacts:
@@ -61,9 +62,9 @@ class Contacts:
 
     def add_forces(
         self,
-        forces: Iterable[Optional[NDArray[Any]]],
-        positions: Optional[Arrays] = None,
-        velocities: Optional[Arrays] = None,
+        forces: Targets,
+        positions: Arrays | None = None,
+        velocities: Arrays | None = None,
         **response: Unpack[ResponseOptions],
     ) -> None:
         """Adds the contact forces to `forces`, in N, at `positions` in m (without: those of detection) and with damping
@@ -76,7 +77,7 @@ class Contacts:
     def add_differential(
         self,
         displacements: Arrays,
-        forces: Iterable[Optional[NDArray[Any]]],
+        forces: Targets,
         stiffness_factor: float = 1.0,
         damping_factor: float = 0.0,
         **response: Unpack[ResponseOptions],
@@ -88,7 +89,7 @@ class Contacts:
         factors, arrays = (stiffness_factor, damping_factor), (f.count, d.structs, f.structs)
         check(library.rayc_contacts_add_differential(self._handle, law, *factors, *arrays))
 
-    def energy(self, positions: Optional[Arrays] = None, **response: Unpack[ResponseOptions]) -> float:
+    def energy(self, positions: Arrays | None = None, **response: Unpack[ResponseOptions]) -> float:
         """The energy stored in the contacts, in J, at `positions` in m (without: those of detection). The elastic force
         is its negative gradient."""
         x, law = BodyVectors(positions, "positions"), options("response", response)
@@ -101,9 +102,7 @@ class Contacts:
         return copied("escape_push", count, library.rayc_contacts_copy_escape_pushes, *given)
 
 
-def query_pair(
-    a: Mesh, b: Mesh, contacts: Optional[Contacts] = None, **detection: Unpack[DetectionOptions]
-) -> Contacts:
+def query_pair(a: Mesh, b: Mesh, contacts: Contacts | None = None, **detection: Unpack[DetectionOptions]) -> Contacts:
     """Finds the contacts between two meshes, bodies 0 and 1; a scene also lets pairs escape. They replace those of
     `contacts`, which is returned, or are new. Options: see DetectionOptions."""
     contacts, given = Contacts() if contacts is None else contacts, options("detection", detection)
@@ -111,7 +110,7 @@ def query_pair(
     return contacts
 
 
-def query_self(mesh: Mesh, contacts: Optional[Contacts] = None, **detection: Unpack[DetectionOptions]) -> Contacts:
+def query_self(mesh: Mesh, contacts: Contacts | None = None, **detection: Unpack[DetectionOptions]) -> Contacts:
     """The same for the contacts of a mesh with itself, body 0."""
     contacts, given = Contacts() if contacts is None else contacts, options("detection", detection)
     check(library.rayc_query_self(given, mesh._handle, mesh.octree(), contacts._handle))

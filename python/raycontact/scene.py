@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import Vectors, copied, numbers, pointer
+from ._arrays import Vectors, copied, packed
 from ._ffi import ffi
 from ._header import DetectionOptions, SceneOptions
 from ._library import DTYPES, answer, check, create, library, options
@@ -48,11 +47,11 @@ class Scene:
         check(library.rayc_scene_set_positions(self._handle, body, vectors.struct))
 
     def set_pose(self, body: int, position: ArrayLike, rotation: ArrayLike) -> None:
-        """Moves a body that keeps its shape: a point p of its mesh as it was created is at rotation @ p + position, (3, 3)
-        and (3,), in m. Costs no more than where it meets others. Where that raises Error, it stays where it was."""
-        given = (("position", 3, position), ("rotation", 9, rotation))
-        packed = np.concatenate([numbers(array, name, size).ravel() for name, size, array in given])
-        check(library.rayc_scene_set_pose(self._handle, body, ffi.cast("rayc_pose *", pointer(packed))))
+        """Moves a body that keeps its shape: position is (3,) in m, rotation (3, 3), and a point p of its mesh as it was
+        created is at rotation @ p + position. The cost is that of where it meets others. Where that raises Error, it stays
+        where it was."""
+        pose = packed("rayc_pose", ("position", position, 3), ("rotation", rotation, 9))
+        check(library.rayc_scene_set_pose(self._handle, body, pose))
 
     def set_detection_options(self, **detection: Unpack[DetectionOptions]) -> None:
         """Sets how contacts are found from the next query on; what is not given becomes the default."""
@@ -74,7 +73,7 @@ class Scene:
         """Whether two bodies may escape from one another."""
         return bool(answer("uint32_t", library.rayc_scene_may_escape, self._handle, a, b))
 
-    def query(self, contacts: Optional[Contacts] = None) -> Contacts:
+    def query(self, contacts: Contacts | None = None) -> Contacts:
         """Finds all contacts at the present positions. They replace those of `contacts`, which is returned, or are new.
         The same positions have the same contacts, however often they are asked for in a step."""
         contacts = Contacts() if contacts is None else contacts

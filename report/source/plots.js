@@ -124,15 +124,18 @@ function describe(row) {
   return Object.entries(row).filter(([, value]) => value !== null).map(([name, value]) => `${name}: ${value}`).join("\n");
 }
 
-/** What the measuring program's names mean. */
+/** What the measuring program's names mean: raycontact alone is the default, through the C library. */
 const methodNames = {
-  raycontact: "raycontact, paper's work", "raycontact-c-defaults": "raycontact, default, from C",
-  "raycontact-rust-defaults": "raycontact, default options, from Rust", "lower-bound": "lower bound",
+  raycontact: "raycontact", "raycontact-rust": "raycontact, from Rust", "raycontact-paper": "raycontact, paper's work",
+  "raycontact-paper-classic": "raycontact, paper's work and octree", "lower-bound": "lower bound",
 };
+const inDouble = ["raycontact", "raycontact-rust"];
 
+/** The default is in double precision; all else that names none is in single. */
 function label(row) {
   const method = methodNames[row.method] ?? row.method;
-  return method + (row.precision === "f64" ? " f64" : "") + (row.threads > 1 ? `, ${row.threads} threads` : "");
+  const usual = inDouble.includes(row.method) ? "f64" : "f32";
+  return method + (row.precision === usual ? "" : ` ${row.precision}`) + (row.threads > 1 ? `, ${row.threads} threads` : "");
 }
 
 /** Other instructions than the processor's best are left to the tables. */
@@ -144,7 +147,7 @@ function growth(rows, size, unit, width) {
   const sized = rows.filter(isDrawn).map((row) => ({ ...row, size: size(row), label: label(row) }));
   const known = sized.filter((row) => row.size > 0).sort((a, b) => a.size - b.size);
   const found = known.map((row) => row.label).sort();
-  const own = Object.values(methodNames).flatMap((name) => [name, `${name} f64`]).filter((name) => found.includes(name));
+  const own = Object.values(methodNames).flatMap((name) => [name, `${name} f32`, `${name} f64`]).filter((name) => found.includes(name));
   const labels = [...new Set([...own, ...found])];
   const marks = { x: "size", y: "total_us", stroke: "label" };
   return Plot.plot({

@@ -88,9 +88,9 @@ pub unsafe extern "C" fn rayc_octree_closest_points(
 /// Counts how often a closed surface winds around some points: `numbers[i]` for point i; 0 outside, 1 inside, more where the
 /// surface folds over itself, negative where it is inside out.
 ///
-/// points: finite, anywhere. numbers: room for points->count numbers. The count is exact, through edges and vertices too. A
-/// point on the surface, or so near that rounding decides, has the number of one of its sides. Where coordinates differ by
-/// more than 10¹⁹ (float meshes) or 10¹⁵⁴ (double), crossings are lost.
+/// points: finite, anywhere. numbers: room for points->count numbers. The count is exact, through edges and vertices
+/// too. A point on the surface, or so near that rounding decides, has the number of one of its sides. Where coordinates
+/// differ by more than 10¹⁹ (float meshes) or 10¹⁵⁴ (double), the numbers may be wrong.
 ///
 /// Errors: RAYC_STATUS_MESH_OPEN, since an open surface has no inside; and those of rayc_octree_closest_points().
 #[unsafe(no_mangle)]

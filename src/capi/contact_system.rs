@@ -11,12 +11,14 @@ use crate::scene::Scene;
 use crate::system::{Carriers, ContactSystem, Material, Motion, SystemError};
 
 /// Contact on the unknowns that a simulator solves for. It knows what carries each body of a scene, its material, its
-/// friction, and which bodies are rigid. It looks where bodies will be at the end of the step, turns each contact
-/// into a row (a spring that only pushes, with friction) on the host's nodes and rigid bodies, and gives a solver the
-/// forces and the products with their derivative.
+/// friction, and which bodies are rigid. It looks where bodies will be at the end of the step, turns each contact into
+/// a row (a spring that only pushes, with friction) on the host's nodes and rigid bodies, and gives a solver the forces
+/// and the products with their derivative. Rows are held: which of them push and how they rub is decided when a step
+/// begins, and anew only by rayc_contact_system_linearise() and rayc_contact_system_detect_again(). In between, forces
+/// are linear in the velocities.
 ///
-/// One step: rayc_contact_system_set_motion() for bodies that are not deformable, rayc_contact_system_begin(); as often as
-/// needed a solve with rayc_contact_system_add_forces() and rayc_contact_system_add_product(), then
+/// One step: rayc_contact_system_set_motion() for bodies that are not deformable, rayc_contact_system_begin(); then, as
+/// often as needed, a solve with rayc_contact_system_add_forces() and rayc_contact_system_add_product(), then
 /// rayc_contact_system_linearise() and rayc_contact_system_detect_again(); rayc_contact_system_finish(). A steady step
 /// allocates nothing.
 ///

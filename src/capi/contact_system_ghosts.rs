@@ -7,10 +7,10 @@ use super::pointers::{Output, slice};
 use super::scene::{AnyScene, rayc_scene};
 use crate::memory::text;
 
-/// How far the scene's bodies, but ghosts, end from where contacts were last looked for, if these are the velocities at
-/// the end of the step. *nodes and *rigid: the largest square of a difference of velocities in m²/s², of nodes and of
-/// rigid bodies' centres. rayc_contact_system_detect_again() looks again where one is more than (d / dt)², d the
-/// smallest depth cap of all bodies; that of nodes counts where any node has a finite mass.
+/// Finds how far the scene's bodies, without ghosts, end from where they were when contacts were last looked for, if
+/// these are the velocities at the end of the step. *nodes and *rigid: the largest square of a difference of velocities
+/// in m²/s², of nodes and of rigid bodies' centres. rayc_contact_system_detect_again() looks again where one is more
+/// than (d / dt)², d the smallest depth cap of all bodies; that of nodes counts where any node has a finite mass.
 ///
 /// Systems that share bodies all ask first. If one of them has to look, all call rayc_contact_system_look_again(), add
 /// the ghosts that their scenes need there, and call rayc_contact_system_detect_among(). Ghosts may be added within a
@@ -163,9 +163,10 @@ pub unsafe extern "C" fn rayc_contact_system_part_couplings(
     })
 }
 
-/// By sums of couplings, one for each block of three unknowns: a bound λ on the largest eigenvalue of M⁻¹ K in 1/s², and the
-/// largest damping time τ of rows that push, in s; both zero without contact. Of systems that share bodies the larger
-/// count. Symplectic Euler is stable up to √(τ² + 4 / λ) − τ.
+/// Finds from the sums of couplings, one for each block of three unknowns, what limits an explicit step. *largest: a
+/// bound λ on the largest eigenvalue of M⁻¹ K, in 1/s²; *damping_time: the largest damping time τ of the rows that
+/// push, in s; both are zero without contact. Where systems share bodies, take the largest λ and τ of all. Symplectic
+/// Euler is stable for steps up to √(τ² + 4 / λ) − τ.
 ///
 /// count: a third of that of the unknowns. Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT,
 /// RAYC_STATUS_NOT_FINITE.

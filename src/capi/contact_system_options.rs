@@ -15,9 +15,10 @@ pub struct rayc_contact_system_options {
     pub struct_size: usize,
     /// That of the scene, a rayc_scalar. Default RAYC_SCALAR_F64.
     pub precision: u32,
-    /// 1: the velocities of rigid bodies are unknowns of the host, behind those of its nodes. 0: the host solves for its nodes
-    /// alone, and rigid bodies give way exactly as if they were solved for; rayc_contact_system_rigid_velocity() has the
-    /// result. A step then factors a dense matrix of six rows for each, so fifty of them are about the most. Default 0.
+    /// 1: the velocities of rigid bodies are unknowns of the host, behind those of its nodes. 0: the host solves for
+    /// its nodes alone, and rigid bodies give way exactly as if they were solved for;
+    /// rayc_contact_system_rigid_velocity() gives their velocities. A step then factors a dense matrix of six rows for
+    /// each, so fifty of them are about the most. Default 0.
     pub keeps_rigid_unknowns: u32,
     /// 1: contacts are looked for where bodies will be at the end of the step; 0: where they are at its start. Default 1.
     pub look_ahead: u32,
@@ -71,8 +72,8 @@ pub struct rayc_material {
     pub damping_time: f64,
     /// Coulomb's coefficient, static and kinetic; finite and ≥ 0.
     pub friction: f64,
-    /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
-    /// bodies close within the step is met in full.
+    /// At more than this depth, in m, a contact pushes no harder in one step than at this depth; > 0, and infinity for
+    /// no cap. By as much as bodies come nearer within the step they are pushed back in full.
     pub depth_cap: f64,
 }
 

@@ -60,9 +60,9 @@ pub unsafe extern "C" fn rayc_contact_system_copy_contacts(
     })
 }
 
-/// The part of all force, 0 to 1, that would prove to be predicted wrongly at these velocities: what
-/// rayc_contact_system_linearise() gives, but the rows are held as before. A host whose last solve is right keeps the forces
-/// that it solved with.
+/// Finds what rayc_contact_system_linearise() would write to *wrong, and leaves the rows as they are: the part of all
+/// force, 0 to 1, that was predicted wrongly. So a host whose last solve was right keeps the forces that it solved
+/// with.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
 #[unsafe(no_mangle)]

@@ -9,7 +9,8 @@ use super::scene::{AnyScene, rayc_scene};
 use crate::memory::text;
 use crate::system::{Part, Surface};
 
-/// What the rows of one pair do to one of its bodies: where its blocks lie among those of all parts.
+/// One pair's rows as they act on one of its bodies: which of the blocks of rayc_contact_system_copy_parts() are
+/// theirs.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_contact_part {
@@ -44,8 +45,8 @@ pub struct rayc_contact_memory {
 }
 
 /// Puts the scene's own bodies where rayc_contact_system_begin() with the same numbers would look for contacts, and
-/// does no more. These places show which ghosts the scene needs. rayc_contact_system_begin() puts the ghosts in
-/// place, once the system knows them and their nodes.
+/// does no more. Their boxes there (rayc_scene_body_state()) show which ghosts the scene needs.
+/// rayc_contact_system_begin() puts the ghosts in place, once the system knows them and their nodes.
 ///
 /// Errors: those of rayc_contact_system_begin().
 #[unsafe(no_mangle)]
@@ -228,9 +229,9 @@ pub unsafe extern "C" fn rayc_contact_system_copy_memories(
     })
 }
 
-/// Writes what a pair remembers: for another system that is to find its contacts from now on, in this process or another.
-/// pair: as rayc_contact_system_copy_memories() gave it, for whose length there is room. The bytes carry their version and
-/// a checksum, and are the same on every machine.
+/// Writes what a pair remembers to `bytes`, for another system that finds its contacts from now on, in this process or
+/// another. pair: as rayc_contact_system_copy_memories() gave it. bytes: room for pair->length bytes. The bytes carry
+/// their version and a checksum, and are the same on every machine.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where the pair remembers nothing, or not so much; RAYC_STATUS_UNKNOWN_ENUM.
 #[unsafe(no_mangle)]

@@ -60,8 +60,9 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces(
 }
 
 /// Adds factor · (−∂force/∂velocity) · change to `result`, as the rows are held: a product with a symmetric, positive
-/// semi-definite matrix, what an implicit solver asks once per iteration. Solving for velocities, M + dt · K, it takes dt as
-/// factor; for displacements 1 / dt times as much. count: that of the unknowns. The two arrays are not the same.
+/// semi-definite matrix, what an implicit solver asks once per iteration. A step that solves for velocities, with the
+/// matrix M + dt · (−∂force/∂velocity), gives dt as factor. By displacements the derivative is 1 / dt times as large.
+/// count: that of the unknowns. The two arrays must not overlap.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
 /// RAYC_STATUS_INVALID_OPTION where the arrays overlap.
@@ -181,10 +182,10 @@ pub unsafe extern "C" fn rayc_contact_system_linearise(
     guard(|| unsafe { number_at!(system, velocities, count, linearise, wrong) })
 }
 
-/// Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped
-/// may be in the way of another one, although detection took it to be moving on. *is_more: 1 where pairs have
-/// contacts that had none, or less than half as many; then solve again. It looks only if some unknown ends farther
-/// than the smallest depth cap from where it was looked for.
+/// Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped may
+/// be in the way of another one, although detection took it to be moving on. *is_more: 1 where pairs have contacts that
+/// had none, or less than half as many; then solve again. It looks only if some node or rigid body ends farther than
+/// the smallest depth cap from where it was when contacts were last looked for.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
 /// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH.

@@ -92,7 +92,7 @@ pub struct rayc_surface_point {
     pub vertices: [u32; 3],
     /// Barycentric weights at `vertices`; they sum to 1. A vertex has 1, 0, 0.
     pub weights: [f64; 3],
-    /// Where it was at detection.
+    /// Where it was at detection, in m.
     pub position: [f64; 3],
 }
 
@@ -102,7 +102,8 @@ pub struct rayc_surface_point {
 pub enum rayc_contact_kind {
     /// A ray along the inward normal leaves the other body before its own: the paper's contact.
     RAYC_CONTACT_KIND_RAY = 1,
-    /// The same from the middle of an edge that pierces the other body, where no point of either surface does.
+    /// The same from the middle of that stretch of an edge which lies inside the other body. Only where no ray from the
+    /// surface points of either body finds the overlap.
     RAYC_CONTACT_KIND_EDGE = 2,
     /// The pair is escaping: direction is the pair's, depth is that of its deepest point, cos_alpha is 1.
     RAYC_CONTACT_KIND_ESCAPE = 3,
@@ -119,14 +120,14 @@ pub struct rayc_contact {
     pub colliding: u32,
     /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
-    /// Which part of p1's triangle the ray stands for: 1 the whole, and of piece n the halves are 2 n and 2 n + 1; 0 for a
-    /// vertex. Of the n-th stretch of an edge that lies inside, from 0 on,
-    /// 3 n + k, where the edge lies across from corner k.
+    /// Which part of p1's triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and 2
+    /// n + 1. 0 for a ray from a vertex. For a contact of an edge it is 3 n + k: the edge lies across from corner k,
+    /// and the contact is on its n-th stretch inside the other body, counted from 0.
     pub piece: u32,
-    /// For hosts that keep something for each contact: the same from step to step as long as the same point of the surface
-    /// meets the same body, and another for every other contact. It follows from kind, bodies, p1's triangle and piece; large
-    /// triangles are cut anew where the size of an overlap changes much. A hash of 64 bits: two of 100 000 contacts are the
-    /// same with a probability of 3e-10.
+    /// Names the contact from step to step, for hosts that keep something for each: the same as long as the same piece
+    /// of surface meets the same body, and another for every other contact. It is a hash of 64 bits of kind, bodies,
+    /// p1's triangle and piece: that any two of 100 000 contacts share one has a probability of 3e-10. Where the size
+    /// of an overlap changes much, large triangles are cut anew, and their contacts get other names.
     pub id: u64,
     /// The ray's origin, on the colliding body.
     pub p1: rayc_surface_point,
@@ -134,14 +135,15 @@ pub struct rayc_contact {
     pub p2: rayc_surface_point,
     /// The ray's direction, from p1 to p2: the inward normal at p1, of unit length.
     pub direction: [f64; 3],
-    /// The distance from p1 to p2, ≥ 0.
+    /// The distance from p1 to p2, in m; ≥ 0.
     pub depth: f64,
     /// What the depth is multiplied with in the pressure, 0 to 1. With RAYC_LAW_PRESSURE the distance from p1 to the nearest
     /// point of the collided body over the depth, which beside a flat face is the cosine of the angle between the ray and the
     /// outward normal at p2; with RAYC_LAW_RAY_LENGTH that cosine.
     pub cos_alpha: f64,
-    /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
-    /// the rays of this direction carry; the two directions' shares sum to 1.
+    /// The surface area the contact stands for, in m²: that of the piece of surface behind the ray, times the share of
+    /// the pair's load that the rays of the colliding body carry. The rays of both bodies find the same overlap, so the
+    /// two bodies' shares sum to 1.
     pub area: f64,
 }
 

@@ -8,10 +8,10 @@ use crate::detection::EscapePush;
 use crate::math::Scalar;
 use crate::memory::text;
 
-/// Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. It says
-/// nothing that the contacts do not: hosts that move bodies themselves translate the first by a part of depth · direction,
-/// and the second against it; hosts with very soft bodies, which contacts would draw out, spread the push evenly, as the
-/// contact system does. Later versions may tell more, at the end.
+/// Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. It
+/// says nothing that the contacts do not: hosts that move bodies themselves translate the first by a part of depth ·
+/// direction, and the second against it; hosts with very soft bodies, which contacts would stretch, spread the push
+/// evenly over each body, as the contact system does. Later versions may tell more, at the end.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_escape_push {

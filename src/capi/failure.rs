@@ -36,11 +36,12 @@ pub enum rayc_status {
     RAYC_STATUS_NOT_FINITE = 107,
     /// The library that is linked is of another ABI than the headers. Only the C++ headers say so: see rayc_abi_version().
     RAYC_STATUS_OTHER_ABI = 108,
-    /// A pointer that should be a handle is none, is one of another type, or has been destroyed. Only what still lies
-    /// there can tell, so after its end this is no promise: the memory may have been used again, or be gone.
+    /// A pointer that should be a handle is not one, is a handle of another type, or was destroyed. Do not rely on the
+    /// last: a destroyed handle is recognised only while its memory has not been used for something else or returned to
+    /// the system.
     RAYC_STATUS_INVALID_HANDLE = 109,
-    /// A call that has not returned is using the handle, and one of the two changes it: another thread's, or the query
-    /// around a parallel_for. That call is not disturbed; wait for it.
+    /// A call that has not returned is using the handle, and at least one of the two calls changes it. The other call
+    /// is one of another thread, or the query whose parallel_for is running. It is not disturbed; wait for it.
     RAYC_STATUS_BUSY = 110,
     /// Another body of the scene has the key.
     RAYC_STATUS_KEY_TAKEN = 111,
@@ -57,7 +58,7 @@ pub enum rayc_status {
     RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION = 204,
     /// An edge belongs to more than two triangles.
     RAYC_STATUS_MESH_NON_MANIFOLD = 205,
-    /// A closed part of the surface is inside out, and no cavity of another.
+    /// A closed part of the surface is inside out and is not a cavity in another part.
     RAYC_STATUS_MESH_INWARD = 206,
     /// More vertices or triangles than 32-bit indices reach.
     RAYC_STATUS_MESH_TOO_LARGE = 207,
@@ -78,19 +79,20 @@ pub enum rayc_status {
     RAYC_STATUS_FILE_NOT_READABLE = 400,
     /// A file's text is not what it should be.
     RAYC_STATUS_FILE_BROKEN = 401,
-    /// Bytes are not what was saved, or have been changed since.
+    /// The bytes given are not what the library saved or packed, or have been changed since.
     RAYC_STATUS_SAVED_STATE_BROKEN = 402,
-    /// Bytes were saved by a version of the library that wrote them in another form.
+    /// The bytes given were saved by another version of the library, which wrote them in another form.
     RAYC_STATUS_SAVED_STATE_OTHER_VERSION = 403,
 
     /// The system gave no threads.
     RAYC_STATUS_THREADS_NOT_STARTED = 500,
-    /// There is no memory for what the call makes. Any call may say so. A contact list that it was to fill is as before or
-    /// empty. What still ends the process, where memory ends within them: reading a file, and starting the threads of a
-    /// pool or handing them work.
+    /// There is not enough memory. Any call may return this. A contact list that the call was to fill is then as before
+    /// or empty. Three things still end the process if memory runs out in them: reading a file, starting the threads of
+    /// a pool, and handing them work.
     RAYC_STATUS_OUT_OF_MEMORY = 501,
 
-    /// A contact system's step is under way and should not be, or the other way round.
+    /// A step of the contact system is under way and the call must come outside a step, or none is and the call must
+    /// come within one.
     RAYC_STATUS_OUT_OF_ORDER = 600,
     /// A contact system has a body of this number already.
     RAYC_STATUS_BODY_TWICE = 601,
@@ -106,7 +108,8 @@ pub enum rayc_status {
     RAYC_STATUS_INVALID_DIRECTION = 606,
     /// A step's length is not finite and above 0.
     RAYC_STATUS_INVALID_STEP = 607,
-    /// The contact system eliminates rigid bodies, and for this call it must keep them.
+    /// The call needs the velocities of rigid bodies among the unknowns: see keeps_rigid_unknowns in
+    /// rayc_contact_system_options.
     RAYC_STATUS_RIGID_ELIMINATED = 608,
 
     /// Options that must be equal on all ranks are not. This and the next are only said by raycontact/mpi.hpp, on all ranks.

@@ -83,9 +83,9 @@ fn description(panic: &(dyn Any + Send)) -> String {
     text!("a fault inside the library was caught: {what}; destroy the handles of this call, and please report it")
 }
 
-/// How many bytes of stack a call needs of the thread that makes it, and a task of a rayc_parallel_for of the thread that
-/// calls it, beside what is in use there and what the system keeps at its end: what was measured, 98 KB, and room to
-/// spare. Threads of a pool have stacks of their own, large enough.
+/// Bytes of free stack that a thread must have when it calls the library, or when it runs a task of a
+/// rayc_parallel_for. 98 KB were measured; the rest is room to spare. Do not count what the system keeps at the end of
+/// a stack. Threads of a scene's own pool have stacks that are large enough.
 pub const RAYC_STACK_SIZE: usize = 131_072;
 
 /// What was wrong with this thread's last call, where, and what to do; "" after a success. UTF-8.

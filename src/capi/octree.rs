@@ -13,7 +13,8 @@ use crate::mesh::Mesh;
 use crate::octree::Octree;
 use crate::ray::{Hit, Ray};
 
-/// The triangle number of a ray that meets nothing.
+/// Stands where a triangle's number would be and there is no triangle: a ray that meets nothing, no surface within a
+/// bound.
 pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
 
 /// The search structure over one mesh's triangles, for one state of its positions.

@@ -58,13 +58,15 @@ pub struct rayc_detection_options {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub enum rayc_law {
-    /// Pressure by depth below the surface: at every surface point inside the other body, k times the distance to the nearest
-    /// point of that body's surface, along the inward normal; a contact's cos_alpha is that distance over its depth. The
-    /// force is a gradient, so closed paths cost no work; it is that of Archimedes on round bodies in flat faces, and near that
-    /// of hydroelastic contact (Elandt et al., IROS 2019) elsewhere. Where a body folds over itself, the rays' own law stays.
+    /// Pressure by depth below the surface: at every surface point inside the other body, k times the distance to the
+    /// nearest point of that body's surface, along the inward normal; a contact's cos_alpha is that distance over its
+    /// depth. The force is the negative gradient of an energy, so on a closed path it does no work. On a round body in
+    /// a flat face it is the buoyancy of Archimedes; elsewhere it is near hydroelastic contact (Elandt et al., IROS
+    /// 2019). Where a body folds over itself, forces follow RAYC_LAW_RAY_LENGTH instead.
     RAYC_LAW_PRESSURE = 0,
-    /// The paper's: k times the ray's length times the cosine of its angle, at points whose ray leaves the other body before
-    /// their own (Hermann, Faure, Raffin 2008, section 4). Beside edges such forces may point the wrong way.
+    /// The paper's: k times the ray's length times the cosine of its angle, at points whose ray leaves the other body
+    /// before it leaves their own (Hermann, Faure, Raffin 2008, section 4). Beside edges such forces may point the
+    /// wrong way.
     RAYC_LAW_RAY_LENGTH = 1,
 }
 
@@ -72,18 +74,21 @@ pub enum rayc_law {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub enum rayc_sampling {
-    /// In the middle of each triangle, larger ones being cut so that about 128 rays stand on the overlap's largest side;
-    /// forces then hardly depend on the triangulation, for about two rays a vertex on fine meshes. In a scene, where the
-    /// boxes of both bodies of a pair overlap those of more than 12 others, n at the least, it is 12/n as many, but no fewer
-    /// than 8: crowded_pairs in rayc_statistics.
+    /// In the middle of each triangle. Triangles that are large beside the overlap are cut first, so that about 128
+    /// rays start from an area as large as the largest face of the overlap box. So forces hardly depend on the
+    /// triangulation; on fine meshes it is about two rays for each vertex. A crowd gets fewer rays: where the boxes of
+    /// both bodies of a pair overlap those of at least n others, n > 12, it is 128 · 12 / n, but no fewer than 8. Such
+    /// pairs are counted as crowded_pairs in rayc_statistics.
     RAYC_SAMPLING_AUTOMATIC = 0,
-    /// sampling_value, a length > 0, apart or about so far, in the middles of faces: larger triangles are cut into pieces of
-    /// that size, and smaller ones joined to patches, connected and nearly flat, of which one triangle casts for all.
+    /// About sampling_value apart, a length > 0. Larger triangles are cut into pieces of that size, and a ray starts
+    /// from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
+    /// and one ray starts from one triangle of each patch.
     RAYC_SAMPLING_SPACING = 1,
-    /// As automatic, with triangles joined to patches as large as leave the net force of each pair within the part
-    /// sampling_value, > 0 and at most 1, of that of all rays, and its torque within that part of the force times half the
-    /// overlap box's diagonal. It is an estimate: patches get smaller until two tries agree clearly better than that; where
-    /// two tries would take more than a third of the triangles, or leave no hope to agree, all cast.
+    /// As automatic, but with triangles joined to patches, as large as the error allowed lets them be. sampling_value,
+    /// > 0 and at most 1, is that error of the net force of each pair, as a part of the force that all rays would give;
+    /// the net torque may be off by as much times half the diagonal of the overlap box. It is an estimate: patches get
+    /// smaller until two tries agree clearly better than that. Where two tries would take more than a third of the
+    /// triangles, or cannot be expected to agree, all triangles cast rays.
     RAYC_SAMPLING_TOLERANCE = 2,
     /// At the vertices, as in the paper.
     RAYC_SAMPLING_VERTICES = 3,
@@ -107,7 +112,7 @@ pub struct rayc_response_options {
     pub struct_size: usize,
     /// k ≥ 0, in N/m³ with RAYC_WEIGHTING_AREA, in N/m with RAYC_WEIGHTING_VERTEX. Default 1.
     pub stiffness: f64,
-    /// Seconds, ≥ 0: the damping along the ray is k · damping_time. Default 0.
+    /// Damping over stiffness, in s; ≥ 0. The damping along the ray is k · damping_time. Default 0.
     pub damping_time: f64,
     /// A rayc_weighting. Default RAYC_WEIGHTING_AREA.
     pub weighting: u32,

@@ -32,15 +32,16 @@ pub struct rayc_own_exit {
 /// out: where a body overlaps itself, and by how much.
 ///
 /// A vertex lies inside another part if the surface winds around the point just under it more than once; see
-/// rayc_octree_winding_numbers(). Vertices without a normal, because the triangles around them have no area or cancel out,
-/// are left out. The end of the way is the nearest point of the surface without the triangles that have a vertex of the same
-/// part inside: those vertices inside that are connected with it along edges. Where that point is one of those triangles' too,
-/// the surface goes on there into the part, and the part grows by the vertices around it until the point is no more. That is
-/// the end of the shortest path out of the other part, as in Chen, Diaz and Yuksel 2023, "Shortest path to boundary for
-/// self-intersecting meshes", but without a volume mesh. Where a body lies in itself all around, as a ring of two full turns,
-/// it may be a longer one. Distances are as right as those of rayc_octree_closest_points().
+/// rayc_octree_winding_numbers(). Vertices without a normal, because the triangles around them have no area or cancel
+/// out, are left out. The end of the way is the nearest point of the surface without the triangles that have a vertex
+/// of the same part inside: those vertices inside that are connected with it along edges. Where that point also lies on
+/// a triangle that was left out, the surface continues there into the part. Then the part takes in the vertices around
+/// the point, and the nearest point is sought again. That is the end of the shortest path out of the other part, as in
+/// Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", but without a volume mesh.
+/// Where a body lies in itself all around, as a ring of two full turns, it may be a longer one. Distances are as right
+/// as those of rayc_octree_closest_points().
 ///
-/// octree: its memory is used again, so that a steady step allocates nothing; it changes nothing else of it.
+/// octree: its working memory is used again, so that a steady step allocates nothing; nothing else of it changes.
 /// exits: room for `capacity` structs, in ascending order of vertices; as many as the mesh has vertices always suffice.
 /// *count: how many there are.
 ///

@@ -9,8 +9,8 @@ use crate::math::Scalar;
 use crate::memory::text;
 use crate::recovery::PairMemory;
 
-/// What a pair of bodies of a scene remembers from step to step, which rayc_scene_advance() ends, while their boxes overlap;
-/// later versions may tell more, at the end.
+/// What a pair of bodies of a scene remembers from step to step while their boxes overlap; rayc_scene_advance() ends a
+/// step. Later versions may tell more, at the end.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_pair_memory {
@@ -18,12 +18,13 @@ pub struct rayc_pair_memory {
     pub first: u32,
     /// The other.
     pub second: u32,
-    /// 1: the pair is escaping; 0: its contacts part it. Only told: rayc_scene_set_pair_memory() reads it from `state`.
+    /// 1: the pair is escaping; 0: its contacts part it. For reading: rayc_scene_set_pair_memory() takes it from
+    /// `state`.
     pub escaping: u32,
     /// Always 0, so that equal memories are equal byte by byte.
     pub reserved: u32,
-    /// The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping. Only
-    /// told, too.
+    /// The direction in which the first body leaves the second, of unit length; 0, 0, 0 where the pair is not escaping.
+    /// For reading, too.
     pub direction: [f64; 3],
     /// All that the pair remembers, for rayc_scene_set_pair_memory(); the same bytes on every machine. What they mean is the
     /// library's own and changes with its version.

@@ -47,14 +47,14 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 /// p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
 ///
 /// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
-/// order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions
-/// at detection. velocities NULL: no damping. Contacts are held: each keeps its two points and its direction,
-/// whatever the positions. Where the points have moved apart, the force pulls, because an implicit integrator's
-/// linear step needs that.
+/// order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
+/// detection. velocities NULL: no damping. Contacts stay as they were found: each keeps its two points of the surfaces
+/// and its direction, whatever the positions. Where the points have moved apart, the force pulls, because an implicit
+/// integrator's linear step needs that.
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
-/// what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
-/// precision; what no contact needs is not looked at.
+/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
+/// where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
+/// the precision of the contacts. Numbers that no contact needs are not checked.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_add_forces(
     contacts: *const rayc_contacts,
@@ -121,9 +121,9 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
 /// The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
 /// elastic force is its negative gradient.
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE where
-/// what a contact needs of them is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is so only in the list's
-/// precision; what no contact needs is not looked at.
+/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
+/// where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
+/// the precision of the contacts. Numbers that no contact needs are not checked.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_energy(
     contacts: *const rayc_contacts,

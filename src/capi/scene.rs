@@ -237,10 +237,10 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
 /// whose contacts with itself are switched on is moved as a whole, as with positions.
 ///
 /// Contacts are the same, to the bit, as with rayc_scene_set_positions() where coordinate k of each vertex is
-/// `rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k]`, in double precision, each product and sum
-/// rounded, added from left to right; in a scene of single precision x, y, z are the mesh's coordinates in that precision and
-/// the sum is rounded once more. As new positions do, it makes what the last query found old, and ends a step
-/// where rayc_scene_advance() is not used. Contacts, forces and boxes are in the world's coordinates.
+/// `rotation[k][0] · x + rotation[k][1] · y + rotation[k][2] · z + position[k]`, in double precision, each product and
+/// sum rounded, added from left to right; in a scene of single precision x, y, z are the mesh's coordinates in that
+/// precision and the sum is rounded once more. As new positions do, it ends a step where rayc_scene_advance() is not
+/// used; contacts found before it are those of the old pose. Contacts, forces and boxes are in the world's coordinates.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY; RAYC_STATUS_NOT_FINITE where a number of the pose is not; RAYC_STATUS_INVALID_DIRECTION
 /// where the rotation is no rotation matrix, or mirrors; RAYC_STATUS_MESH_BEYOND_RANGE where the body might reach beyond the

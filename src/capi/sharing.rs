@@ -12,7 +12,7 @@ use crate::memory::text;
 use crate::recovery::PairMemory;
 use crate::scene::{PairCost, Scene, SceneError, Sharing, finds_pair};
 
-/// For rayc_scene_share_body(): a body has as many neighbours as are in the scene.
+/// For rayc_scene_share_body(): the neighbours of a body are counted in this scene alone.
 pub const RAYC_NEIGHBOURS_COUNTED: u32 = u32::MAX;
 
 /// What a scene knows of a body's present state; later versions may tell more, at the end.
@@ -23,8 +23,9 @@ pub struct rayc_body_state {
     pub lower: [f64; 3],
     /// The largest.
     pub upper: [f64; 3],
-    /// How many rays as long as the newest query took for the body, 0 before the first: those of its contacts with itself,
-    /// half of those of its pairs, and all of those with ghosts. Fifty triangles that are read count as a ray.
+    /// What the newest query took for this body, counted in rays; 0 before the first. These are the rays of its
+    /// contacts with itself, half of those of its pairs, all of those of its pairs with ghosts
+    /// (rayc_scene_share_body()), and one ray for every fifty triangles that were read.
     pub cost: f64,
     /// 1: the body may overlap itself, as the newest query or rayc_scene_find_self_contacts() found; 0: it does not, or
     /// its self-collision is off.
@@ -60,12 +61,12 @@ impl Growing for rayc_pair_cost {
 /// copies of bodies of other scenes that meet its own. The call takes effect from the next query on; a new body is
 /// not shared.
 ///
-/// is_ghost: 1 for a body that belongs to another scene. A ghost has no contacts with itself here, and none with
-/// other ghosts. The contacts of a ghost and a body of this scene are found by only one of the two scenes. The two
-/// keys (rayc_scene_add_mesh_with_key()) decide which one; each of the two is about as likely. 0 for a body of this
-/// scene. neighbours: how many bodies' boxes overlap its own in all scenes together, by which crowds are known, or
-/// RAYC_NEIGHBOURS_COUNTED. overlaps_itself: for a ghost, what rayc_scene_body_state() says in its own scene;
-/// otherwise 0.
+/// is_ghost: 1 for a body that belongs to another scene. A ghost has no contacts with itself here, and none with other
+/// ghosts. The contacts of a ghost and a body of this scene are found by only one of the two scenes. The two keys
+/// (rayc_scene_add_mesh_with_key()) decide which one; each of the two is about as likely. 0 for a body of this scene.
+/// neighbours: how many bodies of all scenes together have boxes that overlap its own, which decides how many rays a
+/// crowd gets (RAYC_SAMPLING_AUTOMATIC); or RAYC_NEIGHBOURS_COUNTED. overlaps_itself: for a ghost, what
+/// rayc_scene_body_state() says in its own scene; otherwise 0.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a flag is neither 0 nor 1.
 #[unsafe(no_mangle)]

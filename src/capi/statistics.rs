@@ -13,8 +13,8 @@ pub struct rayc_statistics {
     pub open_pairs: u64,
     /// Rays traced, from the surface points inside an overlap box.
     pub rays: u64,
-    /// Rays that left the overlap box without meeting the other mesh, or along an escape its box; for a body with itself,
-    /// rays from points that lie inside no other part of it.
+    /// Rays that left the overlap box without meeting the other mesh; while a pair escapes, rays that left that mesh's
+    /// own box. For a body with itself, rays from points that lie inside no other part of it.
     pub misses: u64,
     /// Rays whose first hit enters the other mesh: they start outside it.
     pub entry_hits: u64,
@@ -23,7 +23,7 @@ pub struct rayc_statistics {
     pub own_surface_hits: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
-    /// Pieces of triangles left larger than the spacing asks, because their surface had been cut as often as it may.
+    /// Pieces of triangles left larger than the sampling asks, because triangles are not cut more often than this.
     pub uncut_pieces: u64,
     /// Contacts found.
     pub contacts: u64,
@@ -41,9 +41,11 @@ pub struct rayc_statistics {
     pub escaping_pairs: u64,
     /// Contacts of escaping pairs.
     pub escape_contacts: u64,
-    /// Pairs whose escape was held fast by others and has turned to the line of centres, from the next query on.
+    /// Pairs whose escape other bodies blocked: from the next query on they escape along the line between their
+    /// centres.
     pub escapes_turned: u64,
-    /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
+    /// Pairs that contacts cannot part, and that would have begun to escape if rayc_scene_allow_escape() did not forbid
+    /// it.
     pub escapes_forbidden: u64,
     /// Of the rays, those that stand for a patch of several triangles.
     pub patches: u64,

@@ -72,7 +72,7 @@ PAIRS = ("detect", "measure", "free", "intersecting")
 class RaycontactPaper(Raycontact):
     name = "raycontact, paper"
     tasks = PAIRS
-    settings = "as in the paper: rays from vertices, its law, no areas, no edges, no escape"
+    settings = "as in the paper: rays from vertices, its law, no areas, no edges, no escape; double precision"
     detection = raycontact.paper_detection_options()
     response = {"weighting": raycontact.Weighting.VERTEX}
 
