@@ -1,7 +1,7 @@
 use super::contact_system_options::{rayc_contact_system_options, rayc_material, rayc_motion};
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back, with_precision};
 use super::pointers::{Output, reference, slice};
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::read_options;
@@ -51,17 +51,7 @@ macro_rules! with_scene {
     };
 }
 
-/// What a call does with a system of either precision.
-macro_rules! with_system {
-    ($system:expr, |$s:ident| $call:expr) => {
-        match $system {
-            AnySystem::F32($s) => $call,
-            AnySystem::F64($s) => $call,
-        }
-    };
-}
-
-pub(super) use {with_scene, with_system};
+pub(super) use with_scene;
 
 /// Makes a system without bodies. options: NULL for the defaults. *system: the new handle.
 ///
@@ -109,7 +99,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_node_masses(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let masses = slice(masses, count, "masses")?;
-        with_system!(&mut system.system, |system| system.set_node_masses(masses)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.set_node_masses(masses)?);
         Ok(())
     })
 }
@@ -246,7 +236,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
         let given = slice(normal, 3, "normal")?;
         let material = rayc_material::read(material)?;
         let normal = std::array::from_fn(|axis| given[axis]);
-        with_system!(&mut system.system, |system| system.add_half_space(normal, offset, material)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.add_half_space(normal, offset, material)?);
         Ok(())
     })
 }
@@ -259,7 +249,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
 pub unsafe extern "C" fn rayc_contact_system_remove_body(system: *mut rayc_contact_system, body: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_system!(&mut changing(system, "system")?.system, |system| system.remove(body)?);
+        with_precision!(AnySystem, &mut changing(system, "system")?.system, |system| system.remove(body)?);
         Ok(())
     })
 }
@@ -280,7 +270,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_pair_material(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
-        with_system!(&mut system.system, |system| system.set_pair_material(a, b, material)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.set_pair_material(a, b, material)?);
         Ok(())
     })
 }
@@ -301,7 +291,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_motion(
         let mut system = changing(system, "system")?;
         let rayc_motion { position, rotation, velocity, free_velocity } = *reference(motion, "motion")?;
         let motion = Motion { position, rotation, velocity, free_velocity };
-        with_system!(&mut system.system, |system| system.set_motion(body, &motion)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.set_motion(body, &motion)?);
         Ok(())
     })
 }
@@ -315,7 +305,7 @@ pub unsafe extern "C" fn rayc_contact_system_unknown_count(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let system = reading(system, "system")?;
-        Output::new(count, "count")?.write(with_system!(&system.system, |system| system.unknown_count()));
+        Output::new(count, "count")?.write(with_precision!(AnySystem, &system.system, |system| system.unknown_count()));
         Ok(())
     })
 }

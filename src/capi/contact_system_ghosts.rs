@@ -1,8 +1,8 @@
-use super::contact_system::{AnySystem, rayc_contact_system, with_scene, with_system};
+use super::contact_system::{AnySystem, rayc_contact_system, with_scene};
 use super::contact_system_step::apart;
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading};
+use super::handles::{changing, reading, with_precision};
 use super::pointers::{Output, slice};
 use super::scene::{AnyScene, rayc_scene};
 use crate::memory::text;
@@ -158,7 +158,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_couplings(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let couplings = super::pointers::slice_mut(couplings, block_count, "couplings")?;
-        with_system!(&mut system.system, |system| system.part_couplings(couplings)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.part_couplings(couplings)?);
         Ok(())
     })
 }
@@ -183,7 +183,7 @@ pub unsafe extern "C" fn rayc_contact_system_largest_coupling(
         let system = reading(system, "system")?;
         let sums = slice(sums, count, "sums")?;
         let places = [Output::new(largest, "largest")?, Output::new(damping_time, "damping_time")?];
-        let found = with_system!(&system.system, |system| system.largest_coupling(sums)?);
+        let found = with_precision!(AnySystem, &system.system, |system| system.largest_coupling(sums)?);
         for (place, number) in places.into_iter().zip(found) {
             place.write(number);
         }
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_energies(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (velocities, joules) = apart((velocities, count, "velocities"), (joules, part_count, "joules"))?;
-        with_system!(&mut system.system, |system| system.part_energies(velocities, joules)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.part_energies(velocities, joules)?);
         Ok(())
     })
 }
@@ -224,7 +224,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_block_count(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let place = Output::new(count, "count")?;
-        place.write(with_system!(&mut system.system, |system| system.part_blocks(1.0)?.len()));
+        place.write(with_precision!(AnySystem, &mut system.system, |system| system.part_blocks(1.0)?.len()));
         Ok(())
     })
 }
@@ -248,7 +248,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_part_blocks(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
-        with_system!(&mut system.system, |system| {
+        with_precision!(AnySystem, &mut system.system, |system| {
             let all = system.part_blocks(factor)?;
             if all.len() != count {
                 let message = text!("there are {} blocks, and room for {count}; ask for their count", all.len());

@@ -1,7 +1,7 @@
-use super::contact_system::{AnySystem, rayc_contact_system, with_scene, with_system};
+use super::contact_system::{AnySystem, rayc_contact_system, with_scene};
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading};
+use super::handles::{changing, reading, with_precision};
 use super::pointers::{Output, slice, slice_mut};
 use super::scene::{AnyScene, rayc_scene};
 use crate::memory::text;
@@ -54,7 +54,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
-        with_system!(&mut system.system, |system| system.add_forces(velocities, forces)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.add_forces(velocities, forces)?);
         Ok(())
     })
 }
@@ -78,7 +78,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_product(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
-        with_system!(&mut system.system, |system| system.add_product(factor, change, result)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.add_product(factor, change, result)?);
         Ok(())
     })
 }
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
             blocks[9 * next..9 * next + 9].copy_from_slice(&block);
             next += 1;
         };
-        with_system!(&system.system, |system| system.for_each_block(factor, copy)?);
+        with_precision!(AnySystem, &system.system, |system| system.for_each_block(factor, copy)?);
         Ok(())
     })
 }
@@ -145,7 +145,7 @@ macro_rules! number_at {
         let mut system = changing($system, "system")?;
         let velocities = slice($velocities, $count, "velocities")?;
         let place = Output::new($place, stringify!($place))?;
-        place.write(with_system!(&mut system.system, |system| system.$method(velocities)?));
+        place.write(with_precision!(AnySystem, &mut system.system, |system| system.$method(velocities)?));
         Ok(())
     }};
 }
@@ -224,7 +224,7 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let velocities = slice(velocities, count, "velocities")?;
-        with_system!(&mut system.system, |system| system.finish(velocities)?);
+        with_precision!(AnySystem, &mut system.system, |system| system.finish(velocities)?);
         Ok(())
     })
 }
@@ -235,7 +235,7 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
 pub unsafe extern "C" fn rayc_contact_system_cancel(system: *mut rayc_contact_system) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_system!(&mut changing(system, "system")?.system, |system| system.cancel());
+        with_precision!(AnySystem, &mut changing(system, "system")?.system, |system| system.cancel());
         Ok(())
     })
 }
@@ -253,7 +253,7 @@ pub unsafe extern "C" fn rayc_contact_system_rigid_velocity(
     guard(|| unsafe {
         let system = reading(system, "system")?;
         let place = Output::array(velocity, 6, "velocity")?;
-        place.write_all(with_system!(&system.system, |system| system.rigid_velocity(body)?).into_iter());
+        place.write_all(with_precision!(AnySystem, &system.system, |system| system.rigid_velocity(body)?).into_iter());
         Ok(())
     })
 }
@@ -294,7 +294,7 @@ pub unsafe extern "C" fn rayc_contact_system_explicit_step(
 
 fn block_count(system: &AnySystem) -> Result<usize, Failure> {
     let mut count = 0;
-    with_system!(system, |system| system.for_each_block(1.0, |_, _, _| count += 1)?);
+    with_precision!(AnySystem, system, |system| system.for_each_block(1.0, |_, _, _| count += 1)?);
     Ok(count)
 }
 

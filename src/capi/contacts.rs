@@ -1,6 +1,6 @@
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back, with_precision};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, rayc_octree};
 use super::options::rayc_detection_options;
@@ -300,10 +300,8 @@ pub unsafe extern "C" fn rayc_contacts_copy(
         let list = &contacts.list;
         list.check_range(first, count)?;
         let out = Output::array(out, count, "out")?;
-        match list {
-            AnyContacts::F32(list) => out.write_all(list.contacts[first..first + count].iter().map(Into::into)),
-            AnyContacts::F64(list) => out.write_all(list.contacts[first..first + count].iter().map(Into::into)),
-        }
+        with_precision!(AnyContacts, list, |list| out
+            .write_all(list.contacts[first..first + count].iter().map(Into::into)));
         Ok(())
     })
 }
@@ -322,10 +320,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
     guard(|| unsafe {
         let contacts = reading(contacts, "contacts")?;
         let list = &contacts.list;
-        let found = match list {
-            AnyContacts::F32(list) => list.statistics,
-            AnyContacts::F64(list) => list.statistics,
-        };
+        let found = with_precision!(AnyContacts, list, |list| list.statistics);
         let known = rayc_statistics::of(found, list.len());
         write_known(struct_size, statistics, "statistics", known)
     })

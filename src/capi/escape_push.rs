@@ -1,7 +1,7 @@
 use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::reading;
+use super::handles::{reading, with_precision};
 use super::pointers::Output;
 use super::sized_structs::{Growing, Known};
 use crate::detection::EscapePush;
@@ -90,17 +90,11 @@ pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
         }
         let out = Known::new(struct_size, out, count, "out")?;
         let range = first..first + count;
-        match list {
-            AnyContacts::F32(list) => out.write_all(list.pushes()[range].iter().map(Into::into)),
-            AnyContacts::F64(list) => out.write_all(list.pushes()[range].iter().map(Into::into)),
-        }
+        with_precision!(AnyContacts, list, |list| out.write_all(list.pushes()[range].iter().map(Into::into)));
         Ok(())
     })
 }
 
 fn push_count(list: &AnyContacts) -> usize {
-    match list {
-        AnyContacts::F32(list) => list.pushes().len(),
-        AnyContacts::F64(list) => list.pushes().len(),
-    }
+    with_precision!(AnyContacts, list, |list| list.pushes().len())
 }

@@ -1,6 +1,6 @@
 use super::failure::{Failure, mesh_status, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back, with_precision};
 use super::host_positions::set_positions;
 use super::numbers::flag;
 use super::options::rayc_mesh_options;
@@ -165,10 +165,7 @@ pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
-        match &mut changing(mesh, "mesh")?.mesh {
-            AnyMesh::F32(mesh) => renew_positions(mesh, &positions),
-            AnyMesh::F64(mesh) => renew_positions(mesh, &positions),
-        }
+        with_precision!(AnyMesh, &mut changing(mesh, "mesh")?.mesh, |mesh| renew_positions(mesh, &positions))
     })
 }
 
@@ -210,10 +207,7 @@ pub unsafe extern "C" fn rayc_mesh_copy_positions(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut positions = Strided::new_mut(reference(positions, "positions")?, "positions")?;
-        match &reading(mesh, "mesh")?.mesh {
-            AnyMesh::F32(mesh) => copy(mesh, &mut positions),
-            AnyMesh::F64(mesh) => copy(mesh, &mut positions),
-        }
+        with_precision!(AnyMesh, &reading(mesh, "mesh")?.mesh, |mesh| copy(mesh, &mut positions))
     })
 }
 

@@ -1,6 +1,6 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{give, reading};
+use super::handles::{give, reading, with_precision};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::pointers::{Output, slice};
 use crate::memory::text;
@@ -12,10 +12,7 @@ pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length:
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mesh = reading(mesh, "mesh")?;
-        Output::new(length, "length")?.write(match &mesh.mesh {
-            AnyMesh::F32(mesh) => mesh.packed_length(),
-            AnyMesh::F64(mesh) => mesh.packed_length(),
-        });
+        Output::new(length, "length")?.write(with_precision!(AnyMesh, &mesh.mesh, |mesh| mesh.packed_length()));
         Ok(())
     })
 }
@@ -34,10 +31,7 @@ pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, b
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut packed = Vec::new();
-        match &reading(mesh, "mesh")?.mesh {
-            AnyMesh::F32(mesh) => mesh.pack(&mut packed),
-            AnyMesh::F64(mesh) => mesh.pack(&mut packed),
-        }
+        with_precision!(AnyMesh, &reading(mesh, "mesh")?.mesh, |mesh| mesh.pack(&mut packed));
         if packed.len() != length {
             let message =
                 text!("bytes has room for {length}, but the packed mesh takes {}; give that many", packed.len());

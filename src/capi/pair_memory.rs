@@ -1,6 +1,6 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading};
+use super::handles::{changing, reading, with_precision};
 use super::numbers::flag;
 use super::pointers::{Output, slice};
 use super::scene::{AnyScene, rayc_scene};
@@ -65,10 +65,7 @@ pub unsafe extern "C" fn rayc_scene_allow_escape(scene: *mut rayc_scene, a: u32,
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let allowed = flag("allowed", allowed)?;
-        match scene {
-            AnyScene::F32(scene) => scene.allow_escape(a, b, allowed)?,
-            AnyScene::F64(scene) => scene.allow_escape(a, b, allowed)?,
-        }
+        with_precision!(AnyScene, scene, |scene| scene.allow_escape(a, b, allowed)?);
         Ok(())
     })
 }
@@ -86,10 +83,9 @@ pub unsafe extern "C" fn rayc_scene_may_escape(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let place = Output::new(allowed, "allowed")?;
-        place.write(u32::from(match &reading(scene, "scene")?.scene {
-            AnyScene::F32(scene) => scene.may_escape(a, b)?,
-            AnyScene::F64(scene) => scene.may_escape(a, b)?,
-        }));
+        place.write(u32::from(
+            with_precision!(AnyScene, &reading(scene, "scene")?.scene, |scene| scene.may_escape(a, b)?)
+        ));
         Ok(())
     })
 }
@@ -132,10 +128,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
         }
         let out = Known::new(struct_size, out, count, "out")?;
         let range = first..first + count;
-        match scene {
-            AnyScene::F32(scene) => out.write_all(scene.pair_memories()[range].iter().map(Into::into)),
-            AnyScene::F64(scene) => out.write_all(scene.pair_memories()[range].iter().map(Into::into)),
-        }
+        with_precision!(AnyScene, scene, |scene| out.write_all(scene.pair_memories()[range].iter().map(Into::into)));
         Ok(())
     })
 }
@@ -147,10 +140,7 @@ pub unsafe extern "C" fn rayc_scene_saved_length(scene: *const rayc_scene, lengt
     guard(|| unsafe {
         let scene = reading(scene, "scene")?;
         let scene = &scene.scene;
-        Output::new(length, "length")?.write(match scene {
-            AnyScene::F32(scene) => scene.saved_length(),
-            AnyScene::F64(scene) => scene.saved_length(),
-        });
+        Output::new(length, "length")?.write(with_precision!(AnyScene, scene, |scene| scene.saved_length()));
         Ok(())
     })
 }
@@ -171,10 +161,7 @@ pub unsafe extern "C" fn rayc_scene_save_pair_memories(
         let scene = reading(scene, "scene")?;
         let scene = &scene.scene;
         let mut saved = Vec::new();
-        match scene {
-            AnyScene::F32(scene) => scene.save_pair_memories(&mut saved),
-            AnyScene::F64(scene) => scene.save_pair_memories(&mut saved),
-        }
+        with_precision!(AnyScene, scene, |scene| scene.save_pair_memories(&mut saved));
         if saved.len() != length {
             let message = text!("bytes has room for {length}, but {} are to be saved; give that many", saved.len());
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
@@ -200,17 +187,11 @@ pub unsafe extern "C" fn rayc_scene_restore_pair_memories(
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let bytes = slice(bytes, length, "bytes")?;
-        match scene {
-            AnyScene::F32(scene) => scene.restore_pair_memories(bytes)?,
-            AnyScene::F64(scene) => scene.restore_pair_memories(bytes)?,
-        }
+        with_precision!(AnyScene, scene, |scene| scene.restore_pair_memories(bytes)?);
         Ok(())
     })
 }
 
 fn memory_count(scene: &AnyScene) -> usize {
-    match scene {
-        AnyScene::F32(scene) => scene.pair_memories().len(),
-        AnyScene::F64(scene) => scene.pair_memories().len(),
-    }
+    with_precision!(AnyScene, scene, |scene| scene.pair_memories().len())
 }

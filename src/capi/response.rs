@@ -2,7 +2,7 @@ use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
 use super::given::{Arrays, Given, GivenMut};
 use super::guard::guard;
-use super::handles::reading;
+use super::handles::{reading, with_precision};
 use super::options::rayc_response_options;
 use super::pointers::Output;
 use super::sized_structs::read_options;
@@ -111,10 +111,7 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
         let displacements = Given::all(displacements, body_count, "displacements")?;
         let forces = GivenMut::all(forces, body_count, "forces")?;
         let factors = [stiffness_factor, damping_factor];
-        match list {
-            AnyContacts::F32(list) => add_all_differentials(list, &law, factors, displacements, forces),
-            AnyContacts::F64(list) => add_all_differentials(list, &law, factors, displacements, forces),
-        }
+        with_precision!(AnyContacts, list, |list| add_all_differentials(list, &law, factors, displacements, forces))
     })
 }
 
@@ -139,10 +136,7 @@ pub unsafe extern "C" fn rayc_contacts_energy(
         let law = read_options(options)?.law()?;
         let positions = Given::if_any(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
-        place.write(match list {
-            AnyContacts::F32(list) => all_energy(list, &law, positions)?,
-            AnyContacts::F64(list) => all_energy(list, &law, positions)?,
-        });
+        place.write(with_precision!(AnyContacts, list, |list| all_energy(list, &law, positions)?));
         Ok(())
     })
 }

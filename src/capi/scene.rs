@@ -1,7 +1,7 @@
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, precision_mismatch, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back, with_precision};
 use super::host_threads::HostThreads;
 use super::mesh::{AnyMesh, rayc_mesh, renew_positions};
 use super::numbers::flag;
@@ -173,10 +173,7 @@ pub unsafe extern "C" fn rayc_scene_add_mesh_with_key(
 pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        match &mut changing(scene, "scene")?.scene {
-            AnyScene::F32(scene) => scene.remove(body).map(drop)?,
-            AnyScene::F64(scene) => scene.remove(body).map(drop)?,
-        }
+        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene.remove(body).map(drop)?);
         Ok(())
     })
 }
@@ -192,10 +189,7 @@ pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u3
 pub unsafe extern "C" fn rayc_scene_release_body_numbers(scene: *mut rayc_scene) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        match &mut changing(scene, "scene")?.scene {
-            AnyScene::F32(scene) => scene.release_body_numbers(),
-            AnyScene::F64(scene) => scene.release_body_numbers(),
-        }
+        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene.release_body_numbers());
         Ok(())
     })
 }
@@ -219,10 +213,7 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
-        match scene {
-            AnyScene::F32(scene) => set(scene, body, &positions),
-            AnyScene::F64(scene) => set(scene, body, &positions),
-        }
+        with_precision!(AnyScene, scene, |scene| set(scene, body, &positions))
     })
 }
 
@@ -252,10 +243,7 @@ pub unsafe extern "C" fn rayc_scene_set_pose(scene: *mut rayc_scene, body: u32, 
         let mut scene = changing(scene, "scene")?;
         let rayc_pose { position, rotation } = *reference(pose, "pose")?;
         let pose = Pose { position, rotation };
-        match &mut scene.scene {
-            AnyScene::F32(scene) => scene.set_pose(body, &pose)?,
-            AnyScene::F64(scene) => scene.set_pose(body, &pose)?,
-        }
+        with_precision!(AnyScene, &mut scene.scene, |scene| scene.set_pose(body, &pose)?);
         Ok(())
     })
 }
@@ -271,10 +259,8 @@ pub unsafe extern "C" fn rayc_scene_set_detection_options(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let options = read_options(options)?;
-        match &mut changing(scene, "scene")?.scene {
-            AnyScene::F32(scene) => scene.set_options(options.detection()?),
-            AnyScene::F64(scene) => scene.set_options(options.detection()?),
-        }
+        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene
+            .set_options(options.detection()?));
         Ok(())
     })
 }
@@ -291,10 +277,7 @@ pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, b
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let is_on = flag("is_on", is_on)?;
-        match scene {
-            AnyScene::F32(scene) => scene.set_self_collision(body, is_on)?,
-            AnyScene::F64(scene) => scene.set_self_collision(body, is_on)?,
-        }
+        with_precision!(AnyScene, scene, |scene| scene.set_self_collision(body, is_on)?);
         Ok(())
     })
 }
@@ -316,10 +299,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let is_on = flag("is_on", is_on)?;
-        match scene {
-            AnyScene::F32(scene) => scene.set_pair_collision(a, b, is_on)?,
-            AnyScene::F64(scene) => scene.set_pair_collision(a, b, is_on)?,
-        }
+        with_precision!(AnyScene, scene, |scene| scene.set_pair_collision(a, b, is_on)?);
         Ok(())
     })
 }
@@ -339,10 +319,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
 pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        match &mut changing(scene, "scene")?.scene {
-            AnyScene::F32(scene) => scene.advance(seconds)?,
-            AnyScene::F64(scene) => scene.advance(seconds)?,
-        }
+        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene.advance(seconds)?);
         Ok(())
     })
 }

@@ -1,6 +1,6 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading};
+use super::handles::{changing, reading, with_precision};
 use super::numbers::flag;
 use super::pair_memory::rayc_pair_memory;
 use super::pointers::{Output, reference};
@@ -85,10 +85,7 @@ pub unsafe extern "C" fn rayc_scene_share_body(
             neighbours: Some(neighbours).filter(|&count| count != RAYC_NEIGHBOURS_COUNTED),
             overlaps_itself: flag("overlaps_itself", overlaps_itself)?,
         };
-        match &mut scene.scene {
-            AnyScene::F32(scene) => scene.share(body, sharing)?,
-            AnyScene::F64(scene) => scene.share(body, sharing)?,
-        }
+        with_precision!(AnyScene, &mut scene.scene, |scene| scene.share(body, sharing)?);
         Ok(())
     })
 }
@@ -118,10 +115,7 @@ pub unsafe extern "C" fn rayc_finds_pair(own: u64, ghost: u64, found: *mut u32) 
 pub unsafe extern "C" fn rayc_scene_find_self_contacts(scene: *mut rayc_scene) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        match &mut changing(scene, "scene")?.scene {
-            AnyScene::F32(scene) => scene.find_self_contacts(),
-            AnyScene::F64(scene) => scene.find_self_contacts(),
-        }
+        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene.find_self_contacts());
         Ok(())
     })
 }
@@ -146,10 +140,7 @@ pub unsafe extern "C" fn rayc_scene_body_state(
     }
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let found = match &reading(scene, "scene")?.scene {
-            AnyScene::F32(scene) => state_of(scene, body)?,
-            AnyScene::F64(scene) => state_of(scene, body)?,
-        };
+        let found = with_precision!(AnyScene, &reading(scene, "scene")?.scene, |scene| state_of(scene, body)?);
         write_known(struct_size, state, "state", found)
     })
 }
@@ -198,10 +189,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_costs(
 }
 
 fn pair_costs(scene: &AnyScene) -> &[PairCost] {
-    match scene {
-        AnyScene::F32(scene) => scene.pair_costs(),
-        AnyScene::F64(scene) => scene.pair_costs(),
-    }
+    with_precision!(AnyScene, scene, |scene| scene.pair_costs())
 }
 
 /// Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, for this scene or for another: for
@@ -228,10 +216,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_memory(
         let mut scene = changing(scene, "scene")?;
         check_size::<rayc_pair_memory>(struct_size)?;
         let memory = reference(memory, "memory")?;
-        match &mut scene.scene {
-            AnyScene::F32(scene) => set(scene, memory)?,
-            AnyScene::F64(scene) => set(scene, memory)?,
-        }
+        with_precision!(AnyScene, &mut scene.scene, |scene| set(scene, memory)?);
         Ok(())
     })
 }
