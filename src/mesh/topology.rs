@@ -193,7 +193,9 @@ fn triangles_around_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> (Ve
 }
 
 fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let mut rings = memory::with_room(around.len() + around_start.len());
+    // A ring has one vertex more than triangles, but where the surface touches itself in a vertex.
+    let lengths = around_start.windows(2).map(|ends| RING_LENGTH.max((ends[1] - ends[0]) as usize + 1));
+    let mut rings = memory::with_room(lengths.sum());
     let mut start = memory::with_room(around_start.len());
     // The two other corners of each triangle around a vertex, in the triangle's order; and the same by their first, of
     // which no two have the same, so that a fan of a million triangles takes no square of that.
@@ -206,10 +208,14 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
         let vertex = vertex as u32;
         sides.clear();
         let others = |&triangle: &u32| {
-            let mut corners = triangles[triangle as usize];
-            let place = corners.iter().position(|&corner| corner == vertex).expect("it lies around the vertex");
-            corners.rotate_left(place);
-            [corners[1], corners[2]]
+            let [a, b, c] = triangles[triangle as usize];
+            if a == vertex {
+                [b, c]
+            } else if b == vertex {
+                [c, a]
+            } else {
+                [a, b]
+            }
         };
         memory::append(&mut sides, own.iter().map(others));
         let ring = rings.len();
