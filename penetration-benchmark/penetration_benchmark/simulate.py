@@ -24,7 +24,7 @@ SECONDS = {"drop": 3.0, "impact": 1.0, "part": 2.0}
 JUDGED = 15
 # A body rests when no point has been faster than this, in sizes a second, for so long.
 REST_SPEED, REST_SECONDS = 0.1, 0.25
-# A body that rests deeper than this, in its size, has sunk.
+# A body that ends deeper than this, in its size, has sunk.
 DEEPEST = 0.05
 # Of what was put in: whoever gains more has exploded.
 MOST_GAINED = 1.0
@@ -90,15 +90,14 @@ class Scene:
 
     def outcome(self, is_at_rest):
         """At the end: (outcome, depth at rest or None)."""
-        if self.kind == "drop":
-            depth = self.lift()
-            if self.is_below() or depth > DEEPEST:
-                return "sunk", None
-            return ("done", depth) if is_at_rest else ("restless", None)
-        is_apart = self.apart(self.positions())
         if self.kind == "part":
-            return "done" if is_apart else "stuck", None
-        return "done" if is_apart and not self.is_below() else "sunk", None
+            return "done" if self.apart(self.positions()) else "stuck", None
+        depth = self.lift()
+        if self.is_below() or depth > DEEPEST:
+            return "sunk", None
+        if self.kind == "impact":
+            return "done", None
+        return ("done", depth) if is_at_rest else ("restless", None)
 
 
 def run(library, surfaces, pose, put_in, parts):
