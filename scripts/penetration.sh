@@ -62,7 +62,7 @@ if [[ $size == --quick ]]; then
     exit 0
 fi
 run "$folder/full" --tasks detect,measure,intersecting,simulate,self
-# Ten thousand poses to part, and a tenth of them for those that would take hours.
+# Ten thousand poses to part, and a tenth of them for those that would take one more hour.
 run "$folder/free" --tasks free --share 53 \
     --libraries raycontact,raycontact-paper,raycontact-no-escape,embree,trimesh,fcl,coal,bullet
 run "$folder/free-slow" --tasks free --share 5.3 --libraries mujoco,drake,ipc-toolkit

@@ -116,7 +116,12 @@ def draw_deep(random_, _, shape):
 def draw_concentric(random_, number, shape):
     """A body and the same again, turned about its middle."""
     body = shape(shapes.BODIES[number % len(shapes.BODIES)])
-    return Pair(body, body), random_.quaternion(), rounded(0.02 * random_.direction())
+    pair = Pair(body, body)
+    while True:
+        q, t = random_.quaternion(), rounded(0.02 * random_.direction())
+        # The middle of an L is outside it.
+        if not pair.are_apart(q, t):
+            return pair, q, t
 
 
 def draw_coincident(_, number, shape):

@@ -6,7 +6,7 @@ import collections
 import numpy as np
 import pytest
 
-from penetration_benchmark import exact, files, shapes
+from penetration_benchmark import exact, files, poses, shapes
 from penetration_benchmark.generate import generate
 
 
@@ -42,6 +42,13 @@ def test_kinds_may_be_left_out(folder, tmp_path):
     generate(tmp_path, 1, 0.08, kinds=("drop",))
     assert [pose.kind for pose in files.read_poses(tmp_path / "poses.csv")] == ["drop"] * 2
     assert not list((tmp_path / "bodies").iterdir()) and len(list((tmp_path / "shapes").iterdir())) == len(shapes.SHAPES)
+
+
+def test_concentric_bodies_overlap():
+    # Two Ls whose first draw is apart: their middle is outside them.
+    known = poses.Shape("l")
+    names, _, q, t = poses.draw(1, "concentric", 1269, lambda name: known if name == "l" else poses.Shape(name))
+    assert names == ("l", "l") and not poses.Pair(known, known).are_apart(q, t)
 
 
 @pytest.mark.parametrize("name", shapes.SHAPES)
