@@ -171,9 +171,9 @@ def shapes(rows):
             cells[library] = ("–", None)
             if found:
                 row = found[0]
-                part = int(row["freed"]) / (int(row["poses"]) - int(row["refused"]))
-                texts = [f"{100 * part:.3g}", row["median_steps"], row["ninety_steps"], f"{float(row['median_way']):.2g}"]
-                cells[library] = " / ".join(texts), float(row["median_way"]) if part >= NEARLY_ALL else None
+                text, rank = share(found, "freed")
+                texts = [text.split()[0], row["median_steps"], row["ninety_steps"], f"{float(row['median_way']):.2g}"]
+                cells[library] = " / ".join(texts), float(row["median_way"]) if -rank >= NEARLY_ALL else None
         columns.append(cells)
     head = ["library", "shallow, convex", "shallow, concave", "deep, convex", "deep, concave"]
     return ranked(head, libraries, columns, {name: share(only(rows, library=name), "freed")[1] for name in libraries})
