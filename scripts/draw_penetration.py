@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Draws free.svg and directions.svg from free.csv and measure.csv in one folder.
+"""Draws free.svg, simulate.svg and directions.svg from free.csv, simulate.csv and measure.csv in one folder.
 
 Usage: draw_penetration.py [docs/penetration]
 
@@ -24,6 +24,10 @@ except ModuleNotFoundError:
 OUTCOMES = {"freed": ("apart", "#1b6ab3"), "nearly": ("apart after a shift of 2 % of the size", "#8fbce6"),
             "stuck": ("stuck after 100 steps", "#ee8822"), "exploded": ("exploded", "#c02050"),
             "refused": ("shapes refused", "#cccccc")}
+ENDS = {"done": ("at rest, kept out, apart", "#1b6ab3"), "restless": ("never at rest", "#8fbce6"),
+        "sunk": ("sunk in or through", "#ee8822"), "stuck": ("still overlapping", "#f6c58a"),
+        "exploded": ("exploded", "#c02050"), "refused": ("shapes refused", "#cccccc")}
+SCENES = {"drop": "drop: at rest", "impact": "impact: kept out", "part": "part: apart"}
 JUDGES = {"overlap_volume": ("even pressure", "#555555", "s"), "hydroelastic": ("hydroelastic contact", "#1b6ab3", "o")}
 
 
@@ -38,25 +42,51 @@ def save(figure, folder, name):
     plot.close(figure)
 
 
-def draw_free(folder):
-    rows = read(folder, "free.csv")
+def add_up(rows, outcomes):
+    """Of each library that is not refused everywhere."""
     sums = {}
     for row in rows:
-        own = sums.setdefault(row["library"], dict.fromkeys(OUTCOMES, 0))
-        for outcome in OUTCOMES:
+        own = sums.setdefault(row["library"], dict.fromkeys(outcomes, 0))
+        for outcome in outcomes:
             own[outcome] += int(row[outcome])
-    done = {name: own for name, own in sums.items() if own["refused"] < sum(own.values())}
-    names = sorted(done, key=lambda name: done[name]["freed"])
-    figure, axes = plot.subplots(figsize=(7.2, 0.36 * len(names) + 0.8), layout="constrained")
-    left = [0.0] * len(names)
-    for outcome, (label, colour) in OUTCOMES.items():
-        width = [100 * done[name][outcome] / sum(done[name].values()) for name in names]
+    return {name: own for name, own in sums.items() if own["refused"] < sum(own.values())}
+
+
+def draw_bars(axes, names, sums, outcomes):
+    """Per cent of each outcome, one bar for each library. Returns what stands for each."""
+    left, bars = [0.0] * len(names), {}
+    for outcome, (label, colour) in outcomes.items():
+        width = [100 * sums[name][outcome] / sum(sums[name].values()) for name in names]
         if any(width):
-            axes.barh(names, width, left=left, color=colour, label=label, height=0.7)
+            bars[label] = axes.barh(names, width, left=left, color=colour, height=0.7)
             left = [a + b for a, b in zip(left, width)]
-    axes.set(xlabel="% of all overlapping poses", xlim=(0, 100))
-    figure.legend(fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    axes.set_xlim(0, 100)
+    return bars
+
+
+def draw_free(folder):
+    sums = add_up(read(folder, "free.csv"), OUTCOMES)
+    names = sorted(sums, key=lambda name: sums[name]["freed"] / sum(sums[name].values()))
+    figure, axes = plot.subplots(figsize=(7.2, 0.36 * len(names) + 0.8), layout="constrained")
+    bars = draw_bars(axes, names, sums, OUTCOMES)
+    axes.set_xlabel("% of the overlapping poses")
+    figure.legend(bars.values(), bars, fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     save(figure, folder, "free.svg")
+
+
+def draw_simulate(folder):
+    rows = read(folder, "simulate.csv")
+    every = add_up(rows, ENDS)
+    names = sorted(every, key=lambda name: every[name]["done"] / sum(every[name].values()))
+    figure, panels = plot.subplots(1, 3, figsize=(8.4, 0.3 * len(names) + 1.0), sharey=True, layout="constrained")
+    bars = {}
+    for axes, (scene, title) in zip(panels, SCENES.items()):
+        bars |= draw_bars(axes, names, add_up([row for row in rows if row["scene"] == scene], ENDS), ENDS)
+        axes.set(title=title, xlabel="% of the scenes")
+    ordered = [label for label, _ in ENDS.values() if label in bars]
+    figure.legend([bars[label] for label in ordered], ordered, fontsize=8, ncols=3, loc="lower center",
+                  bbox_to_anchor=(0.5, 1.0))
+    save(figure, folder, "simulate.svg")
 
 
 def draw_directions(folder):
@@ -90,6 +120,7 @@ def main():
     matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "penetration", "font.size": 9})
     try:
         draw_free(folder)
+        draw_simulate(folder)
         draw_directions(folder)
     except (OSError, ValueError, KeyError) as error:
         sys.exit(f"draw_penetration.py: {error}: run scripts/penetration.sh --full")

@@ -22,6 +22,11 @@ TIMES = [("shallow", "convex"), ("deep", "convex"), ("deep", "concave"), ("fine"
 FORCES = [("random", "convex", "overlap_volume"), ("random", "concave", "overlap_volume"),
           ("random", "convex", "hydroelastic"), ("random", "concave", "hydroelastic"),
           ("pressed", "concave", "hydroelastic")]
+# Ways out are compared among libraries that free this part.
+NEARLY_ALL = 0.99
+# Scenes of simulate, by shapes, and where depths at rest are taken.
+SCENES = [(scene, shapes) for scene in ("drop", "impact", "part") for shapes in ("convex", "concave")]
+REST_STEP = "1/60"
 JUDGES = {"overlap_volume": "even pressure", "hydroelastic": "hydroelastic"}
 
 
@@ -147,16 +152,17 @@ def free(rows):
     rows = [row for row in rows if not row["refused"] == row["poses"]]
     libraries = [name for name in names(rows)]
     everything = {library: share(only(rows, library=library), "freed") for library in libraries}
-    nearly = {library: (str(total(only(rows, library=library), "nearly")), None) for library in libraries}
-    columns = [everything, nearly]
+    poses = {library: (str(total(only(rows, library=library), "poses")), None) for library in libraries}
+    nearly = {library: (f"{-100 * share(only(rows, library=library), 'nearly')[1]:.2g}", None) for library in libraries}
+    columns = [poses, everything, nearly]
     columns += [{library: share(only(rows, library=library, kind=kind), "freed") for library in libraries}
                 for kind in FREE_KINDS]
-    return ranked(["library", "all", "nearly", *FREE_KINDS], libraries, columns,
+    return ranked(["library", "poses", "all", "nearly", *FREE_KINDS], libraries, columns,
                   {library: rank for library, (_, rank) in everything.items()})
 
 
 def shapes(rows):
-    """Freed, steps and way by kind of shapes, where a library frees any; best among those that free all."""
+    """Per cent freed, steps and way by kind of shapes, where a library frees any; best among those that free nearly all."""
     libraries, columns = [name for name in names(rows) if total(only(rows, library=name), "freed")], []
     for kind, group in (("shallow", "convex"), ("shallow", "concave"), ("deep", "convex"), ("deep", "concave")):
         cells = {}
@@ -165,12 +171,49 @@ def shapes(rows):
             cells[library] = ("–", None)
             if found:
                 row = found[0]
-                texts = [row["freed"], row["median_steps"], row["ninety_steps"], f"{float(row['median_way']):.2g}"]
-                is_all = int(row["freed"]) == int(row["poses"])
-                cells[library] = " / ".join(texts), float(row["median_way"]) if is_all else None
+                text, rank = share(found, "freed")
+                texts = [text.split()[0], row["median_steps"], row["ninety_steps"], f"{float(row['median_way']):.2g}"]
+                cells[library] = " / ".join(texts), float(row["median_way"]) if -rank >= NEARLY_ALL else None
         columns.append(cells)
     head = ["library", "shallow, convex", "shallow, concave", "deep, convex", "deep, concave"]
-    return ranked(head, libraries, columns, {name: -total(only(rows, library=name), "freed") for name in libraries})
+    return ranked(head, libraries, columns, {name: share(only(rows, library=name), "freed")[1] for name in libraries})
+
+
+def simulated(rows):
+    """Per cent of the scenes that end well, by scene and shapes."""
+    rows = [row for row in rows if row["refused"] != row["scenes"]]
+    libraries = names(rows)
+    everything = {library: part_done(only(rows, library=library)) for library in libraries}
+    columns = [{library: part_done(only(rows, library=library, scene=scene, shapes=shapes)) for library in libraries}
+               for scene, shapes in SCENES]
+    return ranked(["library", "all", *map(", ".join, SCENES)], libraries, [everything, *columns],
+                  {library: rank for library, (_, rank) in everything.items()})
+
+
+def simulated_steps(rows):
+    """The same by time step; then what is gained in energy, and how deep bodies rest."""
+    rows = [row for row in rows if row["refused"] != row["scenes"]]
+    libraries, steps = names(rows), list(dict.fromkeys(row["time_step"] for row in rows))
+    columns = [{library: part_done(only(rows, library=library, time_step=step)) for library in libraries}
+               for step in steps]
+    exploded = {library: total(only(rows, library=library), "exploded") for library in libraries}
+    columns.append({library: (str(count), None) for library, count in exploded.items()})
+    for scenes in (("drop", "impact"), ("part",)):
+        gained = {library: max(float(row["gained_worst"]) for row in only(rows, library=library)
+                               if row["scene"] in scenes and row["gained_worst"]) for library in libraries}
+        columns.append({library: (f"{100 * most:.3g}", None) for library, most in gained.items()})
+    for shapes in ("convex", "concave"):
+        found = {library: only(rows, library=library, scene="drop", shapes=shapes, time_step=REST_STEP)[0]
+                 for library in libraries}
+        columns.append({library: (f"{100 * float(row['depth_median']):.2g}" if row["depth_median"] else "–", None)
+                        for library, row in found.items()})
+    head = ["library", *steps, "exploded", "energy gained, drop and impact", "energy gained, part", "depth at rest, convex",
+            "depth at rest, concave"]
+    return ranked(head, libraries, columns, {library: part_done(only(rows, library=library))[1] for library in libraries})
+
+
+def part_done(rows):
+    return share([{**row, "poses": row["scenes"]} for row in rows], "done")
 
 
 def intersecting(rows):
@@ -245,6 +288,8 @@ def main():
             "sizes": forces(measured, FORCES[:4], size, "library"),
             "free": free(freed),
             "ways": shapes(freed),
+            "simulate": simulated(read(folder, "simulate")),
+            "simulate_steps": simulated_steps(read(folder, "simulate")),
             "intersecting": intersecting(read(folder, "intersecting")),
             "self": self_contact(read(folder, "self")),
             "self_times": self_times(read(folder, "self")),

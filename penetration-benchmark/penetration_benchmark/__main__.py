@@ -12,14 +12,16 @@ import sys
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
-from . import files, libraries, self_contact, tasks  # noqa: E402, after the number of threads
+from . import bodies, files, libraries, poses, self_contact, simulate, tasks  # noqa: E402, after the number of threads
 from .c_library import CLibrary  # noqa: E402
 from .generate import generate  # noqa: E402
-from .poses import FREE  # noqa: E402
 
 TASKS = {"detect": (tasks.detect, tasks.DETECT), "measure": (tasks.measure, tasks.MEASURE),
          "free": (tasks.free, tasks.FREE), "intersecting": (tasks.intersecting, tasks.INTERSECTING),
-         "self": (self_contact.self_contact, self_contact.SELF)}
+         "simulate": (simulate.simulate, simulate.SIMULATE), "self": (self_contact.self_contact, self_contact.SELF)}
+# The kinds of a set that each task takes.
+KINDS = {"detect": (*poses.FREE, "apart", "fine"), "measure": (), "free": poses.FREE, "intersecting": poses.FREE,
+         "simulate": poses.SCENES, "self": bodies.COUNTS}
 ABOUT = ["library", "version", "settings", "documentation", "date", "seed", "share"]
 
 
@@ -93,13 +95,13 @@ def main(arguments=None):
     out = pathlib.Path(options.out)
     folder = pathlib.Path(options.set or out / "set")
     if not options.set:
-        generate(folder, options.seed, options.share, Progress("poses"))
+        kinds = {kind for task in chosen for kind in KINDS[task]}
+        generate(folder, options.seed, options.share, Progress("poses"), kinds)
     if options.generate_only:
         return
     surfaces = {path.stem: files.read_shape(path) for path in (folder / "shapes").glob("*.obj")}
     # Neighbours in the list have the same shapes, so that what a library keeps of a pair serves the next.
-    poses = sorted(files.read_poses(folder / "poses.csv"), key=lambda pose: (pose.pair, pose.id))
-    deep = [pose for pose in poses if pose.kind in FREE]
+    listed = sorted(files.read_poses(folder / "poses.csv"), key=lambda pose: (pose.pair, pose.id))
     out.mkdir(parents=True, exist_ok=True)
     for task in chosen:
         # Anew, since a library may keep shapes by their names, and those of the next task are others.
@@ -111,7 +113,7 @@ def main(arguments=None):
         elif task == "self":
             given = [[files.read_body(path) for path in sorted((folder / "bodies").glob("*.obj"))]]
         else:
-            given = surfaces, poses if task == "detect" else deep
+            given = surfaces, [pose for pose in listed if pose.kind in KINDS[task]]
         run, head = TASKS[task]
         taking_part = [library for library in opened if task in library.tasks]
         write(out / f"{task}.csv", head, list(run(taking_part, *given, Progress(task))))

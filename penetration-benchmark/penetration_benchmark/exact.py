@@ -2,16 +2,18 @@
 """The judge: which points are inside a surface, and whether two surfaces meet, decided without rounding.
 
 Signs of determinants are taken from doubles where these are larger than their error bound (Shewchuk 1997), and computed
-anew in fractions where they are not.
+anew in integers where they are not.
 """
-
-from fractions import Fraction
 
 import numpy as np
 
 EPSILON = 2.0**-53
 BOUND_2D = (3 + 16 * EPSILON) * EPSILON
 BOUND_3D = (7 + 56 * EPSILON) * EPSILON
+# How many edges and triangles are looked at before all the others.
+FIRST = 64
+# How many places where bodies met are tried first.
+REMEMBERED = 12
 
 
 def signs(values, bounds, exactly):
@@ -23,20 +25,28 @@ def signs(values, bounds, exactly):
     return found
 
 
+def integers(*points):
+    """Coordinates times the power of two that makes integers of them all, which leaves signs of determinants alone."""
+    ratios = [[x.as_integer_ratio() for x in point.tolist()] for point in points]
+    scale = max(denominator for point in ratios for _, denominator in point)
+    return [[numerator * (scale // denominator) for numerator, denominator in point] for point in ratios]
+
+
 def side_of_line(a, b, c):
     """Of points in the plane, (n, 2) each: 1 where a, b, c turn to the left, −1 to the right, 0 on one line."""
     left = (a[:, 0] - c[:, 0]) * (b[:, 1] - c[:, 1])
     right = (a[:, 1] - c[:, 1]) * (b[:, 0] - c[:, 0])
 
     def exactly(i):
-        (ax, ay), (bx, by), (cx, cy) = (map(Fraction, p[i].tolist()) for p in (a, b, c))
+        (ax, ay), (bx, by), (cx, cy) = integers(a[i], b[i], c[i])
         return (ax - cx) * (by - cy) - (ay - cy) * (bx - cx)
 
     return signs(left - right, BOUND_2D * (np.abs(left) + np.abs(right)), exactly)
 
 
-def side_of_plane(a, b, c, d):
-    """Of points, (n, 3) each: 1 where a, b, c are counter-clockwise seen from d, −1 clockwise, 0 in one plane."""
+def side_of_plane(a, b, c, d, is_exact=True):
+    """Of points, (n, 3) each: 1 where a, b, c are counter-clockwise seen from d, −1 clockwise, 0 in one plane, and if not
+    is_exact, where rounding might decide."""
     u, v, w = a - d, b - d, c - d
 
     def sum_of_products(combine):
@@ -46,14 +56,18 @@ def side_of_plane(a, b, c, d):
     value = -sum_of_products(np.subtract)
     u, v, w = np.abs(u), np.abs(v), np.abs(w)
     bound = BOUND_3D * sum_of_products(np.add)
+    # Two points that are the same: nothing was rounded.
+    bound[~(u.any(1) & v.any(1) & w.any(1))] = -1
 
-    def exactly(i):
-        last = [Fraction(x) for x in d[i].tolist()]
-        (ux, uy, uz), (vx, vy, vz), (wx, wy, wz) = (
-            [Fraction(x) - y for x, y in zip(p[i].tolist(), last)] for p in (a, b, c))
-        return -(uz * (vx * wy - vy * wx) + vz * (wx * uy - wy * ux) + wz * (ux * vy - uy * vx))
+    if not is_exact:
+        return np.where(np.abs(value) > bound, np.sign(value), 0).astype(np.int8)
+    return signs(value, bound, lambda i: side(*integers(a[i], b[i], c[i], d[i])))
 
-    return signs(value, bound, exactly)
+
+def side(a, b, c, d):
+    """Of one point, in integers: any number with the sign that side_of_plane has."""
+    (ux, uy, uz), (vx, vy, vz), (wx, wy, wz) = ([x - y for x, y in zip(corner, d)] for corner in (a, b, c))
+    return -(uz * (vx * wy - vy * wx) + vz * (wx * uy - wy * ux) + wz * (ux * vy - uy * vx))
 
 
 def classify(points, positions, triangles, chunk=2_000_000):
@@ -134,17 +148,47 @@ def edges_meet(positions, edges, other, triangles):
         is_near &= ends[:, :, axis].max(1)[:, None] >= corners[:, :, axis].min(1)
     of_edge, of_triangle = np.nonzero(is_near)
     (p, q), (a, b, c) = ends[of_edge].transpose(1, 0, 2), corners[of_triangle].transpose(1, 0, 2)
+    pairs = edge_numbers[of_edge], triangle_numbers[of_triangle]
+    met = first_pierced(p, q, a, b, c)
+    # Where all is in doubt, some of the first few mostly meet.
+    for part in (slice(0, FIRST), slice(FIRST, None)):
+        if met is None:
+            met = first_met(*(x[part] for x in (p, q, a, b, c)))
+            met = None if met is None else met + part.start
+    return None if met is None else (pairs[0][met], pairs[1][met])
+
+
+def first_pierced(p, q, a, b, c):
+    """The number of a segment p q that surely passes through its triangle a b c, (n, 3) each; None if there is none."""
+    apart = np.flatnonzero(side_of_plane(a, b, c, p, False) * side_of_plane(a, b, c, q, False) < 0)
+    p, q, a, b, c = (x[apart] for x in (p, q, a, b, c))
+    turns = np.stack([side_of_plane(p, q, r, s, False) for r, s in ((a, b), (b, c), (c, a))])
+    pierced = apart[np.abs(turns.sum(0)) == 3]
+    return pierced[0] if len(pierced) else None
+
+
+def first_met(p, q, a, b, c):
+    """The number of the first segment p q that has a point in common with its triangle a b c; None if none has."""
     here, there = side_of_plane(a, b, c, p), side_of_plane(a, b, c, q)
     left = np.flatnonzero(here * there <= 0)
     p, q, a, b, c, here, there = (x[left] for x in (p, q, a, b, c, here, there))
-    pairs = edge_numbers[of_edge[left]], triangle_numbers[of_triangle[left]]
     turns = np.stack([side_of_plane(p, q, r, s) for r, s in ((a, b), (b, c), (c, a))])
     is_flat = (here == 0) & (there == 0)
     is_met = ~is_flat & ~((turns > 0).any(0) & (turns < 0).any(0))
     for i in np.flatnonzero(is_met | is_flat):
         if is_met[i] or meet_in_plane(p[i], q[i], (a[i], b[i], c[i])):
-            return pairs[0][i], pairs[1][i]
+            return left[i]
     return None
+
+
+def crosses(p, q, a, b, c):
+    """Whether one segment passes through one triangle, not within its plane."""
+    p, q, a, b, c = integers(p, q, a, b, c)
+    here, there = side(a, b, c, p), side(a, b, c, q)
+    if here * there > 0 or (here == 0 and there == 0):
+        return False
+    turns = side(p, q, a, b), side(p, q, b, c), side(p, q, c, a)
+    return not (any(turn > 0 for turn in turns) and any(turn < 0 for turn in turns))
 
 
 def within(elements, low, high):
@@ -169,24 +213,23 @@ def meet_in_plane(p, q, corners):
 
 
 class Apart:
-    """Whether two connected bodies have no point in common. It remembers where they last met: mostly they still do."""
+    """Whether two connected bodies have no point in common. It remembers where they last met: mostly they still do in
+    one of those places."""
 
     def __init__(self, triangles):
-        self.triangles, self.edges, self.met = triangles, [edges_of(t) for t in triangles], None
+        self.triangles, self.edges, self.met = triangles, [edges_of(t) for t in triangles], ()
 
     def __call__(self, positions):
         (x, y), (t, s) = positions, self.triangles
         if (x.min(0) > y.max(0)).any() or (y.min(0) > x.max(0)).any():
             return True
-        if self.met:
-            i, (edge, triangle) = self.met
-            if edges_meet(positions[i], self.edges[i][edge:edge + 1], positions[1 - i],
-                          self.triangles[1 - i][triangle:triangle + 1]):
+        for i, (edge, triangle) in self.met:
+            if crosses(*positions[i][self.edges[i][edge]], *positions[1 - i][self.triangles[1 - i][triangle]]):
                 return False
         for i in (0, 1):
             met = edges_meet(positions[i], self.edges[i], positions[1 - i], self.triangles[1 - i])
             if met:
-                self.met = i, met
+                self.met = ((i, met), *self.met[:REMEMBERED - 1])
                 return False
         # The surfaces do not meet, so each is inside the other with all its vertices or with none.
         return classify(x[:1], y, s)[0] < 0 and classify(y[:1], x, t)[0] < 0

@@ -6,9 +6,9 @@ import pathlib
 from . import bodies, files, poses, shapes
 
 
-def generate(folder, seed=1, share=1.0, progress=lambda done, of: None):
+def generate(folder, seed=1, share=1.0, progress=lambda done, of: None, kinds=None):
     """share: of the counts of a full set; each kind has at least two poses. Each kind of a smaller set is the beginning
-    of that of a larger one."""
+    of that of a larger one. kinds: only these (default: all)."""
     folder = pathlib.Path(folder)
     for kind in ("shapes", "bodies"):
         (folder / kind).mkdir(parents=True, exist_ok=True)
@@ -21,8 +21,8 @@ def generate(folder, seed=1, share=1.0, progress=lambda done, of: None):
 
     for name in shapes.SHAPES:
         files.write_shape(folder / "shapes" / f"{name}.obj", *shapes.make(name))
-    counts = {kind: max(2, round(share * count)) for kind, count in poses.COUNTS.items()}
-    body_counts = {kind: max(2, round(share * count)) for kind, count in bodies.COUNTS.items()}
+    counts, body_counts = ({kind: max(2, round(share * count)) for kind, count in full.items()
+                            if kinds is None or kind in kinds} for full in (poses.COUNTS, bodies.COUNTS))
     rows, of = [], sum(counts.values())
     for kind, count in counts.items():
         for number in range(count):

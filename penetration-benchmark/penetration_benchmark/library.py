@@ -65,7 +65,7 @@ class Library(abc.ABC):
     version: ClassVar[str] = ""
     settings: ClassVar[str] = ""
     documentation: ClassVar[str] = ""  # where its authors say that these settings are the ones to take
-    tasks: ClassVar[tuple[str, ...]] = ("detect", "measure", "free", "intersecting", "self")  # those to take part in
+    tasks: ClassVar[tuple[str, ...]] = ("detect", "measure", "free", "intersecting", "simulate", "self")  # to take part in
 
     @abc.abstractmethod
     def load(self, first: Surface, second: Surface) -> None:

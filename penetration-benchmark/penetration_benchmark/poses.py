@@ -15,8 +15,9 @@ from .files import rotation_of
 
 # How many of each kind in a full set.
 COUNTS = {"deep": 60, "concentric": 26, "coincident": 13, "contained": 30, "edges": 20, "shallow": 40, "apart": 20,
-          "fine": 12}
+          "fine": 12, "drop": 26, "impact": 26, "part": 26}
 FREE = ("deep", "concentric", "coincident", "contained", "edges", "shallow")
+SCENES = ("drop", "impact", "part")
 
 
 class Draw:
@@ -115,7 +116,12 @@ def draw_deep(random_, _, shape):
 def draw_concentric(random_, number, shape):
     """A body and the same again, turned about its middle."""
     body = shape(shapes.BODIES[number % len(shapes.BODIES)])
-    return Pair(body, body), random_.quaternion(), rounded(0.02 * random_.direction())
+    pair = Pair(body, body)
+    while True:
+        q, t = random_.quaternion(), rounded(0.02 * random_.direction())
+        # The middle of an L is outside it.
+        if not pair.are_apart(q, t):
+            return pair, q, t
 
 
 def draw_coincident(_, number, shape):
@@ -149,11 +155,15 @@ def draw_edges(random_, _, shape):
 def touching(pair, random_):
     """Direction and the way along it from which on the second body is away from the first."""
     q, way = random_.quaternion(), random_.direction()
+    return q, way, free_way(pair, q, np.zeros(3), way)
+
+
+def free_way(pair, q, start, way):
     near, far = 0.0, 3.0
     for _ in range(24):
         middle = (near + far) / 2
-        near, far = (near, middle) if pair.are_apart(q, middle * way) else (middle, far)
-    return q, way, far
+        near, far = (near, middle) if pair.are_apart(q, start + middle * way) else (middle, far)
+    return far
 
 
 def draw_shallow(random_, _, shape):
@@ -188,3 +198,14 @@ def draw_fine(random_, number, shape):
         t = rounded((far - 0.01) * way)
         if not pair.are_apart(q, t):
             return pair, q, t
+
+
+def draw_drop(random_, number, shape):
+    """One hundredth above a slab or a bumpy tray."""
+    pair = Pair(shape(shapes.GROUNDS[number % 2]), shape(shapes.BODIES[number % len(shapes.BODIES)]))
+    q, start = random_.quaternion(), np.array([random_.between(-0.3, 0.3), random_.between(-0.3, 0.3), 0.0])
+    up = np.array([0.0, 0.0, 1.0])
+    return pair, q, rounded(start + (free_way(pair, q, start, up) + 0.01) * up)
+
+
+draw_impact, draw_part = draw_drop, draw_deep

@@ -5,7 +5,8 @@ import itertools
 
 import numpy as np
 
-CONVEX = ("box", "tetrahedron", "plate", "bar", "ball", "ball_fine", "ball_small", "box_small", "tetrahedron_small")
+CONVEX = ("box", "tetrahedron", "plate", "bar", "ball", "ball_fine", "ball_small", "box_small", "tetrahedron_small",
+          "slab")
 
 
 def make(name):
@@ -156,6 +157,22 @@ def bowl(rings=6, columns=16, radius=0.5, inner=0.82):
     return np.array(points) + [0, 0, 0.3], triangles
 
 
+# Cells along each side of the tray.
+TRAY = (24, 24, 2)
+
+
+def tray_points(steps):
+    """Where so many steps of cells lead: in a block 3 × 3 × 1 whose top has bumps of 0.08, four along each side."""
+    x, y, z = (np.asarray(steps, float) / TRAY).T
+    bumps = 0.08 * np.cos(8 * np.pi * x) * np.cos(8 * np.pi * y)
+    return np.stack([3 * x - 1.5, 3 * y - 1.5, z * (1 + bumps) - 0.5], axis=-1)
+
+
+def tray():
+    corners, triangles = cells(itertools.product(*map(range, TRAY)))
+    return tray_points(corners), triangles
+
+
 SHAPES = {
     "box": lambda: block(1, 0.8, 0.7),
     "tetrahedron": tetrahedron,
@@ -175,7 +192,10 @@ SHAPES = {
     "tetrahedron_small": lambda: tetrahedron(0.12),
     "ball_fine": lambda: ball(4),
     "torus_fine": lambda: torus(96, 48),
+    "slab": lambda: block(3, 3, 1),
+    "tray": tray,
 }
 BODIES = tuple(SHAPES)[:13]
 SMALL = tuple(name for name in SHAPES if name.endswith("_small"))
 FINE = tuple(name for name in SHAPES if name.endswith("_fine"))
+GROUNDS = ("slab", "tray")

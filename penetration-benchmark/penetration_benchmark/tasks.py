@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """The tasks: each gives rows of its CSV file, one for each library, kind of pose and kind of shapes."""
 
+import copy
 import csv
 import itertools
 import statistics
@@ -200,8 +201,11 @@ def free(libraries, surfaces, poses, progress):
     table = Table()
     for done, pose in enumerate(poses):
         pair = [surfaces[name] for name in pose.pair]
+        # Where the start meets is the same for all.
+        start = exact.Apart([s.triangles for s in pair])
+        start([placed(s, p) for s, p in zip(pair, pose.placements())])
         for library in libraries:
-            cell, apart = table.cell(library.name, pose.kind, group(pair)), exact.Apart([s.triangles for s in pair])
+            cell, apart = table.cell(library.name, pose.kind, group(pair)), copy.copy(start)
             cell["poses"] += 1
             try:
                 library.load(*pair)

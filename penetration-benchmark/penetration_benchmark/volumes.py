@@ -5,6 +5,8 @@ import itertools
 
 import numpy as np
 
+from . import exact, shapes
+
 # Points from which the whole surface of a shape is seen.
 CENTRES = {"star": (0, 0, 0), "cross": (0, 0, 0), "l": None}
 # Rows around the core line of each tube.
@@ -23,6 +25,8 @@ def fill(surface):
         return tube(surface, TUBES[surface.name])
     if surface.name in CELLS:
         return cells(surface)
+    if surface.name == "tray":
+        return cell_cones(itertools.product(*map(range, shapes.TRAY)), shapes.tray_points)
     raise ValueError(f"the benchmark has no tetrahedra of {surface.name}")
 
 
@@ -49,24 +53,23 @@ def tube(surface, rows):
 
 
 def cells(surface):
-    """A cone from the middle of each cube."""
+    """Of a drawing: those cubes whose middle is inside."""
     steps = np.unique(np.round(surface.positions[:, 0], 6))
     side, low, high = np.diff(steps).min(), surface.positions.min(0), surface.positions.max(0)
-    from .exact import classify
-    counts = np.round((high - low) / side).astype(int)
-    numbers, vertices, tetrahedra = {}, [], []
+    every = np.array(list(itertools.product(*map(range, np.round((high - low) / side).astype(int)))))
+    is_filled = exact.classify(low + side * (every + 0.5), surface.positions, surface.triangles) > 0
+    return cell_cones(every[is_filled].tolist(), lambda keys: low + side * keys)
+
+
+def cell_cones(filled, place):
+    """A cone from the middle of each cell to each half of its sides; place gives points by steps of cells."""
+    numbers, tetrahedra = {}, []
 
     def vertex(key):
-        if key not in numbers:
-            numbers[key] = len(vertices)
-            vertices.append(low + side * np.array(key))
-        return numbers[key]
+        return numbers.setdefault(tuple(key), len(numbers))
 
-    for cell in itertools.product(*map(range, counts)):
-        middle = low + side * (np.array(cell) + 0.5)
-        if classify(middle[None], surface.positions, surface.triangles)[0] < 0:
-            continue
-        centre = vertex(tuple(x + 0.5 for x in cell))
+    for cell in filled:
+        centre = vertex(x + 0.5 for x in cell)
         for axis, end in itertools.product(range(3), (0, 1)):
             corners = []
             for u, v in ((0, 0), (1, 0), (1, 1), (0, 1)):
@@ -74,10 +77,10 @@ def cells(surface):
                 corner[axis] += end
                 corner[(axis + 1) % 3] += u
                 corner[(axis + 2) % 3] += v
-                corners.append(vertex(tuple(corner)))
+                corners.append(vertex(corner))
             a, b, c, d = corners
             tetrahedra += [(a, b, c, centre), (a, c, d, centre)]
-    return oriented(np.array(vertices), tetrahedra)
+    return oriented(place(np.array(list(numbers), float)), tetrahedra)
 
 
 def oriented(vertices, tetrahedra):

@@ -126,8 +126,8 @@ def test_what_a_library_keeps_ends_with_the_task(tmp_path, monkeypatch):
 
 def test_own_rows_are_those_published(tmp_path):
     command_line.main([str(tmp_path), "--share", "0.1", "--libraries",
-                       "raycontact,raycontact-paper,raycontact-own-exits", "--tasks", "detect,measure,free,self"])
-    for task in ("detect", "measure", "free", "self"):
+                       "raycontact,raycontact-paper,raycontact-own-exits", "--tasks", "detect,measure,free,simulate,self"])
+    for task in ("detect", "measure", "free", "simulate", "self"):
         rows, published = read(tmp_path / f"{task}.csv"), read(PUBLISHED / "quick" / f"{task}.csv")
         assert len(rows) == len(published) > 0
         for row, expected in zip(rows, published):

@@ -67,6 +67,33 @@ def test_boxes_are_apart_beyond_a_touch(way, is_apart):
         assert not apart((positions, 0.1 * positions)) and not apart((0.1 * positions, positions))
 
 
+def test_one_crossing_is_that_of_all_crossings():
+    random = np.random.default_rng(4)
+    counts = [0, 0]
+    for corners in random.integers(-1, 2, (3000, 5, 3)).astype(float):
+        segment, triangle = corners[:2], corners[2:]
+        if not np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0]).any():
+            continue
+        sides = exact.side_of_plane(*(np.broadcast_to(p, (2, 3)) for p in triangle), segment)
+        if not sides.any():
+            continue
+        met = exact.edges_meet(segment, np.array([[0, 1]]), triangle, np.array([[0, 1, 2]])) is not None
+        assert exact.crosses(*segment, *triangle) == met
+        counts[met] += 1
+    assert min(counts) > 200
+
+
+def test_what_is_remembered_changes_no_answer():
+    random = np.random.default_rng(5)
+    positions, triangles = shapes.make("comb")
+    remembering, answers = exact.Apart((triangles, triangles)), []
+    for way in np.cumsum(random.normal(scale=0.15, size=(150, 3)), axis=0):
+        moved = positions + way % 2 - 1
+        answers.append(remembering((positions, moved)))
+        assert answers[-1] == exact.Apart((triangles, triangles))((positions, moved))
+    assert 20 < sum(answers) < 130
+
+
 def area_inside(first, triangles, planes):
     """The area vector of a surface within half-spaces normal · x ≤ offset: each triangle clipped by all."""
     area = np.zeros(3)

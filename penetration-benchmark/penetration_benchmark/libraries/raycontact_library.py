@@ -66,7 +66,7 @@ class Raycontact(Library):
 
 
 # Self-contact has no areas, no edges and no escapes: it is the same for all three.
-PAIRS = ("detect", "measure", "free", "intersecting")
+PAIRS = ("detect", "measure", "free", "intersecting", "simulate")
 
 
 class RaycontactPaper(Raycontact):
