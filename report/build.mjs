@@ -76,6 +76,7 @@ const data = {
     detect: readCsv("penetration/detect.csv"),
     measure: readCsv("penetration/measure.csv"),
     free: readCsv("penetration/free.csv"),
+    simulate: readCsv("penetration/simulate.csv"),
   },
   scaling: read("docs/distributed/scaling.svg").toString(),
 };

@@ -189,6 +189,7 @@ try {
     const { width } = page.viewport();
     await page.screenshot({ path: join(folder, `${name}.png`), clip: { x: 0, y: 0, width, height } });
     await page.screenshot({ path: join(folder, `${name}_whole.png`), fullPage: true });
+    await (await page.$("#deep")).screenshot({ path: join(folder, `${name}_deep.png`) });
   };
   await shoot("report_light", 1700);
   await check("dark and light differ", async () => {

@@ -1,7 +1,7 @@
 // The open benchmark of deep contact, as its CSV files have it: a row of numbers for each library.
 
-export const head = ["library", "come apart", "overlap rightly told", "vertices inside, missed", "direction, convex", "direction, concave",
-  "time, concave"];
+export const head = ["library", "come apart", "scenes that end well", "overlap rightly told", "vertices inside, missed",
+  "direction, convex", "direction, concave", "time, concave"];
 
 export function names(rows) {
   return [...new Set(rows.map((row) => row.library))];
@@ -26,6 +26,12 @@ const columns = [
   ({ free }, library) => {
     const { share, of } = shareFreed(free, library);
     return of > 0 ? { text: `${share.toPrecision(4)} %`, rank: -share } : null;
+  },
+  ({ simulate }, library) => {
+    const own = simulate.filter((row) => row.library === library);
+    const of = sum(own, "scenes") - sum(own, "refused");
+    const share = (100 * sum(own, "done")) / of;
+    return of > 0 ? { text: `${share.toPrecision(3)} %`, rank: -share } : null;
   },
   ({ detect }, library) => {
     const own = detect.filter((row) => row.library === library && row.verdicts_right !== null && kinds.includes(row.kind));

@@ -108,7 +108,7 @@ export function freed(rows, width) {
   const shares = names(rows).map((library) => ({ library, ...shareFreed(rows, library) })).filter(({ of }) => of > 0);
   shares.sort((a, b) => b.share - a.share);
   return Plot.plot({
-    style, width, height: 34 * shares.length + 60, marginLeft: Math.min(190, width / 3), marginRight: 90, marginBottom: 44,
+    style, width, height: 34 * shares.length + 60, marginLeft: Math.min(190, width / 3), marginRight: 110, marginBottom: 44,
     x: { label: "overlapping poses that come apart, % →", domain: [0, 100], labelOffset: 38 },
     y: { label: null, domain: shares.map(({ library }) => library) },
     marks: [
