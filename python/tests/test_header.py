@@ -45,8 +45,10 @@ LEFT_OUT = {
     "rayc_mesh_packed_length": "meshes that go to other ranks",
     "rayc_mesh_unpack": "meshes that come from other ranks",
     "rayc_scene_add_mesh_with_key": "the same order on all ranks",
+    "rayc_scene_copy_pair_costs": "how work is divided among ranks",
     "rayc_scene_body_state": "what a body cost, to divide bodies by",
     "rayc_scene_find_self_contacts": "what ghosts are told",
+    "rayc_scene_pair_cost_count": "how work is divided among ranks",
     "rayc_scene_set_pair_memory": "what moves with a body to another rank",
     "rayc_scene_share_body": "ghosts",
 }
