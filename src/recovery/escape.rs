@@ -56,6 +56,18 @@ pub(crate) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut Con
     best.map(|(_, candidate)| candidate)
 }
 
+/// Whether no point has to go as far as `limit` for the pair to be apart when the first body goes `away`.
+pub(crate) fn is_short_way_out<T: Scalar>(
+    pair: &Pair<'_, T>,
+    away: &Vector3<T>,
+    limit: T,
+    contacts: &mut ContactList<T>,
+) -> bool {
+    let ContactList { workspace, statistics, .. } = contacts;
+    let mut judges = Judges::find(pair, workspace, statistics);
+    judges.longest_way_out(pair, away, limit, workspace, statistics).is_some()
+}
+
 /// The points of either body inside the other, by which directions are judged.
 struct Judges<T: Scalar>([Vec<Vector3<T>>; 2]);
 

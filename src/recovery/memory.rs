@@ -78,6 +78,8 @@ pub(crate) enum Progress {
 
 /// Contacts push one way if their net push is at least this part of the sum of all pushes.
 const NET_PUSH: f64 = 0.3;
+/// Below this part of it a net push may be what is left of one that changes sides.
+const LASTING_PUSH: f64 = 0.05;
 /// How much the newest step counts in the average of net pushes.
 const NEWEST: f64 = 1.0 / 8.0;
 
@@ -111,6 +113,12 @@ impl<T: Scalar> PairMemory<T> {
         } else {
             Progress::Balanced
         }
+    }
+
+    /// The direction in which contacts push the first body on the whole, if they do.
+    pub(crate) fn lasting_push(&self) -> Option<Vector3<T>> {
+        let length = self.net_push.norm();
+        (length > T::of(LASTING_PUSH)).then(|| self.net_push / length)
     }
 
     /// Begins, or begins anew, to escape along `away`.

@@ -1,9 +1,14 @@
 //! Pairs that contacts cannot part: when a pair begins to escape, and how the escape goes on.
 
-use super::escape::{choose_direction, push_apart};
+use super::escape::{choose_direction, is_short_way_out, push_apart};
 use super::memory::{PairMemory, Progress};
 use crate::detection::{ContactKind, ContactList, Outcome, Pair};
 use crate::math::{Scalar, Vector3};
+
+/// A way out is short if it is less than so many times the depth of the deepest contact,
+const SHORT_WAY: f64 = 2.0;
+/// and less than this part of the smaller body's size.
+const SHALLOW: f64 = 0.1;
 
 impl<T: Scalar> Pair<'_, T> {
     /// Overlaps without any ordinary contact are still reported, as the contacts of an escape in this step.
@@ -39,9 +44,22 @@ impl<T: Scalar> Pair<'_, T> {
             Progress::Slow => targetless || self.any_leaves_own(start, T::of(2.0), contacts),
             Progress::Jammed => true,
         };
-        if stuck && let Some(away) = self.start_to_escape(start, contacts) {
+        if stuck
+            && !self.is_led_out(memory, start, contacts)
+            && let Some(away) = self.start_to_escape(start, contacts)
+        {
             memory.start_to_escape(away);
         }
+    }
+
+    /// Whether the contacts, which begin at `start`, push the pair apart by a short way, though most of them push against each
+    /// other: those of a star that stands on its spikes push them from all sides, and upward a little.
+    fn is_led_out(&self, memory: &PairMemory<T>, start: usize, contacts: &mut ContactList<T>) -> bool {
+        let deepest = contacts.contacts[start..].iter().fold(T::zero(), |deepest, contact| deepest.max(contact.depth));
+        let sizes = self.tracers.map(|tracer| tracer.mesh().aabb().longest_side());
+        let limit = (deepest * T::of(SHORT_WAY)).min(sizes[0].min(sizes[1]) * T::of(SHALLOW));
+        let away = memory.lasting_push().filter(|_| deepest > T::zero());
+        away.is_some_and(|away| is_short_way_out(self, &away, limit, contacts))
     }
 
     /// A direction is kept until the pair is apart. Where other bodies hold the pair back, it turns to the line of centres.
