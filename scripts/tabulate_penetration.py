@@ -153,7 +153,7 @@ def free(rows):
     libraries = [name for name in names(rows)]
     everything = {library: share(only(rows, library=library), "freed") for library in libraries}
     poses = {library: (str(total(only(rows, library=library), "poses")), None) for library in libraries}
-    nearly = {library: (f"{-100 * share(only(rows, library=library), 'nearly')[1]:.2g}", None) for library in libraries}
+    nearly = {library: (f"{abs(100 * share(only(rows, library=library), 'nearly')[1]):.2g}", None) for library in libraries}
     columns = [poses, everything, nearly]
     columns += [{library: share(only(rows, library=library, kind=kind), "freed") for library in libraries}
                 for kind in FREE_KINDS]
