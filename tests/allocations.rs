@@ -115,6 +115,24 @@ fn a_steady_step_on_threads_of_the_host_allocates_nothing() {
     }
 }
 
+/// Where each step asks anew whether the pair must escape.
+#[test]
+fn a_steady_step_of_a_body_on_its_spikes_allocates_nothing() {
+    let mut scene = Scene::new(1).expect("no thread is started");
+    scene.add(shapes::cube(1).map(|[x, y, z]| [5.0 * x, 5.0 * y, z - 1.0]).mesh::<f64>());
+    let (spikes, mut contacts) = (shapes::spikes(0.12), ContactList::default());
+    let body = scene.add(spikes.mesh());
+    for step in 0..40 {
+        let positions = spikes.moved([0.0, 0.0, [-0.02, -0.021][step % 2]]).positions;
+        let allocations = measure(|| {
+            scene.mesh_mut(body).expect("it was added").set_positions(&positions).expect("positions are finite");
+            scene.query(&mut contacts);
+        });
+        assert!(step < 4 || allocations.count_total == 0, "step {step}: {allocations:?}");
+        assert!(contacts.statistics.escaping_pairs == 0 && contacts.statistics.estimate_rays > 0, "step {step}");
+    }
+}
+
 fn check_steady_steps(mut scene: Scene<f64>, bodies: usize, torus: &Shape) {
     for k in 0..bodies {
         scene.add(torus.moved([0.0, 0.1, 0.6 * k as f64]).mesh());

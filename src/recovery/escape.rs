@@ -56,7 +56,7 @@ pub(crate) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut Con
     best.map(|(_, candidate)| candidate)
 }
 
-/// Whether no point has to go as far as `limit` for the pair to be apart when the first body goes `away`.
+/// Whether no point inside has to go as far as `limit` for the pair to be apart when the first body goes `away`.
 pub(crate) fn is_short_way_out<T: Scalar>(
     pair: &Pair<'_, T>,
     away: &Vector3<T>,
@@ -64,8 +64,19 @@ pub(crate) fn is_short_way_out<T: Scalar>(
     contacts: &mut ContactList<T>,
 ) -> bool {
     let ContactList { workspace, statistics, .. } = contacts;
-    let mut judges = Judges::find(pair, workspace, statistics);
-    judges.longest_way_out(pair, away, limit, workspace, statistics).is_some()
+    let mut counts = Statistics::default();
+    let mut longest = T::zero();
+    for find in [inside_samples, inside_stretches] {
+        for side in [0, 1] {
+            find(pair, side, away, workspace, &mut counts);
+            longest = workspace.hits.iter().flatten().fold(longest, |longest, hit| longest.max(hit.t));
+        }
+        if longest > T::zero() {
+            break;
+        }
+    }
+    statistics.estimate_rays += counts.rays;
+    longest > T::zero() && longest < limit
 }
 
 /// The points of either body inside the other, by which directions are judged.

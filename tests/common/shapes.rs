@@ -210,6 +210,17 @@ pub fn star() -> Shape {
     shape
 }
 
+/// Three narrow pyramids side by side, as one body: 1 high, points down at z = 0, of this half width at their bases.
+pub fn spikes(half_width: f64) -> Shape {
+    let quarters = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let base = quarters.map(|[x, y]| [half_width * x, half_width * y, 1.0]);
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [1, 0, 4], [2, 1, 4], [3, 2, 4], [0, 3, 4]];
+    let positions = base.into_iter().chain([[0.0; 3]]).collect();
+    let spike = Shape { positions, triangles, inside: vec![[0.0, 0.0, 0.75]] };
+    let [a, b, c] = [[1.0, 0.0, 0.0], [-0.5, 0.8, 0.0], [-0.5, -0.8, 0.0]].map(|place| spike.moved(place));
+    a.joined(&b).joined(&c)
+}
+
 /// Two fans around an axis: two vertices that `count` slivers share.
 pub fn fan(count: usize) -> Shape {
     let turn = |k: usize| TAU * k as f64 / count as f64;
