@@ -29,6 +29,7 @@ except ModuleNotFoundError:
 
 METHODS = {
     "ours": "raycontact, paper's law",
+    "pressure": "raycontact, pressure law",
     "paper": "raycontact, paper's mode",
     "classic": "raycontact, classic bodies",
     "vf_dd_implicit": "Bullet VF_DD, implicit",

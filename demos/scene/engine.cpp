@@ -28,6 +28,7 @@ rb::ContactOptions contact_options(const Scene& scene, const Setting& setting) {
     options = rb::ContactOptions::paper(stiffness);
   } else {
     options.stiffness = stiffness / scene.area_per_vertex();
+    if (setting.method == Method::pressure) options.law = RAYC_LAW_PRESSURE;
     options.depth_cap =
         rb::suggested_depth_cap(scene.youngs_modulus, scene.edge(), options.stiffness, setting.depth_cap);
     // Skins much finer than their cages: their vertices are more than the cages can tell apart.
@@ -84,7 +85,7 @@ class Base : public Engine {
 class DeformableEngine : public Base {
  public:
   DeformableEngine(const Scene& scene, const Setting& setting)
-      : is_ours_(setting.method == Method::ours || setting.method == Method::paper),
+      : is_ours_(setting.method <= Method::paper),
         solver_(setting.iterations > 0 ? setting.iterations : scene.iterations),
         world_(&dispatcher_, &broadphase_, &constraint_solver_, &configuration_, &solver_),
         elasticity_(setting.stock_elasticity || setting.method == Method::vf_dd_explicit
@@ -104,7 +105,8 @@ class DeformableEngine : public Base {
     elasticity_->setDamping(scalar(scene.damping_alpha), scalar(0.01));
     gravity_ = std::make_unique<btDeformableGravityForce>(scene.gravity);
     if (is_ours_) contact_.register_with(solver_, world_);
-    if (setting.method == Method::ours) solver_.detect_again(contact_, setting.passes);
+    if (setting.method == Method::ours || setting.method == Method::pressure)
+      solver_.detect_again(contact_, setting.passes);
     for (const SceneBody& description : scene.bodies) add(scene, description, setting);
     if (scene.has_floor && is_ours_) contact_.add_half_space(floor_of(scene, setting));
     if (scene.has_floor && !is_ours_) add_floor(world_);
@@ -207,8 +209,8 @@ class ClassicEngine : public Base {
 }  // namespace
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names = {"ours",           "paper", "classic", "vf_dd_implicit",
-                                                 "vf_dd_explicit", "vf_ss", "cl_ss"};
+  static const std::vector<std::string> names = {
+      "ours", "pressure", "paper", "classic", "vf_dd_implicit", "vf_dd_explicit", "vf_ss", "cl_ss"};
   return names;
 }
 
