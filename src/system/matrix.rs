@@ -1,13 +1,17 @@
 //! The rows' matrix on nodes, assembled. Where many rows act on few nodes, as those of fine skins do in coarse cages, products
 //! with it take a small part of the time that they take row by row.
 
-use super::row::{Entry, Spring};
+use super::coupling::RigidCoupling;
+use super::row::{Entry, Row, Spring};
 use crate::math::{Kernel, Lanes, dispatch};
 use crate::memory::Room;
 
 /// A row with more entries than this, as the push on a whole body has, is no part of the matrix: its blocks would be the square
 /// of them.
 const LONGEST: usize = 32;
+
+/// A block between a node and a rigid body has twice the numbers of one between nodes, and is asked for both ways.
+const WORK_OF_COUPLING: usize = 4;
 
 /// Three numbers side by side, and a fourth that is none.
 type Four = [f64; 4];
@@ -43,8 +47,14 @@ pub(super) struct NodeMatrix {
 }
 
 impl NodeMatrix {
-    /// Makes it that of the springs, or leaves them all apart where products row by row are cheaper.
-    pub(super) fn assemble(&mut self, springs: &[Spring], entries: &[Entry], nodes: usize) {
+    /// Makes it, and the coupling to rigid bodies, that of the springs, or leaves them all apart where products row by row are
+    /// cheaper.
+    pub(super) fn assemble(
+        &mut self,
+        (springs, rows, entries): (&[Spring], &[Row], &[Entry]),
+        nodes: usize,
+        coupling: &mut RigidCoupling,
+    ) {
         self.lines.clear();
         self.columns.clear();
         self.blocks.clear();
@@ -55,20 +65,26 @@ impl NodeMatrix {
         let (mut work_by_rows, mut end) = (0, 0);
         for (spring, place) in springs.iter().zip(0..) {
             let count = spring.end - spring.begin;
-            if spring.has_rigid_ends || count > LONGEST {
+            if count > LONGEST {
                 self.apart.push(place);
             } else {
-                // Across the direction there is as much again.
-                work_by_rows += count * if spring.tangential == 0.0 { 1 } else { 2 };
+                // Across the direction there is as much again, and rigid bodies have to answer first.
+                let work = count * if spring.tangential == 0.0 { 1 } else { 2 };
+                work_by_rows += if spring.has_rigid_ends { 2 * work } else { work };
                 end += count as u32;
                 self.taken.push((place, end));
             }
         }
         self.find_lines(springs, entries, nodes);
-        if self.find_blocks(work_by_rows) {
+        let taken = self.taken.iter().map(|&(place, _)| place);
+        let couplings = coupling.find_blocks(taken, springs, rows, entries, nodes);
+        let work_by_blocks = WORK_OF_COUPLING * couplings;
+        if work_by_blocks <= work_by_rows && self.find_blocks(work_by_rows - work_by_blocks) {
             self.blocks.room_for(self.columns.len()).resize(self.columns.len(), [[0.0; 4]; 3]);
             dispatch::<f64, _>(AddUp { matrix: self, springs });
+            coupling.add_up(springs, rows, entries);
         } else {
+            coupling.clear_blocks();
             self.lines.clear();
             self.apart.clear();
             self.apart.extend(0..springs.len() as u32);
@@ -307,7 +323,7 @@ mod tests {
             let change: Vec<f64> = (0..3 * NODES).map(|k| (k as f64).sin()).collect();
             let mut matrix = NodeMatrix::default();
             for _ in 0..2 {
-                matrix.assemble(&springs, &entries, NODES);
+                matrix.assemble((&springs, &[], &entries), NODES, &mut RigidCoupling::default());
                 assert_eq!(matrix.apart, [7]);
                 let mut result = vec![0.0; change.len()];
                 matrix.add_product(&change, 0.7, &mut result);
@@ -323,7 +339,7 @@ mod tests {
     fn few_rows_on_many_nodes_are_not_assembled() {
         let (springs, entries) = rows(&[8], false);
         let mut matrix = NodeMatrix::default();
-        matrix.assemble(&springs, &entries, NODES);
+        matrix.assemble((&springs, &[], &entries), NODES, &mut RigidCoupling::default());
         assert_eq!(matrix.apart, [0]);
         let mut result = vec![0.0; 3 * NODES];
         matrix.add_product(&vec![1.0; 3 * NODES], 1.0, &mut result);

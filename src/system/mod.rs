@@ -20,6 +20,7 @@ mod anchors;
 mod body;
 mod carried;
 mod conduct;
+mod coupling;
 mod error;
 mod explicit;
 mod fold;

@@ -2,7 +2,7 @@
 //! what they need lies side by side.
 
 use super::body::at;
-use super::row::{Entry, RigidEnd, Slip, Spring};
+use super::row::{Entry, Slip, Spring};
 use super::rows::{RowForce, Rows, Velocities};
 use super::twist::V3;
 use crate::memory::Room;
@@ -10,8 +10,9 @@ use crate::memory::Room;
 impl Rows {
     /// Takes note of how rows are held now, for the products until they are held anew.
     pub(super) fn gather_springs(&mut self) {
-        let Self { rows, springs, matrix, .. } = self;
+        let Self { rows, springs, matrix, coupling, .. } = self;
         matrix.is_current = false;
+        coupling.gather(rows);
         springs.clear();
         springs.room_for(rows.len());
         let mut begin = 0;
@@ -26,16 +27,54 @@ impl Rows {
         }
     }
 
-    /// Adds `scale` · Jᵀ D J · change of the springs that are assembled. [`add_product`](Self::add_product) adds the others'.
-    pub(super) fn add_assembled(&mut self, change: &[f64], scale: f64, result: &mut [f64]) {
-        if !self.matrix.is_current {
-            self.matrix.assemble(&self.springs, &self.entries, change.len() / 3);
+    /// Adds `scale` · Jᵀ D J · change: the forces that rows exert against a change of the velocities, turned around; on rigid
+    /// bodies too where `twists` has room for them.
+    pub(super) fn add_product(
+        &mut self,
+        change: Velocities<'_>,
+        scale: f64,
+        nodes: &mut [f64],
+        twists: Option<&mut [f64]>,
+    ) {
+        self.assemble(change.nodes.len() / 3);
+        self.matrix.add_product(change.nodes, scale, nodes);
+        self.coupling.add_to_nodes(change.twists, scale, nodes);
+        self.add_apart(change, scale, nodes);
+        if let Some(twists) = twists {
+            self.coupling.add_among(change.twists, scale, twists);
+            self.add_to_rigid(change.nodes, scale, twists);
         }
-        self.matrix.add_product(change, scale, result);
     }
 
-    fn rigid_ends(&self, spring: &Spring) -> &[Option<RigidEnd>] {
-        if spring.has_rigid_ends { &self.rows[spring.place].rigid } else { &[] }
+    /// The same where rigid bodies are eliminated and answer the nodes.
+    pub(super) fn add_answered_product(&mut self, nodes: &[f64], scale: f64, dt: f64, result: &mut [f64]) {
+        self.assemble(nodes.len() / 3);
+        let count = 6 * self.masses.len();
+        let mut loads = std::mem::take(&mut self.loads);
+        loads.clear();
+        loads.room_for(count).resize(count, 0.0);
+        self.add_to_rigid(nodes, -dt, &mut loads);
+        self.finish_response(loads, None);
+        let twists = std::mem::take(&mut self.response);
+        self.add_product(Velocities { nodes, twists: &twists }, scale, result, None);
+        self.response = twists;
+    }
+
+    fn assemble(&mut self, nodes: usize) {
+        if !self.matrix.is_current {
+            let Self { rows, entries, springs, matrix, coupling, .. } = self;
+            matrix.assemble((springs, rows, entries), nodes, coupling);
+        }
+    }
+
+    /// Adds `scale` times the loads of rows on rigid bodies by a change of the nodes' velocities alone.
+    fn add_to_rigid(&self, nodes: &[f64], scale: f64, loads: &mut [f64]) {
+        self.coupling.add_to_rigid(nodes, scale, loads);
+        for spring in self.apart().filter(|spring| spring.has_rigid_ends) {
+            let slip = self.slip_of_nodes(spring, nodes);
+            let force = spring.direction * (spring.normal * slip.along) + slip.across * spring.tangential;
+            Self::scatter_rigid(&self.rows[spring.place].rigid, &(force * -scale), loads);
+        }
     }
 
     fn entries_of(&self, spring: &Spring) -> &[Entry] {
@@ -44,17 +83,27 @@ impl Rows {
 
     /// How a change of the velocities moves the two points of a row; across the direction only where that counts.
     fn slip_of(&self, spring: &Spring, change: Velocities<'_>) -> Slip {
+        let rigid = if spring.has_rigid_ends { &self.rows[spring.place].rigid[..] } else { &[] };
+        let rigid = rigid.iter().flatten().fold(V3::zeros(), |sum, end| sum + end.velocity(change.twists));
+        self.slip_with(spring, change.nodes, rigid)
+    }
+
+    /// The same by the change of nodes alone.
+    fn slip_of_nodes(&self, spring: &Spring, nodes: &[f64]) -> Slip {
+        self.slip_with(spring, nodes, V3::zeros())
+    }
+
+    /// The same where rigid bodies move the points by so much.
+    fn slip_with(&self, spring: &Spring, nodes: &[f64], rigid: V3) -> Slip {
         let direction = spring.direction;
-        let rigid =
-            self.rigid_ends(spring).iter().flatten().fold(V3::zeros(), |sum, end| sum + end.velocity(change.twists));
         if spring.tangential == 0.0 {
-            let along = |sum, entry: &Entry| sum + direction.dot(&at(change.nodes, entry.node)) * entry.along;
+            let along = |sum, entry: &Entry| sum + direction.dot(&at(nodes, entry.node)) * entry.along;
             let along = self.entries_of(spring).iter().fold(direction.dot(&rigid), along);
             return Slip { along, across: V3::zeros() };
         }
         let [mut along, mut across] = [rigid; 2];
         for entry in self.entries_of(spring) {
-            let v = at(change.nodes, entry.node);
+            let v = at(nodes, entry.node);
             along += v * entry.along;
             across += v * entry.across;
         }
@@ -77,17 +126,14 @@ impl Rows {
         }
     }
 
-    /// Adds `scale` · Jᵀ D J · change: the forces that rows exert against a change of the velocities, turned around; on rigid
-    /// bodies too where `twists` has room for them. Of springs that are not assembled.
-    pub(super) fn add_product(
-        &self,
-        change: Velocities<'_>,
-        scale: f64,
-        nodes: &mut [f64],
-        mut twists: Option<&mut [f64]>,
-    ) {
-        for &place in &self.matrix.apart {
-            let spring = &self.springs[place as usize];
+    /// Springs that are not assembled.
+    fn apart(&self) -> impl Iterator<Item = &Spring> {
+        self.matrix.apart.iter().map(|&place| &self.springs[place as usize])
+    }
+
+    /// The product on nodes of springs that are not assembled.
+    fn add_apart(&self, change: Velocities<'_>, scale: f64, nodes: &mut [f64]) {
+        for spring in self.apart() {
             let slip = self.slip_of(spring, change);
             let along = spring.direction * (scale * spring.normal * slip.along);
             let mut add = |node: u32, force: V3| {
@@ -101,27 +147,6 @@ impl Rows {
                 let across = slip.across * (scale * spring.tangential);
                 entries.iter().for_each(|entry| add(entry.node, along * entry.along + across * entry.across));
             }
-            if let Some(twists) = twists.as_deref_mut().filter(|_| spring.has_rigid_ends) {
-                let force = -along - slip.across * (scale * spring.tangential);
-                Self::scatter_rigid(&self.rows[spring.place].rigid, &force, twists);
-            }
         }
-    }
-
-    /// Where rigid bodies are eliminated: the twists with which they answer a change of the nodes' velocities, into `response`.
-    pub(super) fn respond_to_change(&mut self, nodes: &[f64], dt: f64) {
-        let count = 6 * self.masses.len();
-        let mut loads = std::mem::take(&mut self.loads);
-        loads.clear();
-        loads.room_for(count).resize(count, 0.0);
-        self.response.clear();
-        self.response.room_for(count).resize(count, 0.0);
-        let change = Velocities { nodes, twists: &self.response };
-        for spring in self.springs.iter().filter(|spring| spring.has_rigid_ends) {
-            let slip = self.slip_of(spring, change);
-            let force = spring.direction * (spring.normal * slip.along) + slip.across * spring.tangential;
-            Self::scatter_rigid(&self.rows[spring.place].rigid, &(force * dt), &mut loads);
-        }
-        self.finish_response(loads, None);
     }
 }

@@ -64,7 +64,7 @@ pub(super) struct Held {
 }
 
 /// One contact as a unilateral spring with friction. On the first body acts force, on the second its opposite.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Row {
     /// Of unit length; the first body is pushed along it.
     pub(super) direction: V3,

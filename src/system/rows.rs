@@ -1,6 +1,7 @@
 //! One row for each contact, and the sums over all of them.
 
 use super::body::at;
+use super::coupling::RigidCoupling;
 use super::matrix::NodeMatrix;
 use super::row::{Entry, RigidEnd, Row, Slip, Spring};
 use super::twist::{Factor, V3};
@@ -22,6 +23,7 @@ pub(super) struct Rows {
     /// Of those that push as they are held, what products need.
     pub(super) springs: Vec<Spring>,
     pub(super) matrix: NodeMatrix,
+    pub(super) coupling: RigidCoupling,
     /// Mass and inertia in the world of each rigid body.
     pub(super) masses: Vec<(f64, Matrix3<f64>)>,
     /// Of the rigid bodies, where they are eliminated.
@@ -163,19 +165,8 @@ impl Rows {
                 }
             }
         }
-        for row in self.rows.iter().filter(|row| row.held.pushes) {
-            let stiffness = matrix(row);
-            for (a, b) in row.rigid.iter().flatten().flat_map(|a| row.rigid.iter().flatten().map(move |b| (a, b))) {
-                let (left, right) = (jacobian(a), jacobian(b));
-                for (i, j) in (0..4).map(|k| (k / 2, k % 2)) {
-                    let block = left[i].transpose() * stiffness * right[j] * dt;
-                    for k in 0..9 {
-                        let (r, c) = (k / 3, k % 3);
-                        self.system.add(6 * a.place + 3 * i + r, 6 * b.place + 3 * j + c, block[(r, c)]);
-                    }
-                }
-            }
-        }
+        let system = &mut self.system;
+        self.coupling.for_each_number(|row, column, number| system.add(row, column, number * dt));
         self.system.factor();
     }
 
@@ -262,12 +253,6 @@ impl Rows {
             }
         }
     }
-}
-
-/// The derivative of a row's force by its slip.
-fn matrix(row: &Row) -> Matrix3<f64> {
-    let outer = row.direction * row.direction.transpose();
-    outer * row.held.normal + (Matrix3::identity() - outer) * row.held.tangential
 }
 
 /// The row's motion by the linear and by the angular velocity.

@@ -36,14 +36,11 @@ impl<T: Scalar> ContactSystem<T> {
         super::check_finite("factor", &[factor])?;
         check_count("result", result, step.unknowns)?;
         let (nodes, twists) = change.split_at(3 * self.node_masses.len());
-        if self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty() {
-            self.rows.respond_to_change(nodes, step.dt);
-        }
         let (to, to_twists) = result.split_at_mut(3 * self.node_masses.len());
-        self.rows.add_assembled(nodes, factor, to);
-        let is_kept = self.rigid_unknowns == RigidUnknowns::Kept;
-        let twists = if is_kept { twists } else { &self.rows.response };
-        self.rows.add_product(Velocities { nodes, twists }, factor, to, is_kept.then_some(to_twists));
+        match self.rigid_unknowns {
+            RigidUnknowns::Eliminated => self.rows.add_answered_product(nodes, factor, step.dt, to),
+            RigidUnknowns::Kept => self.rows.add_product(Velocities { nodes, twists }, factor, to, Some(to_twists)),
+        }
         Ok(())
     }
 

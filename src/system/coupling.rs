@@ -1,0 +1,289 @@
+//! The rows' matrix on rigid bodies, assembled: among these, and between these and nodes. Each body has two blocks of unknowns.
+
+use super::row::{Entry, RigidEnd, Row, Spring};
+use super::twist::V3;
+use crate::memory::Room;
+use nalgebra::{Matrix3, Matrix6, Vector6};
+
+/// The force on a node for each of the six velocities of a rigid body, in N s/m and N s.
+type Columns = [V3; 6];
+
+/// What rows that push do on rigid bodies, as they are held.
+#[derive(Debug, Default)]
+pub(super) struct RigidCoupling {
+    /// Between two bodies, by their places: JᵀDJ.
+    among: Vec<((usize, usize), Matrix6<f64>)>,
+    /// Of springs in the matrix on nodes: the body's place, the spring's, and which of its ends it is; by body.
+    ends: Vec<(usize, u32, usize)>,
+    /// The place of each body that nodes meet, and where its blocks end.
+    bodies: Vec<(usize, usize)>,
+    /// The node of each block.
+    nodes: Vec<u32>,
+    blocks: Vec<Columns>,
+    /// Room: of each node its block of the body under way.
+    places: Vec<u32>,
+}
+
+impl RigidCoupling {
+    /// Adds up what rows do among rigid bodies.
+    pub(super) fn gather(&mut self, rows: &[Row]) {
+        let among = &mut self.among;
+        among.clear();
+        for row in rows.iter().filter(|row| row.held.pushes) {
+            let stiffness = stiffness(&row.direction, row.held.normal, row.held.tangential);
+            for a in row.rigid.iter().flatten() {
+                for b in row.rigid.iter().flatten() {
+                    let key = (a.place, b.place);
+                    let place = among.binary_search_by_key(&key, |(key, _)| *key).unwrap_or_else(|place| {
+                        among.room_for(1).insert(place, (key, Matrix6::zeros()));
+                        place
+                    });
+                    among[place].1 += between(a, &stiffness, b);
+                }
+            }
+        }
+    }
+
+    /// Calls `use_number(row, column, number)` with the numbers of the matrix among rigid bodies, each once.
+    pub(super) fn for_each_number(&self, mut use_number: impl FnMut(usize, usize, f64)) {
+        for ((a, b), block) in &self.among {
+            for (row, column) in (0..36).map(|k| (k / 6, k % 6)) {
+                use_number(6 * a + row, 6 * b + column, block[(row, column)]);
+            }
+        }
+    }
+
+    /// Adds `scale` times the product of the matrix among rigid bodies.
+    pub(super) fn add_among(&self, twists: &[f64], scale: f64, result: &mut [f64]) {
+        for ((a, b), block) in &self.among {
+            let loads = block * Vector6::from_column_slice(&twists[6 * b..6 * b + 6]);
+            result[6 * a..6 * a + 6].iter_mut().zip(&loads).for_each(|(sum, load)| *sum += scale * load);
+        }
+    }
+
+    /// Finds the blocks between nodes and rigid bodies of the springs at these places, without their numbers; gives how many.
+    pub(super) fn find_blocks(
+        &mut self,
+        taken: impl Iterator<Item = u32>,
+        springs: &[Spring],
+        rows: &[Row],
+        entries: &[Entry],
+        node_count: usize,
+    ) -> usize {
+        let Self { ends, bodies, nodes, places, .. } = self;
+        ends.clear();
+        for place in taken {
+            let spring = &springs[place as usize];
+            let rigid = if spring.has_rigid_ends { &rows[spring.place].rigid[..] } else { &[] };
+            for (side, end) in rigid.iter().enumerate() {
+                ends.room_for(1).extend(end.iter().map(|end| (end.place, place, side)));
+            }
+        }
+        ends.sort_unstable();
+        bodies.clear();
+        nodes.clear();
+        places.clear();
+        places.room_for(node_count).resize(node_count, u32::MAX);
+        for of_body in ends.chunk_by(|one, next| one.0 == next.0) {
+            let first = nodes.len() as u32;
+            for &(_, place, _) in of_body {
+                let spring = &springs[place as usize];
+                for entry in &entries[spring.begin..spring.end] {
+                    // It may be that of a body before.
+                    let block = &mut places[entry.node as usize];
+                    if *block == u32::MAX || *block < first {
+                        *block = nodes.len() as u32;
+                        nodes.room_for(1).push(entry.node);
+                    }
+                }
+            }
+            bodies.room_for(1).push((of_body[0].0, nodes.len()));
+        }
+        nodes.len()
+    }
+
+    /// The numbers of the blocks found.
+    pub(super) fn add_up(&mut self, springs: &[Spring], rows: &[Row], entries: &[Entry]) {
+        let Self { ends, bodies, nodes, blocks, places, .. } = self;
+        blocks.clear();
+        blocks.room_for(nodes.len()).resize(nodes.len(), [V3::zeros(); 6]);
+        let mut first = 0;
+        for (of_body, &(_, last)) in ends.chunk_by(|one, next| one.0 == next.0).zip(&*bodies) {
+            for place in first..last {
+                places[nodes[place] as usize] = place as u32;
+            }
+            for &(_, place, side) in of_body {
+                let spring = &springs[place as usize];
+                let Some(RigidEnd { sign, arm, .. }) = &rows[spring.place].rigid[side] else { continue };
+                let d = spring.direction;
+                // d · J and J of the body's six velocities.
+                let turned = [V3::new(0.0, -arm.z, arm.y), V3::new(arm.z, 0.0, -arm.x), V3::new(-arm.y, arm.x, 0.0)];
+                let moves = [V3::x(), V3::y(), V3::z(), turned[0], turned[1], turned[2]].map(|column| column * *sign);
+                for entry in &entries[spring.begin..spring.end] {
+                    let (along, across) = (spring.normal * entry.along, spring.tangential * entry.across);
+                    let block = &mut blocks[places[entry.node as usize] as usize];
+                    for (column, moves) in block.iter_mut().zip(&moves) {
+                        *column += d * ((along - across) * d.dot(moves)) + moves * across;
+                    }
+                }
+            }
+            first = last;
+        }
+    }
+
+    /// Forgets the blocks between nodes and rigid bodies.
+    pub(super) fn clear_blocks(&mut self) {
+        self.bodies.clear();
+        self.nodes.clear();
+        self.blocks.clear();
+    }
+
+    fn of_bodies(&self) -> impl Iterator<Item = (usize, impl Iterator<Item = (u32, &Columns)>)> {
+        let mut first = 0;
+        self.bodies.iter().map(move |&(place, last)| {
+            let range = std::mem::replace(&mut first, last)..last;
+            (place, self.nodes[range.clone()].iter().copied().zip(&self.blocks[range]))
+        })
+    }
+
+    /// Adds `scale` times the forces on nodes for these velocities of rigid bodies.
+    pub(super) fn add_to_nodes(&self, twists: &[f64], scale: f64, nodes: &mut [f64]) {
+        for (place, blocks) in self.of_bodies() {
+            let twist: [f64; 6] = std::array::from_fn(|k| scale * twists[6 * place + k]);
+            for (node, block) in blocks {
+                let force = block.iter().zip(twist).fold(V3::zeros(), |sum, (column, by)| sum + column * by);
+                let to = &mut nodes[3 * node as usize..][..3];
+                (0..3).for_each(|axis| to[axis] += force[axis]);
+            }
+        }
+    }
+
+    /// Adds `scale` times the loads on rigid bodies for these velocities of nodes.
+    pub(super) fn add_to_rigid(&self, nodes: &[f64], scale: f64, loads: &mut [f64]) {
+        for (place, blocks) in self.of_bodies() {
+            let mut sum = [0.0; 6];
+            for (node, block) in blocks {
+                let v = super::body::at(nodes, node);
+                (0..6).for_each(|k| sum[k] += block[k].dot(&v));
+            }
+            (0..6).for_each(|k| loads[6 * place + k] += scale * sum[k]);
+        }
+    }
+}
+
+/// The derivative of a row's force by its slip.
+fn stiffness(direction: &V3, normal: f64, tangential: f64) -> Matrix3<f64> {
+    let outer = direction * direction.transpose();
+    outer * normal + (Matrix3::identity() - outer) * tangential
+}
+
+/// J of the one end, transposed, times the stiffness times J of the other.
+fn between(a: &RigidEnd, stiffness: &Matrix3<f64>, b: &RigidEnd) -> Matrix6<f64> {
+    let [left, right] = [a, b].map(|end| end.arm.cross_matrix());
+    let upper = stiffness * (a.sign * b.sign);
+    let turned = -upper * right;
+    let mut block = Matrix6::zeros();
+    block.fixed_view_mut::<3, 3>(0, 0).copy_from(&upper);
+    block.fixed_view_mut::<3, 3>(0, 3).copy_from(&turned);
+    block.fixed_view_mut::<3, 3>(3, 0).copy_from(&(left * upper));
+    block.fixed_view_mut::<3, 3>(3, 3).copy_from(&(left * turned));
+    block
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::row::Held;
+    use crate::system::rows::{Rows, Velocities};
+
+    const NODES: usize = 9;
+    const BODIES: usize = 3;
+
+    /// Numbers that follow no pattern, from -0.5 to 0.5.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        }
+
+        fn vector(&mut self) -> V3 {
+            V3::new(self.next(), self.next(), self.next())
+        }
+    }
+
+    /// Rows between nodes, between nodes and rigid bodies, between two of these, and long ones; some rub, some do not push.
+    fn rows(numbers: &mut Numbers) -> Rows {
+        let mut rows = Rows::default();
+        for place in 0..90 {
+            let count = [4, 4, 0, 5, 40][place % 5];
+            for k in 0..count {
+                rows.add_distinct(((5 * place + 7 * k) % NODES) as u32, numbers.next(), numbers.next());
+            }
+            let mut end = |is_there: bool, place, sign| {
+                let arm = numbers.vector();
+                is_there.then_some(RigidEnd { place, sign, arm })
+            };
+            let rigid = [
+                end(matches!(place % 5, 1 | 2), place % BODIES, -1.0),
+                end(matches!(place % 5, 2..=4), (place + 1) % BODIES, 1.0),
+            ];
+            let (normal, tangential) = (1.0 + numbers.next(), if place % 2 == 0 { 0.6 + numbers.next() } else { 0.0 });
+            let held = Held { pushes: place % 7 != 0, normal, tangential, ..Held::default() };
+            let direction = numbers.vector().normalize();
+            rows.rows.push(Row { direction, rigid, end: rows.entries.len(), held, ..Row::default() });
+        }
+        rows.masses = vec![(2.0, Matrix3::identity() * 0.3); BODIES];
+        rows
+    }
+
+    /// From the forces that the rows exert: those against a change, turned around.
+    fn expected(rows: &Rows, of: Velocities<'_>, scale: f64) -> [Vec<f64>; 2] {
+        let [mut nodes, mut twists] = [vec![0.0; 3 * NODES], vec![0.0; 6 * BODIES]];
+        rows.add_forces(of, -scale, &mut nodes, Some(&mut twists));
+        [nodes, twists]
+    }
+
+    fn assert_near(found: &[f64], expected: &[f64]) {
+        let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let error = found.iter().zip(expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(error < 1e-12 * largest && largest > 0.0, "{error} of {largest}");
+    }
+
+    #[test]
+    fn products_are_the_forces_of_the_rows_on_nodes_and_rigid_bodies() {
+        let mut numbers = Numbers(1);
+        let mut rows = rows(&mut numbers);
+        let change: Vec<f64> = (0..3 * NODES).map(|_| numbers.next()).collect();
+        let twists: Vec<f64> = (0..6 * BODIES).map(|_| numbers.next()).collect();
+        let of = Velocities { nodes: &change, twists: &twists };
+        let [on_nodes, on_rigid] = expected(&rows, of, 0.7);
+        let [mut nodes, mut loads] = [vec![0.0; 3 * NODES], vec![0.0; 6 * BODIES]];
+        rows.gather_springs();
+        rows.add_product(of, 0.7, &mut nodes, Some(&mut loads));
+        assert!(rows.coupling.bodies.len() == BODIES && !rows.matrix.apart.is_empty());
+        assert_near(&nodes, &on_nodes);
+        assert_near(&loads, &on_rigid);
+    }
+
+    /// Rigid bodies answer so that mass times change is the load over the time.
+    #[test]
+    fn eliminated_bodies_answer_the_nodes() {
+        let mut numbers = Numbers(2);
+        let mut rows = rows(&mut numbers);
+        let change: Vec<f64> = (0..3 * NODES).map(|_| numbers.next()).collect();
+        let dt = 0.05;
+        rows.gather_springs();
+        rows.factor_rigid(dt);
+        let mut found = vec![0.0; 3 * NODES];
+        rows.add_answered_product(&change, 0.7, dt, &mut found);
+        let answer = rows.response.clone();
+        let of = Velocities { nodes: &change, twists: &answer };
+        let [on_nodes, _] = expected(&rows, of, 0.7);
+        assert_near(&found, &on_nodes);
+        let [_, loads] = expected(&rows, of, -dt);
+        let momenta: Vec<f64> = answer.iter().enumerate().map(|(k, x)| x * if k % 6 < 3 { 2.0 } else { 0.3 }).collect();
+        assert_near(&momenta, &loads);
+    }
+}
