@@ -30,6 +30,7 @@ except ModuleNotFoundError:
 METHODS = {
     "ours": "raycontact, paper's law",
     "pressure": "raycontact, pressure law",
+    "contact_system": "contact system, no Bullet",
     "paper": "raycontact, paper's mode",
     "classic": "raycontact, classic bodies",
     "vf_dd_implicit": "Bullet VF_DD, implicit",

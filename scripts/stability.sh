@@ -36,8 +36,8 @@ is_part=false
 [[ -z "${RAYCONTACT_LIMITS:-}" ]] || read -r most_steps most_seconds <<<"$RAYCONTACT_LIMITS"
 # The longest last.
 read -ra scenes <<<"${RAYCONTACT_SCENES:-boxes_edge_on_edge fast_impact heavy_on_light spike_into_slab fine_on_coarse \
-folding_strip swallowed_body falling_tori growing_tori box_stack plate_through_ring mixed_pile two_tori ring_chain}"
-read -ra methods <<<"${RAYCONTACT_METHODS:-ours pressure paper classic vf_dd_implicit vf_dd_explicit vf_ss cl_ss}"
+folding_strip swallowed_body offset_stack falling_tori growing_tori box_stack plate_through_ring mixed_pile two_tori ring_chain}"
+read -ra methods <<<"${RAYCONTACT_METHODS:-ours pressure contact_system paper classic vf_dd_implicit vf_dd_explicit vf_ss cl_ss}"
 header=scene,method,dt,stiffness,inside_start,inside_end,inverted,peak_speed,energy_end,momentum_drift,links_kept,verdict
 
 install_packages python3-matplotlib

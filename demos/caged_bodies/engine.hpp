@@ -31,6 +31,10 @@ class Engine {
   Vector gravity{{0, -9.81, 0}};
   int solves = 6;              // in a step at most
   double damping_time = 0.01;  // s: of the elements, over their stiffness
+  double drag = 0;             // 1/s: of all motion
+
+  /** `threads`: for detection; 0 = one for each core. */
+  explicit Engine(uint32_t threads = 1) : scene_(threads) {}
 
   void add_floor(const rayc_material& material) { contacts_.add_half_space({{0, 1, 0}}, 0, material); }
 
@@ -64,13 +68,22 @@ class Engine {
         }
       offsets.push_back(static_cast<uint32_t>(nodes.size()));
     }
-    bodies_.push_back({cage, first});
+    bodies_.push_back({cage, first, 0});
     const uint32_t number = scene_.add({raycontact::vectors(skin(bodies_.size() - 1)), cage.skin.triangles});
+    bodies_.back().number = number;
     contacts_.set_node_masses(masses_);
     contacts_.add_deformable(scene_, number, static_cast<uint32_t>(first), static_cast<uint32_t>(cage.nodes.size()),
                              raycontact::Carriers{offsets, nodes, weights}, material);
     if (on_floor != nullptr) contacts_.set_half_space_material(number, 0, on_floor);
   }
+
+  /** Of all nodes of the body added last that are not held. */
+  void set_velocity(const Vector& velocity) {
+    for (std::size_t k = 3 * bodies_.back().first; k < v_.size(); ++k) v_[k] = is_held(k) ? 0 : velocity[k % 3];
+  }
+
+  /** Lets the body added last touch itself. */
+  void touch_itself() { scene_.set_self_collision(bodies_.back().number, true); }
 
   void add_box(const demo::Surface& surface, const Vector& edges, double mass, const Vector& position,
                const rayc_material& material) {
@@ -88,7 +101,7 @@ class Engine {
   void step(double dt) {
     Numbers free = v_, v = v_, own(x_.size());
     for (std::size_t k = 0; k < free.size(); ++k)
-      if (!is_held(k)) free[k] += dt * gravity[k % 3];
+      if (!is_held(k)) free[k] = (free[k] + dt * gravity[k % 3]) / (1 + dt * drag);
     for (const Rigid& rigid : rigids_) contacts_.set_motion(rigid.number, motion(rigid, dt));
     contacts_.begin(scene_, dt, x_, v_, free);
     elasticity_.linearise(x_, own);
@@ -120,6 +133,18 @@ class Engine {
 
   const Fastest& fastest() const { return fastest_; }
 
+  /** Of the last detection. */
+  std::size_t contact_count() const {
+    raycontact::Contacts contacts;
+    contacts_.copy_contacts_to(contacts);
+    return contacts.size();
+  }
+
+  /** x, y, z of each node of a body, and its velocity; masses are infinite where it is held. */
+  Numbers positions(std::size_t body) const { return of_body(body, x_, 3); }
+  Numbers velocities(std::size_t body) const { return of_body(body, v_, 3); }
+  Numbers masses(std::size_t body) const { return of_body(body, masses_, 1); }
+
   /** How deep the lowest point of all skins is in the floor, m. */
   double depth() const {
     double most = 0;
@@ -134,6 +159,7 @@ class Engine {
   struct Caged {
     raycontact::Cage cage;
     std::size_t first;  // node
+    uint32_t number;    // in the scene
   };
 
   struct Rigid {
@@ -142,6 +168,11 @@ class Engine {
     Matrix turned;
     std::array<double, 6> velocity;
   };
+
+  Numbers of_body(std::size_t body, const Numbers& all, std::size_t each) const {
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(each * bodies_[body].first);
+    return {begin, begin + static_cast<std::ptrdiff_t>(each * bodies_[body].cage.nodes.size())};
+  }
 
   bool is_held(std::size_t unknown) const { return !std::isfinite(masses_[unknown / 3]); }
 

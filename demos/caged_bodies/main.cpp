@@ -95,8 +95,8 @@ demo::Surface box(const Vector& edges, std::size_t cuts) {
 
 /** Three bodies on the floor, one held by its uppermost nodes; a box falls onto them. All come to rest. */
 int run(const Options& options) {
-  // A third of all weight on the feet of one body, 50 cm^2, and how far an even pressure may press them in: a tenth of what
-  // is allowed, since feet do not press evenly.
+  // A third of all weight on the feet of one body, 50 cm^2, and how far an even pressure may press them in: a tenth of
+  // what is allowed, since feet do not press evenly.
   constexpr double pressure = 7e4, sinking = 0.001;
   caged::Engine engine;
   rayc_material floor = raycontact::bearing_material(10 * pressure, 10 * sinking);

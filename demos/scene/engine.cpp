@@ -10,7 +10,10 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <limits>
+
 #include "raycontact/bullet.hpp"
+#include "system_engine.hpp"
 #include "tuned_solver.hpp"
 
 namespace demo {
@@ -52,7 +55,18 @@ rb::HalfSpace floor_of(const Scene& scene, const Setting& setting) {
 /** What both worlds share: bodies made of cages, and a rigid floor for Bullet's own contact. */
 class Base : public Engine {
  public:
-  const std::vector<btSoftBody*>& bodies() const override { return pointers_; }
+  Nodes nodes(std::size_t body) const override {
+    Nodes all;
+    for (int n = 0; n < pointers_[body]->m_nodes.size(); ++n) {
+      const btSoftBody::Node& node = pointers_[body]->m_nodes[n];
+      for (int axis = 0; axis < 3; ++axis) {
+        all.positions.push_back(double(node.m_x[axis]));
+        all.velocities.push_back(double(node.m_v[axis]));
+      }
+      all.masses.push_back(node.m_im > 0 ? 1 / double(node.m_im) : std::numeric_limits<double>::infinity());
+    }
+    return all;
+  }
 
  protected:
   btSoftBody& make_body(btSoftBodyWorldInfo& info, const SceneBody& description) {
@@ -210,11 +224,12 @@ class ClassicEngine : public Base {
 
 const std::vector<std::string>& method_names() {
   static const std::vector<std::string> names = {
-      "ours", "pressure", "paper", "classic", "vf_dd_implicit", "vf_dd_explicit", "vf_ss", "cl_ss"};
+      "ours", "pressure", "paper", "classic", "vf_dd_implicit", "vf_dd_explicit", "vf_ss", "cl_ss", "contact_system"};
   return names;
 }
 
 std::unique_ptr<Engine> Engine::make(const Scene& scene, const Setting& setting) {
+  if (setting.method == Method::contact_system) return make_system_engine(scene, setting);
   const bool is_classic =
       setting.method == Method::classic || setting.method == Method::vf_ss || setting.method == Method::cl_ss;
   if (is_classic) return std::make_unique<ClassicEngine>(scene, setting);

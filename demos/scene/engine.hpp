@@ -10,8 +10,6 @@
 
 #include "scene.hpp"
 
-class btSoftBody;
-
 namespace demo {
 
 enum class Method {
@@ -21,8 +19,9 @@ enum class Method {
   classic,         // raycontact correcting Bullet's classic soft bodies
   vf_dd_implicit,  // Bullet's deformable bodies, its own contact: vertices against faces
   vf_dd_explicit,
-  vf_ss,  // Bullet's classic soft bodies, its own contact: vertices against faces
-  cl_ss,  // the same: clusters
+  vf_ss,           // Bullet's classic soft bodies, its own contact: vertices against faces
+  cl_ss,           // the same: clusters
+  contact_system,  // an engine of its own, without Bullet, on the library's contact system, with its defaults
 };
 
 /** The names on the command line, in the order of the enumeration. */
@@ -40,12 +39,18 @@ struct Setting {
   bool stock_elasticity = false;  // Bullet's own instead of CorotatedElasticity with the merged matrix product
 };
 
+/** A body's nodes now: x, y, z of each. */
+struct Nodes {
+  std::vector<double> positions, velocities;
+  std::vector<double> masses;  // kg; infinity for one that is held
+};
+
 class Engine {
  public:
   static std::unique_ptr<Engine> make(const Scene& scene, const Setting& setting);
   virtual ~Engine() = default;
   virtual void step(double dt) = 0;
-  virtual const std::vector<btSoftBody*>& bodies() const = 0;
+  virtual Nodes nodes(std::size_t body) const = 0;
   virtual std::size_t contact_count() const { return 0; }
   virtual double detection_ms() const { return 0; }
 };

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 #include "measure.hpp"
 
-#include <BulletSoftBody/btSoftBody.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "../inside_test.hpp"
-#include "raycontact/bullet/body_check.hpp"
 
 namespace demo {
-
-namespace rb = raycontact::bullet;
 
 namespace {
 
@@ -41,36 +37,47 @@ std::vector<double> vertex_normals(const std::vector<double>& x, const std::vect
 }
 
 struct Motion {
-  double momentum[3] = {0, 0, 0}, motion = 0, energy = 0, peak_speed = 0;
+  double momentum[3] = {0, 0, 0}, motion = 0, energy = 0, height = 0, peak_speed = 0;  // J of motion and of height
   bool is_finite = true;
 };
 
-Motion motion_of(const Engine& engine) {
+Motion motion_of(const Scene& scene, const Engine& engine) {
   Motion m;
-  for (const btSoftBody* body : engine.bodies())
-    for (int n = 0; n < body->m_nodes.size(); ++n) {
-      const btSoftBody::Node& node = body->m_nodes[n];
-      for (int a = 0; a < 3; ++a)
-        if (!std::isfinite(double(node.m_x[a])) || !std::isfinite(double(node.m_v[a]))) m.is_finite = false;
-      if (!(node.m_im > 0)) continue;
-      const double mass = 1 / double(node.m_im), speed = double(node.m_v.length());
-      for (int a = 0; a < 3; ++a) m.momentum[a] += mass * double(node.m_v[a]);
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const Nodes nodes = engine.nodes(b);
+    for (std::size_t n = 0; n < nodes.masses.size(); ++n) {
+      const double *x = &nodes.positions[3 * n], *v = &nodes.velocities[3 * n], mass = nodes.masses[n];
+      for (std::size_t a = 0; a < 3; ++a)
+        if (!std::isfinite(x[a]) || !std::isfinite(v[a])) m.is_finite = false;
+      if (!std::isfinite(mass)) continue;
+      const double speed = std::hypot(v[0], v[1], v[2]);
+      for (std::size_t a = 0; a < 3; ++a) {
+        m.momentum[a] += mass * v[a];
+        m.height -= mass * double(scene.gravity[static_cast<int>(a)]) * x[a];
+      }
       m.motion += mass * speed;
       m.energy += 0.5 * mass * speed * speed;
       m.peak_speed = std::max(m.peak_speed, speed);
     }
+  }
   return m;
 }
 
-// Of motion and height.
-double energy_of(const Engine& engine, const btVector3& gravity) {
-  double energy = motion_of(engine).energy;
-  for (const btSoftBody* body : engine.bodies())
-    for (int n = 0; n < body->m_nodes.size(); ++n)
-      if (body->m_nodes[n].m_im > 0)
-        for (int a = 0; a < 3; ++a)
-          energy -= double(gravity[a]) * double(body->m_nodes[n].m_x[a]) / double(body->m_nodes[n].m_im);
-  return energy;
+int inverted_tetrahedra(const Cage& cage, const Nodes& nodes) {
+  int count = 0;
+  for (const auto& tetrahedron : cage.tetrahedra) {
+    const auto at = [&](std::size_t k) { return &nodes.positions[3 * static_cast<std::size_t>(tetrahedron[k])]; };
+    double edges[3][3];
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t a = 0; a < 3; ++a) edges[k][a] = at(k + 1)[a] - at(0)[a];
+    double volume = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t u = (a + 1) % 3, v = (a + 2) % 3;
+      volume += edges[0][a] * (edges[1][u] * edges[2][v] - edges[1][v] * edges[2][u]);
+    }
+    if (!(volume > 0)) ++count;
+  }
+  return count;
 }
 
 double share(const std::vector<std::vector<uint8_t>>& flags) {
@@ -87,9 +94,16 @@ double share(const std::vector<std::vector<uint8_t>>& flags) {
 Positions skin_positions(const Scene& scene, const Engine& engine) {
   Positions all;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    std::vector<btScalar> x;
-    rb::skin_positions(*engine.bodies()[b], scene.bodies[b].cage.skin, x);
-    all.emplace_back(x.begin(), x.end());
+    const Nodes nodes = engine.nodes(b);
+    std::vector<double> x;
+    for (const raycontact::SkinPoint& point : scene.bodies[b].cage.skin.points)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        double sum = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+          sum += point.weights[k] * nodes.positions[3 * static_cast<std::size_t>(point.nodes[k]) + axis];
+        x.push_back(sum);
+      }
+    all.push_back(std::move(x));
   }
   return all;
 }
@@ -129,13 +143,13 @@ std::vector<std::vector<uint8_t>> inside_flags(const Scene& scene, const Positio
 Measurement::Measurement(const Scene& scene, const Engine& engine)
     : scene_(scene), start_(skin_positions(scene, engine)) {
   result_.inside_start = share(inside_flags(scene, start_, 0));
-  const Motion m = motion_of(engine);
+  const Motion m = motion_of(scene, engine);
   std::copy(m.momentum, m.momentum + 3, momentum_start_);
   for (const SceneBody& body : scene.bodies) result_.elements += static_cast<int>(body.cage.tetrahedra.size());
 }
 
 bool Measurement::observe(const Engine& engine, double dt, double step_ms) {
-  const Motion m = motion_of(engine);
+  const Motion m = motion_of(scene_, engine);
   time_ += dt;
   ++result_.steps;
   step_ms_.push_back(step_ms);
@@ -151,7 +165,8 @@ bool Measurement::observe(const Engine& engine, double dt, double step_ms) {
 
 void Measurement::watch_rest(const Engine& engine) {
   const Positions now = skin_positions(scene_, engine);
-  const double energy = energy_of(engine, scene_.gravity);
+  const Motion m = motion_of(scene_, engine);
+  const double energy = m.energy + m.height;
   if (settled_.empty()) {
     settled_ = now;
     energy_settled_ = energy;
@@ -164,7 +179,7 @@ void Measurement::watch_rest(const Engine& engine) {
 }
 
 Result Measurement::result(const Engine& engine) {
-  const Motion m = motion_of(engine);
+  const Motion m = motion_of(scene_, engine);
   result_.energy_end = m.energy;
   result_.momentum_drift = std::numeric_limits<double>::quiet_NaN();
   if (scene_.keeps_momentum()) {
@@ -188,7 +203,8 @@ void Measurement::judge(const Engine& engine) {
     result_.verdict = "exploded";
     if (!result_.is_finite) return;
   }
-  for (const btSoftBody* body : engine.bodies()) result_.inverted += rb::inverted_tetrahedra(*body);
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
+    result_.inverted += inverted_tetrahedra(scene_.bodies[b].cage, engine.nodes(b));
   const Positions now = skin_positions(scene_, engine);
   result_.inside_end = share(inside_flags(scene_, now, scene_.depth_tolerance));
   const State state{start_, now};
