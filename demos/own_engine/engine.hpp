@@ -18,10 +18,8 @@ namespace own {
 using Vector = std::array<double, 3>;
 using Numbers = std::vector<double>;
 
-/** A deformable body: its surface comes first among its nodes. */
 struct Body {
   std::vector<Vector> nodes;
-  std::size_t surface_nodes;
   std::vector<uint32_t> triangles;                  // outward
   std::vector<std::array<std::size_t, 2>> springs;  // between nodes
 };
@@ -43,11 +41,9 @@ class Engine {
       const Vector way = difference(x_, first + a, first + b);
       springs_.push_back({first + a, first + b, length(way), spring_stiffness});
     }
-    const auto surface = raycontact::vectors(&x_[3 * first], body.surface_nodes);
-    const uint32_t number = scene_.add({surface, body.triangles});
+    // All nodes are vertices of the mesh, also those that no triangle has.
+    const uint32_t number = scene_.add({raycontact::vectors(&x_[3 * first], body.nodes.size()), body.triangles});
     contacts_.set_node_masses(masses_);
-    surface_nodes_.push_back(body.surface_nodes);
-    // The surface's vertices are the first of the body's nodes.
     contacts_.add_deformable(scene_, number, static_cast<uint32_t>(first), static_cast<uint32_t>(body.nodes.size()),
                              material);
   }
@@ -77,10 +73,9 @@ class Engine {
   std::size_t body_count() const { return first_nodes_.size(); }
   /** Contacts between bodies where they are. */
   std::size_t contact_count() {
-    for (std::size_t b = 0; b < body_count(); ++b) {
-      const std::size_t count = surface_nodes_[b];
-      scene_.set_positions(static_cast<uint32_t>(b), raycontact::vectors(&x_[3 * first_nodes_[b]], count));
-    }
+    for (std::size_t b = 0; b < body_count(); ++b)
+      scene_.set_positions(static_cast<uint32_t>(b),
+                           raycontact::vectors(&x_[3 * first_nodes_[b]], end(b) - first_nodes_[b]));
     raycontact::Contacts found;
     scene_.query(found);
     return found.size();
@@ -92,11 +87,6 @@ class Engine {
     for (std::size_t n = 0; n < masses_.size(); ++n)
       most = std::max(most, std::hypot(v_[3 * n], v_[3 * n + 1], v_[3 * n + 2]));
     return most;
-  }
-  double kinetic_energy() const {
-    double energy = 0;
-    for (std::size_t k = 0; k < v_.size(); ++k) energy += 0.5 * masses_[k / 3] * v_[k] * v_[k];
-    return energy;
   }
 
  private:
@@ -145,11 +135,12 @@ class Engine {
     demo::solve_by_conjugate_gradients(add_product, Numbers(v.size(), 1), 1e-16, 2000, right, v);
   }
 
+  std::size_t end(std::size_t body) const { return body + 1 < body_count() ? first_nodes_[body + 1] : masses_.size(); }
+
   Vector mean(const Numbers& of, std::size_t body) const {
-    const std::size_t first = first_nodes_[body];
-    const std::size_t end = body + 1 < body_count() ? first_nodes_[body + 1] : masses_.size();
+    const std::size_t first = first_nodes_[body], last = end(body);
     Vector sum{{0, 0, 0}};
-    for (std::size_t k = 3 * first; k < 3 * end; ++k) sum[k % 3] += of[k] / static_cast<double>(end - first);
+    for (std::size_t k = 3 * first; k < 3 * last; ++k) sum[k % 3] += of[k] / static_cast<double>(last - first);
     return sum;
   }
 
@@ -157,7 +148,7 @@ class Engine {
   raycontact::ContactSystem contacts_;
   Numbers x_, v_, masses_;
   std::vector<Spring> springs_;
-  std::vector<std::size_t> first_nodes_, surface_nodes_;
+  std::vector<std::size_t> first_nodes_;
 };
 
 }  // namespace own

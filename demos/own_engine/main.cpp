@@ -16,53 +16,38 @@ struct Options {
 
 constexpr double tilt = 0.2;
 
-/** A lattice of cells, its boundary two triangles a square, springs between all corners of a cell. */
-own::Body box(const std::array<std::size_t, 3>& cells, double edge, const own::Vector& middle) {
+/** A lattice of cells each way, its boundary two triangles a square, springs between all corners of a cell. */
+own::Body box(std::size_t cells, double edge, const own::Vector& middle) {
   own::Body body;
-  std::map<std::array<std::size_t, 3>, std::size_t> numbers;
-  const auto is_outside = [&](const std::array<std::size_t, 3>& at) {
+  using Place = std::array<std::size_t, 3>;
+  const std::size_t side = cells + 1, count = side * side * side;
+  const auto place = [&](std::size_t n) { return Place{{n % side, n / side % side, n / side / side}}; };
+  const auto number = [&](const Place& at) { return static_cast<uint32_t>(at[0] + side * (at[1] + side * at[2])); };
+  const auto is_near = [](std::size_t a, std::size_t b) { return a <= b + 1 && b <= a + 1; };
+  for (std::size_t a = 0; a < count; ++a) {
+    const Place at = place(a);
+    body.nodes.push_back(middle);
     for (std::size_t k = 0; k < 3; ++k)
-      if (at[k] == 0 || at[k] == cells[k]) return true;
-    return false;
-  };
-  // The surface's nodes first.
-  for (const bool outside : {true, false}) {
-    for (std::size_t i = 0; i < (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1); ++i) {
-      const std::array<std::size_t, 3> at{
-          {i % (cells[0] + 1), i / (cells[0] + 1) % (cells[1] + 1), i / (cells[0] + 1) / (cells[1] + 1)}};
-      if (is_outside(at) != outside) continue;
-      numbers[at] = body.nodes.size();
-      own::Vector x = middle;
-      for (std::size_t k = 0; k < 3; ++k)
-        x[k] += edge * (static_cast<double>(at[k]) - 0.5 * static_cast<double>(cells[k]));
-      body.nodes.push_back(x);
+      body.nodes.back()[k] += edge * (static_cast<double>(at[k]) - 0.5 * static_cast<double>(cells));
+    for (std::size_t b = a + 1; b < count; ++b) {
+      const Place other = place(b);
+      if (is_near(at[0], other[0]) && is_near(at[1], other[1]) && is_near(at[2], other[2]))
+        body.springs.push_back({{a, b}});
     }
-    if (outside) body.surface_nodes = body.nodes.size();
   }
-  for (const auto& [a, first] : numbers)
-    for (const auto& [b, second] : numbers) {
-      bool is_near = first < second;
-      for (std::size_t k = 0; k < 3; ++k) is_near = is_near && a[k] <= b[k] + 1 && b[k] <= a[k] + 1;
-      if (is_near) body.springs.push_back({{first, second}});
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t square = 0; square < 2 * cells * cells; ++square) {
+      const bool is_far = square >= cells * cells;
+      const auto corner = [&](std::size_t u, std::size_t v) {
+        Place at{};
+        at[axis] = is_far ? cells : 0;
+        at[(axis + 1) % 3] = square % cells + u;
+        at[(axis + 2) % 3] = square / cells % cells + v;
+        return number(at);
+      };
+      const uint32_t a = corner(0, 0), b = corner(is_far, !is_far), c = corner(1, 1), d = corner(!is_far, is_far);
+      body.triangles.insert(body.triangles.end(), {a, b, c, a, c, d});
     }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t across = (axis + 1) % 3, up = (axis + 2) % 3;
-    for (const std::size_t end : {std::size_t{0}, cells[axis]})
-      for (std::size_t i = 0; i < cells[across] * cells[up]; ++i) {
-        const auto corner = [&](std::size_t u, std::size_t v) {
-          std::array<std::size_t, 3> at{};
-          at[axis] = end;
-          at[across] = i % cells[across] + u;
-          at[up] = i / cells[across] + v;
-          return static_cast<uint32_t>(numbers.at(at));
-        };
-        const uint32_t a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
-        if (end == 0)
-          body.triangles.insert(body.triangles.end(), {a, c, b, a, d, c});
-        else
-          body.triangles.insert(body.triangles.end(), {a, b, c, a, c, d});
-      }
-  }
   return body;
 }
 
@@ -70,17 +55,16 @@ own::Body box(const std::array<std::size_t, 3>& cells, double edge, const own::V
 own::Body torus(std::size_t around, std::size_t across, const own::Vector& middle) {
   own::Body body;
   const double turn = 2 * std::acos(-1.0);
-  for (std::size_t n = 0; n < around * (across + 1); ++n) {
-    const bool is_ring = n >= around * across;
-    const std::size_t i = is_ring ? n - around * across : n / across;
+  const std::size_t ring = around * across;
+  for (std::size_t n = 0; n < ring + around; ++n) {
+    const std::size_t i = n < ring ? n / across : n - ring;
     const double u = turn * static_cast<double>(i) / static_cast<double>(around);
     const double v = turn * static_cast<double>(n % across) / static_cast<double>(across);
-    const double tube = is_ring ? 0 : 0.4, r = 1 + tube * std::cos(v);
+    const double tube = n < ring ? 0.4 : 0, r = 1 + tube * std::cos(v);
     body.nodes.push_back({{middle[0] + r * std::cos(u), middle[1] + r * std::sin(u), middle[2] + tube * std::sin(v)}});
   }
-  body.surface_nodes = around * across;
   for (std::size_t i = 0; i < around; ++i) {
-    const std::size_t next = (i + 1) % around, ring = body.surface_nodes;
+    const std::size_t next = (i + 1) % around;
     body.springs.push_back({{ring + i, ring + next}});
     for (std::size_t j = 0; j < across; ++j) {
       const std::size_t a = i * across + j, b = next * across + j, up = (j + 1) % across;
@@ -112,8 +96,7 @@ int stack(const Options& options) {
   material.friction = options.friction;
   engine.add_floor({{0, 0, 1}}, material);
   for (int i = 0; i < 5; ++i)
-    engine.add(box({{3, 3, 3}}, 1.0 / 6, {{i % 2 == 0 ? 0 : 0.5 * options.aside, 0, 0.25 + 0.5 * i}}), 10, 2e4,
-               material);
+    engine.add(box(3, 1.0 / 6, {{i % 2 == 0 ? 0 : 0.5 * options.aside, 0, 0.25 + 0.5 * i}}), 10, 2e4, material);
   for (double time = 0; time < 8; time += options.dt) engine.step(options.dt);
   const own::Vector before = engine.centre(4);
   for (double time = 0; time < 2; time += options.dt) engine.step(options.dt);
@@ -152,7 +135,7 @@ int ramp(const Options& options) {
   rayc_material material = raycontact::bearing_material(1e5, 0.05);
   material.friction = options.friction;
   engine.add_floor({{0, 0, 1}}, material);
-  engine.add(box({{3, 3, 3}}, 1.0 / 6, {{0, 0, 0.25}}), 10, 2e4, material);
+  engine.add(box(3, 1.0 / 6, {{0, 0, 0.25}}), 10, 2e4, material);
   const double slope = std::sin(tilt) - options.friction * std::cos(tilt);
   for (double time = 0; time < 2; time += options.dt) engine.step(options.dt);
   const double x = engine.centre(0)[0], speed = engine.velocity(0)[0];
