@@ -599,7 +599,8 @@ typedef struct rayc_scene_options {
   /**
    * 1: only the calling thread works. n: the scene owns a pool of n threads, which have ended when the scene
    * is destroyed. 0: such a pool with one thread for each core. At most 1024. Results do not depend on it. The
-   * calling thread does a step of fewer than about 1000 rays alone.
+   * calling thread does a step of fewer than about 1000 rays alone, and larger ones where that has proved faster, which
+   * is tried now and then.
    *
    * After fork() the child may use and destroy a scene too, through its copies of the handles. The pool's
    * threads are started again with the first query that needs them; where the system gives none, the calling

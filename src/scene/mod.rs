@@ -4,6 +4,7 @@ mod bodies;
 mod broad_phase;
 mod detection;
 mod error;
+mod pace;
 mod pairs;
 mod posed;
 mod saved;
@@ -45,6 +46,7 @@ pub struct Scene<T: Scalar> {
     pairs: Pairs<T>,
     options: DetectionOptions<T>,
     threads: Threads,
+    pace: pace::Pace,
 }
 
 /// The contacts of a body with itself.
@@ -85,6 +87,7 @@ impl<T: Scalar> Scene<T> {
             pairs: Pairs::default(),
             options: DetectionOptions::default(),
             threads,
+            pace: pace::Pace::default(),
         }
     }
 
