@@ -5,7 +5,7 @@ use super::body::at;
 use super::row::{Entry, RigidEnd, Slip, Spring};
 use super::rows::{RowForce, Rows, Velocities};
 use super::twist::V3;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
 impl Rows {
     /// Takes note of how rows are held now, for the products until they are held anew.
@@ -112,10 +112,8 @@ impl Rows {
     pub(super) fn respond_to_change(&mut self, nodes: &[f64], dt: f64) {
         let count = 6 * self.masses.len();
         let mut loads = std::mem::take(&mut self.loads);
-        loads.clear();
-        loads.room_for(count).resize(count, 0.0);
-        self.response.clear();
-        self.response.room_for(count).resize(count, 0.0);
+        memory::refill_with(&mut loads, 0.0, count);
+        memory::refill_with(&mut self.response, 0.0, count);
         let change = Velocities { nodes, twists: &self.response };
         for spring in self.springs.iter().filter(|spring| spring.has_rigid_ends) {
             let slip = self.slip_of(spring, change);

@@ -194,8 +194,7 @@ impl<T: Scalar> Certificate<T> {
     fn set(&mut self, mesh: &Mesh<T>, allowed: T, is_valid: bool) {
         // Coordinates may double before what was kept for rounding is used up.
         (self.is_valid, self.allowed, self.rounding) = (is_valid, allowed, rounding(mesh) * T::of(2.0));
-        self.positions.clear();
-        memory::append(&mut self.positions, mesh.positions().iter().copied());
+        memory::refill(&mut self.positions, mesh.positions().iter().copied());
     }
 
     fn is_known(&self, mesh: &Mesh<T>) -> bool {

@@ -32,7 +32,7 @@ mod vectors;
 #[cfg(all(test, target_arch = "x86_64"))]
 pub(crate) use dispatch::on_every_path;
 pub(crate) use dispatch::{Kernel, dispatch};
-pub(crate) use lane::{set_lane, vector_in_lane};
+pub(crate) use lane::{lanes_of, set_lane, vector_in_lane};
 pub(crate) use vectors::Vectors;
 
 use super::Vector3;

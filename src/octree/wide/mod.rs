@@ -19,13 +19,13 @@ mod trace;
 mod validate;
 
 use crate::closest::{PointPacket, QueryPoint};
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
+use crate::math::{Aabb, Lanes, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
 #[cfg(all(test, target_arch = "x86_64"))]
 use crate::octree::closest::All;
 use crate::octree::closest::{Nearest, Sought};
-use crate::ray::{Hit, PreparedRay, Ray, RayPacket};
+use crate::ray::{Hit, PreparedRay, Ray};
 use node::{CHILD_COUNT, Node};
 use posed::Posed;
 use runs::Runs;
@@ -161,45 +161,5 @@ impl<T: Scalar> Wide<T> {
         packet: &mut PointPacket<T>,
     ) {
         L::outlined(closest::ClosestOfPacket { cells: self, mesh, packet, sought });
-    }
-
-    /// The nearest hit of each ray.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn nearest<L: Lanes<T>>(
-        &self,
-        mesh: &Mesh<T>,
-        packet: &RayPacket<T>,
-        list: &mut Candidates<T>,
-        hits: &mut PacketHits<T>,
-    ) {
-        packet::nearest::<T, L>(self, mesh, packet, list, hits);
-    }
-
-    /// Which of the rays in `asked` leave the mesh strictly before `end`, through other triangles than those that have all
-    /// their ray's `touched` vertices.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn hidden<L: Lanes<T>>(
-        &self,
-        mesh: &Mesh<T>,
-        packet: &RayPacket<T>,
-        asked: Mask,
-        end: &[T; LANE_COUNT],
-        touched: &[[u32; 3]; LANE_COUNT],
-        list: &mut Candidates<T>,
-    ) -> Mask {
-        packet::hidden::<T, L>(self, mesh, packet, asked, end, touched, list)
-    }
-
-    /// How often the mesh winds around where the rays start: see [`Tracer::windings_of_packet`](crate::octree::Tracer).
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn windings<L: Lanes<T>>(
-        &self,
-        mesh: &Mesh<T>,
-        packet: &RayPacket<T>,
-        touched: &[[u32; 3]; LANE_COUNT],
-        list: &mut Candidates<T>,
-        numbers: &mut [i32; LANE_COUNT],
-    ) {
-        packet::windings::<T, L>(self, mesh, packet, touched, list, numbers);
     }
 }

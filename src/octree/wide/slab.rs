@@ -57,8 +57,7 @@ impl<T: Scalar> Slab<T> {
         let (below, above, radius) = (self.below.to_f64(), self.above.to_f64(), self.radius.to_f64());
         let lift = (cosine * below).max(cosine * above);
         let size = radius + below.abs() + above.abs() + self.centre.abs().max().to_f64();
-        // Normals are as long as 1 to a few roundings.
-        let slack = T::ROUNDING_UNIT.to_f64() * 64.0;
+        let slack = margins::margin::<T>(margins::SLAB_REACH).to_f64();
         middle + lift + radius * (square - cosine * cosine + slack).max(0.0).sqrt() + slack * size
     }
 
