@@ -50,9 +50,9 @@ pub(crate) const SQUARE_OF_BOUND: f64 = 8.0;
 /// The square of a root and a margin; times itself: 1 each for root and sum, doubled by squaring, and as above.
 pub(crate) const SQUARE_OF_LIMIT: f64 = 16.0;
 
-/// The flat round volume around a tile; times the longest side of the tile's box. Heights are dot products of differences with
+/// The flat cylinder around a tile; times the longest side of the tile's box. Heights are dot products of differences with
 /// a unit vector: 1 + 3 + 3, times √3; radii take such a height off again. Held by `tests/library/octree/closest_points.rs`.
-pub(crate) const SLAB: f64 = 32.0;
+pub(crate) const TILE_CYLINDER: f64 = 32.0;
 
 /// Whether rays may leave a tile at all; times its side plus the reach, squared in effect. A normal takes 7 (differences, products, their
 /// difference) on each axis, its product with a direction 5, the corners as the triangle test sees them 8.5; vectors are up to 2 √3 times as
@@ -73,17 +73,17 @@ pub(crate) fn reaches_told_apart<T: Scalar>() -> [T; 2] {
 /// is rounded once at each of at most 20 levels, by one unit of the octree's side. Held by `tests/library/octree/layouts.rs`.
 pub(crate) const CELL_FACE: f64 = 3.0;
 
-/// How far a slab reaches along a row of a rotation; times its size, and as a part of a square of the row. Normals are as long as
-/// 1 to 4 units, their product with a row takes 5 more, and squares double that: 18. Held by `src/octree/wide/posed/tests.rs`.
-pub(crate) const SLAB_REACH: f64 = 64.0;
+/// How far the cylinder around a tile reaches along a row of a rotation; times its size, and as a part of a square of the row.
+/// Normals are as long as 1 to 4 units, their product with a row takes 5 more, and squares double that: 18. Held by `src/octree/wide/posed/tests.rs`.
+pub(crate) const CYLINDER_REACH: f64 = 64.0;
 
 /// Boxes in narrow numbers, in units of the mesh's longest side: 16 rounding units of `f32`. A number takes 1 each for the
 /// difference, the inverse, the product, the conversion and this margin itself, the sum of two that is held against a distance 2
-/// more, and the distance 3: 10. Held by `src/octree/near.rs`.
+/// more, and the distance 3: 10. Held by `src/octree/near_triangles.rs`.
 pub(crate) const NARROW_BOX: f32 = 1.0 / (1 << 20) as f32;
 
 /// The least cosine of the angle between normals that face alike, in single precision: one half, and 0.01 for normals of
-/// slivers, of which rounding may turn those that are 2⁻¹⁷ times as high as long by so much. Held by `src/octree/near.rs`.
+/// slivers, of which rounding may turn those that are 2⁻¹⁷ times as high as long by so much. Held by `src/octree/near_triangles.rs`.
 pub(crate) const FACING_ALIKE: f32 = 0.51;
 
 /// The least part of a normal along an axis that it faces along, squared. A normal whose triangle passes [`LEAST_SINE`] is right

@@ -1,6 +1,6 @@
 //! What a pair remembers, as bytes: to be saved with the host's own state, or sent to another process.
 
-use super::memory::{PairMemory, Record};
+use super::pair_memory::{PairMemory, Record};
 use crate::bytes::Reader;
 use crate::math::{Scalar, Vector3, margins};
 

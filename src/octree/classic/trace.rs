@@ -1,6 +1,6 @@
 use super::{Classic, Node};
 use crate::math::{Aabb, Scalar, Vector3, margins};
-use crate::octree::slabs::Slabs;
+use crate::octree::ray_slabs::Slabs;
 use crate::ray::Ray;
 
 impl<T: Scalar> Classic<T> {

@@ -3,20 +3,20 @@
 //! for a mesh; new positions only renew boxes, from the tiles upward.
 
 mod closest;
-mod group;
-mod leaving;
-mod near;
+mod exit_culling;
+mod hierarchy;
+mod near_tiles;
 mod node;
 mod packet;
 mod posed;
 mod refit;
 mod region;
-mod runs;
 mod single;
-mod slab;
 mod tile;
+mod tile_cylinder;
 mod trace;
 mod validate;
+mod vertex_runs;
 
 use crate::closest::{PointPacket, QueryPoint};
 use crate::math::{Aabb, Lanes, Scalar};
@@ -28,13 +28,13 @@ use crate::octree::closest::{Nearest, Sought};
 use crate::ray::{Hit, PreparedRay, Ray};
 use node::{CHILD_COUNT, Node};
 use posed::Posed;
-use runs::Runs;
 use single::{FEW_NODES, FEW_WAITING, NearestOfRay};
-use slab::Slab;
 use tile::{Outline, TILE_SIZE, Tile};
+use tile_cylinder::TileCylinder;
 use trace::STACK_SIZE;
+use vertex_runs::VertexRuns;
 
-pub(super) use near::NearTiles;
+pub(super) use near_tiles::NearTiles;
 pub(crate) use packet::{Candidates, PacketHits};
 
 /// Tiles and the nodes above them, in flat arrays.
@@ -49,8 +49,8 @@ pub(super) struct Wide<T: Scalar> {
     /// Children come after their parent; the first is the root.
     nodes: Vec<Node<T>>,
     /// Of each tile that is loaded.
-    slabs: Vec<Slab<T>>,
-    runs: Runs<T>,
+    cylinders: Vec<TileCylinder<T>>,
+    runs: VertexRuns<T>,
     /// Where the mesh has been moved by a pose.
     posed: Option<Box<[Posed<T>; 1]>>,
     /// Whether all boxes are the tightest.
@@ -63,7 +63,7 @@ impl<T: Scalar> Wide<T> {
     pub(super) fn new(mesh: &Mesh<T>) -> Self {
         let topology = mesh.topology();
         let clusters = mesh.clusters();
-        let nodes = group::nodes_above(clusters.len());
+        let nodes = hierarchy::nodes_above(clusters.len());
         let (mut tiles, mut outlines) = (memory::with_room(clusters.len()), memory::with_room(clusters.len()));
         let mut is_owned = memory::filled(false, topology.vertex_count());
         for cluster in clusters.iter() {
@@ -73,10 +73,10 @@ impl<T: Scalar> Wide<T> {
             outlines.push(outline);
         }
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
-        let runs = Runs::new(mesh, &nodes, &outlines);
-        let slabs = memory::filled(Slab::endless(), tiles.len());
+        let runs = VertexRuns::new(mesh, &nodes, &outlines);
+        let cylinders = memory::filled(TileCylinder::endless(), tiles.len());
         let (posed, is_tight, is_loaded) = (None, false, false);
-        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, posed, is_tight, is_loaded };
+        let mut wide = Self { tiles, outlines, ascending, nodes, cylinders, runs, posed, is_tight, is_loaded };
         wide.refit(mesh, None);
         wide.load(mesh, None, true);
         wide
@@ -94,7 +94,7 @@ impl<T: Scalar> Wide<T> {
         self.is_tight
     }
 
-    /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their slabs too.
+    /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their cylinders too.
     pub(super) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>, for_distances: bool) {
         crate::math::dispatch::<T, _>(refit::Load { cells: self, mesh, tiles, for_distances });
         self.is_loaded |= tiles.is_none();

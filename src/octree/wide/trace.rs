@@ -1,7 +1,7 @@
 use super::{CHILD_COUNT, Node, Wide};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Scalar, lanes_of};
 use crate::mesh::Mesh;
-use crate::octree::slabs::Slabs;
+use crate::octree::ray_slabs::Slabs;
 use crate::ray::{PreparedRay, Ray};
 
 /// 2³² tiles have no more than so many levels of nodes.

@@ -1,4 +1,4 @@
-//! The sources themselves: what `docs/architecture.md` says of their order, and where rounding bounds stand.
+//! The sources themselves: what `docs/architecture.md` says of their order and names, and where rounding bounds stand.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -76,5 +76,22 @@ fn rounding_bounds_stand_in_one_file() {
             path.display(),
             found.unwrap_or(&"")
         );
+    }
+}
+
+/// The walks and decisions name files that are there.
+#[test]
+fn files_of_the_architecture_are_there() {
+    let page = fs::read_to_string("docs/architecture.md").expect("the page is there");
+    let named: Vec<&str> = page.split('`').skip(1).step_by(2).filter(|name| name.ends_with(".rs")).collect();
+    assert!(named.len() > 60, "{named:?}");
+    // Next to the file named before it, some are named by their name alone.
+    let mut folder = PathBuf::new();
+    for name in named {
+        let path = [Path::new("src").join(name), Path::new(name).into(), folder.join(name)]
+            .into_iter()
+            .find(|path| path.exists());
+        let path = path.unwrap_or_else(|| panic!("docs/architecture.md names {name}"));
+        folder = path.parent().unwrap_or(Path::new("")).into();
     }
 }

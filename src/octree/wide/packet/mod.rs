@@ -13,7 +13,7 @@ mod windings;
 pub(crate) use candidates::Candidates;
 
 use super::Wide;
-use super::leaving::Directions;
+use super::exit_culling::DirectionBounds;
 use super::node::BoxLanes;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::mesh::Mesh;
@@ -128,7 +128,7 @@ struct Search<'a, T: Scalar, L> {
     slabs: PacketSlabs<T, L>,
     /// A box that holds all of the asked rays.
     around: BoxLanes<T, L>,
-    directions: Directions<T, L>,
+    directions: DirectionBounds<T, L>,
 }
 
 /// The search of a packet's asked rays up to their ends.
@@ -157,7 +157,7 @@ impl<T: Scalar, A: Answer<T>> Kernel<T> for PacketSearch<'_, T, A> {
         if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
             around = slabs.box_inside(packet, end, asked, mesh.aabb());
         }
-        let directions = Directions::<T, L>::new(packet, asked, &around);
+        let directions = DirectionBounds::<T, L>::new(packet, asked, &around);
         let around = BoxLanes::new(&around);
         let search = Search { cells, mesh, packet, asked, slabs, around, directions };
         if !lists::search(&search, list, answer) {

@@ -12,7 +12,7 @@ use crate::math::margins::NARROW_BOX;
 use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch, lanes_of, length};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::octree::near::{Lapse, Reach};
+use crate::octree::near_triangles::{Lapse, Reach};
 use block::{Block, are_apart};
 use descent::Descent;
 use steep::{FindSteep, MakeNormals, Normals};
