@@ -373,7 +373,6 @@ typedef enum rayc_sampling {
   RAYC_SAMPLING_SPACING = 1,
   /**
    * As automatic, but with triangles joined to patches, as large as the error allowed lets them be. sampling_value,
-   * As automatic, but with triangles joined to patches, as large as the error allowed lets them be. sampling_value,
    * above 0 and at most 1, is that error of the net force of each pair, as a part of the force that all rays would give;
    * smaller until two tries agree clearly better than that. Where two tries would take more than a third of the
    * triangles, or cannot be expected to agree, all triangles cast rays.

@@ -5,23 +5,7 @@
 //! force weighted by cos α pulls the two points together (Hermann, Faure, Raffin 2008, "Ray-traced collision
 //! detection for deformable bodies"). Nothing is precomputed that deformation would spoil, and deep overlap is fine.
 //!
-//! The modules are layers: each uses only those below it.
-//!
-//! | layer | holds |
-//! | --- | --- |
-//! | [`system`] | a step's contact on the unknowns of a host: materials, friction, rigid bodies |
-//! | [`scene`] | broad phase and parallel narrow phase over many meshes |
-//! | [`response`] | penalty law: forces, differential, energy |
-//! | `recovery` | the contacts of a pair, and a way apart where contacts alone cannot find it |
-//! | `detection` | the contacts of two meshes, or of one with itself; what hosts need of it is in [`contact`] |
-//! | `surface` | a mesh and its tree as one thing that refits itself |
-//! | [`octree`] | the search structure over one mesh's triangles |
-//! | [`mesh`] | topology, positions, normals, areas, boxes |
-//! | [`closest`] | the nearest point of a triangle |
-//! | [`ray`] | rays, hits, ray–triangle tests |
-//! | [`math`] | scalars, boxes |
-//! | [`threads`] | whose threads work: the caller's, a pool's, the host's |
-//! | [`memory`] | memory that ends |
+//! The modules are layers, each of which uses only those below it: `docs/architecture.md` lists them.
 //!
 //! # Example
 //! Two unit cubes, one shifted by (0.8, 0.1, 0.2): with rays from the vertices alone, as in the paper, the corner of each

@@ -136,6 +136,18 @@ pub(crate) fn append<V>(list: &mut Vec<V>, items: impl IntoIterator<Item = V>) {
     }
 }
 
+/// Replaces what a list holds by all items.
+pub(crate) fn refill<V>(list: &mut Vec<V>, items: impl IntoIterator<Item = V>) {
+    list.clear();
+    append(list, items);
+}
+
+/// Replaces what a list holds by so many equal values.
+pub(crate) fn refill_with<V: Clone>(list: &mut Vec<V>, value: V, count: usize) {
+    list.clear();
+    list.room_for(count).resize(count, value);
+}
+
 /// A value in a place of its own.
 pub(crate) fn boxed<V>(value: V) -> Box<[V; 1]> {
     let mut place = with_room(1);

@@ -62,12 +62,13 @@ fn header_is_what_cbindgen_generates() {
 
 /// What a host needs first comes first: what all calls share, meshes, the scene and its contacts, the forces they give, the
 /// contact system; then what few hosts need: pairs' memories, bodies of several processes, a tree of one's own.
-const HEADER_ORDER: [&str; 32] = [
+const HEADER_ORDER: [&str; 33] = [
     "version",
     "failure",
     "guard",
     "handles",
     "pointers",
+    "precision",
     "given",
     "numbers",
     "sized_structs",

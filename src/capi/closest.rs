@@ -1,10 +1,11 @@
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::reading;
-use super::mesh::{AnyMesh, rayc_mesh};
+use super::mesh::rayc_mesh;
 use super::numbers::check_numbers;
-use super::octree::{AnyOctree, RAYC_NO_TRIANGLE, rayc_octree};
+use super::octree::{RAYC_NO_TRIANGLE, rayc_octree};
 use super::pointers::{Output, reference, slice};
+use super::precision::with_precision;
 use super::vectors::{Strided, rayc_vectors};
 use crate::closest::ClosestPoint;
 use crate::math::{Scalar, Vector3};
@@ -77,11 +78,7 @@ pub unsafe extern "C" fn rayc_octree_closest_points(
         let bounds = if bounds.is_null() { None } else { Some(slice(bounds, points.count(), "bounds")?) };
         check_bounds(bounds.unwrap_or_default())?;
         let closest = Output::array(closest, points.count(), "closest")?;
-        match (&octree.octree, &mesh.mesh) {
-            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => find(octree, mesh, &points, bounds, closest),
-            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => find(octree, mesh, &points, bounds, closest),
-            _ => Err(precision_mismatch()),
-        }
+        with_precision!(&octree.octree, &mesh.mesh, |octree, mesh| find(octree, mesh, &points, bounds, closest))
     })
 }
 
@@ -124,11 +121,7 @@ pub unsafe extern "C" fn rayc_octree_winding_numbers(
         let (octree, mesh) = (reading(octree, "octree")?, reading(mesh, "mesh")?);
         let points = Strided::new(reference(points, "points")?, "points")?;
         let numbers = Output::array(numbers, points.count(), "numbers")?;
-        match (&octree.octree, &mesh.mesh) {
-            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => count(octree, mesh, &points, numbers),
-            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => count(octree, mesh, &points, numbers),
-            _ => Err(precision_mismatch()),
-        }
+        with_precision!(&octree.octree, &mesh.mesh, |octree, mesh| count(octree, mesh, &points, numbers))
     })
 }
 

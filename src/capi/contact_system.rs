@@ -1,9 +1,10 @@
 use super::contact_system_options::{rayc_contact_system_options, rayc_material, rayc_motion};
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back, with_precision};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::pointers::{Output, reference, slice};
-use super::scene::{AnyScene, rayc_scene};
+use super::precision::{InPrecision, with_precision};
+use super::scene::rayc_scene;
 use super::sized_structs::read_options;
 use super::vectors::{rayc_scalar, scalar_from};
 use crate::math::Scalar;
@@ -35,23 +36,7 @@ impl Handle for rayc_contact_system {
 }
 
 /// A system of either precision.
-pub(super) enum AnySystem {
-    F32(ContactSystem<f32>),
-    F64(ContactSystem<f64>),
-}
-
-/// What a call does with a system and a scene of one precision.
-macro_rules! with_scene {
-    ($system:expr, $scene:expr, |$s:ident, $c:ident| $call:expr) => {
-        match ($system, $scene) {
-            (AnySystem::F32($s), AnyScene::F32($c)) => $call,
-            (AnySystem::F64($s), AnyScene::F64($c)) => $call,
-            _ => return Err(precision_mismatch()),
-        }
-    };
-}
-
-pub(super) use with_scene;
+pub(super) type AnySystem = InPrecision<ContactSystem<f32>, ContactSystem<f64>>;
 
 /// Makes a system without bodies. options: NULL for the defaults. *system: the new handle.
 ///
@@ -99,7 +84,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_node_masses(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let masses = slice(masses, count, "masses")?;
-        with_precision!(AnySystem, &mut system.system, |system| system.set_node_masses(masses)?);
+        with_precision!(&mut system.system, |system| system.set_node_masses(masses)?);
         Ok(())
     })
 }
@@ -162,7 +147,9 @@ pub unsafe extern "C" fn rayc_contact_system_add_deformable(
         let material = rayc_material::read(material)?;
         let own = first_node..first_node.saturating_add(node_count);
         let table = (offsets, entry_count, nodes, weights);
-        with_scene!(&mut system.system, &scene.scene, |system, scene| add(system, scene, body, own, table, material))
+        with_precision!(&mut system.system, &scene.scene, |system, scene| add(
+            system, scene, body, own, table, material
+        ))
     })
 }
 
@@ -189,7 +176,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_rigid(
         let given = slice(inertia, 9, "inertia")?;
         let inertia = std::array::from_fn(|row| std::array::from_fn(|column| given[3 * row + column]));
         let material = rayc_material::read(material)?;
-        with_scene!(&mut system.system, &scene.scene, |system, scene| {
+        with_precision!(&mut system.system, &scene.scene, |system, scene| {
             system.add_rigid(scene, body, mass, inertia, material)?
         });
         Ok(())
@@ -213,7 +200,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_moved(
         let mut system = changing(system, "system")?;
         let scene = reading(scene, "scene")?;
         let material = rayc_material::read(material)?;
-        with_scene!(&mut system.system, &scene.scene, |system, scene| system.add_moved(scene, body, material)?);
+        with_precision!(&mut system.system, &scene.scene, |system, scene| system.add_moved(scene, body, material)?);
         Ok(())
     })
 }
@@ -236,7 +223,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
         let given = slice(normal, 3, "normal")?;
         let material = rayc_material::read(material)?;
         let normal = std::array::from_fn(|axis| given[axis]);
-        with_precision!(AnySystem, &mut system.system, |system| system.add_half_space(normal, offset, material)?);
+        with_precision!(&mut system.system, |system| system.add_half_space(normal, offset, material)?);
         Ok(())
     })
 }
@@ -249,7 +236,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
 pub unsafe extern "C" fn rayc_contact_system_remove_body(system: *mut rayc_contact_system, body: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_precision!(AnySystem, &mut changing(system, "system")?.system, |system| system.remove(body)?);
+        with_precision!(&mut changing(system, "system")?.system, |system| system.remove(body)?);
         Ok(())
     })
 }
@@ -270,7 +257,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_pair_material(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
-        with_precision!(AnySystem, &mut system.system, |system| system.set_pair_material(a, b, material)?);
+        with_precision!(&mut system.system, |system| system.set_pair_material(a, b, material)?);
         Ok(())
     })
 }
@@ -291,7 +278,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_motion(
         let mut system = changing(system, "system")?;
         let rayc_motion { position, rotation, velocity, free_velocity } = *reference(motion, "motion")?;
         let motion = Motion { position, rotation, velocity, free_velocity };
-        with_precision!(AnySystem, &mut system.system, |system| system.set_motion(body, &motion)?);
+        with_precision!(&mut system.system, |system| system.set_motion(body, &motion)?);
         Ok(())
     })
 }
@@ -305,7 +292,7 @@ pub unsafe extern "C" fn rayc_contact_system_unknown_count(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let system = reading(system, "system")?;
-        Output::new(count, "count")?.write(with_precision!(AnySystem, &system.system, |system| system.unknown_count()));
+        Output::new(count, "count")?.write(with_precision!(&system.system, |system| system.unknown_count()));
         Ok(())
     })
 }

@@ -1,10 +1,11 @@
-use super::contact_system::{AnySystem, rayc_contact_system, with_scene};
+use super::contact_system::rayc_contact_system;
 use super::contact_system_step::apart;
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading, with_precision};
+use super::handles::{changing, reading};
 use super::pointers::{Output, slice};
-use super::scene::{AnyScene, rayc_scene};
+use super::precision::with_precision;
+use super::scene::rayc_scene;
 use crate::memory::text;
 
 /// Finds how far the scene's bodies, without ghosts, end from where they were when contacts were last looked for, if
@@ -33,8 +34,9 @@ pub unsafe extern "C" fn rayc_contact_system_off_course(
         let (mut system, scene) = (changing(system, "system")?, reading(scene, "scene")?);
         let velocities = slice(velocities, count, "velocities")?;
         let places = [Output::new(nodes, "nodes")?, Output::new(rigid, "rigid")?];
-        let squares =
-            with_scene!(&mut system.system, &scene.scene, |system, scene| { system.off_course(scene, velocities)? });
+        let squares = with_precision!(&mut system.system, &scene.scene, |system, scene| {
+            system.off_course(scene, velocities)?
+        });
         for (place, square) in places.into_iter().zip(squares) {
             place.write(square);
         }
@@ -57,7 +59,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_again(
     guard(|| unsafe {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let velocities = slice(velocities, count, "velocities")?;
-        with_scene!(&mut system.system, &mut scene.scene, |system, scene| system.look_again(scene, velocities)?);
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| system.look_again(scene, velocities)?);
         Ok(())
     })
 }
@@ -86,7 +88,7 @@ pub unsafe extern "C" fn rayc_contact_system_detect_among(
         let start = slice(start_velocities, node_count, "start_velocities")?;
         let velocities = slice(velocities, count, "velocities")?;
         let place = Output::new(is_more, "is_more")?;
-        place.write(with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+        place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             u32::from(system.detect_among(scene, positions, start, velocities)?)
         }));
         Ok(())
@@ -111,7 +113,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_explicit(
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
-        with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             system.look_explicit(scene, dt, positions, velocities)?
         });
         Ok(())
@@ -137,7 +139,7 @@ pub unsafe extern "C" fn rayc_contact_system_begin_explicit(
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
-        with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             system.begin_explicit(scene, dt, positions, velocities)?
         });
         Ok(())
@@ -158,7 +160,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_couplings(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let couplings = super::pointers::slice_mut(couplings, block_count, "couplings")?;
-        with_precision!(AnySystem, &mut system.system, |system| system.part_couplings(couplings)?);
+        with_precision!(&mut system.system, |system| system.part_couplings(couplings)?);
         Ok(())
     })
 }
@@ -183,7 +185,7 @@ pub unsafe extern "C" fn rayc_contact_system_largest_coupling(
         let system = reading(system, "system")?;
         let sums = slice(sums, count, "sums")?;
         let places = [Output::new(largest, "largest")?, Output::new(damping_time, "damping_time")?];
-        let found = with_precision!(AnySystem, &system.system, |system| system.largest_coupling(sums)?);
+        let found = with_precision!(&system.system, |system| system.largest_coupling(sums)?);
         for (place, number) in places.into_iter().zip(found) {
             place.write(number);
         }
@@ -207,7 +209,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_energies(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (velocities, joules) = apart((velocities, count, "velocities"), (joules, part_count, "joules"))?;
-        with_precision!(AnySystem, &mut system.system, |system| system.part_energies(velocities, joules)?);
+        with_precision!(&mut system.system, |system| system.part_energies(velocities, joules)?);
         Ok(())
     })
 }
@@ -224,7 +226,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_block_count(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let place = Output::new(count, "count")?;
-        place.write(with_precision!(AnySystem, &mut system.system, |system| system.part_blocks(1.0)?.len()));
+        place.write(with_precision!(&mut system.system, |system| system.part_blocks(1.0)?.len()));
         Ok(())
     })
 }
@@ -248,7 +250,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_part_blocks(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
-        with_precision!(AnySystem, &mut system.system, |system| {
+        with_precision!(&mut system.system, |system| {
             let all = system.part_blocks(factor)?;
             if all.len() != count {
                 let message = text!("there are {} blocks, and room for {count}; ask for their count", all.len());

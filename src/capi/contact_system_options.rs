@@ -2,7 +2,7 @@ use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::numbers::flag;
 use super::pointers::reference;
-use super::sized_structs::{Growing, Options, read_options, write_defaults, write_options};
+use super::sized_structs::{Options, growing, read_options, write_defaults, write_options};
 use super::vectors::rayc_scalar;
 use crate::math::Scalar;
 use crate::system::{ContactSystem, Material, RigidUnknowns};
@@ -26,10 +26,7 @@ pub struct rayc_contact_system_options {
     pub reserved: u32,
 }
 
-impl Growing for rayc_contact_system_options {
-    const NAME: &'static str = "rayc_contact_system_options";
-    const SMALLEST: usize = std::mem::offset_of!(Self, keeps_rigid_unknowns) + size_of::<u32>();
-}
+growing!(rayc_contact_system_options, keeps_rigid_unknowns: u32);
 
 impl Options for rayc_contact_system_options {
     fn defaults() -> Self {
@@ -77,10 +74,7 @@ pub struct rayc_material {
     pub depth_cap: f64,
 }
 
-impl Growing for rayc_material {
-    const NAME: &'static str = "rayc_material";
-    const SMALLEST: usize = std::mem::offset_of!(Self, depth_cap) + size_of::<f64>();
-}
+growing!(rayc_material, depth_cap: f64);
 
 impl Options for rayc_material {
     /// Of what a caller's header does not have yet; all that there is now is in the first.

@@ -1,12 +1,13 @@
-use super::contact_system::{AnySystem, rayc_contact_system};
+use super::contact_system::rayc_contact_system;
 use super::contact_system_options::rayc_material;
 use super::contact_system_step::number_at;
 use super::contacts::rayc_contacts;
 use super::failure::rayc_status;
 use super::guard::guard;
-use super::handles::{changing, reading, with_precision};
+use super::handles::{changing, reading};
 use super::numbers::flag;
 use super::pointers::{Output, slice};
+use super::precision::with_precision;
 use crate::detection::ContactList;
 use crate::math::Scalar;
 use crate::system::Surface;
@@ -27,8 +28,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_half_space_material(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
-        with_precision!(AnySystem, &mut system.system, |system| system
-            .set_half_space_material(body, half_space, material)?);
+        with_precision!(&mut system.system, |system| system.set_half_space_material(body, half_space, material)?);
         Ok(())
     })
 }
@@ -53,10 +53,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_contacts(
     guard(|| unsafe {
         let system = reading(system, "system")?;
         let mut contacts = changing(contacts, "contacts")?;
-        match &system.system {
-            AnySystem::F32(system) => copy(system.contacts(), contacts.list.as_f32()),
-            AnySystem::F64(system) => copy(system.contacts(), contacts.list.as_f64()),
-        }
+        with_precision!(&system.system, |system| copy(system.contacts(), contacts.list.as_mut()));
         Ok(())
     })
 }
@@ -96,7 +93,7 @@ pub unsafe extern "C" fn rayc_contact_system_pair_force(
         let place = Output::array(force, 3, "force")?;
         let is_half_space = flag("is_half_space", is_half_space)?;
         let other = if is_half_space { Surface::HalfSpace(other) } else { Surface::Body(other) };
-        let found = with_precision!(AnySystem, &system.system, |system| system.pair_force(body, other)?);
+        let found = with_precision!(&system.system, |system| system.pair_force(body, other)?);
         place.write_all(found.into_iter());
         Ok(())
     })

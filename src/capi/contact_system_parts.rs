@@ -1,11 +1,12 @@
-use super::contact_system::{AnySystem, rayc_contact_system, with_scene};
+use super::contact_system::rayc_contact_system;
 use super::contact_system_step::apart;
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading, with_precision};
+use super::handles::{changing, reading};
 use super::numbers::flag;
 use super::pointers::{Output, slice};
-use super::scene::{AnyScene, rayc_scene};
+use super::precision::with_precision;
+use super::scene::rayc_scene;
 use crate::memory::text;
 use crate::system::{Part, Surface};
 
@@ -65,7 +66,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_ahead(
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
         let free = slice(free_velocities, count, "free_velocities")?;
-        with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             system.look_ahead(scene, dt, positions, velocities, free)?
         });
         Ok(())
@@ -91,7 +92,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_count(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let places = [Output::new(part_count, "part_count")?, Output::new(block_count, "block_count")?];
-        let counts = with_precision!(AnySystem, &mut system.system, |system| {
+        let counts = with_precision!(&mut system.system, |system| {
             let (parts, blocks) = system.parts()?;
             [parts.len(), blocks.len()]
         });
@@ -118,7 +119,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_parts(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
-        with_precision!(AnySystem, &mut system.system, |system| {
+        with_precision!(&mut system.system, |system| {
             let (all_parts, all_blocks) = system.parts()?;
             if [part_count, block_count] != [all_parts.len(), all_blocks.len()] {
                 let message = text!(
@@ -158,7 +159,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_forces(
         let mut system = changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, length, "forces"))?;
-        with_precision!(AnySystem, &mut system.system, |system| system.part_forces(velocities, forces)?);
+        with_precision!(&mut system.system, |system| system.part_forces(velocities, forces)?);
         Ok(())
     })
 }
@@ -181,7 +182,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_products(
         let mut system = changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (change, result) = apart((change, count, "change"), (result, length, "result"))?;
-        with_precision!(AnySystem, &mut system.system, |system| system.part_products(factor, change, result)?);
+        with_precision!(&mut system.system, |system| system.part_products(factor, change, result)?);
         Ok(())
     })
 }
@@ -195,8 +196,7 @@ pub unsafe extern "C" fn rayc_contact_system_memory_count(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let system = reading(system, "system")?;
-        Output::new(count, "count")?
-            .write(with_precision!(AnySystem, &system.system, |system| system.remembered_pairs().len()));
+        Output::new(count, "count")?.write(with_precision!(&system.system, |system| system.remembered_pairs().len()));
         Ok(())
     })
 }
@@ -213,7 +213,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_memories(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let system = reading(system, "system")?;
-        with_precision!(AnySystem, &system.system, |system| {
+        with_precision!(&system.system, |system| {
             let needed = system.remembered_pairs().len();
             if count != needed {
                 let message = text!("there are {needed} pairs, and room for {count}; ask for their count");
@@ -246,7 +246,7 @@ pub unsafe extern "C" fn rayc_contact_system_pack_memory(
         let system = reading(system, "system")?;
         let (key, length) = read_pair(pair)?;
         let mut packed = Vec::new();
-        with_precision!(AnySystem, &system.system, |system| system.pack_pair_memory(key, &mut packed)?);
+        with_precision!(&system.system, |system| system.pack_pair_memory(key, &mut packed)?);
         if packed.len() != length {
             let message = text!("the pair remembers {} bytes, not {length}; ask for the pairs again", packed.len());
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
@@ -273,7 +273,7 @@ pub unsafe extern "C" fn rayc_contact_system_put_memory(
         let mut system = changing(system, "system")?;
         let (key, length) = read_pair(pair)?;
         let bytes = slice(bytes, length, "bytes")?;
-        with_precision!(AnySystem, &mut system.system, |system| system.put_pair_memory(key, bytes)?);
+        with_precision!(&mut system.system, |system| system.put_pair_memory(key, bytes)?);
         Ok(())
     })
 }

@@ -1,9 +1,10 @@
-use super::contact_system::{AnySystem, rayc_contact_system, with_scene};
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::contact_system::{AnySystem, rayc_contact_system};
+use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading, with_precision};
+use super::handles::{changing, reading};
 use super::pointers::{Output, slice, slice_mut};
-use super::scene::{AnyScene, rayc_scene};
+use super::precision::with_precision;
+use super::scene::rayc_scene;
 use crate::memory::text;
 
 /// Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in
@@ -30,7 +31,7 @@ pub unsafe extern "C" fn rayc_contact_system_begin(
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
         let free = slice(free_velocities, count, "free_velocities")?;
-        with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             system.begin(scene, dt, positions, velocities, free)?
         });
         Ok(())
@@ -54,7 +55,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
-        with_precision!(AnySystem, &mut system.system, |system| system.add_forces(velocities, forces)?);
+        with_precision!(&mut system.system, |system| system.add_forces(velocities, forces)?);
         Ok(())
     })
 }
@@ -78,7 +79,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_product(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
-        with_precision!(AnySystem, &mut system.system, |system| system.add_product(factor, change, result)?);
+        with_precision!(&mut system.system, |system| system.add_product(factor, change, result)?);
         Ok(())
     })
 }
@@ -134,7 +135,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
             blocks[9 * next..9 * next + 9].copy_from_slice(&block);
             next += 1;
         };
-        with_precision!(AnySystem, &system.system, |system| system.for_each_block(factor, copy)?);
+        with_precision!(&system.system, |system| system.for_each_block(factor, copy)?);
         Ok(())
     })
 }
@@ -145,7 +146,7 @@ macro_rules! number_at {
         let mut system = changing($system, "system")?;
         let velocities = slice($velocities, $count, "velocities")?;
         let place = Output::new($place, stringify!($place))?;
-        place.write(with_precision!(AnySystem, &mut system.system, |system| system.$method(velocities)?));
+        place.write(with_precision!(&mut system.system, |system| system.$method(velocities)?));
         Ok(())
     }};
 }
@@ -202,7 +203,7 @@ pub unsafe extern "C" fn rayc_contact_system_detect_again(
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let velocities = slice(velocities, count, "velocities")?;
         let place = Output::new(is_more, "is_more")?;
-        place.write(with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+        place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             u32::from(system.detect_again(scene, velocities)?)
         }));
         Ok(())
@@ -224,7 +225,7 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let velocities = slice(velocities, count, "velocities")?;
-        with_precision!(AnySystem, &mut system.system, |system| system.finish(velocities)?);
+        with_precision!(&mut system.system, |system| system.finish(velocities)?);
         Ok(())
     })
 }
@@ -235,7 +236,7 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
 pub unsafe extern "C" fn rayc_contact_system_cancel(system: *mut rayc_contact_system) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_precision!(AnySystem, &mut changing(system, "system")?.system, |system| system.cancel());
+        with_precision!(&mut changing(system, "system")?.system, |system| system.cancel());
         Ok(())
     })
 }
@@ -253,7 +254,7 @@ pub unsafe extern "C" fn rayc_contact_system_rigid_velocity(
     guard(|| unsafe {
         let system = reading(system, "system")?;
         let place = Output::array(velocity, 6, "velocity")?;
-        place.write_all(with_precision!(AnySystem, &system.system, |system| system.rigid_velocity(body)?).into_iter());
+        place.write_all(with_precision!(&system.system, |system| system.rigid_velocity(body)?).into_iter());
         Ok(())
     })
 }
@@ -285,7 +286,7 @@ pub unsafe extern "C" fn rayc_contact_system_explicit_step(
         check_apart(positions, count, forces, unknown_count)?;
         let positions = slice(positions, count, "positions")?;
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, unknown_count, "forces"))?;
-        place.write(with_scene!(&mut system.system, &mut scene.scene, |system, scene| {
+        place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             system.explicit_step(scene, dt, positions, velocities, forces)?
         }));
         Ok(())
@@ -294,7 +295,7 @@ pub unsafe extern "C" fn rayc_contact_system_explicit_step(
 
 fn block_count(system: &AnySystem) -> Result<usize, Failure> {
     let mut count = 0;
-    with_precision!(AnySystem, system, |system| system.for_each_block(1.0, |_, _, _| count += 1)?);
+    with_precision!(system, |system| system.for_each_block(1.0, |_, _, _| count += 1)?);
     Ok(count)
 }
 

@@ -1,10 +1,11 @@
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back, with_precision};
-use super::mesh::{AnyMesh, rayc_mesh};
-use super::octree::{AnyOctree, rayc_octree};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
+use super::mesh::rayc_mesh;
+use super::octree::rayc_octree;
 use super::options::rayc_detection_options;
 use super::pointers::Output;
+use super::precision::{InPrecision, with_precision};
 use super::sized_structs::{read_options, write_known};
 use super::statistics::rayc_statistics;
 use crate::detection::{Contact, ContactKind, ContactList, SurfacePoint, query_self};
@@ -29,10 +30,7 @@ impl Handle for rayc_contacts {
 }
 
 /// Contacts of either precision.
-pub(super) enum AnyContacts {
-    F32(ContactList<f32>),
-    F64(ContactList<f64>),
-}
+pub(super) type AnyContacts = InPrecision<ContactList<f32>, ContactList<f64>>;
 
 /// Sums of either precision.
 #[derive(Default)]
@@ -41,34 +39,26 @@ pub(super) struct AnyForcesByPair {
     pub(super) f64: ForcesByPair<f64>,
 }
 
+macro_rules! as_list_of {
+    ($scalar:ty, $own:ident) => {
+        /// The list, made empty first where it was of the other precision.
+        impl AsMut<ContactList<$scalar>> for AnyContacts {
+            fn as_mut(&mut self) -> &mut ContactList<$scalar> {
+                if !matches!(self, Self::$own(_)) {
+                    *self = Self::$own(ContactList::default());
+                }
+                let Self::$own(list) = self else { unreachable!("replaced above") };
+                list
+            }
+        }
+    };
+}
+as_list_of!(f32, F32);
+as_list_of!(f64, F64);
+
 impl AnyContacts {
-    /// The list, made empty first where it was of the other precision.
-    pub(super) fn as_f32(&mut self) -> &mut ContactList<f32> {
-        if let Self::F64(_) = self {
-            *self = Self::F32(ContactList::default());
-        }
-        match self {
-            Self::F32(list) => list,
-            Self::F64(_) => unreachable!("replaced above"),
-        }
-    }
-
-    /// The list, made empty first where it was of the other precision.
-    pub(super) fn as_f64(&mut self) -> &mut ContactList<f64> {
-        if let Self::F32(_) = self {
-            *self = Self::F64(ContactList::default());
-        }
-        match self {
-            Self::F64(list) => list,
-            Self::F32(_) => unreachable!("replaced above"),
-        }
-    }
-
     fn len(&self) -> usize {
-        match self {
-            Self::F32(list) => list.len(),
-            Self::F64(list) => list.len(),
-        }
+        with_precision!(self, |list| list.len())
     }
 
     /// Refuses a range that reaches beyond the end.
@@ -222,17 +212,10 @@ pub unsafe extern "C" fn rayc_query_pair(
         let (b, octree_b) = (reading(b, "b")?, reading(octree_b, "octree_b")?);
         let mut contacts = changing(contacts, "contacts")?;
         let list = &mut contacts.list;
-        match (&a.mesh, &octree_a.octree, &b.mesh, &octree_b.octree) {
-            (AnyMesh::F32(a), AnyOctree::F32(octree_a), AnyMesh::F32(b), AnyOctree::F32(octree_b)) => {
-                octree_a.tracer(a).and(octree_b.tracer(b))?;
-                Ok(query_pair(a, octree_a, b, octree_b, &options.detection()?, list.as_f32())?)
-            }
-            (AnyMesh::F64(a), AnyOctree::F64(octree_a), AnyMesh::F64(b), AnyOctree::F64(octree_b)) => {
-                octree_a.tracer(a).and(octree_b.tracer(b))?;
-                Ok(query_pair(a, octree_a, b, octree_b, &options.detection()?, list.as_f64())?)
-            }
-            _ => Err(precision_mismatch()),
-        }
+        with_precision!(&a.mesh, &octree_a.octree, &b.mesh, &octree_b.octree, |a, octree_a, b, octree_b| {
+            octree_a.tracer(a).and(octree_b.tracer(b))?;
+            Ok(query_pair(a, octree_a, b, octree_b, &options.detection()?, list.as_mut())?)
+        })
     })
 }
 
@@ -259,17 +242,10 @@ pub unsafe extern "C" fn rayc_query_self(
         let (mesh, octree) = (reading(mesh, "mesh")?, reading(octree, "octree")?);
         let mut contacts = changing(contacts, "contacts")?;
         let list = &mut contacts.list;
-        match (&mesh.mesh, &octree.octree) {
-            (AnyMesh::F32(mesh), AnyOctree::F32(octree)) => {
-                octree.tracer(mesh)?;
-                Ok(query_self(mesh, octree, &options.detection()?, list.as_f32())?)
-            }
-            (AnyMesh::F64(mesh), AnyOctree::F64(octree)) => {
-                octree.tracer(mesh)?;
-                Ok(query_self(mesh, octree, &options.detection()?, list.as_f64())?)
-            }
-            _ => Err(precision_mismatch()),
-        }
+        with_precision!(&mesh.mesh, &octree.octree, |mesh, octree| {
+            octree.tracer(mesh)?;
+            Ok(query_self(mesh, octree, &options.detection()?, list.as_mut())?)
+        })
     })
 }
 
@@ -300,8 +276,7 @@ pub unsafe extern "C" fn rayc_contacts_copy(
         let list = &contacts.list;
         list.check_range(first, count)?;
         let out = Output::array(out, count, "out")?;
-        with_precision!(AnyContacts, list, |list| out
-            .write_all(list.contacts[first..first + count].iter().map(Into::into)));
+        with_precision!(list, |list| out.write_all(list.contacts[first..first + count].iter().map(Into::into)));
         Ok(())
     })
 }
@@ -320,7 +295,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
     guard(|| unsafe {
         let contacts = reading(contacts, "contacts")?;
         let list = &contacts.list;
-        let found = with_precision!(AnyContacts, list, |list| list.statistics);
+        let found = with_precision!(list, |list| list.statistics);
         let known = rayc_statistics::of(found, list.len());
         write_known(struct_size, statistics, "statistics", known)
     })

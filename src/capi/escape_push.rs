@@ -1,9 +1,10 @@
 use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{reading, with_precision};
+use super::handles::reading;
 use super::pointers::Output;
-use super::sized_structs::{Growing, Known};
+use super::precision::with_precision;
+use super::sized_structs::{Known, growing};
 use crate::detection::EscapePush;
 use crate::math::Scalar;
 use crate::memory::text;
@@ -31,10 +32,7 @@ pub struct rayc_escape_push {
     pub area: f64,
 }
 
-impl Growing for rayc_escape_push {
-    const NAME: &'static str = "rayc_escape_push";
-    const SMALLEST: usize = size_of::<Self>();
-}
+growing!(rayc_escape_push);
 
 impl<T: Scalar> From<&EscapePush<T>> for rayc_escape_push {
     fn from(push: &EscapePush<T>) -> Self {
@@ -90,11 +88,11 @@ pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
         }
         let out = Known::new(struct_size, out, count, "out")?;
         let range = first..first + count;
-        with_precision!(AnyContacts, list, |list| out.write_all(list.pushes()[range].iter().map(Into::into)));
+        with_precision!(list, |list| out.write_all(list.pushes()[range].iter().map(Into::into)));
         Ok(())
     })
 }
 
 fn push_count(list: &AnyContacts) -> usize {
-    with_precision!(AnyContacts, list, |list| list.pushes().len())
+    with_precision!(list, |list| list.pushes().len())
 }

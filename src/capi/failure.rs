@@ -175,14 +175,6 @@ pub(super) fn unknown_enum(field: impl Display, value: u32, name: &str) -> Failu
     )
 }
 
-/// Handles of both precisions in one call.
-pub(super) fn precision_mismatch() -> Failure {
-    Failure::new(
-        RAYC_STATUS_PRECISION_MISMATCH,
-        "handles of float and of double precision were used together; create them with the same precision",
-    )
-}
-
 impl From<ObjFileError> for Failure {
     fn from(error: ObjFileError) -> Self {
         let status = match error {

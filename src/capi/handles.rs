@@ -56,18 +56,6 @@ impl HandleKind {
     }
 }
 
-/// What a call does with a value that has a variant for each precision, in the one it has.
-macro_rules! with_precision {
-    ($kind:ident, $value:expr, |$name:ident| $call:expr) => {
-        match $value {
-            $kind::F32($name) => $call,
-            $kind::F64($name) => $call,
-        }
-    };
-}
-
-pub(super) use with_precision;
-
 /// A type of handle.
 pub(super) trait Handle {
     const KIND: HandleKind;

@@ -1,10 +1,11 @@
 use super::failure::{Failure, mesh_status, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back, with_precision};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::host_positions::set_positions;
 use super::numbers::flag;
 use super::options::rayc_mesh_options;
 use super::pointers::{Output, reference, slice};
+use super::precision::{InPrecision, with_precision};
 use super::sized_structs::read_options;
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
 use crate::math::Scalar;
@@ -31,11 +32,7 @@ impl Handle for rayc_mesh {
 }
 
 /// A mesh of either precision.
-#[derive(Clone)]
-pub(super) enum AnyMesh {
-    F32(Mesh<f32>),
-    F64(Mesh<f64>),
-}
+pub(super) type AnyMesh = InPrecision<Mesh<f32>, Mesh<f64>>;
 
 impl AnyMesh {
     /// `failure` words what is wrong with the surface.
@@ -165,7 +162,7 @@ pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
-        with_precision!(AnyMesh, &mut changing(mesh, "mesh")?.mesh, |mesh| renew_positions(mesh, &positions))
+        with_precision!(&mut changing(mesh, "mesh")?.mesh, |mesh| renew_positions(mesh, &positions))
     })
 }
 
@@ -207,7 +204,7 @@ pub unsafe extern "C" fn rayc_mesh_copy_positions(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut positions = Strided::new_mut(reference(positions, "positions")?, "positions")?;
-        with_precision!(AnyMesh, &reading(mesh, "mesh")?.mesh, |mesh| copy(mesh, &mut positions))
+        with_precision!(&reading(mesh, "mesh")?.mesh, |mesh| copy(mesh, &mut positions))
     })
 }
 

@@ -30,6 +30,7 @@ mod packed_mesh;
 mod pair_forces;
 mod pair_memory;
 mod pointers;
+mod precision;
 mod response;
 mod scene;
 mod sharing;

@@ -1,10 +1,11 @@
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::numbers::check_numbers;
 use super::octree_options::rayc_octree_options;
 use super::pointers::{Output, slice};
+use super::precision::{InPrecision, with_precision};
 use super::sized_structs::read_options;
 use crate::contact::OwnExits;
 use crate::math::{Scalar, Vector3};
@@ -45,10 +46,7 @@ impl Handle for rayc_octree {
 }
 
 /// An octree of either precision.
-pub(super) enum AnyOctree {
-    F32(Octree<f32>),
-    F64(Octree<f64>),
-}
+pub(super) type AnyOctree = InPrecision<Octree<f32>, Octree<f64>>;
 
 /// A half line, cut at t_max.
 #[repr(C)]
@@ -117,11 +115,7 @@ pub unsafe extern "C" fn rayc_octree_update(octree: *mut rayc_octree, mesh: *con
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut octree = changing(octree, "octree")?;
-        match (&mut octree.octree, &reading(mesh, "mesh")?.mesh) {
-            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => Ok(octree.update(mesh)?),
-            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => Ok(octree.update(mesh)?),
-            _ => Err(precision_mismatch()),
-        }
+        with_precision!(&mut octree.octree, &reading(mesh, "mesh")?.mesh, |octree, mesh| Ok(octree.update(mesh)?))
     })
 }
 
@@ -175,13 +169,7 @@ unsafe fn trace_all(
     hits: Output<rayc_hit>,
 ) -> Result<(), Failure> {
     // SAFETY: by this function's contract.
-    unsafe {
-        match (octree, mesh) {
-            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => trace_into(octree, mesh, rays, hits),
-            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => trace_into(octree, mesh, rays, hits),
-            _ => Err(precision_mismatch()),
-        }
-    }
+    unsafe { with_precision!(octree, mesh, |octree, mesh| trace_into(octree, mesh, rays, hits)) }
 }
 
 /// So many rays are copied at a time: with their hits they take 30 KB of stack.

@@ -1,7 +1,7 @@
 use super::failure::{Failure, rayc_status, unknown_enum};
 use super::guard::guard;
 use super::numbers::check_reserved;
-use super::sized_structs::{Growing, Options, write_defaults};
+use super::sized_structs::{Growing, Options, growing, write_defaults};
 use crate::octree::Layout;
 
 /// How an octree is built. Fill with rayc_default_octree_options(), then change what you need.
@@ -28,10 +28,7 @@ pub enum rayc_octree_layout {
     RAYC_OCTREE_LAYOUT_CLASSIC = 2,
 }
 
-impl Growing for rayc_octree_options {
-    const NAME: &'static str = "rayc_octree_options";
-    const SMALLEST: usize = size_of::<Self>();
-}
+growing!(rayc_octree_options);
 
 impl Options for rayc_octree_options {
     fn defaults() -> Self {

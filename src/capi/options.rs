@@ -2,7 +2,7 @@ use super::failure::{Failure, rayc_status, unknown_enum};
 use super::guard::guard;
 use super::host_threads::rayc_parallel_for;
 use super::numbers::{check_reserved, flag};
-use super::sized_structs::{Growing, Options, write_defaults, write_options};
+use super::sized_structs::{Options, growing, write_defaults, write_options};
 use super::vectors::rayc_scalar;
 use crate::detection::{ContactLaw, DetectionOptions, Sampling};
 use crate::math::Scalar;
@@ -84,7 +84,6 @@ pub enum rayc_sampling {
     /// from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
     /// and one ray starts from one triangle of each patch.
     RAYC_SAMPLING_SPACING = 1,
-    /// As automatic, but with triangles joined to patches, as large as the error allowed lets them be. sampling_value,
     /// As automatic, but with triangles joined to patches, as large as the error allowed lets them be. sampling_value,
     /// above 0 and at most 1, is that error of the net force of each pair, as a part of the force that all rays would give;
     /// smaller until two tries agree clearly better than that. Where two tries would take more than a third of the
@@ -187,10 +186,7 @@ impl rayc_detection_options {
     }
 }
 
-impl Growing for rayc_mesh_options {
-    const NAME: &'static str = "rayc_mesh_options";
-    const SMALLEST: usize = std::mem::offset_of!(Self, precision) + size_of::<u32>();
-}
+growing!(rayc_mesh_options, precision: u32);
 
 impl Options for rayc_mesh_options {
     fn defaults() -> Self {
@@ -198,10 +194,7 @@ impl Options for rayc_mesh_options {
     }
 }
 
-impl Growing for rayc_detection_options {
-    const NAME: &'static str = "rayc_detection_options";
-    const SMALLEST: usize = size_of::<Self>();
-}
+growing!(rayc_detection_options);
 
 impl Options for rayc_detection_options {
     fn defaults() -> Self {
@@ -218,10 +211,7 @@ impl Options for rayc_detection_options {
     }
 }
 
-impl Growing for rayc_response_options {
-    const NAME: &'static str = "rayc_response_options";
-    const SMALLEST: usize = size_of::<Self>();
-}
+growing!(rayc_response_options);
 
 impl Options for rayc_response_options {
     fn defaults() -> Self {
@@ -231,10 +221,7 @@ impl Options for rayc_response_options {
     }
 }
 
-impl Growing for rayc_scene_options {
-    const NAME: &'static str = "rayc_scene_options";
-    const SMALLEST: usize = std::mem::offset_of!(Self, threads) + size_of::<u32>();
-}
+growing!(rayc_scene_options, threads: u32);
 
 impl Options for rayc_scene_options {
     fn defaults() -> Self {

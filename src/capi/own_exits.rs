@@ -1,9 +1,10 @@
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::octree::{AnyOctree, OwnExitsRoom, RAYC_NO_TRIANGLE, rayc_octree};
 use super::pointers::Output;
+use super::precision::precision_mismatch;
 use crate::contact::{OwnExit, OwnExits, OwnExitsError};
 use crate::math::Scalar;
 use crate::memory::text;

@@ -1,8 +1,9 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{give, reading, with_precision};
+use super::handles::{give, reading};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::pointers::{Output, slice};
+use super::precision::with_precision;
 use crate::memory::text;
 use crate::mesh::{Mesh, packed_number_size};
 
@@ -12,7 +13,7 @@ pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length:
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mesh = reading(mesh, "mesh")?;
-        Output::new(length, "length")?.write(with_precision!(AnyMesh, &mesh.mesh, |mesh| mesh.packed_length()));
+        Output::new(length, "length")?.write(with_precision!(&mesh.mesh, |mesh| mesh.packed_length()));
         Ok(())
     })
 }
@@ -31,7 +32,7 @@ pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, b
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut packed = Vec::new();
-        with_precision!(AnyMesh, &reading(mesh, "mesh")?.mesh, |mesh| mesh.pack(&mut packed));
+        with_precision!(&reading(mesh, "mesh")?.mesh, |mesh| mesh.pack(&mut packed));
         if packed.len() != length {
             let message =
                 text!("bytes has room for {length}, but the packed mesh takes {}; give that many", packed.len());

@@ -1,10 +1,11 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading, with_precision};
+use super::handles::{changing, reading};
 use super::numbers::flag;
 use super::pointers::{Output, slice};
+use super::precision::with_precision;
 use super::scene::{AnyScene, rayc_scene};
-use super::sized_structs::{Growing, Known};
+use super::sized_structs::{Known, growing};
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::recovery::PairMemory;
@@ -31,10 +32,7 @@ pub struct rayc_pair_memory {
     pub state: [u8; 88],
 }
 
-impl Growing for rayc_pair_memory {
-    const NAME: &'static str = "rayc_pair_memory";
-    const SMALLEST: usize = size_of::<Self>();
-}
+growing!(rayc_pair_memory);
 
 impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
     fn from(([first, second], memory): &([u32; 2], PairMemory<T>)) -> Self {
@@ -65,7 +63,7 @@ pub unsafe extern "C" fn rayc_scene_allow_escape(scene: *mut rayc_scene, a: u32,
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let allowed = flag("allowed", allowed)?;
-        with_precision!(AnyScene, scene, |scene| scene.allow_escape(a, b, allowed)?);
+        with_precision!(scene, |scene| scene.allow_escape(a, b, allowed)?);
         Ok(())
     })
 }
@@ -83,9 +81,7 @@ pub unsafe extern "C" fn rayc_scene_may_escape(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let place = Output::new(allowed, "allowed")?;
-        place.write(u32::from(
-            with_precision!(AnyScene, &reading(scene, "scene")?.scene, |scene| scene.may_escape(a, b)?)
-        ));
+        place.write(u32::from(with_precision!(&reading(scene, "scene")?.scene, |scene| scene.may_escape(a, b)?)));
         Ok(())
     })
 }
@@ -128,7 +124,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
         }
         let out = Known::new(struct_size, out, count, "out")?;
         let range = first..first + count;
-        with_precision!(AnyScene, scene, |scene| out.write_all(scene.pair_memories()[range].iter().map(Into::into)));
+        with_precision!(scene, |scene| out.write_all(scene.pair_memories()[range].iter().map(Into::into)));
         Ok(())
     })
 }
@@ -140,7 +136,7 @@ pub unsafe extern "C" fn rayc_scene_saved_length(scene: *const rayc_scene, lengt
     guard(|| unsafe {
         let scene = reading(scene, "scene")?;
         let scene = &scene.scene;
-        Output::new(length, "length")?.write(with_precision!(AnyScene, scene, |scene| scene.saved_length()));
+        Output::new(length, "length")?.write(with_precision!(scene, |scene| scene.saved_length()));
         Ok(())
     })
 }
@@ -161,7 +157,7 @@ pub unsafe extern "C" fn rayc_scene_save_pair_memories(
         let scene = reading(scene, "scene")?;
         let scene = &scene.scene;
         let mut saved = Vec::new();
-        with_precision!(AnyScene, scene, |scene| scene.save_pair_memories(&mut saved));
+        with_precision!(scene, |scene| scene.save_pair_memories(&mut saved));
         if saved.len() != length {
             let message = text!("bytes has room for {length}, but {} are to be saved; give that many", saved.len());
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
@@ -187,11 +183,11 @@ pub unsafe extern "C" fn rayc_scene_restore_pair_memories(
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let bytes = slice(bytes, length, "bytes")?;
-        with_precision!(AnyScene, scene, |scene| scene.restore_pair_memories(bytes)?);
+        with_precision!(scene, |scene| scene.restore_pair_memories(bytes)?);
         Ok(())
     })
 }
 
 fn memory_count(scene: &AnyScene) -> usize {
-    with_precision!(AnyScene, scene, |scene| scene.pair_memories().len())
+    with_precision!(scene, |scene| scene.pair_memories().len())
 }

@@ -1,10 +1,11 @@
-use super::contacts::{AnyContacts, rayc_contacts};
+use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::given::{Arrays, Given, GivenMut};
 use super::guard::guard;
-use super::handles::{reading, with_precision};
+use super::handles::reading;
 use super::options::rayc_response_options;
 use super::pointers::Output;
+use super::precision::with_precision;
 use super::sized_structs::read_options;
 use super::vectors::{rayc_vectors, rayc_vectors_mut};
 use crate::detection::ContactList;
@@ -33,12 +34,9 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
         list.check_range(first, count)?;
         let out = Output::array(coefficients, count, "coefficients")?;
         let range = first..first + count;
-        match list {
-            AnyContacts::F32(list) => {
-                out.write_all(list.contacts[range].iter().map(|contact| law.coefficient(contact).to_f64()));
-            }
-            AnyContacts::F64(list) => out.write_all(list.contacts[range].iter().map(|c| law.coefficient(c))),
-        }
+        with_precision!(list, |list| {
+            out.write_all(list.contacts[range].iter().map(|contact| law.coefficient(contact).to_f64()));
+        });
         Ok(())
     })
 }
@@ -72,10 +70,7 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
         let positions = Given::if_any(positions, body_count, "positions")?;
         let velocities = Given::if_any(velocities, body_count, "velocities")?;
         let forces = GivenMut::all(forces, body_count, "forces")?;
-        match list {
-            AnyContacts::F32(list) => add_all_forces(list, &law, positions, velocities, forces),
-            AnyContacts::F64(list) => add_all_forces(list, &law, positions, velocities, forces),
-        }
+        with_precision!(list, |list| add_all_forces(list, &law, positions, velocities, forces))
     })
 }
 
@@ -111,7 +106,7 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
         let displacements = Given::all(displacements, body_count, "displacements")?;
         let forces = GivenMut::all(forces, body_count, "forces")?;
         let factors = [stiffness_factor, damping_factor];
-        with_precision!(AnyContacts, list, |list| add_all_differentials(list, &law, factors, displacements, forces))
+        with_precision!(list, |list| add_all_differentials(list, &law, factors, displacements, forces))
     })
 }
 
@@ -136,7 +131,7 @@ pub unsafe extern "C" fn rayc_contacts_energy(
         let law = read_options(options)?.law()?;
         let positions = Given::if_any(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
-        place.write(with_precision!(AnyContacts, list, |list| all_energy(list, &law, positions)?));
+        place.write(with_precision!(list, |list| all_energy(list, &law, positions)?));
         Ok(())
     })
 }

@@ -1,12 +1,13 @@
 use super::contacts::rayc_contacts;
-use super::failure::{Failure, precision_mismatch, rayc_status};
+use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back, with_precision};
+use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::host_threads::HostThreads;
-use super::mesh::{AnyMesh, rayc_mesh, renew_positions};
+use super::mesh::{rayc_mesh, renew_positions};
 use super::numbers::flag;
 use super::options::{rayc_detection_options, rayc_scene_options};
 use super::pointers::{Output, reference};
+use super::precision::{InPrecision, with_precision};
 use super::sized_structs::read_options;
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
 use crate::math::{Pose, Scalar};
@@ -30,10 +31,7 @@ impl Handle for rayc_scene {
 }
 
 /// A scene of either precision.
-pub(super) enum AnyScene {
-    F32(Scene<f32>),
-    F64(Scene<f64>),
-}
+pub(super) type AnyScene = InPrecision<Scene<f32>, Scene<f64>>;
 
 /// Where a body is that keeps its shape: a point p of it, in its own coordinates, is at rotation · p + position in the
 /// world's, both right-handed.
@@ -129,11 +127,7 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
         let mesh = reading(mesh, "mesh")?;
         let mesh = &mesh.mesh;
         let place = Output::new(body, "body")?;
-        place.write(match (scene, mesh) {
-            (AnyScene::F32(scene), AnyMesh::F32(mesh)) => scene.add(mesh.clone()),
-            (AnyScene::F64(scene), AnyMesh::F64(mesh)) => scene.add(mesh.clone()),
-            _ => return Err(precision_mismatch()),
-        });
+        place.write(with_precision!(scene, mesh, |scene, mesh| scene.add(mesh.clone())));
         Ok(())
     })
 }
@@ -156,11 +150,8 @@ pub unsafe extern "C" fn rayc_scene_add_mesh_with_key(
         let mut scene = changing(scene, "scene")?;
         let mesh = reading(mesh, "mesh")?;
         let place = Output::new(body, "body")?;
-        place.write(match (&mut scene.scene, &mesh.mesh) {
-            (AnyScene::F32(scene), AnyMesh::F32(mesh)) => scene.add_with_key(mesh.clone(), key)?,
-            (AnyScene::F64(scene), AnyMesh::F64(mesh)) => scene.add_with_key(mesh.clone(), key)?,
-            _ => return Err(precision_mismatch()),
-        });
+        place
+            .write(with_precision!(&mut scene.scene, &mesh.mesh, |scene, mesh| scene.add_with_key(mesh.clone(), key)?));
         Ok(())
     })
 }
@@ -173,7 +164,7 @@ pub unsafe extern "C" fn rayc_scene_add_mesh_with_key(
 pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene.remove(body).map(drop)?);
+        with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.remove(body).map(drop)?);
         Ok(())
     })
 }
@@ -189,7 +180,7 @@ pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u3
 pub unsafe extern "C" fn rayc_scene_release_body_numbers(scene: *mut rayc_scene) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene.release_body_numbers());
+        with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.release_body_numbers());
         Ok(())
     })
 }
@@ -213,7 +204,7 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
-        with_precision!(AnyScene, scene, |scene| set(scene, body, &positions))
+        with_precision!(scene, |scene| set(scene, body, &positions))
     })
 }
 
@@ -243,7 +234,7 @@ pub unsafe extern "C" fn rayc_scene_set_pose(scene: *mut rayc_scene, body: u32, 
         let mut scene = changing(scene, "scene")?;
         let rayc_pose { position, rotation } = *reference(pose, "pose")?;
         let pose = Pose { position, rotation };
-        with_precision!(AnyScene, &mut scene.scene, |scene| scene.set_pose(body, &pose)?);
+        with_precision!(&mut scene.scene, |scene| scene.set_pose(body, &pose)?);
         Ok(())
     })
 }
@@ -259,8 +250,7 @@ pub unsafe extern "C" fn rayc_scene_set_detection_options(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let options = read_options(options)?;
-        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene
-            .set_options(options.detection()?));
+        with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.set_options(options.detection()?));
         Ok(())
     })
 }
@@ -277,7 +267,7 @@ pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, b
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let is_on = flag("is_on", is_on)?;
-        with_precision!(AnyScene, scene, |scene| scene.set_self_collision(body, is_on)?);
+        with_precision!(scene, |scene| scene.set_self_collision(body, is_on)?);
         Ok(())
     })
 }
@@ -299,7 +289,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
         let mut scene = changing(scene, "scene")?;
         let scene = &mut scene.scene;
         let is_on = flag("is_on", is_on)?;
-        with_precision!(AnyScene, scene, |scene| scene.set_pair_collision(a, b, is_on)?);
+        with_precision!(scene, |scene| scene.set_pair_collision(a, b, is_on)?);
         Ok(())
     })
 }
@@ -319,7 +309,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
 pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene.advance(seconds)?);
+        with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.advance(seconds)?);
         Ok(())
     })
 }
@@ -339,10 +329,7 @@ pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut
         let scene = &mut scene.scene;
         let mut contacts = changing(contacts, "contacts")?;
         let list = &mut contacts.list;
-        match scene {
-            AnyScene::F32(scene) => scene.query(list.as_f32()),
-            AnyScene::F64(scene) => scene.query(list.as_f64()),
-        }
+        with_precision!(scene, |scene| scene.query(list.as_mut()));
         Ok(())
     })
 }

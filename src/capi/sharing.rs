@@ -1,11 +1,12 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::handles::{changing, reading, with_precision};
+use super::handles::{changing, reading};
 use super::numbers::flag;
 use super::pair_memory::rayc_pair_memory;
 use super::pointers::{Output, reference};
+use super::precision::with_precision;
 use super::scene::{AnyScene, rayc_scene};
-use super::sized_structs::{Growing, Known, check_size, write_known};
+use super::sized_structs::{Known, check_size, growing, write_known};
 use crate::bytes::Reader;
 use crate::math::Scalar;
 use crate::memory::text;
@@ -34,10 +35,7 @@ pub struct rayc_body_state {
     pub reserved: u32,
 }
 
-impl Growing for rayc_body_state {
-    const NAME: &'static str = "rayc_body_state";
-    const SMALLEST: usize = size_of::<Self>();
-}
+growing!(rayc_body_state);
 
 /// What the newest query took for one pair of bodies; later versions may tell more, at the end.
 #[repr(C)]
@@ -52,10 +50,7 @@ pub struct rayc_pair_cost {
     pub cost: f64,
 }
 
-impl Growing for rayc_pair_cost {
-    const NAME: &'static str = "rayc_pair_cost";
-    const SMALLEST: usize = size_of::<Self>();
-}
+growing!(rayc_pair_cost);
 
 /// Says how a body is shared between scenes of several processes. Each scene has some bodies of its own, and ghosts:
 /// copies of bodies of other scenes that meet its own. The call takes effect from the next query on; a new body is
@@ -85,7 +80,7 @@ pub unsafe extern "C" fn rayc_scene_share_body(
             neighbours: Some(neighbours).filter(|&count| count != RAYC_NEIGHBOURS_COUNTED),
             overlaps_itself: flag("overlaps_itself", overlaps_itself)?,
         };
-        with_precision!(AnyScene, &mut scene.scene, |scene| scene.share(body, sharing)?);
+        with_precision!(&mut scene.scene, |scene| scene.share(body, sharing)?);
         Ok(())
     })
 }
@@ -115,7 +110,7 @@ pub unsafe extern "C" fn rayc_finds_pair(own: u64, ghost: u64, found: *mut u32) 
 pub unsafe extern "C" fn rayc_scene_find_self_contacts(scene: *mut rayc_scene) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_precision!(AnyScene, &mut changing(scene, "scene")?.scene, |scene| scene.find_self_contacts());
+        with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.find_self_contacts());
         Ok(())
     })
 }
@@ -140,7 +135,7 @@ pub unsafe extern "C" fn rayc_scene_body_state(
     }
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let found = with_precision!(AnyScene, &reading(scene, "scene")?.scene, |scene| state_of(scene, body)?);
+        let found = with_precision!(&reading(scene, "scene")?.scene, |scene| state_of(scene, body)?);
         write_known(struct_size, state, "state", found)
     })
 }
@@ -189,7 +184,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_costs(
 }
 
 fn pair_costs(scene: &AnyScene) -> &[PairCost] {
-    with_precision!(AnyScene, scene, |scene| scene.pair_costs())
+    with_precision!(scene, |scene| scene.pair_costs())
 }
 
 /// Replaces what one pair remembers by what rayc_scene_copy_pair_memories() gave, for this scene or for another: for
@@ -216,7 +211,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_memory(
         let mut scene = changing(scene, "scene")?;
         check_size::<rayc_pair_memory>(struct_size)?;
         let memory = reference(memory, "memory")?;
-        with_precision!(AnyScene, &mut scene.scene, |scene| set(scene, memory)?);
+        with_precision!(&mut scene.scene, |scene| set(scene, memory)?);
         Ok(())
     })
 }

@@ -12,6 +12,23 @@ pub(super) trait Growing: Copy {
     const SMALLEST: usize;
 }
 
+/// Says of a struct that it may grow, and which field, of which type, was the last of the first version, unless it still is.
+macro_rules! growing {
+    ($name:ident) => {
+        growing!($name => size_of::<$name>());
+    };
+    ($name:ident, $last:ident: $type:ty) => {
+        growing!($name => std::mem::offset_of!($name, $last) + size_of::<$type>());
+    };
+    ($name:ident => $smallest:expr) => {
+        impl $crate::capi::sized_structs::Growing for $name {
+            const NAME: &'static str = stringify!($name);
+            const SMALLEST: usize = $smallest;
+        }
+    };
+}
+pub(super) use growing;
+
 /// An options struct that starts with its own size.
 pub(super) trait Options: Growing {
     fn defaults() -> Self;

@@ -1,4 +1,4 @@
-use super::sized_structs::Growing;
+use super::sized_structs::growing;
 use crate::detection::{Statistics, with_counters};
 
 /// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
@@ -67,10 +67,7 @@ pub struct rayc_statistics {
     pub border_pieces: u64,
 }
 
-impl Growing for rayc_statistics {
-    const NAME: &'static str = "rayc_statistics";
-    const SMALLEST: usize = std::mem::offset_of!(Self, escapes_forbidden) + size_of::<u64>();
-}
+growing!(rayc_statistics, escapes_forbidden: u64);
 
 impl rayc_statistics {
     pub(super) fn of(found: Statistics, contacts: usize) -> Self {

@@ -15,8 +15,8 @@ pub(crate) struct PointPacket<T: Scalar> {
     pub(crate) square: [T; LANE_COUNT],
     /// Of boxes, what may matter still.
     limit: [T; LANE_COUNT],
-    /// The same of slabs.
-    pub(crate) slab_limit: [T; LANE_COUNT],
+    /// The same of tile cylinders.
+    pub(crate) cylinder_limit: [T; LANE_COUNT],
     margin: [T; LANE_COUNT],
     /// How far each is from the centre, and a little more.
     from_centre: [T; LANE_COUNT],
@@ -46,7 +46,7 @@ impl<T: Scalar> PointPacket<T> {
             position: [zeros; 3],
             square: zeros,
             limit: zeros,
-            slab_limit: zeros,
+            cylinder_limit: zeros,
             margin: zeros,
             from_centre: zeros,
             triangle: [0; LANE_COUNT],
@@ -132,8 +132,8 @@ impl<T: Scalar> PointPacket<T> {
         let margin = L::load(&self.margin);
         let distance = L::load(&self.square).sqrt().add(margin);
         distance.mul(distance).mul(L::splat(slack)).store(&mut self.limit);
-        let of_slabs = distance.add(margin);
-        of_slabs.mul(of_slabs).mul(L::splat(slack)).store(&mut self.slab_limit);
+        let of_cylinders = distance.add(margin);
+        of_cylinders.mul(of_cylinders).mul(L::splat(slack)).store(&mut self.cylinder_limit);
         // The centre is no farther from a box than a point is, and as far as that is from the centre.
         let farthest = distance.add(L::load(&self.from_centre)).greatest();
         self.centre_limit = farthest * farthest * slack;

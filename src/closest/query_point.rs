@@ -78,9 +78,9 @@ impl<T: Scalar> QueryPoint<T> {
         distance * distance * (T::one() + margins::margin(margins::SQUARE_OF_LIMIT))
     }
 
-    /// The same for slabs, whose distances are rounded a little more: by no more than another margin.
+    /// The same for tile cylinders, whose distances are rounded a little more: by no more than another margin.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn square_of_slabs(&self, square: T) -> T {
+    pub(crate) fn square_of_cylinders(&self, square: T) -> T {
         let distance = square.sqrt() + self.margin + self.margin;
         distance * distance * (T::one() + margins::margin(margins::SQUARE_OF_LIMIT))
     }

@@ -30,7 +30,9 @@ impl<'a, T: Scalar> Starts<'a, T> {
         let lanes = length * LANE_COUNT;
         match self {
             Self::Groups(groups) => Self::Groups(&groups[part(groups.len(), length)]),
-            Self::Patches(standing, places) => Self::Patches(standing, &places[part(places.len(), lanes)]),
+            Self::Patches(representatives, places) => {
+                Self::Patches(representatives, &places[part(places.len(), lanes)])
+            }
             Self::Samples(samples) => Self::Samples(&samples[part(samples.len(), lanes)]),
         }
     }
@@ -107,12 +109,12 @@ impl<T: Scalar> Pair<'_, T> {
     /// Where one direction's rays start; `places` is room for them.
     fn starts<'a>(&'a self, side: usize, groups: &'a [u32], places: &'a mut Vec<u32>) -> Starts<'a, T> {
         let tracer = self.tracers[side];
-        let Some(standing) = self.patch_area.and_then(|area| tracer.standing(area)) else {
+        let Some(representatives) = self.patch_area.and_then(|area| tracer.representatives(area)) else {
             return Starts::Groups(groups);
         };
         places.clear();
-        groups.iter().for_each(|&group| standing.add_places_in(group, places));
-        Starts::Patches(standing, places)
+        groups.iter().for_each(|&group| representatives.add_places_in(group, places));
+        Starts::Patches(representatives, places)
     }
 }
 

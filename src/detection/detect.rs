@@ -91,10 +91,8 @@ impl<T: Scalar> Pair<'_, T> {
         };
         [0, 1].into_iter().any(|side| {
             let own = || contacts[start..].iter().filter(|contact| contact.colliding == self.bodies[side]);
-            workspace.rays.clear();
-            memory::append(&mut workspace.rays, own().map(longer));
-            workspace.touched.clear();
-            memory::append(&mut workspace.touched, own().map(|contact| contact.p1.touched()));
+            memory::refill(&mut workspace.rays, own().map(longer));
+            memory::refill(&mut workspace.touched, own().map(|contact| contact.p1.touched()));
             statistics.estimate_rays += workspace.rays.len() as u64;
             self.tracers[side].leave_before_end(&workspace.rays, &workspace.touched, &mut workspace.hidden);
             workspace.hidden.contains(&true)

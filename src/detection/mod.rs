@@ -35,7 +35,7 @@ pub use sample::Sampling;
 pub(crate) use sample::{Sample, for_each_inside_stretch, part_of_rays};
 pub(crate) use self_contact::detect_self;
 pub use self_contact::{query_self, query_self_with_all_rays};
-pub(crate) use self_search::SelfMemory;
+pub(crate) use self_search::SelfWarmStart;
 pub use statistics::Statistics;
 pub(crate) use statistics::with_counters;
 pub(crate) use weigh::contact;

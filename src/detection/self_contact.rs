@@ -10,7 +10,7 @@ use super::contact::{Contact, ContactKind};
 use super::list::ContactList;
 use super::options::DetectionOptions;
 use super::sample::{Collect, Cutter, Sample, Sampling};
-use super::self_search::{SelfMemory, SelfWorkspace, is_collapsed};
+use super::self_search::{SelfWarmStart, SelfWorkspace, is_collapsed};
 use super::weigh::{contact, cos_alpha};
 use super::workspace::Workspace;
 use crate::math::{Aabb, Scalar, dispatch, margins};
@@ -74,7 +74,7 @@ pub(crate) fn detect_self<T: Scalar>(
     tracer: Tracer<'_, T>,
     octree: &Octree<T>,
     options: &DetectionOptions<T>,
-    mut memory: Option<&mut SelfMemory<T>>,
+    mut memory: Option<&mut SelfWarmStart<T>>,
     contacts: &mut ContactList<T>,
 ) -> bool {
     let mesh = tracer.mesh();

@@ -3,7 +3,10 @@
 //!
 //! Each is a count of rounding units (half the gap between 1 and the next number). [`margin`] multiplies it with a length
 //! that no number in the computation exceeds, so that margins scale with the scene. A margin that is too small loses contacts;
-//! one that is twice as wide as need be costs next to nothing, so all are rounded up to powers of two.
+//! one that is twice as wide as need be costs next to nothing, so all are rounded up to powers of two. Where a derivation ends
+//! far below its number it says so; those are only asked whether a slower path is to be taken, or a message chosen.
+//!
+//! Behind them stand the tolerances of what a host gives, which are no margins: how far a rotation may be from one.
 
 use super::Scalar;
 
@@ -47,21 +50,114 @@ pub(crate) const SQUARE_OF_BOUND: f64 = 8.0;
 /// The square of a root and a margin; times itself: 1 each for root and sum, doubled by squaring, and as above.
 pub(crate) const SQUARE_OF_LIMIT: f64 = 16.0;
 
-/// The flat round volume around a tile; times the longest side of the tile's box. Heights are dot products of differences with
+/// The flat cylinder around a tile; times the longest side of the tile's box. Heights are dot products of differences with
 /// a unit vector: 1 + 3 + 3, times √3; radii take such a height off again. Held by `tests/library/octree/closest_points.rs`.
-pub(crate) const SLAB: f64 = 32.0;
+pub(crate) const TILE_CYLINDER: f64 = 32.0;
 
 /// Whether rays may leave a tile at all; times its side plus the reach, squared in effect. A normal takes 7 (differences, products, their
 /// difference) on each axis, its product with a direction 5, the corners as the triangle test sees them 8.5; vectors are up to 2 √3 times as
 /// long as a side. Held by `src/octree/wide/packet/tests.rs`.
 pub(crate) const LEAVING: f64 = 256.0;
 
+/// How far a ray may have to go, at least and at most, in lengths of its direction, for boxes to be told apart by the `t` of
+/// their faces. Where it is less, `t` has lost its digits to underflow: four bits are left above the smallest. Where it is more,
+/// a ray that is parallel to a face, and no farther from it than a rounding, may seem to leave the box before it enters: it
+/// passes the face at the margin times a finite stand-in for 1/0, which the quarter keeps finite when two such are added. Such
+/// rays are taken to meet every box. Held by `tests/library/whole/number_range.rs` and the fuzz target of rays.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn reaches_told_apart<T: Scalar>() -> [T; 2] {
+    [T::of(16.0) / T::LARGEST, T::LARGEST * margin(BOX_FACE) * T::of(0.25)]
+}
+
+/// The planes between a classic octree's cells, seen by a ray; in [`BOX_FACE`]s: one for itself, and on the way down each plane
+/// is rounded once at each of at most 20 levels, by one unit of the octree's side. Held by `tests/library/octree/layouts.rs`.
+pub(crate) const CELL_FACE: f64 = 3.0;
+
+/// How far the cylinder around a tile reaches along a row of a rotation; times its size, and as a part of a square of the row.
+/// Normals are as long as 1 to 4 units, their product with a row takes 5 more, and squares double that: 18. Held by `src/octree/wide/posed/tests.rs`.
+pub(crate) const CYLINDER_REACH: f64 = 64.0;
+
+/// Boxes in narrow numbers, in units of the mesh's longest side: 16 rounding units of `f32`. A number takes 1 each for the
+/// difference, the inverse, the product, the conversion and this margin itself, the sum of two that is held against a distance 2
+/// more, and the distance 3: 10. Held by `src/octree/near_triangles.rs`.
+pub(crate) const NARROW_BOX: f32 = 1.0 / (1 << 20) as f32;
+
+/// The least cosine of the angle between normals that face alike, in single precision: one half, and 0.01 for normals of
+/// slivers, of which rounding may turn those that are 2⁻¹⁷ times as high as long by so much. Held by `src/octree/near_triangles.rs`.
+pub(crate) const FACING_ALIKE: f32 = 0.51;
+
+/// The least part of a normal along an axis that it faces along, squared. A normal whose triangle passes [`LEAST_SINE`] is right
+/// to 7 units over the sine, 2⁻¹¹ of its length in single precision, where an eighth is asked: 2⁻⁸ would do. Held by
+/// `src/mesh/facing.rs`.
+pub(crate) const LEAST_PART: f64 = 1.0 / 64.0;
+
+/// The least sine of a triangle's angle, squared, for its normal to tell where it faces: a normal is rounded by 7 units (2 for
+/// each difference of its two edges, 3 for products and their difference) of these edges' product. Held by `src/mesh/facing.rs`.
+pub(crate) const LEAST_SINE: f64 = 1.0 / (1 << 20) as f64;
+
+/// Which part of the smallest |n| around a vertex Σ|n| − |Σn| must stay below for all to face outward. One that faced the other
+/// way would add at least all of it; the rounding of one length, 5 units, is all that has to be left off, beside
+/// [`SUM_AROUND_VERTEX`]. A vertex that is refused for the rest is looked at by itself. Held by `src/mesh/facing.rs`.
+pub(crate) const LEAST_NORMAL: f64 = 0.9375;
+
+/// A flat tetrahedron, from a point to a triangle, as a part of the product of its three edges. The edges' directions are right to
+/// 5 units each (difference, square, root and quotient), and the product of three takes 8 more: 23. Points nearer to a
+/// triangle's plane count as on it, and only whether a part lies inside another is asked, far from both. Held by
+/// `src/mesh/winding.rs`.
+pub(crate) const FLAT_TETRAHEDRON: f64 = 128.0;
+
+/// The volume of a part of a mesh, in units of its box; times the sum of its terms' sizes. What is below comes of the rounding of
+/// the positions themselves, and the part is called flat instead of inside out. Held by `tests/library/mesh/orientation.rs`.
+pub(crate) const VOLUME: f64 = 1.0;
+
 /// Positions as rays see them; times the largest coordinate: projections 8.5, hits 32, the rays' origins 8. Held by
 /// `src/detection/self_search/touching/tests.rs`.
 pub(crate) const SEEN_POSITION: f64 = 64.0;
 
-/// The lengths of the normals around a vertex, summed; times the sum: one for each triangle and some for each length.
+/// Triangles of one body closer than this touch; in [`SEEN_POSITION`]s: one for each of the two, and the distance found between
+/// them is rounded by less than a third. Held by `src/detection/self_search/touching/tests.rs`.
+pub(crate) const TOUCH: f64 = 4.0;
+
+/// The least altitude of the triangles around a vertex, as seen along their mean normal; in [`SEEN_POSITION`]s. A ray from a
+/// triangle's middle stays a third of it away from the others, 21, where 2 would be told apart from touching. Held by
+/// `src/detection/self_search/touching/tests.rs`.
+pub(crate) const ALTITUDE_OF_FAN: f64 = 64.0;
+
+/// What is left of the strain that the triangles around a vertex may take: one part in fifty for the rounding of its sines and
+/// lengths, which is a few units over the sine, and of the bound's own 1.665 to 1.67. Held by
+/// `src/detection/self_search/touching/tests.rs`.
+pub(crate) const STRAIN: f64 = 0.98;
+
+/// The square of a gap between triangles, held against the square of a distance; its factor. Beyond all rounding: squares and
+/// their quotient take 10 units. Triangles between the two are looked at closely. Held by
+/// `src/detection/self_search/touching/tests.rs`.
+pub(crate) const CLEAR_GAP: f64 = 1.5;
+
+/// The lengths of the normals around a vertex, summed; times the sum: one for each triangle and 5 for each length. Held by
+/// `src/mesh/facing.rs`; for up to 58 triangles, and a vertex of more is looked at by itself where it matters.
 pub(crate) const SUM_AROUND_VERTEX: f64 = 64.0;
 
 /// The planes between a classic octree's cells; times its side: one at each of up to some tens of levels. For checks only.
 pub(crate) const CELL_PLANE: f64 = 64.0;
+
+/// How far rotation · rotationᵀ may be from the identity: what is left of a rotation in single precision. Held by
+/// `src/math/pose.rs` and `tests/library/system/refusals.rs`.
+pub(crate) const ROTATION: f64 = 1e-6;
+
+/// How far a half-space's normal may be from unit length; it is normalised then. Held by `tests/library/system/refusals.rs`.
+pub(crate) const UNIT_NORMAL: f64 = 1e-6;
+
+/// How far the weights of a vertex may be from 1 in sum, times 1 + their sizes: those rounded to single precision are 2⁻²⁴ off
+/// each, for up to 160 nodes. Held by `tests/library/system/refusals.rs`.
+pub(crate) const WEIGHT_SUM: f64 = 1e-5;
+
+/// How far an inertia matrix may be from its transpose, and how small its least eigenvalue, as parts of its norm: what is lost to
+/// rounding is no inertia. Held by `tests/library/system/refusals.rs`.
+pub(crate) const INERTIA: [f64; 2] = [1e-9, 1e-14];
+
+/// How far the square of a remembered direction may be from 1, in either precision. Held by `src/recovery/packed_memory.rs`.
+pub(crate) const UNIT_SQUARE: f64 = 1e-3;
+
+/// The square of an angle below which two terms of a rotation's series are all: the next is 1/120 of its square, half a unit.
+/// Held by `src/system/twist.rs`.
+pub(crate) const SMALL_ANGLE: f64 = 1e-8;

@@ -1,6 +1,6 @@
 //! Where a rigid body is: a rotation and a translation, in double precision whatever the body's.
 
-use super::{Scalar, Vector3};
+use super::{Scalar, Vector3, margins};
 use std::fmt;
 
 /// Where a body is that keeps its shape: a point p of it, in its own coordinates, is at rotation · p + position in the
@@ -48,7 +48,8 @@ impl fmt::Display for PoseError {
             Self::NotOrthonormal { by } => write!(
                 f,
                 "the pose's rotation is no rotation matrix: times its transpose it is {by:e} off the identity; give unit rows \
-                 at right angles, to within {TOLERANCE:e}"
+                 at right angles, to within {:e}",
+                margins::ROTATION
             ),
             Self::Mirrored => {
                 write!(
@@ -61,9 +62,6 @@ impl fmt::Display for PoseError {
 }
 
 impl std::error::Error for PoseError {}
-
-/// How far rotation · rotationᵀ may be from the identity: what is left of a rotation in single precision.
-const TOLERANCE: f64 = 1e-6;
 
 impl Pose {
     /// No rotation and no translation.
@@ -85,7 +83,7 @@ impl Pose {
         let matrix = nalgebra::Matrix3::from_fn(|row, column| rotation[row][column]);
         let by = (matrix * matrix.transpose() - nalgebra::Matrix3::identity()).norm();
         // Entries whose squares overflow too.
-        if by.is_nan() || by > TOLERANCE {
+        if by.is_nan() || by > margins::ROTATION {
             return Err(PoseError::NotOrthonormal { by });
         }
         if matrix.determinant() < 0.0 { Err(PoseError::Mirrored) } else { Ok(()) }

@@ -232,20 +232,11 @@ fn neighbours(topology: &Topology, triangle: u32) -> impl Iterator<Item = u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Two pyramids on one base.
-    fn bipyramid() -> Mesh<f64> {
-        let sides = 400u32;
-        let at = |side: u32| std::f64::consts::TAU * f64::from(side) / f64::from(sides);
-        let rim = (0..sides).map(|side| [at(side).cos(), at(side).sin(), 0.0]);
-        let positions: Vec<_> = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
-        let pair = |side| [[side, (side + 1) % sides, sides], [(side + 1) % sides, side, sides + 1]];
-        Mesh::new(&positions, &(0..sides).flat_map(pair).collect::<Vec<_>>()).expect("it is closed")
-    }
+    use crate::octree::test_mesh::bipyramid;
 
     #[test]
     fn only_what_can_be_clusters_is_taken() {
-        let mesh = bipyramid();
+        let mesh = bipyramid(400);
         let (topology, found) = (mesh.topology(), mesh.clusters());
         let accepted = |change: &dyn Fn(&mut Vec<u32>, &mut Vec<u8>)| {
             let (mut triangles, mut sizes) = (found.triangles.clone(), found.sizes.clone());
@@ -272,17 +263,26 @@ mod tests {
         assert_eq!(accepted(&ones).expect("small ones are allowed").len(), 800);
     }
 
-    /// What the tree assumes of their order: under each node they follow one another, and lie to one side of those of the next.
+    /// What the tree assumes of their order: the clusters under each node follow one another, and those of one half lie to one
+    /// side of those of the other, wherever a set is halved.
     #[test]
     fn halves_lie_apart() {
-        let mesh = bipyramid();
+        fn assert_apart(centres: &[Vector3<f64>], capacity: usize) -> usize {
+            let Some(middle) = middle(centres.len(), capacity) else {
+                return capacity_below(centres.len()).map_or(0, |capacity| assert_apart(centres, capacity));
+            };
+            let (left, right) = centres.split_at(middle);
+            let apart = |axis: usize| {
+                let most = left.iter().map(|centre| centre[axis]).fold(f64::NEG_INFINITY, f64::max);
+                right.iter().all(|centre| centre[axis] >= most)
+            };
+            assert!((0..3).any(apart), "{} and {} clusters", left.len(), right.len());
+            1 + assert_apart(left, capacity) + assert_apart(right, capacity)
+        }
+        // Three levels of nodes.
+        let mesh = bipyramid(3000);
         let centres: Vec<_> = mesh.clusters().iter().map(|cluster| centre(&mesh, cluster)).collect();
-        let capacity = capacity_below(centres.len()).expect("more than one node");
-        let (left, right) = centres.split_at(middle(centres.len(), capacity).expect("more than one half"));
-        let apart = |axis: usize| {
-            let most = left.iter().map(|centre| centre[axis]).fold(f64::NEG_INFINITY, f64::max);
-            right.iter().all(|centre| centre[axis] >= most)
-        };
-        assert!((0..3).any(apart));
+        let halvings = assert_apart(&centres, capacity_below(centres.len()).expect("more than one node"));
+        assert!(centres.len() > 256 && halvings > 20, "{} clusters, {halvings} halvings", centres.len());
     }
 }

@@ -3,6 +3,7 @@
 
 use super::Mesh;
 use super::normals::{Fan, NormalLanes};
+use crate::math::margins::{LEAST_PART, LEAST_SINE};
 use crate::math::{Lanes, Mask, Scalar, Vectors};
 
 /// Vertices around which all triangles face along an axis, or all against it, and go around once: seen along the axis they
@@ -13,11 +14,6 @@ pub(crate) struct Facing {
     pub(crate) along: [Mask; 3],
     pub(crate) against: [Mask; 3],
 }
-
-/// The least part of a normal along the axis, squared: far more than the rounding of normals.
-const LEAST_PART: f64 = 1.0 / 64.0;
-/// The least sine of a triangle's angle, squared: the normal is rounded by some units of its two edges' product.
-const LEAST_SINE: f64 = 1.0 / (1 << 20) as f64;
 
 impl<T: Scalar> Mesh<T> {
     /// Of up to sixteen vertices, whose normals go into `found`. Where rounding might decide, or squares underflow or overflow,

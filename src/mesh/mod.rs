@@ -11,9 +11,9 @@ mod orientation;
 mod packed;
 mod patches;
 mod posed;
+mod positions;
+mod representatives;
 mod roundness;
-mod standing;
-mod survey;
 mod topology;
 mod winding;
 
@@ -28,9 +28,9 @@ pub(crate) use order::OrderInSpace;
 pub use packed::PackedMeshError;
 pub(crate) use packed::packed_number_size;
 pub(crate) use patches::Patches;
-pub(crate) use standing::Standing;
-pub(crate) use survey::PositionSource;
-use survey::{Numbered, Survey};
+pub(crate) use positions::PositionSource;
+use positions::{FiniteBounds, Numbered};
+pub(crate) use representatives::Representatives;
 use topology::RING_LENGTH;
 pub use topology::{Border, Edge, Topology};
 
@@ -184,7 +184,7 @@ impl<T: Scalar> Mesh<T> {
         if count != self.positions.len() {
             return Err(MeshError::WrongCount { given: count, expected: self.positions.len() });
         }
-        let (are_finite, aabb) = dispatch::<T, _>(Survey { positions });
+        let (are_finite, aabb) = dispatch::<T, _>(FiniteBounds { positions });
         if !are_finite {
             let vertex = (0..count).find(|&vertex| !positions.position(vertex).iter().all(|x| x.is_finite()));
             return Err(MeshError::NotFinite { vertex: vertex.unwrap_or_default(), is_renewal });

@@ -1,5 +1,5 @@
 use super::{Mesh, RING_LENGTH, VertexNormal};
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length, margins};
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, lanes_of, length, margins};
 
 /// Sixteen points with their normals, coordinate by coordinate.
 #[derive(Clone, Copy, Debug)]
@@ -114,15 +114,11 @@ impl<T: Scalar> Mesh<T> {
         sum.divided(along).store(&mut found.normal);
         doubled_area.div(L::splat(T::of(6.0))).store(&mut found.area);
         found.found = ((1u32 << count) - 1) as Mask;
-        // A triangle that faces the other way adds its |n| to Σ|n| and nothing to |Σ n|. Less than the smallest leaves room for
-        // roundings.
+        // A triangle that faces the other way adds its |n| to Σ|n| and nothing to |Σ n|.
         let missing =
             doubled_area.sub(along).add(doubled_area.mul(L::splat(margins::margin(margins::SUM_AROUND_VERTEX))));
-        found.outward = missing.is_less(smallest.mul(L::splat(T::of(0.9375)))) & !unsafe_squares;
-        let mut left = unsafe_squares & found.found;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
+        found.outward = missing.is_less(smallest.mul(L::splat(T::of(margins::LEAST_NORMAL)))) & !unsafe_squares;
+        for lane in lanes_of(unsafe_squares & found.found) {
             self.one_by_one(lane, own[lane], found);
         }
     }
@@ -168,10 +164,7 @@ impl<T: Scalar> Mesh<T> {
         a.add(b).add(c).scaled(L::splat(T::one() / T::of(3.0))).store(&mut found.position);
         found.found = ((1u32 << count) - 1) as Mask;
         let is_safe = L::splat(T::SAFE_SQUARES.0).is_at_most(square) & square.is_at_most(L::splat(T::SAFE_SQUARES.1));
-        let mut left = !is_safe & found.found;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
+        for lane in lanes_of(!is_safe & found.found) {
             self.one_face(lane, triangles[lane], found);
         }
     }

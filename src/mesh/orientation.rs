@@ -3,7 +3,7 @@
 
 use super::winding::{self, Corners, WindingTree};
 use super::{Mesh, MeshError};
-use crate::math::{Aabb, Scalar, Vector3};
+use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::memory::{self, Room};
 
 /// A surface flush with the wall of another part has a winding number of a half in it, or a quarter at an edge; both count as
@@ -95,7 +95,7 @@ impl Volume {
         if six_fold == 0.0 {
             return Err(MeshError::Flat { triangle: first });
         }
-        let rounding = T::ROUNDING_UNIT.to_f64() * magnitude;
+        let rounding = margins::margin::<T>(margins::VOLUME).to_f64() * magnitude;
         Ok(Self { scaled: six_fold / 6.0, rounding, sides })
     }
 

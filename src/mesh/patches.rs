@@ -51,15 +51,15 @@ impl<T: Scalar> Patches<T> {
         let tree = Tree::grow(mesh, &in_space);
         let count = mesh.topology().triangles().len();
         let (ranges, mut order) = tree.ranges(count);
-        let mut standing = tree.standing(&ranges, &order);
-        for triangle in order.iter_mut().chain(&mut standing) {
+        let mut representatives = tree.representatives(&ranges, &order);
+        for triangle in order.iter_mut().chain(&mut representatives) {
             *triangle = in_space.order[*triangle as usize];
         }
         let (mut largest, mut bounds) = (memory::filled(0, count), None);
         let patch_of =
             |&[start, end]: &[u32; 2]| Patch { start, end, area: T::zero(), next_area: T::INFINITY, smaller: 0 };
         let mut patches = memory::listed(ranges.iter().map(patch_of));
-        for (patch, &triangle) in standing.iter().enumerate() {
+        for (patch, &triangle) in representatives.iter().enumerate() {
             // Later ones are larger.
             largest[triangle as usize] = patch as u32;
             let Some(parts) = tree.parts_of(patch, count) else { continue };
@@ -68,7 +68,7 @@ impl<T: Scalar> Patches<T> {
             patches[patch].area = area;
             bounds = Some(bounds.map_or([area; 2], |[least, most]: [T; 2]| [least.min(area), most.max(area)]));
             parts.iter().for_each(|&part| patches[part as usize].next_area = area);
-            patches[patch].smaller = parts[usize::from(standing[parts[0] as usize] != triangle)];
+            patches[patch].smaller = parts[usize::from(representatives[parts[0] as usize] != triangle)];
         }
         Self { order, patches, largest, bounds }
     }
@@ -241,31 +241,31 @@ impl Tree {
 
     /// Which triangle stands for each patch: the one nearest to its middle, or that of the larger patch around it where
     /// this lies within.
-    fn standing(&self, ranges: &[[u32; 2]], order: &[u32]) -> Vec<u32> {
+    fn representatives(&self, ranges: &[[u32; 2]], order: &[u32]) -> Vec<u32> {
         const UNKNOWN: u32 = u32::MAX;
         let mut places = memory::filled(0, order.len());
         (0..).zip(order).for_each(|(place, &triangle)| places[triangle as usize] = place);
-        let mut standing = memory::filled(UNKNOWN, ranges.len());
+        let mut representatives = memory::filled(UNKNOWN, ranges.len());
         for patch in (0..ranges.len()).rev() {
             let [start, end] = ranges[patch];
-            if standing[patch] == UNKNOWN {
+            if representatives[patch] == UNKNOWN {
                 let middle = self.moments[patch].first / self.moments[patch].area;
                 let distance = |triangle: u32| (self.middles[triangle as usize] - middle).norm_squared();
                 let mut nearest = order[start as usize];
                 for &triangle in &order[start as usize..end as usize] {
                     nearest = if distance(triangle) < distance(nearest) { triangle } else { nearest };
                 }
-                standing[patch] = nearest;
+                representatives[patch] = nearest;
             }
             let Some(parts) = self.parts_of(patch, order.len()) else { continue };
             for part in parts {
                 let [start, end] = ranges[part as usize];
-                if (start..end).contains(&places[standing[patch] as usize]) {
-                    standing[part as usize] = standing[patch];
+                if (start..end).contains(&places[representatives[patch] as usize]) {
+                    representatives[part as usize] = representatives[patch];
                 }
             }
         }
-        standing
+        representatives
     }
 }
 
@@ -310,9 +310,10 @@ mod tests {
         let count = mesh.topology().triangles().len() as u32;
         let mut fewer_before: Option<Vec<u32>> = None;
         for area in [1e9, 0.1, 0.04, 0.0] {
-            let standing: Vec<u32> = (0..count).filter(|&triangle| patches.of(triangle, area).is_some()).collect();
+            let representatives: Vec<u32> =
+                (0..count).filter(|&triangle| patches.of(triangle, area).is_some()).collect();
             let mut covered = Vec::new();
-            for &triangle in &standing {
+            for &triangle in &representatives {
                 let patch = patches.of(triangle, area).expect("it stands for one");
                 assert!(patch.contains(&triangle) && is_connected(&mesh, patch));
                 let vectors = patch.iter().map(|&triangle| mesh.scaled_normal(triangle) / 2.0);
@@ -324,10 +325,10 @@ mod tests {
             covered.sort_unstable();
             assert_eq!(covered, (0..count).collect::<Vec<_>>());
             if let Some(fewer) = fewer_before {
-                assert!(fewer.iter().all(|triangle| standing.contains(triangle)));
-                assert!(fewer.len() < standing.len());
+                assert!(fewer.iter().all(|triangle| representatives.contains(triangle)));
+                assert!(fewer.len() < representatives.len());
             }
-            fewer_before = Some(standing);
+            fewer_before = Some(representatives);
         }
         assert_eq!(fewer_before.map(|all| all.len()), Some(count as usize));
     }

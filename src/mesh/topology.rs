@@ -219,11 +219,9 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
         };
         memory::append(&mut sides, own.iter().map(others));
         let ring = rings.len();
-        by_first.clear();
-        memory::append(&mut by_first, sides.iter().enumerate().map(|(place, &side)| (side, place)));
+        memory::refill(&mut by_first, sides.iter().enumerate().map(|(place, &side)| (side, place)));
         by_first.sort_unstable();
-        is_done.clear();
-        is_done.room_for(sides.len()).resize(sides.len(), false);
+        memory::refill_with(&mut is_done, false, sides.len());
         for start in 0..sides.len() {
             if is_done[start] {
                 continue;

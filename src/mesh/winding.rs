@@ -2,7 +2,7 @@
 //! Strackee 1983; Jacobson, Kavan and Sorkine-Hornung 2013). Far groups of triangles count as one dipole (Barill, Dickson,
 //! Schmidt, Levin and Jacobson 2018), so that a point among n triangles does not take n steps.
 
-use crate::math::{Vector3, direction, length};
+use crate::math::{Vector3, direction, length, margins};
 use crate::memory::{self, Room};
 
 /// A group this many of its radii away counts as one dipole. The error of the winding number stays far below one half.
@@ -17,8 +17,7 @@ pub(super) type Corners = [Vector3<f64>; 3];
 pub(super) fn of_triangle(corners: &Corners, point: &Vector3<f64>) -> f64 {
     let [Some(a), Some(b), Some(c)] = corners.map(|corner| direction(&(corner - point))) else { return 0.0 };
     let volume = a.dot(&b.cross(&c));
-    // What rounding leaves of a flat tetrahedron.
-    if volume.abs() <= 64.0 * f64::EPSILON {
+    if volume.abs() <= margins::margin(margins::FLAT_TETRAHEDRON) {
         return 0.0;
     }
     volume.atan2(1.0 + a.dot(&b) + b.dot(&c) + c.dot(&a)) / std::f64::consts::TAU

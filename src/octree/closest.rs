@@ -1,7 +1,7 @@
 use super::{Cells, Tracer};
 use crate::closest::{ClosestPoint, MeshScale, PointPacket, QueryPoint, TrianglePoint, TrianglePoints, ascending};
-use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, dispatch};
-use crate::memory::Room;
+use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, dispatch, lanes_of};
+use crate::memory;
 use crate::mesh::Mesh;
 
 /// The nearest triangle so far.
@@ -116,8 +116,7 @@ impl<T: Scalar> Tracer<'_, T> {
     /// Where there are not as many bounds as points.
     pub fn closest_points(&self, points: &[Vector3<T>], bounds: &[T], found: &mut Vec<Option<ClosestPoint<T>>>) {
         assert_eq!(points.len(), bounds.len(), "each point has a bound");
-        found.clear();
-        found.room_for(points.len()).resize(points.len(), None);
+        memory::refill_with(found, None, points.len());
         dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, sought: All, found });
     }
 
@@ -256,7 +255,7 @@ impl<T: Scalar> Tracer<'_, T> {
             *are_of_packet = true;
             return;
         }
-        for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+        for lane in lanes_of(asked) {
             let point = Vector3::new(points[0][lane], points[1][lane], points[2][lane]);
             if let Some(nearest) = self.closest_point(&point, bounds[lane]) {
                 distances[lane] = nearest.distance;

@@ -4,10 +4,10 @@
 
 mod classic;
 mod closest;
-mod groups;
-mod near;
-mod slabs;
-mod standing;
+mod levels_of_detail;
+mod near_triangles;
+mod ray_slabs;
+mod surface_groups;
 #[cfg(test)]
 pub(crate) mod test_mesh;
 mod tracer;
@@ -15,15 +15,15 @@ mod wide;
 mod winding;
 
 pub(crate) use closest::PointDistances;
-pub(crate) use near::{Lapse, NearParts, Reach, is_merged};
+pub(crate) use near_triangles::{Lapse, NearParts, Reach, is_merged};
 pub use tracer::Tracer;
 pub(crate) use wide::{Candidates, PacketHits};
 
 use crate::math::{Aabb, Pose, Scalar};
 use crate::memory;
-use crate::mesh::{Mesh, Standing, Topology};
+use crate::mesh::{Mesh, Representatives, Topology};
 use classic::Classic;
-use standing::StandingByLevel;
+use levels_of_detail::LevelsOfDetail;
 use std::fmt;
 use std::sync::Arc;
 use wide::Wide;
@@ -35,7 +35,7 @@ pub struct Octree<T: Scalar> {
     stamp: u64,
     cells: Cells<T>,
     /// Clones have the same groups.
-    standing: Arc<StandingByLevel>,
+    levels: Arc<LevelsOfDetail>,
 }
 
 /// A ray passes a few tiles. With less than one ray for this many tiles, loading all of them would take longer than tracing
@@ -94,8 +94,8 @@ impl<T: Scalar> Octree<T> {
             Layout::Wide => Cells::Wide(Wide::new(mesh)),
             Layout::Classic => Cells::Classic(Classic::new(mesh)),
         };
-        let standing = memory::shared(StandingByLevel::default());
-        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, standing }
+        let levels = memory::shared(LevelsOfDetail::default());
+        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, levels }
     }
 
     /// Follows the mesh to its present positions; memory is reused.
@@ -146,8 +146,8 @@ impl<T: Scalar> Octree<T> {
             }
             _ => self.update(mesh)?,
         }
-        let standing = patch_area.and_then(|area| Tracer::new(self, mesh).standing(area));
-        let ray_count = standing.map_or(usize::MAX, Standing::len);
+        let representatives = patch_area.and_then(|area| Tracer::new(self, mesh).representatives(area));
+        let ray_count = representatives.map_or(usize::MAX, Representatives::len);
         if let Cells::Wide(cells) = &mut self.cells
             && ray_count > cells.tile_count() as usize / RAYS_TO_LOAD
         {

@@ -1,4 +1,4 @@
-//! A mesh for the unit tests of octrees.
+//! Meshes for unit tests.
 
 use crate::mesh::Mesh;
 use std::f64::consts::TAU;
@@ -29,4 +29,13 @@ pub(crate) fn torus_triangles([around, across]: [u32; 2]) -> Vec<[u32; 3]> {
         [[a, b, c], [a, c, d]]
     };
     squares.flat_map(two).collect()
+}
+
+/// Two pyramids on one base of so many sides.
+pub(crate) fn bipyramid(sides: u32) -> Mesh<f64> {
+    let at = |side: u32| TAU * f64::from(side) / f64::from(sides);
+    let rim = (0..sides).map(|side| [at(side).cos(), at(side).sin(), 0.0]);
+    let positions: Vec<_> = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
+    let pair = |side| [[side, (side + 1) % sides, sides], [(side + 1) % sides, side, sides + 1]];
+    Mesh::new(&positions, &(0..sides).flat_map(pair).collect::<Vec<_>>()).expect("it is closed")
 }

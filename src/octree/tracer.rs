@@ -1,9 +1,9 @@
-use super::standing::StandingByLevel;
+use super::levels_of_detail::LevelsOfDetail;
 use super::wide::{Candidates, PacketHits};
 use super::{Cells, Octree};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, dispatch};
 use crate::memory::Room;
-use crate::mesh::{Mesh, Standing};
+use crate::mesh::{Mesh, Representatives};
 use crate::ray::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
 use std::cmp::Ordering;
 
@@ -11,14 +11,14 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, T: Scalar> {
     pub(super) cells: &'a Cells<T>,
-    pub(super) standing: &'a StandingByLevel,
+    pub(super) levels: &'a LevelsOfDetail,
     mesh: &'a Mesh<T>,
     test: TriangleTest,
 }
 
 impl<'a, T: Scalar> Tracer<'a, T> {
     pub(super) fn new(octree: &'a Octree<T>, mesh: &'a Mesh<T>) -> Self {
-        Self { cells: &octree.cells, standing: &octree.standing, mesh, test: TriangleTest::default() }
+        Self { cells: &octree.cells, levels: &octree.levels, mesh, test: TriangleTest::default() }
     }
 
     /// The same, deciding with another triangle test.
@@ -32,18 +32,18 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     }
 
     /// The triangles that stand for patches of at most about this area; `None` where each stands for itself.
-    pub(crate) fn standing(&self, area: T) -> Option<&'a Standing> {
+    pub(crate) fn representatives(&self, area: T) -> Option<&'a Representatives> {
         let group_count = match self.cells {
             Cells::Wide(cells) => cells.tile_count(),
             Cells::Classic(_) => self.mesh.topology().triangles().len().div_ceil(LANE_COUNT) as u32,
         };
-        self.standing.at(self.mesh, area, group_count, |group, offer| self.triangles_of(group, offer))
+        self.levels.at(self.mesh, area, group_count, |group, offer| self.triangles_of(group, offer))
     }
 
     /// How many triangles of these groups stand for patches of at most about this area, if only for themselves.
     pub(crate) fn casting_in(&self, groups: &[u32], area: T) -> usize {
-        match self.standing(area) {
-            Some(standing) => groups.iter().map(|&group| standing.count_in(group)).sum(),
+        match self.representatives(area) {
+            Some(representatives) => groups.iter().map(|&group| representatives.count_in(group)).sum(),
             None => groups.iter().map(|&group| self.triangle_count_of(group)).sum(),
         }
     }

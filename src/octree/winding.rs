@@ -1,6 +1,6 @@
 use super::wide::Candidates;
 use super::{Cells, Tracer};
-use crate::math::{LANE_COUNT, Lanes, Scalar, Vector3};
+use crate::math::{LANE_COUNT, Lanes, Scalar, Vector3, lanes_of};
 use crate::ray::{Hit, Ray, RayPacket};
 
 impl<T: Scalar> Tracer<'_, T> {
@@ -44,7 +44,7 @@ impl<T: Scalar> Tracer<'_, T> {
         numbers: &mut [i32; LANE_COUNT],
     ) {
         let triangles = self.mesh().topology().triangles();
-        for lane in (0..LANE_COUNT).filter(|lane| packet.present >> lane & 1 == 1) {
+        for lane in lanes_of(packet.present) {
             self.crossings(&packet.ray(lane), crossings);
             let is_own = |hit: &Hit<T>| touched[lane].iter().all(|v| triangles[hit.triangle as usize].contains(v));
             let counted = crossings.iter().filter(|hit| !is_own(hit));

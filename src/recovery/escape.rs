@@ -153,8 +153,7 @@ fn inside_samples<T: Scalar>(
 ) {
     let Workspace { samples, rays, groups, vertices, pieces, .. } = workspace;
     pair.collect(side, &mut groups[side], pieces, vertices, samples);
-    rays.clear();
-    memory::append(rays, samples.iter().map(|sample| pair.ray_out(side, sample.point.position, away)));
+    memory::refill(rays, samples.iter().map(|sample| pair.ray_out(side, sample.point.position, away)));
     keep_inside(pair, side, workspace, statistics);
 }
 

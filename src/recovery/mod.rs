@@ -2,12 +2,12 @@
 //! a pair remembers of it from step to step.
 
 mod escape;
-mod memory;
 mod packed_memory;
+mod pair_memory;
 mod progress;
 
-pub use memory::{PairMemory, Record};
 pub(crate) use packed_memory::PACKED;
+pub use pair_memory::{PairMemory, Record};
 
 use crate::detection::{ContactList, DetectionOptions, Pair, Sampling, overlap_region, part_of_rays};
 use crate::math::Scalar;

@@ -1,8 +1,8 @@
 //! What a pair remembers, as bytes: to be saved with the host's own state, or sent to another process.
 
-use super::memory::{PairMemory, Record};
+use super::pair_memory::{PairMemory, Record};
 use crate::bytes::Reader;
-use crate::math::{Scalar, Vector3};
+use crate::math::{Scalar, Vector3, margins};
 
 /// How many bytes a memory takes: three whole numbers and nine others, these always in double precision, which holds both.
 pub(crate) const PACKED: usize = 3 * 4 + 9 * 8;
@@ -40,12 +40,12 @@ impl<T: Scalar> PairMemory<T> {
 
     /// Whether a pair could have remembered this.
     pub(crate) fn is_possible(&self) -> bool {
-        let is_direction = |away: Vector3<T>| (away.norm_squared() - T::one()).abs() < T::of(1e-3);
+        let is_direction = |away: Vector3<T>| (away.norm_squared() - T::one()).abs() < T::of(margins::UNIT_SQUARE);
         // Written so that NaN is refused.
         self.escape.is_none_or(is_direction)
             && self.lowest.value >= T::zero()
             && self.halved.value >= T::zero()
-            && self.net_push.norm_squared() < T::of(1.001)
+            && self.net_push.norm_squared() < T::of(1.0 + margins::UNIT_SQUARE)
             && self.mean_overlap >= T::zero()
             && self.mean_overlap.is_finite()
     }

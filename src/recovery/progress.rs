@@ -1,7 +1,7 @@
 //! Pairs that contacts cannot part: when a pair begins to escape, and how the escape goes on.
 
 use super::escape::{choose_direction, is_short_way_out, push_apart};
-use super::memory::{PairMemory, Progress};
+use super::pair_memory::{PairMemory, Progress};
 use crate::detection::{ContactKind, ContactList, Outcome, Pair};
 use crate::math::{Scalar, Vector3};
 

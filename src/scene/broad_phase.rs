@@ -24,8 +24,7 @@ impl<T: Scalar> BroadPhase<T> {
     /// places in it.
     pub(super) fn update(&mut self, boxes: impl Iterator<Item = Aabb<T>>, is_wanted: impl Fn(&[u32; 2]) -> bool) {
         self.sorted.clear();
-        self.boxes.clear();
-        memory::append(&mut self.boxes, boxes);
+        memory::refill(&mut self.boxes, boxes);
         memory::append(&mut self.sorted, self.boxes.iter().copied().zip(0..));
         let axis = self.longest_axis();
         self.sorted.sort_unstable_by(|(a, i), (b, j)| {
@@ -43,8 +42,7 @@ impl<T: Scalar> BroadPhase<T> {
             }
         }
         self.pairs.sort_unstable();
-        self.meetings.clear();
-        self.meetings.room_for(2 * self.pairs.len()).extend(self.pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]));
+        memory::refill(&mut self.meetings, self.pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]));
         self.meetings.sort_unstable();
     }
 

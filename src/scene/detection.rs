@@ -296,8 +296,7 @@ impl<T: Scalar> Body<T> {
         }
         let Self { surface, regions, .. } = self;
         // Only bodies that meet another one need their octree.
-        regions.clear();
-        memory::append(regions, others.map(|other| reach_region(surface.mesh().aabb(), other, options.law)));
+        memory::refill(regions, others.map(|other| reach_region(surface.mesh().aabb(), other, options.law)));
         if !regions.is_empty() {
             let for_distances = options.law == ContactLaw::Pressure;
             surface.refit_in(regions, options.sampling.patch_area(), for_distances);

@@ -16,7 +16,7 @@ pub use error::SceneError;
 pub use saved_state_error::SavedStateError;
 pub use shared_body::{PairCost, Sharing, finds_pair};
 
-use crate::detection::{ContactList, DetectionOptions, SelfMemory};
+use crate::detection::{ContactList, DetectionOptions, SelfWarmStart};
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::Mesh;
@@ -52,7 +52,7 @@ pub struct Scene<T: Scalar> {
 /// The contacts of a body with itself.
 #[derive(Debug, Default)]
 struct OwnContacts<T: Scalar> {
-    memory: SelfMemory<T>,
+    memory: SelfWarmStart<T>,
     contacts: ContactList<T>,
     /// Whether the body may overlap itself at its present positions.
     may_overlap: bool,

@@ -2,7 +2,7 @@ use super::anchors::Corners;
 use super::twist::{V3, angular, linear, rotation};
 use super::{Material, SystemError};
 use crate::detection::SurfacePoint;
-use crate::math::{Pose, Scalar};
+use crate::math::{Pose, Scalar, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use nalgebra::Matrix3;
@@ -93,7 +93,7 @@ impl Frame {
         finite("free_velocity", &motion.free_velocity)?;
         let rotation = Matrix3::from_fn(|row, column| motion.rotation[row][column]);
         let error = (rotation * rotation.transpose() - Matrix3::identity()).norm();
-        if !(error < 1e-6 && rotation.determinant() > 0.0) {
+        if !(error < margins::ROTATION && rotation.determinant() > 0.0) {
             return Err(SystemError::Rotation { body });
         }
         self.centre = motion.position.into();
@@ -145,8 +145,7 @@ impl Table {
                 return Err(SystemError::NodeRange { vertex, node, count: node_count });
             }
             let (sum, size) = entries.iter().fold((0.0, 1.0), |(sum, size), (_, w)| (sum + w, size + w.abs()));
-            // Weights rounded to single precision are fine.
-            if !sum.is_finite() || (sum - 1.0_f64).abs() > 1e-5 * size {
+            if !sum.is_finite() || (sum - 1.0_f64).abs() > margins::WEIGHT_SUM * size {
                 return Err(SystemError::WeightSum { vertex, sum });
             }
         }
@@ -256,8 +255,7 @@ impl<T: Scalar> Body<T> {
         match mover {
             Mover::Nodes { table, .. } => {
                 let vertices = table.offsets.len() - 1;
-                ahead.clear();
-                ahead.room_for(vertices).extend((0..vertices as u32).map(|vertex| table.sum(vertex, course.ends)));
+                memory::refill(ahead, (0..vertices as u32).map(|vertex| table.sum(vertex, course.ends)));
             }
             Mover::Rigid { frame, place, .. } => {
                 *ahead_pose = frame.moved(course.time, &course.twists[6 * *place..6 * *place + 6]);

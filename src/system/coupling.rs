@@ -2,7 +2,7 @@
 
 use super::row::{Entry, RigidEnd, Row, Spring};
 use super::twist::V3;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
 /// The force on a node for each of the six velocities of a rigid body, in N s/m and N s.
@@ -82,8 +82,7 @@ impl RigidCoupling {
         ends.sort_unstable();
         bodies.clear();
         nodes.clear();
-        places.clear();
-        places.room_for(node_count).resize(node_count, u32::MAX);
+        memory::refill_with(places, u32::MAX, node_count);
         for of_body in ends.chunk_by(|one, next| one.0 == next.0) {
             let first = nodes.len() as u32;
             for &(_, place, _) in of_body {
@@ -105,8 +104,7 @@ impl RigidCoupling {
     /// The numbers of the blocks found.
     pub(super) fn add_up(&mut self, springs: &[Spring], rows: &[Row], entries: &[Entry]) {
         let Self { ends, bodies, nodes, blocks, places, .. } = self;
-        blocks.clear();
-        blocks.room_for(nodes.len()).resize(nodes.len(), [V3::zeros(); 6]);
+        memory::refill_with(blocks, [V3::zeros(); 6], nodes.len());
         let mut first = 0;
         for (of_body, &(_, last)) in ends.chunk_by(|one, next| one.0 == next.0).zip(&*bodies) {
             for place in first..last {

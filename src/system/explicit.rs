@@ -2,7 +2,7 @@ use super::rows::Coupled;
 use super::solve::check_count;
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::Scalar;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::scene::Scene;
 
 impl<T: Scalar> ContactSystem<T> {
@@ -33,8 +33,7 @@ impl<T: Scalar> ContactSystem<T> {
         added?;
         let mut sums = std::mem::take(&mut self.buffers.areas);
         let nodes = self.node_masses.len();
-        sums.clear();
-        sums.room_for(nodes + 2 * self.rigid_count).resize(nodes + 2 * self.rigid_count, 0.0);
+        memory::refill_with(&mut sums, 0.0, nodes + 2 * self.rigid_count);
         let rows = &self.rows;
         rows.for_each_coupling(|place, with, coupling| {
             let end = |side: usize| rows.rows[place].rigid[side].map_or(0, |end| nodes + 2 * end.place);

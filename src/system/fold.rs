@@ -9,7 +9,7 @@ use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
 use crate::detection::{Contact, ContactKind, EscapePush};
 use crate::math::{Scalar, direction};
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use nalgebra::Matrix3;
 
@@ -171,8 +171,7 @@ impl<T: Scalar> Folding<'_, T> {
         if vertices.iter().all(|&vertex| depth(vertex) <= 0.0) {
             return;
         }
-        areas.clear();
-        areas.room_for(body.positions.len()).resize(body.positions.len(), 0.0);
+        memory::refill_with(areas, 0.0, body.positions.len());
         for corners in mesh.topology().triangles() {
             if corners.iter().all(|&vertex| depth(vertex) <= 0.0) {
                 continue;

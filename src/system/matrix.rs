@@ -4,7 +4,7 @@
 use super::coupling::RigidCoupling;
 use super::row::{Entry, Row, Spring};
 use crate::math::{Kernel, Lanes, dispatch};
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
 /// A row with more entries than this, as the push on a whole body has, is no part of the matrix: its blocks would be the square
 /// of them.
@@ -95,8 +95,7 @@ impl NodeMatrix {
     fn find_lines(&mut self, springs: &[Spring], entries: &[Entry], nodes: usize) {
         let Self { lines, line_of, ends, taken, entries: own, by_line, .. } = self;
         let of = |place: u32| &entries[springs[place as usize].begin..springs[place as usize].end];
-        line_of.clear();
-        line_of.room_for(nodes).resize(nodes, 0);
+        memory::refill_with(line_of, 0, nodes);
         for &(place, _) in &*taken {
             for entry in of(place) {
                 line_of[entry.node as usize] += 1;
@@ -114,8 +113,7 @@ impl NodeMatrix {
         }
         own.clear();
         own.room_for(sum as usize);
-        by_line.clear();
-        by_line.room_for(sum as usize).resize(sum as usize, (0, 0));
+        memory::refill_with(by_line, (0, 0), sum as usize);
         for (&(place, _), spring) in taken.iter().zip(0..) {
             let begin = own.len();
             for entry in of(place) {
@@ -138,8 +136,7 @@ impl NodeMatrix {
     /// The blocks there are, without their numbers; false where they are more than `most`.
     fn find_blocks(&mut self, most: usize) -> bool {
         let Self { lines, columns, ends, places, taken, entries, by_line, .. } = self;
-        places.clear();
-        places.room_for(lines.len()).resize(lines.len(), u32::MAX);
+        memory::refill_with(places, u32::MAX, lines.len());
         let mut begin = 0;
         for (number, (line, &end)) in lines.iter_mut().zip(&*ends).enumerate() {
             let first = columns.len() as u32;
@@ -166,13 +163,14 @@ impl NodeMatrix {
     /// Adds `scale` times the product.
     pub(super) fn add_product(&mut self, change: &[f64], scale: f64, result: &mut [f64]) {
         let Self { lines, change: own, result: sums, .. } = self;
-        own.clear();
-        own.room_for(lines.len()).extend(lines.iter().map(|&(node, _)| {
-            let place = &change[3 * node as usize..][..3];
-            [place[0] * scale, place[1] * scale, place[2] * scale, 0.0]
-        }));
-        sums.clear();
-        sums.room_for(lines.len()).resize(lines.len(), [0.0; 4]);
+        memory::refill(
+            own,
+            lines.iter().map(|&(node, _)| {
+                let place = &change[3 * node as usize..][..3];
+                [place[0] * scale, place[1] * scale, place[2] * scale, 0.0]
+            }),
+        );
+        memory::refill_with(sums, [0.0; 4], lines.len());
         dispatch::<f64, _>(Product { matrix: self });
         for (&(node, _), sum) in self.lines.iter().zip(&self.result) {
             let place = &mut result[3 * node as usize..][..3];

@@ -46,7 +46,7 @@ pub use part_matrix::PartBlock;
 pub use parts::Part;
 
 use crate::detection::ContactList;
-use crate::math::Scalar;
+use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
 use crate::scene::Scene;
 use anchors::Anchors;
@@ -128,8 +128,7 @@ impl<T: Scalar> ContactSystem<T> {
         if let Some(expected) = needed.filter(|&needed| needed > masses.len()) {
             return Err(SystemError::WrongCount { what: "masses", given: masses.len(), expected });
         }
-        self.node_masses.clear();
-        memory::append(&mut self.node_masses, masses.iter().copied());
+        memory::refill(&mut self.node_masses, masses.iter().copied());
         for body in &mut self.bodies {
             if let Some(nodes) = body.nodes() {
                 body.mass = mass_of(&self.node_masses, nodes);
@@ -186,9 +185,9 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Mass { node: None, value: mass });
         }
         let inertia = Matrix3::from_fn(|row, column| inertia[row][column]);
-        let is_symmetric = (inertia - inertia.transpose()).norm() <= 1e-9 * inertia.norm();
-        // What is lost to rounding is no inertia.
-        let factor = (inertia / inertia.norm() - Matrix3::identity() * 1e-14).cholesky();
+        let [asymmetry, least] = margins::INERTIA;
+        let is_symmetric = (inertia - inertia.transpose()).norm() <= asymmetry * inertia.norm();
+        let factor = (inertia / inertia.norm() - Matrix3::identity() * least).cholesky();
         if !is_symmetric || !inertia.iter().all(|x| x.is_finite()) || factor.is_none() {
             return Err(SystemError::Inertia);
         }
@@ -224,7 +223,7 @@ impl<T: Scalar> ContactSystem<T> {
         check_finite("normal", &normal)?;
         check_finite("offset", &[offset])?;
         let normal = V3::from(normal);
-        if (normal.norm() - 1.0).abs() > 1e-6 {
+        if (normal.norm() - 1.0).abs() > margins::UNIT_NORMAL {
             return Err(SystemError::Normal { length: normal.norm() });
         }
         material.check()?;

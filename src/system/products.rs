@@ -5,7 +5,7 @@ use super::body::at;
 use super::row::{Entry, Slip, Spring};
 use super::rows::{RowForce, Rows, Velocities};
 use super::twist::V3;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
 impl Rows {
     /// Takes note of how rows are held now, for the products until they are held anew.
@@ -51,8 +51,7 @@ impl Rows {
         self.assemble(nodes.len() / 3);
         let count = 6 * self.masses.len();
         let mut loads = std::mem::take(&mut self.loads);
-        loads.clear();
-        loads.room_for(count).resize(count, 0.0);
+        memory::refill_with(&mut loads, 0.0, count);
         self.add_to_rigid(nodes, -dt, &mut loads);
         self.finish_response(loads, None);
         let twists = std::mem::take(&mut self.response);

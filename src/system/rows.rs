@@ -5,7 +5,7 @@ use super::coupling::RigidCoupling;
 use super::matrix::NodeMatrix;
 use super::row::{Entry, RigidEnd, Row, Slip, Spring};
 use super::twist::{Factor, V3};
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use nalgebra::Matrix3;
 
 /// What a row acts on: an entry, or the linear or angular velocity of its first or second rigid body.
@@ -173,8 +173,7 @@ impl Rows {
     /// Where rigid bodies are eliminated: the twists with which they answer the nodes' velocities, into `response`.
     pub(super) fn respond(&mut self, nodes: &[f64], free: &[f64], dt: f64) {
         let mut loads = std::mem::take(&mut self.loads);
-        loads.clear();
-        loads.room_for(free.len()).resize(free.len(), 0.0);
+        memory::refill_with(&mut loads, 0.0, free.len());
         for place in 0..self.rows.len() {
             let row = &self.rows[place];
             if row.held.pushes && row.rigid.iter().any(Option::is_some) {

@@ -3,7 +3,7 @@ use super::fold::Folding;
 use super::rows::Velocities;
 use super::{ContactSystem, RigidUnknowns, SystemError, check_finite};
 use crate::math::Scalar;
-use crate::memory::{self, Room};
+use crate::memory;
 use crate::mesh::MeshError;
 use crate::scene::Scene;
 use nalgebra::Matrix3;
@@ -48,8 +48,7 @@ impl Buffers {
 
     /// Finds where nodes are after a time with these velocities.
     pub(super) fn find_ends(ends: &mut Vec<f64>, positions: &[f64], velocities: &[f64], time: f64) {
-        ends.clear();
-        memory::append(ends, positions.iter().zip(velocities).map(|(x, v)| x + v * time));
+        memory::refill(ends, positions.iter().zip(velocities).map(|(x, v)| x + v * time));
     }
 }
 
@@ -142,11 +141,9 @@ impl<T: Scalar> ContactSystem<T> {
         copy(&mut buffers.positions, positions);
         copy(&mut buffers.velocities, velocities);
         copy(&mut buffers.ahead, free_velocities);
-        self.rows.masses.clear();
-        self.rows.masses.room_for(self.rigid_count).resize(self.rigid_count, Default::default());
+        memory::refill_with(&mut self.rows.masses, Default::default(), self.rigid_count);
         for twists in [&mut buffers.twists, &mut buffers.free_twists] {
-            twists.clear();
-            twists.room_for(6 * self.rigid_count).resize(6 * self.rigid_count, 0.0);
+            memory::refill_with(twists, 0.0, 6 * self.rigid_count);
         }
         bodies.iter_mut().for_each(|body| body.has_joined = false);
         for body in &*bodies {
@@ -324,6 +321,5 @@ pub(super) fn square_between(a: &[f64], b: &[f64]) -> f64 {
 }
 
 pub(super) fn copy(to: &mut Vec<f64>, from: &[f64]) {
-    to.clear();
-    memory::append(to, from.iter().copied());
+    memory::refill(to, from.iter().copied());
 }

@@ -1,6 +1,7 @@
 //! Velocities of rigid bodies: three numbers linear, three angular; of forces: force, torque.
 
-use crate::math::Vector3;
+use crate::math::{Vector3, margins};
+use crate::memory;
 use nalgebra::Matrix3;
 
 pub(super) type V3 = Vector3<f64>;
@@ -17,8 +18,7 @@ pub(super) fn angular(twist: &[f64]) -> V3 {
 pub(super) fn rotation(angle: &V3) -> Matrix3<f64> {
     let cross = angle.cross_matrix();
     let square = angle.norm_squared();
-    // Below this the next term of either series is lost to rounding.
-    let (first, second) = if square < 1e-8 {
+    let (first, second) = if square < margins::SMALL_ANGLE {
         (1.0 - square / 6.0, 0.5 - square / 24.0)
     } else {
         let length = square.sqrt();
@@ -36,10 +36,8 @@ pub(super) struct Factor {
 
 impl Factor {
     pub(super) fn reset(&mut self, size: usize) {
-        use crate::memory::Room;
         self.size = size;
-        self.numbers.clear();
-        self.numbers.room_for(size * size).resize(size * size, 0.0);
+        memory::refill_with(&mut self.numbers, 0.0, size * size);
     }
 
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {

@@ -1,7 +1,7 @@
 //! Rays of bodies that overlap themselves: what a hit means when there are several folds, by the winding number.
 
 use super::winding::{leaves_body_before_end, way_out_past_folds};
-use crate::math::{LANE_COUNT, Mask, Scalar};
+use crate::math::{LANE_COUNT, Mask, Scalar, lanes_of};
 use crate::octree::{PacketHits, Tracer};
 use crate::ray::{Hit, RayPacket};
 
@@ -14,7 +14,7 @@ pub(crate) fn follow<T: Scalar>(
     crossings: &mut Vec<Hit<T>>,
 ) -> Mask {
     let entries = hits.found & !hits.exits;
-    lanes(entries)
+    lanes_of(entries)
         .filter_map(|lane| Some((lane, way_out_past_folds(other, &packet.ray(lane), crossings)?)))
         .map(|(lane, way_out)| {
             hits.set(lane, &way_out);
@@ -32,11 +32,7 @@ pub(crate) fn uncovered<T: Scalar>(
     touched: &[[u32; 3]; LANE_COUNT],
     crossings: &mut Vec<Hit<T>>,
 ) -> Mask {
-    lanes(hidden)
+    lanes_of(hidden)
         .filter(|&lane| !leaves_body_before_end(own, &packet.ray(lane).until(end[lane]), touched[lane], crossings))
         .fold(0, |uncovered, lane| uncovered | 1 << lane)
-}
-
-fn lanes(mask: Mask) -> impl Iterator<Item = usize> {
-    (0..LANE_COUNT).filter(move |lane| mask >> lane & 1 == 1)
 }

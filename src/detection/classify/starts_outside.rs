@@ -1,6 +1,6 @@
 //! Rays from vertices whose inward normal points out of their own body at once, as it may at sharp tips.
 
-use crate::math::{LANE_COUNT, Mask, Scalar};
+use crate::math::{LANE_COUNT, Mask, Scalar, lanes_of};
 use crate::octree::Tracer;
 use crate::ray::{Hit, RayPacket};
 
@@ -26,7 +26,7 @@ pub(crate) fn entering<T: Scalar>(
         let first = crossings.iter().find(|hit| !is_around(hit));
         first.is_some_and(|hit| !hit.is_exit && hit.t < ray.t_max)
     };
-    (0..LANE_COUNT).filter(|&lane| asked >> lane & 1 == 1 && enters(lane)).fold(0, |mask, lane| mask | 1 << lane)
+    lanes_of(asked).filter(|&lane| enters(lane)).fold(0, |mask, lane| mask | 1 << lane)
 }
 
 #[cfg(test)]

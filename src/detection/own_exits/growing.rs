@@ -42,8 +42,7 @@ impl<T: Scalar> Growing<T> {
         if self.places.is_empty() {
             return;
         }
-        self.parts.clear();
-        memory::append(&mut self.parts, parts.iter().map(|&own| if own == part { PART } else { OUTSIDE }));
+        memory::refill(&mut self.parts, parts.iter().map(|&own| if own == part { PART } else { OUTSIDE }));
         self.vertices.clear();
         let own = topology.surface_vertices().iter().filter(|&&vertex| parts[vertex as usize] == part);
         memory::append(&mut self.vertices, own.copied());
@@ -51,12 +50,9 @@ impl<T: Scalar> Growing<T> {
         while !self.places.is_empty() {
             self.grow(topology);
             let Self { parts, places, points: some, bounds, found: answers, .. } = self;
-            some.clear();
-            memory::append(some, places.iter().map(|&place| points[place as usize]));
-            bounds.clear();
-            bounds.room_for(some.len()).resize(some.len(), T::INFINITY);
-            answers.clear();
-            answers.room_for(some.len()).resize(some.len(), None);
+            memory::refill(some, places.iter().map(|&place| points[place as usize]));
+            memory::refill_with(bounds, T::INFINITY, some.len());
+            memory::refill_with(answers, None, some.len());
             tracer.closest_points_beyond((parts, PART), some, bounds, answers);
             for (place, answer) in places.iter().zip(answers.iter()) {
                 found[*place as usize] = *answer;

@@ -117,8 +117,7 @@ impl<T: Scalar> OwnExits<T> {
             return Err(OwnExitsError::Open);
         }
         let topology = mesh.topology();
-        self.parts.clear();
-        self.parts.room_for(topology.vertex_count()).resize(topology.vertex_count(), OUTSIDE);
+        memory::refill_with(&mut self.parts, OUTSIDE, topology.vertex_count());
         self.places.clear();
         let places = self.inside.find(&tracer).iter().map(|&place| [UNNUMBERED, place]);
         memory::append(&mut self.places, places);
@@ -155,12 +154,9 @@ impl<T: Scalar> OwnExits<T> {
     fn find_exits(&mut self, tracer: &Tracer<'_, T>) {
         let Self { exits, inside, parts, places, points, bounds, found, growing, .. } = self;
         let vertices = places.iter().map(|&[_, place]| inside.vertex_at(place));
-        points.clear();
-        memory::append(points, vertices.clone().map(|vertex| tracer.mesh().position(vertex)));
-        bounds.clear();
-        bounds.room_for(points.len()).resize(points.len(), T::INFINITY);
-        found.clear();
-        found.room_for(points.len()).resize(points.len(), None);
+        memory::refill(points, vertices.clone().map(|vertex| tracer.mesh().position(vertex)));
+        memory::refill_with(bounds, T::INFINITY, points.len());
+        memory::refill_with(found, None, points.len());
         let mut first = 0;
         for part in places.chunk_by(|[a, _], [b, _]| a == b) {
             let range = first..first + part.len();

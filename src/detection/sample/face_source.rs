@@ -3,7 +3,7 @@ use crate::math::{
     Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, length, set_lane, vector_in_lane,
 };
 use crate::memory::Room;
-use crate::mesh::{Mesh, NormalLanes, Standing};
+use crate::mesh::{Mesh, NormalLanes, Representatives};
 use crate::octree::Tracer;
 
 /// A group of triangles on its way into packets.
@@ -100,10 +100,10 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
         let mut patches = None;
         match starts {
             Starts::Groups(groups) => own.triangles_of(groups[number], add),
-            Starts::Patches(standing, places) => {
+            Starts::Patches(representatives, places) => {
                 let places = &places[number * LANE_COUNT..places.len().min((number + 1) * LANE_COUNT)];
-                places.iter().for_each(|&place| add(standing.triangle(place)));
-                patches = Some((standing, places));
+                places.iter().for_each(|&place| add(representatives.triangle(place)));
+                patches = Some((representatives, places));
             }
             Starts::Samples(_) => unreachable!("samples need no source"),
         }
@@ -120,8 +120,8 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
         let middle = Vectors::load(&self.lanes.position);
         let middles_inside = lower.are_at_most(middle) & middle.are_at_most(upper);
         self.short = !L::splat(self.cutter.longest_allowed).is_less(longest);
-        if let Some((standing, places)) = patches {
-            self.stand_for_patches::<L>(own.mesh(), standing, places, middles_inside & touching);
+        if let Some((representatives, places)) = patches {
+            self.stand_for_patches::<L>(own.mesh(), representatives, places, middles_inside & touching);
         }
         self.left = touching & self.lanes.found & (middles_inside | !self.short);
         u64::from((touching & !self.lanes.found).count_ones())
@@ -133,14 +133,14 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
     fn stand_for_patches<L: Lanes<T>>(
         &mut self,
         mesh: &Mesh<T>,
-        standing: &Standing,
+        representatives: &Representatives,
         places: &[u32],
         mut wanted: Mask,
     ) {
         while wanted != 0 {
             let lane = wanted.trailing_zeros() as usize;
             wanted &= wanted - 1;
-            let border = standing.border(places[lane]);
+            let border = representatives.border(places[lane]);
             if border.is_empty() {
                 continue;
             }

@@ -4,7 +4,7 @@ use super::{CutPiece, Cutter, FaceSource, Sample, SamplePacket};
 use crate::detection::statistics::Statistics;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar};
 use crate::memory::Room;
-use crate::mesh::Standing;
+use crate::mesh::Representatives;
 use crate::octree::Tracer;
 
 /// Where rays start.
@@ -13,7 +13,7 @@ pub(crate) enum Starts<'a, T: Scalar> {
     /// From the vertices or triangles of these groups.
     Groups(&'a [u32]),
     /// From the triangles at these places, each for its patch.
-    Patches(&'a Standing, &'a [u32]),
+    Patches(&'a Representatives, &'a [u32]),
     /// From these.
     Samples(&'a [Sample<T>]),
 }

@@ -51,8 +51,7 @@ impl Culling {
                 self.regions.join(a, b, false);
             }
         }
-        self.is_wanted.clear();
-        memory::append(&mut self.is_wanted, touching.touched.iter().copied());
+        memory::refill(&mut self.is_wanted, touching.touched.iter().copied());
         for triangle in 0..count as u32 {
             let (first, _) = self.regions.find(triangle);
             // The smallest number of a region stands for it, and comes first.

@@ -2,14 +2,14 @@
 //! inside from outside, which samples need a ray, and which fold a point belongs to.
 
 mod culling;
-mod memory;
 mod nearness;
 mod own_side;
 mod sets;
 mod tangled;
 mod touching;
+mod warm_start;
 mod workspace;
 
-pub(crate) use memory::SelfMemory;
 pub(in crate::detection) use tangled::is_collapsed;
+pub(crate) use warm_start::SelfWarmStart;
 pub(in crate::detection) use workspace::SelfWorkspace;

@@ -12,7 +12,7 @@ pub(in crate::detection) fn rounding<T: Scalar>(mesh: &Mesh<T>) -> T {
 
 /// Triangles closer than this touch.
 pub(in crate::detection) fn touch_distance<T: Scalar>(mesh: &Mesh<T>) -> T {
-    rounding(mesh) * T::of(4.0)
+    rounding(mesh) * T::of(margins::TOUCH)
 }
 
 /// How near two triangles without a common vertex are.

@@ -8,7 +8,7 @@
 use super::sets::Sets;
 use super::touching::Touching;
 use crate::math::Scalar;
-use crate::memory::Room;
+use crate::memory;
 use crate::mesh::Topology;
 
 /// The folds that overlap, by vertex.
@@ -28,12 +28,10 @@ impl Folds {
     /// Starts anew with a surface of which nothing lies inside.
     pub(in crate::detection) fn reset(&mut self, topology: &Topology) {
         let count = topology.vertex_count();
-        self.is_inside.clear();
-        self.is_inside.room_for(count).resize(count, false);
+        memory::refill_with(&mut self.is_inside, false, count);
         self.parts.reset(count);
         self.folds.reset(count);
-        self.is_mixed.clear();
-        self.is_mixed.room_for(count).resize(count, false);
+        memory::refill_with(&mut self.is_mixed, false, count);
     }
 
     /// Takes note that the surface between these vertices lies inside.

@@ -1,4 +1,4 @@
-use crate::memory::{self, Room};
+use crate::memory;
 
 /// Sets of numbers, joined two by two (Tarjan 1975), each with its parity in its set.
 #[derive(Clone, Debug, Default)]
@@ -10,10 +10,8 @@ pub(in crate::detection) struct Sets {
 impl Sets {
     /// `count` sets of one number each.
     pub(in crate::detection) fn reset(&mut self, count: usize) {
-        self.parents.clear();
-        memory::append(&mut self.parents, 0..count as u32);
-        self.parities.clear();
-        self.parities.room_for(count).resize(count, false);
+        memory::refill(&mut self.parents, 0..count as u32);
+        memory::refill_with(&mut self.parities, false, count);
     }
 
     /// The number that stands for the set of `number`, and the parity of `number` beside it.

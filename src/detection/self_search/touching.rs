@@ -3,7 +3,7 @@
 
 use super::nearness::{projected_gap, rounding, separation, touch_distance};
 use super::tangled::{Limits, is_tangled};
-use crate::math::{Aabb, Scalar, Vector3, direction, length};
+use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::octree::{NearParts, Octree, Reach};
@@ -107,15 +107,12 @@ impl<T: Scalar> Touching<T> {
     /// tangled.
     pub(in crate::detection) fn search_fans(&mut self, mesh: &Mesh<T>) -> Fans<T> {
         let count = mesh.topology().triangles().len();
-        self.facets.clear();
-        memory::append(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
+        memory::refill(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
         let altitudes = self.facets.iter().map(|facet| facet.area / facet.longest_edge);
         let fineness = altitudes.fold(T::zero(), |sum, altitude| sum + altitude) / T::of(count as f64);
-        // A ray from a triangle's middle stays a third of this away from the others.
-        let least_allowed = rounding(mesh) * T::of(64.0);
+        let least_allowed = rounding(mesh) * T::of(margins::ALTITUDE_OF_FAN);
         let mut least = T::INFINITY;
-        self.strains.clear();
-        self.strains.room_for(mesh.topology().vertex_count()).resize(mesh.topology().vertex_count(), T::zero());
+        memory::refill_with(&mut self.strains, T::zero(), mesh.topology().vertex_count());
         for &vertex in mesh.topology().surface_vertices() {
             let (altitude, cosine) = self.altitude_of_fan(mesh, vertex);
             self.strains[vertex as usize] = strain_of_fan(cosine, least_allowed / altitude);
@@ -229,8 +226,7 @@ impl<T: Scalar> Facet<T> {
 /// ½, and edges grow by at most s of their length. So its altitude as seen is still at least (1 − 1.665 s / cosine) / (1 + s)
 /// of what it was.
 fn strain_of_fan<T: Scalar>(cosine: T, part: T) -> T {
-    // A little less, for rounding.
-    let most = T::of(0.98) * (T::one() - part) * cosine / (cosine + T::of(1.67));
+    let most = T::of(margins::STRAIN) * (T::one() - part) * cosine / (cosine + T::of(1.67));
     // In this form NaN counts as none.
     if most > T::zero() { most } else { T::zero() }
 }
@@ -241,9 +237,9 @@ fn are_apart<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], distance: T) -> bool {
     let [a, b] = corners;
     let axis = (b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2]);
     let (gap, square) = (projected_gap(corners, &axis), axis.norm_squared());
-    // Half as much again, beyond all rounding; where squares underflow or overflow it is not known.
+    // Where squares underflow or overflow it is not known.
     let is_safe = T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1;
-    is_safe && gap > T::zero() && gap * gap / square > distance * distance * T::of(1.5)
+    is_safe && gap > T::zero() && gap * gap / square > distance * distance * T::of(margins::CLEAR_GAP)
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@
 //! here leans on.
 #![allow(unsafe_code)]
 
-use super::avx2_lists::{append, doubles_bounds, doubles_gather, equal, have_next, holding, singles_gather};
+use super::avx2_lists::{Avx2Lists, doubles_bounds, doubles_gather, have_next, singles_gather};
 use super::dispatch::{Kernel, outlined_avx2};
-use super::registers::register_by_register;
+use super::registers::{arithmetic, comparisons};
 use super::sse2_lists::singles_bounds;
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
@@ -21,38 +21,24 @@ pub struct SinglesAvx2([__m256; 2]);
 pub struct DoublesAvx2([__m256d; 4]);
 
 impl Lanes<f32> for SinglesAvx2 {
+    type Lists = Avx2Lists;
+    const FUSES: bool = true;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outlined<K: Kernel<f32>>(kernel: K) -> K::Output {
         // SAFETY: the kernel that runs this checked for AVX2 and FMA.
         unsafe { outlined_avx2::<f32, Self, K>(kernel) }
     }
 
-    register_by_register!(
-        f32,
-        [0, 1],
-        8,
-        _mm256_set1_ps,
-        _mm256_loadu_ps,
-        _mm256_storeu_ps,
-        _mm256_add_ps,
-        _mm256_sub_ps,
-        _mm256_mul_ps,
-        _mm256_div_ps,
-        _mm256_sqrt_ps,
-        _mm256_fmadd_ps,
-        _mm256_xor_ps,
-        _mm256_min_ps,
-        _mm256_max_ps,
-        less_ps,
-        at_most_ps,
-        _mm256_blendv_ps,
-        _mm256_movemask_ps
+    arithmetic!(
+        f32, [0, 1], 8; _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps,
+        _mm256_div_ps, _mm256_sqrt_ps, _mm256_fmadd_ps, _mm256_xor_ps, _mm256_min_ps, _mm256_max_ps
     );
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn times_add(self, factor: Self, term: Self) -> Self {
-        self.mul_add(factor, term)
-    }
+    comparisons!(
+        [0, 1], 8; _mm256_set1_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_min_ps, _mm256_max_ps, less_ps, at_most_ps,
+        _mm256_blendv_ps, _mm256_movemask_ps
+    );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
@@ -113,21 +99,6 @@ impl Lanes<f32> for SinglesAvx2 {
             _mm_cvtss_f32(_mm_max_ss(two, _mm_shuffle_ps::<1>(two, two)))
         }
     }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append(list, count, first, bits)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-        equal(indices, index)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-        holding(sets, bits)
-    }
 }
 
 impl SinglesAvx2 {
@@ -159,38 +130,24 @@ impl SinglesAvx2 {
 }
 
 impl Lanes<f64> for DoublesAvx2 {
+    type Lists = Avx2Lists;
+    const FUSES: bool = true;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outlined<K: Kernel<f64>>(kernel: K) -> K::Output {
         // SAFETY: the kernel that runs this checked for AVX2 and FMA.
         unsafe { outlined_avx2::<f64, Self, K>(kernel) }
     }
 
-    register_by_register!(
-        f64,
-        [0, 1, 2, 3],
-        4,
-        _mm256_set1_pd,
-        _mm256_loadu_pd,
-        _mm256_storeu_pd,
-        _mm256_add_pd,
-        _mm256_sub_pd,
-        _mm256_mul_pd,
-        _mm256_div_pd,
-        _mm256_sqrt_pd,
-        _mm256_fmadd_pd,
-        _mm256_xor_pd,
-        _mm256_min_pd,
-        _mm256_max_pd,
-        less_pd,
-        at_most_pd,
-        _mm256_blendv_pd,
-        _mm256_movemask_pd
+    arithmetic!(
+        f64, [0, 1, 2, 3], 4; _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd,
+        _mm256_mul_pd, _mm256_div_pd, _mm256_sqrt_pd, _mm256_fmadd_pd, _mm256_xor_pd, _mm256_min_pd, _mm256_max_pd
     );
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn times_add(self, factor: Self, term: Self) -> Self {
-        self.mul_add(factor, term)
-    }
+    comparisons!(
+        [0, 1, 2, 3], 4; _mm256_set1_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_min_pd, _mm256_max_pd, less_pd,
+        at_most_pd, _mm256_blendv_pd, _mm256_movemask_pd
+    );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn permute(self, places: &[u8; LANE_COUNT]) -> Self {
@@ -250,21 +207,6 @@ impl Lanes<f64> for DoublesAvx2 {
             let two = _mm_max_pd(_mm256_castpd256_pd128(both), _mm256_extractf128_pd::<1>(both));
             _mm_cvtsd_f64(_mm_max_sd(two, _mm_unpackhi_pd(two, two)))
         }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append(list, count, first, bits)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-        equal(indices, index)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-        holding(sets, bits)
     }
 }
 

@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::one_by_one::{bounds_one_by_one, gather_one_by_one};
-use super::{LANE_COUNT, Mask};
+use super::{LANE_COUNT, Lists, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
 
@@ -28,48 +28,53 @@ const fn places() -> [[u8; 8]; 256] {
     all
 }
 
-/// [`Lanes::append`](super::Lanes::append) without a branch.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-    let behind: &mut [u32; LANE_COUNT] = (&mut list[count..count + LANE_COUNT]).try_into().expect("sixteen places");
-    let [low, high] = bits.to_le_bytes();
-    let low_count = low.count_ones() as usize;
-    // SAFETY: the kernel that runs this checked for AVX2; eight places may be written from the start and from any of the
-    // first nine.
-    unsafe {
-        let low = _mm256_cvtepu8_epi32(_mm_loadl_epi64(PLACES[usize::from(low)].as_ptr().cast()));
-        let high = _mm256_cvtepu8_epi32(_mm_loadl_epi64(PLACES[usize::from(high)].as_ptr().cast()));
-        let low = _mm256_add_epi32(low, _mm256_set1_epi32(first as i32));
-        let high = _mm256_add_epi32(high, _mm256_set1_epi32(first as i32 + 8));
-        _mm256_storeu_si256(behind.as_mut_ptr().cast(), low);
-        _mm256_storeu_si256(behind[low_count..].as_mut_ptr().cast(), high);
-    }
-    count + bits.count_ones() as usize
-}
+/// With AVX2.
+pub(crate) struct Avx2Lists;
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-    // SAFETY: the kernel that runs this checked for AVX2; sixteen indices may be read.
-    unsafe {
-        let index = _mm256_set1_epi32(index as i32);
-        let low = _mm256_cmpeq_epi32(_mm256_loadu_si256(indices.as_ptr().cast()), index);
-        let high = _mm256_cmpeq_epi32(_mm256_loadu_si256(indices[8..].as_ptr().cast()), index);
-        let low = _mm256_movemask_ps(_mm256_castsi256_ps(low)) as Mask;
-        let high = _mm256_movemask_ps(_mm256_castsi256_ps(high)) as Mask;
-        low | high << 8
+impl Lists for Avx2Lists {
+    /// Without a branch.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
+        let behind: &mut [u32; LANE_COUNT] = (&mut list[count..count + LANE_COUNT]).try_into().expect("sixteen places");
+        let [low, high] = bits.to_le_bytes();
+        let low_count = low.count_ones() as usize;
+        // SAFETY: the kernel that runs this checked for AVX2; eight places may be written from the start and from any of the
+        // first nine.
+        unsafe {
+            let low = _mm256_cvtepu8_epi32(_mm_loadl_epi64(PLACES[usize::from(low)].as_ptr().cast()));
+            let high = _mm256_cvtepu8_epi32(_mm_loadl_epi64(PLACES[usize::from(high)].as_ptr().cast()));
+            let low = _mm256_add_epi32(low, _mm256_set1_epi32(first as i32));
+            let high = _mm256_add_epi32(high, _mm256_set1_epi32(first as i32 + 8));
+            _mm256_storeu_si256(behind.as_mut_ptr().cast(), low);
+            _mm256_storeu_si256(behind[low_count..].as_mut_ptr().cast(), high);
+        }
+        count + bits.count_ones() as usize
     }
-}
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-    // SAFETY: the kernel that runs this checked for AVX2; sixteen sets may be read.
-    unsafe {
-        let bits = _mm256_set1_epi16(bits as i16);
-        let shared = _mm256_and_si256(_mm256_loadu_si256(sets.as_ptr().cast()), bits);
-        let holding = _mm256_cmpeq_epi16(shared, bits);
-        // All ones and all zeros survive the narrowing.
-        let narrow = _mm_packs_epi16(_mm256_castsi256_si128(holding), _mm256_extracti128_si256::<1>(holding));
-        _mm_movemask_epi8(narrow) as Mask
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
+        // SAFETY: the kernel that runs this checked for AVX2; sixteen indices may be read.
+        unsafe {
+            let index = _mm256_set1_epi32(index as i32);
+            let low = _mm256_cmpeq_epi32(_mm256_loadu_si256(indices.as_ptr().cast()), index);
+            let high = _mm256_cmpeq_epi32(_mm256_loadu_si256(indices[8..].as_ptr().cast()), index);
+            let low = _mm256_movemask_ps(_mm256_castsi256_ps(low)) as Mask;
+            let high = _mm256_movemask_ps(_mm256_castsi256_ps(high)) as Mask;
+            low | high << 8
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
+        // SAFETY: the kernel that runs this checked for AVX2; sixteen sets may be read.
+        unsafe {
+            let bits = _mm256_set1_epi16(bits as i16);
+            let shared = _mm256_and_si256(_mm256_loadu_si256(sets.as_ptr().cast()), bits);
+            let holding = _mm256_cmpeq_epi16(shared, bits);
+            // All ones and all zeros survive the narrowing.
+            let narrow = _mm_packs_epi16(_mm256_castsi256_si128(holding), _mm256_extracti128_si256::<1>(holding));
+            _mm_movemask_epi8(narrow) as Mask
+        }
     }
 }
 

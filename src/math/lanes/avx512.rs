@@ -5,8 +5,9 @@
 #![allow(unsafe_code)]
 
 use super::avx2_lists::{doubles_bounds, have_next};
-use super::avx512_lists::{append, checked, equal, gather_indices, holding, thrice};
+use super::avx512_lists::{Avx512Lists, checked, thrice};
 use super::dispatch::{Kernel, outlined_avx512};
+use super::registers::arithmetic;
 use super::sse2_lists::singles_bounds;
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
@@ -14,108 +15,37 @@ use std::arch::x86_64::*;
 
 /// Sixteen `f32`.
 #[derive(Clone, Copy)]
-pub struct SinglesAvx512(__m512);
+pub struct SinglesAvx512([__m512; 1]);
 
 /// Sixteen `f64`.
 #[derive(Clone, Copy)]
-pub struct DoublesAvx512(__m512d, __m512d);
-
-/// Applies an operation to the register.
-macro_rules! each {
-    ($self:ident, $other:ident, $operation:ident) => {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { Self($operation($self.0, $other.0)) }
-    };
-}
+pub struct DoublesAvx512([__m512d; 2]);
 
 impl Lanes<f32> for SinglesAvx512 {
+    type Lists = Avx512Lists;
+    const FUSES: bool = true;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outlined<K: Kernel<f32>>(kernel: K) -> K::Output {
         // SAFETY: the kernel that runs this checked for AVX-512.
         unsafe { outlined_avx512::<f32, Self, K>(kernel) }
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn splat(value: f32) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        Self(unsafe { _mm512_set1_ps(value) })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn load(from: &[f32; LANE_COUNT]) -> Self {
-        // SAFETY: as above; sixteen numbers may be read.
-        Self(unsafe { _mm512_loadu_ps(from.as_ptr()) })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn store(self, to: &mut [f32; LANE_COUNT]) {
-        // SAFETY: as above; sixteen numbers may be written.
-        unsafe { _mm512_storeu_ps(to.as_mut_ptr(), self.0) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add(self, other: Self) -> Self {
-        each!(self, other, _mm512_add_ps)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sub(self, other: Self) -> Self {
-        each!(self, other, _mm512_sub_ps)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mul(self, other: Self) -> Self {
-        each!(self, other, _mm512_mul_ps)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn div(self, other: Self) -> Self {
-        each!(self, other, _mm512_div_ps)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sqrt(self) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        Self(unsafe { _mm512_sqrt_ps(self.0) })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        Self(unsafe { _mm512_fmadd_ps(self.0, factor.0, term.0) })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn times_add(self, factor: Self, term: Self) -> Self {
-        self.mul_add(factor, term)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn negate(self) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        Self(unsafe { _mm512_xor_ps(self.0, _mm512_set1_ps(-0.0)) })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn smaller(self, other: Self) -> Self {
-        each!(self, other, _mm512_min_ps)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn larger(self, other: Self) -> Self {
-        each!(self, other, _mm512_max_ps)
-    }
+    arithmetic!(
+        f32, [0], 16; _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps,
+        _mm512_div_ps, _mm512_sqrt_ps, _mm512_fmadd_ps, _mm512_xor_ps, _mm512_min_ps, _mm512_max_ps
+    );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_less(self, other: Self) -> Mask {
         // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) }
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0[0], other.0[0]) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_at_most(self, other: Self) -> Mask {
         // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) }
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0[0], other.0[0]) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -123,14 +53,14 @@ impl Lanes<f32> for SinglesAvx512 {
         // SAFETY: the kernel that runs this checked for AVX-512; sixteen bytes may be read.
         unsafe {
             let places = _mm512_cvtepu8_epi32(_mm_loadu_si128(places.as_ptr().cast()));
-            Self(_mm512_permutexvar_ps(places, self.0))
+            Self([_mm512_permutexvar_ps(places, self.0[0])])
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(bits: Mask, this: Self, other: Self) -> Self {
         // SAFETY: the kernel that runs this checked for AVX-512.
-        Self(unsafe { _mm512_mask_blend_ps(bits, other.0, this.0) })
+        Self([unsafe { _mm512_mask_blend_ps(bits, other.0[0], this.0[0]) }])
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -141,9 +71,9 @@ impl Lanes<f32> for SinglesAvx512 {
         unsafe {
             let places = thrice(checked(indices, points.len()));
             [
-                Self(_mm512_i32gather_ps::<4>(places, from)),
-                Self(_mm512_i32gather_ps::<4>(places, from.wrapping_add(1))),
-                Self(_mm512_i32gather_ps::<4>(places, from.wrapping_add(2))),
+                Self([_mm512_i32gather_ps::<4>(places, from)]),
+                Self([_mm512_i32gather_ps::<4>(places, from.wrapping_add(1))]),
+                Self([_mm512_i32gather_ps::<4>(places, from.wrapping_add(2))]),
             ]
         }
     }
@@ -155,44 +85,16 @@ impl Lanes<f32> for SinglesAvx512 {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        gather_indices(list, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn smallest(self) -> f32 {
         // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { _mm512_reduce_min_ps(self.0) }
+        unsafe { _mm512_reduce_min_ps(self.0[0]) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn greatest(self) -> f32 {
         // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { _mm512_reduce_max_ps(self.0) }
+        unsafe { _mm512_reduce_max_ps(self.0[0]) }
     }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append(list, count, first, bits)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-        equal(indices, index)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-        holding(sets, bits)
-    }
-}
-
-/// Applies an operation to each register.
-macro_rules! both {
-    ($self:ident, $other:ident, $operation:ident) => {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { Self($operation($self.0, $other.0), $operation($self.1, $other.1)) }
-    };
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -201,92 +103,28 @@ fn joined(low: __mmask8, high: __mmask8) -> Mask {
 }
 
 impl Lanes<f64> for DoublesAvx512 {
+    type Lists = Avx512Lists;
+    const FUSES: bool = true;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn outlined<K: Kernel<f64>>(kernel: K) -> K::Output {
         // SAFETY: the kernel that runs this checked for AVX-512.
         unsafe { outlined_avx512::<f64, Self, K>(kernel) }
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn splat(value: f64) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        let all = unsafe { _mm512_set1_pd(value) };
-        Self(all, all)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn load(from: &[f64; LANE_COUNT]) -> Self {
-        // SAFETY: as above; sixteen numbers may be read.
-        unsafe { Self(_mm512_loadu_pd(from.as_ptr()), _mm512_loadu_pd(from[8..].as_ptr())) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn store(self, to: &mut [f64; LANE_COUNT]) {
-        // SAFETY: as above; sixteen numbers may be written.
-        unsafe {
-            _mm512_storeu_pd(to.as_mut_ptr(), self.0);
-            _mm512_storeu_pd(to[8..].as_mut_ptr(), self.1);
-        }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn add(self, other: Self) -> Self {
-        both!(self, other, _mm512_add_pd)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sub(self, other: Self) -> Self {
-        both!(self, other, _mm512_sub_pd)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mul(self, other: Self) -> Self {
-        both!(self, other, _mm512_mul_pd)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn div(self, other: Self) -> Self {
-        both!(self, other, _mm512_div_pd)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sqrt(self) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { Self(_mm512_sqrt_pd(self.0), _mm512_sqrt_pd(self.1)) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { Self(_mm512_fmadd_pd(self.0, factor.0, term.0), _mm512_fmadd_pd(self.1, factor.1, term.1)) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn times_add(self, factor: Self, term: Self) -> Self {
-        self.mul_add(factor, term)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn negate(self) -> Self {
-        let signs = Self::splat(-0.0);
-        both!(self, signs, _mm512_xor_pd)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn smaller(self, other: Self) -> Self {
-        both!(self, other, _mm512_min_pd)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn larger(self, other: Self) -> Self {
-        both!(self, other, _mm512_max_pd)
-    }
+    arithmetic!(
+        f64, [0, 1], 8; _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd,
+        _mm512_div_pd, _mm512_sqrt_pd, _mm512_fmadd_pd, _mm512_xor_pd, _mm512_min_pd, _mm512_max_pd
+    );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_less(self, other: Self) -> Mask {
         // SAFETY: the kernel that runs this checked for AVX-512.
         unsafe {
-            joined(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0), _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.1, other.1))
+            joined(
+                _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0[0], other.0[0]),
+                _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0[1], other.0[1]),
+            )
         }
     }
 
@@ -294,7 +132,10 @@ impl Lanes<f64> for DoublesAvx512 {
     fn is_at_most(self, other: Self) -> Mask {
         // SAFETY: the kernel that runs this checked for AVX-512.
         unsafe {
-            joined(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0), _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.1, other.1))
+            joined(
+                _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0[0], other.0[0]),
+                _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0[1], other.0[1]),
+            )
         }
     }
 
@@ -305,7 +146,10 @@ impl Lanes<f64> for DoublesAvx512 {
             let places = _mm_loadu_si128(places.as_ptr().cast());
             let low = _mm512_cvtepu8_epi64(places);
             let high = _mm512_cvtepu8_epi64(_mm_unpackhi_epi64(places, places));
-            Self(_mm512_permutex2var_pd(self.0, low, self.1), _mm512_permutex2var_pd(self.0, high, self.1))
+            Self([
+                _mm512_permutex2var_pd(self.0[0], low, self.0[1]),
+                _mm512_permutex2var_pd(self.0[0], high, self.0[1]),
+            ])
         }
     }
 
@@ -313,7 +157,9 @@ impl Lanes<f64> for DoublesAvx512 {
     fn select(bits: Mask, this: Self, other: Self) -> Self {
         let (low, high) = (bits as __mmask8, (bits >> 8) as __mmask8);
         // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { Self(_mm512_mask_blend_pd(low, other.0, this.0), _mm512_mask_blend_pd(high, other.1, this.1)) }
+        unsafe {
+            Self([_mm512_mask_blend_pd(low, other.0[0], this.0[0]), _mm512_mask_blend_pd(high, other.0[1], this.0[1])])
+        }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -325,9 +171,9 @@ impl Lanes<f64> for DoublesAvx512 {
             let (low, high) = (_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places));
             let [x, y, z] = [from, from.wrapping_add(1), from.wrapping_add(2)];
             [
-                Self(_mm512_i32gather_pd::<8>(low, x), _mm512_i32gather_pd::<8>(high, x)),
-                Self(_mm512_i32gather_pd::<8>(low, y), _mm512_i32gather_pd::<8>(high, y)),
-                Self(_mm512_i32gather_pd::<8>(low, z), _mm512_i32gather_pd::<8>(high, z)),
+                Self([_mm512_i32gather_pd::<8>(low, x), _mm512_i32gather_pd::<8>(high, x)]),
+                Self([_mm512_i32gather_pd::<8>(low, y), _mm512_i32gather_pd::<8>(high, y)]),
+                Self([_mm512_i32gather_pd::<8>(low, z), _mm512_i32gather_pd::<8>(high, z)]),
             ]
         }
     }
@@ -338,34 +184,14 @@ impl Lanes<f64> for DoublesAvx512 {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        gather_indices(list, indices)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn smallest(self) -> f64 {
         // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { _mm512_reduce_min_pd(_mm512_min_pd(self.0, self.1)) }
+        unsafe { _mm512_reduce_min_pd(_mm512_min_pd(self.0[0], self.0[1])) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn greatest(self) -> f64 {
         // SAFETY: the kernel that runs this checked for AVX-512.
-        unsafe { _mm512_reduce_max_pd(_mm512_max_pd(self.0, self.1)) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append(list, count, first, bits)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-        equal(indices, index)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-        holding(sets, bits)
+        unsafe { _mm512_reduce_max_pd(_mm512_max_pd(self.0[0], self.0[1])) }
     }
 }

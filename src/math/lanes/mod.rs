@@ -32,12 +32,12 @@ mod vectors;
 #[cfg(all(test, target_arch = "x86_64"))]
 pub(crate) use dispatch::on_every_path;
 pub(crate) use dispatch::{Kernel, dispatch};
-pub(crate) use lane::{set_lane, vector_in_lane};
+pub(crate) use lane::{lanes_of, set_lane, vector_in_lane};
 pub(crate) use vectors::Vectors;
 
 use super::Vector3;
 use nalgebra::RealField;
-use one_by_one::{append_one_by_one, bounds_one_by_one, gather_indices_one_by_one, gather_one_by_one};
+use one_by_one::{bounds_one_by_one, gather_one_by_one};
 
 /// How many numbers go side by side.
 pub(crate) const LANE_COUNT: usize = 16;
@@ -45,10 +45,43 @@ pub(crate) const LANE_COUNT: usize = 16;
 /// One bit for each lane; bit i is lane i's.
 pub(crate) type Mask = u16;
 
+/// What a path does with lists of indices, whatever the numbers in its lanes; [`Lanes`] has the same functions. Here one by
+/// one, for processors without instructions for it.
+pub(crate) trait Lists {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+        indices.map(|index| list[index as usize])
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn append(list: &mut [u32], mut count: usize, first: u32, mut bits: Mask) -> usize {
+        while bits != 0 {
+            list[count] = first + bits.trailing_zeros();
+            count += 1;
+            bits &= bits - 1;
+        }
+        count
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
+        (0..LANE_COUNT).fold(0, |mask, i| mask | Mask::from(indices[i] == index) << i)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
+        (0..LANE_COUNT).fold(0, |mask, i| mask | Mask::from(sets[i] & bits == bits) << i)
+    }
+}
+
 /// Sixteen numbers.
 pub(crate) trait Lanes<T: RealField + Copy>: Copy {
+    /// What the path does with lists of indices.
+    type Lists: Lists;
     /// Whether rays that a host gives together are traced sooner in packets than one by one.
     const PACKETS_PAY: bool = true;
+    /// Whether the processor multiplies and adds in one instruction.
+    const FUSES: bool = false;
 
     fn splat(value: T) -> Self;
     fn load(from: &[T; LANE_COUNT]) -> Self;
@@ -64,7 +97,7 @@ pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     /// differ.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn times_add(self, factor: Self, term: Self) -> Self {
-        self.mul(factor).add(term)
+        if Self::FUSES { self.mul_add(factor, term) } else { self.mul(factor).add(term) }
     }
     fn negate(self) -> Self;
     /// `if self < other { self } else { other }`.
@@ -125,7 +158,7 @@ pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     /// Where there is no entry of an index.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        gather_indices_one_by_one(list, indices)
+        Self::Lists::gather_indices(list, indices)
     }
     /// The smallest lane; none may be NaN.
     fn smallest(self) -> T;
@@ -135,12 +168,18 @@ pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     /// then. Up to sixteen places behind those may be overwritten.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        append_one_by_one(list, count, first, bits)
+        Self::Lists::append(list, count, first, bits)
     }
     /// Which of sixteen indices are this one.
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
+        Self::Lists::equal(indices, index)
+    }
     /// Which of sixteen sets have all these bits.
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask;
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
+        Self::Lists::holding(sets, bits)
+    }
 
     /// Runs a kernel on this path as a function of its own: large code is then compiled once, however many places call it.
     #[inline(never)]

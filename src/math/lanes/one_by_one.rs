@@ -1,19 +1,8 @@
 //! What some processors have no instructions for.
 
-use super::{LANE_COUNT, Mask};
+use super::LANE_COUNT;
 use crate::math::Vector3;
 use nalgebra::RealField;
-
-/// [`Lanes::append`](super::Lanes::append) for processors without an instruction for it.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn append_one_by_one(list: &mut [u32], mut count: usize, first: u32, mut bits: Mask) -> usize {
-    while bits != 0 {
-        list[count] = first + bits.trailing_zeros();
-        count += 1;
-        bits &= bits - 1;
-    }
-    count
-}
 
 /// [`Lanes::gather`](super::Lanes::gather) point by point.
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -48,12 +37,9 @@ pub(super) fn bounds_one_by_one<T: RealField + Copy>(
     (lower, upper)
 }
 
-/// [`Lanes::gather_indices`](super::Lanes::gather_indices) for processors without an instruction for it.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn gather_indices_one_by_one(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-    let mut result = [0; LANE_COUNT];
-    for i in 0..LANE_COUNT {
-        result[i] = list[indices[i] as usize];
-    }
-    result
-}
+/// [`Lists`] for any processor.
+#[cfg(any(test, not(target_arch = "x86_64")))]
+pub(crate) struct OneByOne;
+
+#[cfg(any(test, not(target_arch = "x86_64")))]
+impl super::Lists for OneByOne {}

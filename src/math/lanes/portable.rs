@@ -1,3 +1,4 @@
+use super::one_by_one::OneByOne;
 use super::{LANE_COUNT, Lanes, Mask};
 use nalgebra::RealField;
 
@@ -26,6 +27,8 @@ impl<T: RealField + Copy> Portable<T> {
 }
 
 impl<T: RealField + Copy> Lanes<T> for Portable<T> {
+    type Lists = OneByOne;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn splat(value: T) -> Self {
         Self([value; LANE_COUNT])
@@ -126,23 +129,5 @@ impl<T: RealField + Copy> Lanes<T> for Portable<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn greatest(self) -> T {
         self.0.iter().fold(self.0[0], |a, &b| if b > a { b } else { a })
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-        let mut mask = 0;
-        for i in 0..LANE_COUNT {
-            mask |= Mask::from(indices[i] == index) << i;
-        }
-        mask
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-        let mut mask = 0;
-        for i in 0..LANE_COUNT {
-            mask |= Mask::from(sets[i] & bits == bits) << i;
-        }
-        mask
     }
 }

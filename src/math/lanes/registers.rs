@@ -1,13 +1,29 @@
 //! What all lanes that are several registers have in common.
 
-/// What lanes do register by register, given the instructions' names: arithmetic, comparisons, edge functions. For the last the
-/// type brings `spread`, which makes points ready, and `at`, which gives those at a register's worth of places.
-macro_rules! register_by_register {
+/// An operation on two operands, register by register.
+macro_rules! on_two {
+    ($name:ident, $instruction:ident, [$($i:literal),*]) => {
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn $name(self, other: Self) -> Self {
+            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            unsafe { Self([$($instruction(self.0[$i], other.0[$i])),*]) }
+        }
+    };
+}
+
+/// Arithmetic register by register, given the instructions' names.
+macro_rules! arithmetic {
     (
-        $scalar:ty, [$($i:literal),*], $width:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
-        $mul:ident, $div:ident, $sqrt:ident, $mul_add:ident, $xor:ident, $min:ident, $max:ident, $less:ident,
-        $at_most:ident, $blend:ident, $bits:ident
+        $scalar:ty, [$($i:literal),*], $width:literal; $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
+        $mul:ident, $div:ident, $sqrt:ident, $mul_add:ident, $xor:ident, $min:ident, $max:ident
     ) => {
+        $crate::math::lanes::registers::on_two!(add, $add, [$($i),*]);
+        $crate::math::lanes::registers::on_two!(sub, $sub, [$($i),*]);
+        $crate::math::lanes::registers::on_two!(mul, $mul, [$($i),*]);
+        $crate::math::lanes::registers::on_two!(div, $div, [$($i),*]);
+        $crate::math::lanes::registers::on_two!(smaller, $min, [$($i),*]);
+        $crate::math::lanes::registers::on_two!(larger, $max, [$($i),*]);
+
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn splat(value: $scalar) -> Self {
             // SAFETY: the kernel that runs this was chosen for a processor with these.
@@ -28,30 +44,6 @@ macro_rules! register_by_register {
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
-        fn add(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
-            unsafe { Self([$($add(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn sub(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
-            unsafe { Self([$($sub(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn mul(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
-            unsafe { Self([$($mul(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn div(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
-            unsafe { Self([$($div(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
         fn sqrt(self) -> Self {
             // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($sqrt(self.0[$i])),*]) }
@@ -68,19 +60,16 @@ macro_rules! register_by_register {
             // SAFETY: the kernel that runs this was chosen for a processor with these.
             unsafe { Self([$($xor(self.0[$i], $splat(-0.0))),*]) }
         }
+    };
+}
 
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn smaller(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
-            unsafe { Self([$($min(self.0[$i], other.0[$i])),*]) }
-        }
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn larger(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
-            unsafe { Self([$($max(self.0[$i], other.0[$i])),*]) }
-        }
-
+/// Comparisons register by register, given the instructions' names, and edge functions. For the last the type brings `spread`,
+/// which makes points ready, and `at`, which gives those at a register's worth of places.
+macro_rules! comparisons {
+    (
+        [$($i:literal),*], $width:literal; $splat:ident, $sub:ident, $mul:ident, $min:ident, $max:ident, $less:ident,
+        $at_most:ident, $blend:ident, $bits:ident
+    ) => {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn is_less(self, other: Self) -> Mask {
             // SAFETY: the kernel that runs this was chosen for a processor with these.
@@ -127,4 +116,4 @@ macro_rules! register_by_register {
     };
 }
 
-pub(super) use register_by_register;
+pub(super) use {arithmetic, comparisons, on_two};

@@ -2,8 +2,8 @@
 #![allow(unsafe_code)]
 
 use super::one_by_one::gather_one_by_one;
-use super::registers::register_by_register;
-use super::sse2_lists::{equal, have_next, holding, singles_bounds};
+use super::registers::{arithmetic, comparisons};
+use super::sse2_lists::{Sse2Lists, have_next, singles_bounds};
 use super::{LANE_COUNT, Lanes, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -17,28 +17,17 @@ pub struct SinglesSse2([__m128; 4]);
 pub struct DoublesSse2([__m128d; 8]);
 
 impl Lanes<f32> for SinglesSse2 {
+    type Lists = Sse2Lists;
     const PACKETS_PAY: bool = false;
 
-    register_by_register!(
-        f32,
-        [0, 1, 2, 3],
-        4,
-        _mm_set1_ps,
-        _mm_loadu_ps,
-        _mm_storeu_ps,
-        _mm_add_ps,
-        _mm_sub_ps,
-        _mm_mul_ps,
-        _mm_div_ps,
-        _mm_sqrt_ps,
-        mul_add_ps,
-        _mm_xor_ps,
-        _mm_min_ps,
-        _mm_max_ps,
-        _mm_cmplt_ps,
-        _mm_cmple_ps,
-        blend_ps,
-        _mm_movemask_ps
+    arithmetic!(
+        f32, [0, 1, 2, 3], 4; _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_div_ps,
+        _mm_sqrt_ps, mul_add_ps, _mm_xor_ps, _mm_min_ps, _mm_max_ps
+    );
+
+    comparisons!(
+        [0, 1, 2, 3], 4; _mm_set1_ps, _mm_sub_ps, _mm_mul_ps, _mm_min_ps, _mm_max_ps, _mm_cmplt_ps, _mm_cmple_ps,
+        blend_ps, _mm_movemask_ps
     );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -120,16 +109,6 @@ impl Lanes<f32> for SinglesSse2 {
             _mm_cvtss_f32(_mm_max_ss(two, _mm_shuffle_ps::<1>(two, two)))
         }
     }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-        equal(indices, index)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-        holding(sets, bits)
-    }
 }
 
 // A point's two coordinates beside each other in memory are read at once.
@@ -165,28 +144,17 @@ impl SinglesSse2 {
 }
 
 impl Lanes<f64> for DoublesSse2 {
+    type Lists = Sse2Lists;
     const PACKETS_PAY: bool = false;
 
-    register_by_register!(
-        f64,
-        [0, 1, 2, 3, 4, 5, 6, 7],
-        2,
-        _mm_set1_pd,
-        _mm_loadu_pd,
-        _mm_storeu_pd,
-        _mm_add_pd,
-        _mm_sub_pd,
-        _mm_mul_pd,
-        _mm_div_pd,
-        _mm_sqrt_pd,
-        mul_add_pd,
-        _mm_xor_pd,
-        _mm_min_pd,
-        _mm_max_pd,
-        _mm_cmplt_pd,
-        _mm_cmple_pd,
-        blend_pd,
-        _mm_movemask_pd
+    arithmetic!(
+        f64, [0, 1, 2, 3, 4, 5, 6, 7], 2; _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd,
+        _mm_div_pd, _mm_sqrt_pd, mul_add_pd, _mm_xor_pd, _mm_min_pd, _mm_max_pd
+    );
+
+    comparisons!(
+        [0, 1, 2, 3, 4, 5, 6, 7], 2; _mm_set1_pd, _mm_sub_pd, _mm_mul_pd, _mm_min_pd, _mm_max_pd, _mm_cmplt_pd,
+        _mm_cmple_pd, blend_pd, _mm_movemask_pd
     );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -256,16 +224,6 @@ impl Lanes<f64> for DoublesSse2 {
             }
             _mm_cvtsd_f64(_mm_max_sd(two, _mm_unpackhi_pd(two, two)))
         }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-        equal(indices, index)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-        holding(sets, bits)
     }
 }
 

@@ -2,33 +2,39 @@
 #![allow(unsafe_code)]
 
 use super::one_by_one::bounds_one_by_one;
-use super::{LANE_COUNT, Mask};
+use super::{LANE_COUNT, Lists, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-    let mut mask = 0;
-    for i in 0..4 {
-        // SAFETY: every x86-64 processor has SSE2; four indices may be read.
-        let same = unsafe {
-            let same = _mm_cmpeq_epi32(_mm_loadu_si128(indices[4 * i..].as_ptr().cast()), _mm_set1_epi32(index as i32));
-            _mm_movemask_ps(_mm_castsi128_ps(same))
-        };
-        mask |= (same as Mask) << (4 * i);
-    }
-    mask
-}
+/// With what every x86-64 processor has.
+pub(crate) struct Sse2Lists;
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-    // SAFETY: every x86-64 processor has SSE2; sixteen sets may be read.
-    unsafe {
-        let bits = _mm_set1_epi16(bits as i16);
-        let low = _mm_and_si128(_mm_loadu_si128(sets.as_ptr().cast()), bits);
-        let high = _mm_and_si128(_mm_loadu_si128(sets[8..].as_ptr().cast()), bits);
-        // All ones and all zeros survive the narrowing.
-        _mm_movemask_epi8(_mm_packs_epi16(_mm_cmpeq_epi16(low, bits), _mm_cmpeq_epi16(high, bits))) as Mask
+impl Lists for Sse2Lists {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
+        let mut mask = 0;
+        for i in 0..4 {
+            // SAFETY: every x86-64 processor has SSE2; four indices may be read.
+            let same = unsafe {
+                let same =
+                    _mm_cmpeq_epi32(_mm_loadu_si128(indices[4 * i..].as_ptr().cast()), _mm_set1_epi32(index as i32));
+                _mm_movemask_ps(_mm_castsi128_ps(same))
+            };
+            mask |= (same as Mask) << (4 * i);
+        }
+        mask
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
+        // SAFETY: every x86-64 processor has SSE2; sixteen sets may be read.
+        unsafe {
+            let bits = _mm_set1_epi16(bits as i16);
+            let low = _mm_and_si128(_mm_loadu_si128(sets.as_ptr().cast()), bits);
+            let high = _mm_and_si128(_mm_loadu_si128(sets[8..].as_ptr().cast()), bits);
+            // All ones and all zeros survive the narrowing.
+            _mm_movemask_epi8(_mm_packs_epi16(_mm_cmpeq_epi16(low, bits), _mm_cmpeq_epi16(high, bits))) as Mask
+        }
     }
 }
 

@@ -11,7 +11,19 @@ pub(crate) struct Vectors<T, L> {
     scalar: PhantomData<T>,
 }
 
+/// An operation on two vectors, coordinate by coordinate.
+macro_rules! by_coordinates {
+    ($($name:ident = $operation:ident),*) => {
+        $(#[cfg_attr(not(debug_assertions), inline(always))]
+        pub(crate) fn $name(self, other: Self) -> Self {
+            Self::new(self.x.$operation(other.x), self.y.$operation(other.y), self.z.$operation(other.z))
+        })*
+    };
+}
+
 impl<T: Scalar, L: Lanes<T>> Vectors<T, L> {
+    by_coordinates!(add = add, sub = sub, times = mul, divided_by = div, smaller = smaller, larger = larger);
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new(x: L, y: L, z: L) -> Self {
         Self { x, y, z, scalar: PhantomData }
@@ -66,22 +78,6 @@ impl<T: Scalar, L: Lanes<T>> Vectors<T, L> {
         self.z.store(z);
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn add(self, other: Self) -> Self {
-        Self::new(self.x.add(other.x), self.y.add(other.y), self.z.add(other.z))
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn sub(self, other: Self) -> Self {
-        Self::new(self.x.sub(other.x), self.y.sub(other.y), self.z.sub(other.z))
-    }
-
-    /// The products of the coordinates.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn times(self, other: Self) -> Self {
-        Self::new(self.x.mul(other.x), self.y.mul(other.y), self.z.mul(other.z))
-    }
-
     /// The products of the coordinates and what is added to them, rounded once or twice.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn times_add(self, factor: Self, term: Self) -> Self {
@@ -108,25 +104,9 @@ impl<T: Scalar, L: Lanes<T>> Vectors<T, L> {
         Self::new(self.x.div(divisor), self.y.div(divisor), self.z.div(divisor))
     }
 
-    /// The quotients of the coordinates.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn divided_by(self, other: Self) -> Self {
-        Self::new(self.x.div(other.x), self.y.div(other.y), self.z.div(other.z))
-    }
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn negate(self) -> Self {
         Self::new(self.x.negate(), self.y.negate(), self.z.negate())
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn smaller(self, other: Self) -> Self {
-        Self::new(self.x.smaller(other.x), self.y.smaller(other.y), self.z.smaller(other.z))
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn larger(self, other: Self) -> Self {
-        Self::new(self.x.larger(other.x), self.y.larger(other.y), self.z.larger(other.z))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

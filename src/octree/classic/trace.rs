@@ -1,6 +1,6 @@
 use super::{Classic, Node};
-use crate::math::{Aabb, Scalar, Vector3};
-use crate::octree::slabs::Slabs;
+use crate::math::{Aabb, Scalar, Vector3, margins};
+use crate::octree::ray_slabs::Slabs;
 use crate::ray::Ray;
 
 impl<T: Scalar> Classic<T> {
@@ -9,8 +9,7 @@ impl<T: Scalar> Classic<T> {
     pub(in crate::octree) fn visit(&self, ray: &Ray<T>, mesh_box: &Aabb<T>, visitor: &mut impl FnMut(u32) -> T) {
         let mut slabs = Slabs::new(ray, mesh_box);
         slabs.origin -= self.corner;
-        // On the way down planes are rounded once a level.
-        slabs.margin *= T::of(3.0);
+        slabs.margin *= T::of(margins::CELL_FACE);
         let mirror = (0..3).map(|axis| usize::from(slabs.is_mirrored(axis)) << axis).sum();
         let mut walk = Walk { cells: self, slabs, mirror, t_max: ray.t_max, visitor };
         walk.descend(&self.nodes[0], Vector3::zeros(), self.side);

@@ -91,8 +91,8 @@ impl<T: Scalar, S: Sought> Kernel<T> for Closest<'_, T, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let limit = self.query.square_of_boxes(self.nearest.square);
-        let slab_limit = self.query.square_of_slabs(self.nearest.square);
-        let mut one = One { query: self.query, nearest: self.nearest, limit, slab_limit, sought: self.sought };
+        let cylinder_limit = self.query.square_of_cylinders(self.nearest.square);
+        let mut one = One { query: self.query, nearest: self.nearest, limit, cylinder_limit, sought: self.sought };
         walk::<T, L, _>(self.cells, self.mesh, self.query, &mut one);
     }
 }
@@ -102,7 +102,7 @@ struct One<'a, T: Scalar, S> {
     query: &'a QueryPoint<T>,
     nearest: &'a mut Nearest<T>,
     limit: T,
-    slab_limit: T,
+    cylinder_limit: T,
     sought: S,
 }
 
@@ -115,7 +115,7 @@ impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
         let index = node.first as usize + place;
-        if cells.outlines[index].is_loaded && !cells.slabs[index].is_near(self.query, self.slab_limit) {
+        if cells.outlines[index].is_loaded && !cells.cylinders[index].is_near(self.query, self.cylinder_limit) {
             return;
         }
         let sought = cells.sought::<L, S>(self.sought, index);
@@ -128,7 +128,7 @@ impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
         let squares = triangles.squares(&self.query.position);
         if keep_nearest::<T, L>(cells, index, sought, squares, self.nearest) {
             self.limit = self.query.square_of_boxes(self.nearest.square);
-            self.slab_limit = self.query.square_of_slabs(self.nearest.square);
+            self.cylinder_limit = self.query.square_of_cylinders(self.nearest.square);
         }
     }
 }
@@ -201,7 +201,7 @@ impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
         let index = node.first as usize + place;
         let count = near.count_ones();
         if near != 0 && cells.outlines[index].is_loaded {
-            near &= cells.slabs[index].near::<L>(packet);
+            near &= cells.cylinders[index].near::<L>(packet);
         }
         if near == 0 {
             return packet.count_looks(count);

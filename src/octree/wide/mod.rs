@@ -3,38 +3,38 @@
 //! for a mesh; new positions only renew boxes, from the tiles upward.
 
 mod closest;
-mod group;
-mod leaving;
-mod near;
+mod exit_culling;
+mod hierarchy;
+mod near_tiles;
 mod node;
 mod packet;
 mod posed;
 mod refit;
 mod region;
-mod runs;
 mod single;
-mod slab;
 mod tile;
+mod tile_cylinder;
 mod trace;
 mod validate;
+mod vertex_runs;
 
 use crate::closest::{PointPacket, QueryPoint};
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar};
+use crate::math::{Aabb, Lanes, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
 #[cfg(all(test, target_arch = "x86_64"))]
 use crate::octree::closest::All;
 use crate::octree::closest::{Nearest, Sought};
-use crate::ray::{Hit, PreparedRay, Ray, RayPacket};
+use crate::ray::{Hit, PreparedRay, Ray};
 use node::{CHILD_COUNT, Node};
 use posed::Posed;
-use runs::Runs;
 use single::{FEW_NODES, FEW_WAITING, NearestOfRay};
-use slab::Slab;
 use tile::{Outline, TILE_SIZE, Tile};
+use tile_cylinder::TileCylinder;
 use trace::STACK_SIZE;
+use vertex_runs::VertexRuns;
 
-pub(super) use near::NearTiles;
+pub(super) use near_tiles::NearTiles;
 pub(crate) use packet::{Candidates, PacketHits};
 
 /// Tiles and the nodes above them, in flat arrays.
@@ -49,8 +49,8 @@ pub(super) struct Wide<T: Scalar> {
     /// Children come after their parent; the first is the root.
     nodes: Vec<Node<T>>,
     /// Of each tile that is loaded.
-    slabs: Vec<Slab<T>>,
-    runs: Runs<T>,
+    cylinders: Vec<TileCylinder<T>>,
+    runs: VertexRuns<T>,
     /// Where the mesh has been moved by a pose.
     posed: Option<Box<[Posed<T>; 1]>>,
     /// Whether all boxes are the tightest.
@@ -63,7 +63,7 @@ impl<T: Scalar> Wide<T> {
     pub(super) fn new(mesh: &Mesh<T>) -> Self {
         let topology = mesh.topology();
         let clusters = mesh.clusters();
-        let nodes = group::nodes_above(clusters.len());
+        let nodes = hierarchy::nodes_above(clusters.len());
         let (mut tiles, mut outlines) = (memory::with_room(clusters.len()), memory::with_room(clusters.len()));
         let mut is_owned = memory::filled(false, topology.vertex_count());
         for cluster in clusters.iter() {
@@ -73,10 +73,10 @@ impl<T: Scalar> Wide<T> {
             outlines.push(outline);
         }
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
-        let runs = Runs::new(mesh, &nodes, &outlines);
-        let slabs = memory::filled(Slab::endless(), tiles.len());
+        let runs = VertexRuns::new(mesh, &nodes, &outlines);
+        let cylinders = memory::filled(TileCylinder::endless(), tiles.len());
         let (posed, is_tight, is_loaded) = (None, false, false);
-        let mut wide = Self { tiles, outlines, ascending, nodes, slabs, runs, posed, is_tight, is_loaded };
+        let mut wide = Self { tiles, outlines, ascending, nodes, cylinders, runs, posed, is_tight, is_loaded };
         wide.refit(mesh, None);
         wide.load(mesh, None, true);
         wide
@@ -94,7 +94,7 @@ impl<T: Scalar> Wide<T> {
         self.is_tight
     }
 
-    /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their slabs too.
+    /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their cylinders too.
     pub(super) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>, for_distances: bool) {
         crate::math::dispatch::<T, _>(refit::Load { cells: self, mesh, tiles, for_distances });
         self.is_loaded |= tiles.is_none();
@@ -161,45 +161,5 @@ impl<T: Scalar> Wide<T> {
         packet: &mut PointPacket<T>,
     ) {
         L::outlined(closest::ClosestOfPacket { cells: self, mesh, packet, sought });
-    }
-
-    /// The nearest hit of each ray.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn nearest<L: Lanes<T>>(
-        &self,
-        mesh: &Mesh<T>,
-        packet: &RayPacket<T>,
-        list: &mut Candidates<T>,
-        hits: &mut PacketHits<T>,
-    ) {
-        packet::nearest::<T, L>(self, mesh, packet, list, hits);
-    }
-
-    /// Which of the rays in `asked` leave the mesh strictly before `end`, through other triangles than those that have all
-    /// their ray's `touched` vertices.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn hidden<L: Lanes<T>>(
-        &self,
-        mesh: &Mesh<T>,
-        packet: &RayPacket<T>,
-        asked: Mask,
-        end: &[T; LANE_COUNT],
-        touched: &[[u32; 3]; LANE_COUNT],
-        list: &mut Candidates<T>,
-    ) -> Mask {
-        packet::hidden::<T, L>(self, mesh, packet, asked, end, touched, list)
-    }
-
-    /// How often the mesh winds around where the rays start: see [`Tracer::windings_of_packet`](crate::octree::Tracer).
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn windings<L: Lanes<T>>(
-        &self,
-        mesh: &Mesh<T>,
-        packet: &RayPacket<T>,
-        touched: &[[u32; 3]; LANE_COUNT],
-        list: &mut Candidates<T>,
-        numbers: &mut [i32; LANE_COUNT],
-    ) {
-        packet::windings::<T, L>(self, mesh, packet, touched, list, numbers);
     }
 }

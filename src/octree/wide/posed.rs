@@ -8,8 +8,8 @@
 
 use super::Wide;
 use super::node::{BoxLanes, CHILD_COUNT, Node};
-use super::slab::Slab;
 use super::tile::{Outline, Tile};
+use super::tile_cylinder::TileCylinder;
 use super::trace::STACK_SIZE;
 use crate::math::{Aabb, Kernel, Lanes, Pose, Scalar, Vector3, Vectors};
 use crate::memory;
@@ -24,7 +24,7 @@ pub(super) struct Posed<T: Scalar> {
     /// Of each node, at the reference positions.
     boxes: Vec<Boxes<T>>,
     /// Of each tile, at the reference positions: they bound a tilted tile more tightly than its box.
-    slabs: Vec<Slab<T>>,
+    cylinders: Vec<TileCylinder<T>>,
     /// The largest coordinates of any vertex at its reference position.
     largest: Vector3<f64>,
     /// The vertices farthest out at the last pose, both ways along each axis: the next extent starts from them.
@@ -38,7 +38,12 @@ pub(super) struct Posed<T: Scalar> {
 }
 
 impl<T: Scalar> Posed<T> {
-    fn new(nodes: &[Node<T>], outlines: &[Outline<T>], slabs: Vec<Slab<T>>, reference: &[Vector3<T>]) -> Self {
+    fn new(
+        nodes: &[Node<T>],
+        outlines: &[Outline<T>],
+        cylinders: Vec<TileCylinder<T>>,
+        reference: &[Vector3<T>],
+    ) -> Self {
         let mut at_rest = memory::listed(nodes.iter().cloned());
         for index in (0..nodes.len()).rev() {
             for place in 0..nodes[index].count as usize {
@@ -58,7 +63,7 @@ impl<T: Scalar> Posed<T> {
         let largest = reference.iter().fold(Vector3::zeros(), |largest, point| largest.sup(&point.abs()));
         Self {
             boxes: memory::listed(at_rest.iter().map(|node| [node.lower, node.upper])),
-            slabs,
+            cylinders,
             largest: largest.map(T::to_f64),
             outermost: [outlines[0].vertices[0]; 6],
             pose: None,
@@ -98,25 +103,25 @@ fn farthest<T: Scalar>(
     }
 }
 
-/// Makes the slabs of the reference positions.
-struct SlabsAtRest<'a, T: Scalar> {
+/// Makes the cylinders of the reference positions.
+struct CylindersAtRest<'a, T: Scalar> {
     tiles: &'a [Tile<T>],
     outlines: &'a [Outline<T>],
     reference: &'a [Vector3<T>],
 }
 
-impl<T: Scalar> Kernel<T> for SlabsAtRest<'_, T> {
-    type Output = Vec<Slab<T>>;
+impl<T: Scalar> Kernel<T> for CylindersAtRest<'_, T> {
+    type Output = Vec<TileCylinder<T>>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<L: Lanes<T>>(self) -> Vec<Slab<T>> {
-        let mut slabs = memory::with_room(self.tiles.len());
+    fn run<L: Lanes<T>>(self) -> Vec<TileCylinder<T>> {
+        let mut cylinders = memory::with_room(self.tiles.len());
         for (tile, outline) in self.tiles.iter().zip(self.outlines) {
             let mut at_rest = tile.clone();
             Vectors::<T, L>::gather(self.reference, &outline.vertices).store(&mut at_rest.positions);
-            slabs.push(Slab::around::<L>(&at_rest));
+            cylinders.push(TileCylinder::around::<L>(&at_rest));
         }
-        slabs
+        cylinders
     }
 }
 
@@ -165,7 +170,7 @@ impl<T: Scalar> Kernel<T> for Extent<'_, T> {
                         waiting += 1;
                         continue;
                     }
-                    if posed.slabs[child as usize].reach(&row) + position <= best.to_f64() {
+                    if posed.cylinders[child as usize].reach(&row) + position <= best.to_f64() {
                         continue;
                     }
                     for &other in &outlines[child as usize].vertices {
@@ -258,8 +263,8 @@ impl<T: Scalar> Wide<T> {
         let Self { nodes, outlines, posed, tiles, .. } = self;
         let [posed] = &mut **posed.get_or_insert_with(|| {
             let reference = mesh.reference_positions();
-            let slabs = crate::math::dispatch::<T, _>(SlabsAtRest { tiles, outlines, reference });
-            memory::boxed(Posed::new(nodes, outlines, slabs, reference))
+            let cylinders = crate::math::dispatch::<T, _>(CylindersAtRest { tiles, outlines, reference });
+            memory::boxed(Posed::new(nodes, outlines, cylinders, reference))
         });
         posed
     }

@@ -1,4 +1,4 @@
-use super::{Node, Slab, Wide};
+use super::{Node, TileCylinder, Wide};
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar};
 use crate::mesh::Mesh;
 
@@ -62,7 +62,7 @@ pub(super) struct Load<'a, T: Scalar> {
     pub(super) mesh: &'a Mesh<T>,
     /// `None`: all tiles.
     pub(super) tiles: Option<&'a [u32]>,
-    /// Whether slabs are made: rays have no use for them.
+    /// Whether cylinders are made: rays have no use for them.
     pub(super) for_distances: bool,
 }
 
@@ -71,14 +71,15 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Wide { tiles, outlines, slabs, .. } = self.cells;
+        let Wide { tiles, outlines, cylinders, .. } = self.cells;
         let count = self.tiles.map_or(tiles.len(), <[u32]>::len);
         for place in 0..count {
             let index = self.tiles.map_or(place, |chosen| chosen[place] as usize);
             let outline = &mut outlines[index];
             if !outline.is_loaded {
                 self.mesh.gather::<L>(&outline.vertices).store(&mut tiles[index].positions);
-                slabs[index] = if self.for_distances { Slab::around::<L>(&tiles[index]) } else { Slab::endless() };
+                cylinders[index] =
+                    if self.for_distances { TileCylinder::around::<L>(&tiles[index]) } else { TileCylinder::endless() };
                 outline.is_loaded = true;
             }
         }

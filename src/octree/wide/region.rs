@@ -1,6 +1,6 @@
 use super::Wide;
 use super::node::BoxLanes;
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar, Vectors, lanes_of};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::wide::trace::STACK_SIZE;
@@ -64,12 +64,9 @@ impl<T: Scalar> Wide<T> {
         let positions = Vectors::<T, L>::load(self.positions_of::<L>(tile, mesh, &mut room));
         let inside =
             Vectors::splat(&region.lower).are_at_most(positions) & positions.are_at_most(Vectors::splat(&region.upper));
-        let mut left = inside & self.tiles[tile].owned;
+        let of_tile = &self.outlines[tile].vertices;
         vertices.room_for(LANE_COUNT);
-        while left != 0 {
-            vertices.push(self.outlines[tile].vertices[left.trailing_zeros() as usize]);
-            left &= left - 1;
-        }
+        lanes_of(inside & self.tiles[tile].owned).for_each(|lane| vertices.push(of_tile[lane]));
     }
 
     pub(in crate::octree) fn tile_count(&self) -> u32 {

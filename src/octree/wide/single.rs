@@ -1,7 +1,7 @@
 use super::{CHILD_COUNT, Node, TILE_SIZE, Wide};
+use crate::math::margins::reaches_told_apart;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, margins};
 use crate::mesh::Mesh;
-use crate::octree::slabs::reaches_told_apart;
 use crate::ray::{Hit, Ray, ShearedRay};
 
 /// One ray's way to where it first meets the mesh: the nearest boxes first, none beyond the nearest hit known. So many nodes may

@@ -1,7 +1,7 @@
 use super::{CHILD_COUNT, Node, Wide};
-use crate::math::{Kernel, LANE_COUNT, Lanes, Scalar};
+use crate::math::{Kernel, LANE_COUNT, Lanes, Scalar, lanes_of};
 use crate::mesh::Mesh;
-use crate::octree::slabs::Slabs;
+use crate::octree::ray_slabs::Slabs;
 use crate::ray::{PreparedRay, Ray};
 
 /// 2³² tiles have no more than so many levels of nodes.
@@ -66,7 +66,7 @@ impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
     fn offer<L: Lanes<T>>(&mut self, index: usize) {
         let tile = &self.cells.tiles[index];
         let mut room = [[T::zero(); LANE_COUNT]; 3];
-        let mut met = match self.prepared {
+        let met = match self.prepared {
             PreparedRay::Watertight(ray) => {
                 let positions = self.cells.positions_of::<L>(index, self.mesh, &mut room);
                 let [right, left] = ray.sides::<L>(positions, &tile.corners);
@@ -74,9 +74,7 @@ impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
             }
             PreparedRay::MollerTrumbore(_) => tile.present,
         };
-        while met != 0 {
-            let place = met.trailing_zeros() as usize;
-            met &= met - 1;
+        for place in lanes_of(met) {
             self.t_max = (self.visitor)(tile.triangles[place]);
         }
     }

@@ -104,20 +104,12 @@ impl<T: Scalar> Tile<T> {
 mod tests {
     use super::*;
     use crate::math::Vector3;
-
-    /// Two pyramids on one base: so many triangles that nodes have nodes under them.
-    fn bipyramid() -> Mesh<f64> {
-        let sides = 300;
-        let at = |side: u32| std::f64::consts::TAU * f64::from(side) / f64::from(sides);
-        let rim = (0..sides).map(|side| [at(side).cos(), at(side).sin(), 0.0]);
-        let positions: Vec<_> = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
-        let pair = |side| [[side, (side + 1) % sides, sides], [(side + 1) % sides, side, sides + 1]];
-        Mesh::new(&positions, &(0..sides).flat_map(pair).collect::<Vec<_>>()).expect("it is closed")
-    }
+    use crate::octree::test_mesh::bipyramid;
 
     /// What is said about an octree that was whole before.
     fn said_after(change: impl FnOnce(&mut Wide<f64>, &Mesh<f64>)) -> Result<(), String> {
-        let mesh = bipyramid();
+        // So many triangles that nodes have nodes under them.
+        let mesh = bipyramid(300);
         let mut wide = Wide::new(&mesh);
         assert!(wide.nodes.len() > 2 && !wide.nodes[0].is_leaf);
         wide.validate(&mesh).expect("it is whole");

@@ -3,6 +3,7 @@
 mod bad_geometry;
 mod faults;
 mod figures;
+mod layers;
 mod metamorphic;
 mod number_range;
 mod numbering;

@@ -13,7 +13,7 @@ mod windings;
 pub(crate) use candidates::Candidates;
 
 use super::Wide;
-use super::leaving::Directions;
+use super::exit_culling::DirectionBounds;
 use super::node::BoxLanes;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar};
 use crate::mesh::Mesh;
@@ -42,9 +42,7 @@ impl<T: Scalar> PacketHits<T> {
         let zeros = [T::zero(); LANE_COUNT];
         Self { found: 0, exits: 0, triangle: [0; LANE_COUNT], t: zeros, weights: [zeros; 3] }
     }
-}
 
-impl<T: Scalar> PacketHits<T> {
     /// The hit of one ray, if it has one.
     pub(crate) fn get(&self, lane: usize) -> Option<Hit<T>> {
         (self.found >> lane & 1 == 1).then(|| self.hit(lane))
@@ -70,48 +68,55 @@ impl<T: Scalar> PacketHits<T> {
     }
 }
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn nearest<T: Scalar, L: Lanes<T>>(
-    cells: &Wide<T>,
-    mesh: &Mesh<T>,
-    packet: &RayPacket<T>,
-    list: &mut Candidates<T>,
-    hits: &mut PacketHits<T>,
-) {
-    hits.found = 0;
-    let answer = &mut Nearest { end: packet.t_max, hits };
-    L::outlined(PacketSearch { cells, mesh, packet, asked: packet.present, end: &packet.t_max, list, answer });
-}
+impl<T: Scalar> Wide<T> {
+    /// The nearest hit of each ray.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::octree) fn nearest<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        packet: &RayPacket<T>,
+        list: &mut Candidates<T>,
+        hits: &mut PacketHits<T>,
+    ) {
+        hits.found = 0;
+        let answer = &mut Nearest { end: packet.t_max, hits };
+        let (asked, end) = (packet.present, &packet.t_max);
+        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer });
+    }
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn hidden<T: Scalar, L: Lanes<T>>(
-    cells: &Wide<T>,
-    mesh: &Mesh<T>,
-    packet: &RayPacket<T>,
-    asked: Mask,
-    end: &[T; LANE_COUNT],
-    touched: &[[u32; 3]; LANE_COUNT],
-    list: &mut Candidates<T>,
-) -> Mask {
-    let mut answer = Hidden { end, touched, hidden: 0 };
-    L::outlined(PacketSearch { cells, mesh, packet, asked, end, list, answer: &mut answer });
-    answer.hidden & asked
-}
+    /// Which of the rays in `asked` leave the mesh strictly before `end`, through other triangles than those that have all
+    /// their ray's `touched` vertices.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::octree) fn hidden<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        packet: &RayPacket<T>,
+        asked: Mask,
+        end: &[T; LANE_COUNT],
+        touched: &[[u32; 3]; LANE_COUNT],
+        list: &mut Candidates<T>,
+    ) -> Mask {
+        let mut answer = Hidden { end, touched, hidden: 0 };
+        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer: &mut answer });
+        answer.hidden & asked
+    }
 
-/// Every crossing of the rays up to their ends, in whatever order they come.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn windings<T: Scalar, L: Lanes<T>>(
-    cells: &Wide<T>,
-    mesh: &Mesh<T>,
-    packet: &RayPacket<T>,
-    touched: &[[u32; 3]; LANE_COUNT],
-    list: &mut Candidates<T>,
-    numbers: &mut [i32; LANE_COUNT],
-) {
-    *numbers = [0; LANE_COUNT];
-    let (asked, end) = (packet.present, &packet.t_max);
-    let answer = &mut Windings { mesh, packet, touched, numbers };
-    L::outlined(PacketSearch { cells, mesh, packet, asked, end, list, answer });
+    /// How often the mesh winds around where the rays start, by every crossing of the rays up to their ends, in whatever order
+    /// they come: see [`Tracer::windings_of_packet`](crate::octree::Tracer).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(in crate::octree) fn windings<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        packet: &RayPacket<T>,
+        touched: &[[u32; 3]; LANE_COUNT],
+        list: &mut Candidates<T>,
+        numbers: &mut [i32; LANE_COUNT],
+    ) {
+        *numbers = [0; LANE_COUNT];
+        let (asked, end) = (packet.present, &packet.t_max);
+        let answer = &mut Windings { mesh, packet, touched, numbers };
+        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer });
+    }
 }
 
 /// What a search is given, and what it keeps of the packet as a whole.
@@ -123,7 +128,7 @@ struct Search<'a, T: Scalar, L> {
     slabs: PacketSlabs<T, L>,
     /// A box that holds all of the asked rays.
     around: BoxLanes<T, L>,
-    directions: Directions<T, L>,
+    directions: DirectionBounds<T, L>,
 }
 
 /// The search of a packet's asked rays up to their ends.
@@ -152,7 +157,7 @@ impl<T: Scalar, A: Answer<T>> Kernel<T> for PacketSearch<'_, T, A> {
         if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
             around = slabs.box_inside(packet, end, asked, mesh.aabb());
         }
-        let directions = Directions::<T, L>::new(packet, asked, &around);
+        let directions = DirectionBounds::<T, L>::new(packet, asked, &around);
         let around = BoxLanes::new(&around);
         let search = Search { cells, mesh, packet, asked, slabs, around, directions };
         if !lists::search(&search, list, answer) {

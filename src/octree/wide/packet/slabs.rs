@@ -1,5 +1,5 @@
+use crate::math::margins::reaches_told_apart;
 use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, margins};
-use crate::octree::slabs::reaches_told_apart;
 use crate::ray::RayPacket;
 
 /// The planes of boxes as sixteen rays meet them: a face at `x` is met at t = x · inverse + offset.

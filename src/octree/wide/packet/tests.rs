@@ -29,13 +29,13 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
         let (mut found, mut hits, mut all_hidden) = (PacketHits::empty(), Vec::new(), Vec::new());
         for (rays, touched) in self.rays.chunks(LANE_COUNT).zip(self.touched.chunks(LANE_COUNT)) {
             packet.set_rays::<L>(rays);
-            nearest::<T, L>(self.cells, self.mesh, &packet, &mut list, &mut found);
+            self.cells.nearest::<L>(self.mesh, &packet, &mut list, &mut found);
             hits.extend((0..rays.len()).map(|lane| found.get(lane)));
             let mut all_touched = [[0; 3]; LANE_COUNT];
             all_touched[..touched.len()].copy_from_slice(touched);
             let end = packet.t_max;
             let asked = packet.present;
-            let hidden = hidden::<T, L>(self.cells, self.mesh, &packet, asked, &end, &all_touched, &mut list);
+            let hidden = self.cells.hidden::<L>(self.mesh, &packet, asked, &end, &all_touched, &mut list);
             all_hidden.extend((0..rays.len()).map(|lane| hidden >> lane & 1 == 1));
         }
         let few = |ray| L::outlined(NearestOfRay::<T, FEW_WAITING> { cells: self.cells, mesh: self.mesh, ray });

@@ -8,10 +8,11 @@ mod strain;
 
 use super::Wide;
 use super::tile::TILE_SIZE;
-use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch, length};
+use crate::math::margins::NARROW_BOX;
+use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors, dispatch, lanes_of, length};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::octree::near::{Lapse, Reach};
+use crate::octree::near_triangles::{Lapse, Reach};
 use block::{Block, are_apart};
 use descent::Descent;
 use steep::{FindSteep, MakeNormals, Normals};
@@ -48,9 +49,6 @@ struct Narrow<T: Scalar> {
     inverse: T,
 }
 
-/// More than the rounding of narrow numbers, and of what they are made from.
-const OUTWARD: f32 = 1.0 / (1 << 20) as f32;
-
 impl<T: Scalar> Narrow<T> {
     fn new(mesh_box: &Aabb<T>) -> Self {
         let inverse = T::one() / mesh_box.longest_side();
@@ -60,16 +58,16 @@ impl<T: Scalar> Narrow<T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lower(&self, axis: usize, value: T) -> f32 {
-        ((value - self.origin[axis]) * self.inverse).to_f64() as f32 - OUTWARD
+        ((value - self.origin[axis]) * self.inverse).to_f64() as f32 - NARROW_BOX
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn upper(&self, axis: usize, value: T) -> f32 {
-        -((value - self.origin[axis]) * self.inverse).to_f64() as f32 - OUTWARD
+        -((value - self.origin[axis]) * self.inverse).to_f64() as f32 - NARROW_BOX
     }
 
     fn distance(&self, distance: T) -> f32 {
-        (distance * self.inverse).to_f64() as f32 + OUTWARD
+        (distance * self.inverse).to_f64() as f32 + NARROW_BOX
     }
 }
 
@@ -271,9 +269,7 @@ impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32, bool) -> b
                     (a_steep, b_steep) = (b_steep, a_steep);
                 }
             }
-            while candidates != 0 {
-                let place = candidates.trailing_zeros() as usize;
-                candidates &= candidates - 1;
+            for place in lanes_of(candidates) {
                 let steep = if a_steep >> place & 1 == 0 { 0 } else { b_steep };
                 let mut others = b.near::<L>(&a.sides_of(place), self.close);
                 if steep != 0 {
@@ -284,9 +280,7 @@ impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32, bool) -> b
                 if others != 0 {
                     others &= !b.sharing::<L>(a.vertices_of(place));
                 }
-                while others != 0 {
-                    let other = others.trailing_zeros() as usize;
-                    others &= others - 1;
+                for other in lanes_of(others) {
                     let is_steep = steep >> other & 1 != 0;
                     if !(self.offer)(pair, a_tile.triangles[place], b_tile.triangles[other], is_steep) {
                         return false;

@@ -93,8 +93,7 @@ impl<T: Scalar> Kernel<T> for MakeRest<'_, T> {
         let Self { cells, mesh, allowed, rest } = self;
         let empty = RestTile { positions: [[T::zero(); TILE_SIZE]; 3], factors: [[T::zero(); TILE_SIZE]; 3] };
         (rest.centre, rest.back) = (mesh.aabb().centre(), UnitQuaternion::identity());
-        rest.tiles.clear();
-        memory::append(&mut rest.tiles, std::iter::repeat_n(empty, cells.tiles.len()));
+        memory::refill_with(&mut rest.tiles, empty, cells.tiles.len());
         // In units of the body, squares of areas neither overflow nor underflow.
         let unit = L::splat(T::one() / mesh.aabb().longest_side());
         for index in 0..cells.tiles.len() {
@@ -147,8 +146,7 @@ impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
         let centre = Vectors::splat(&mesh.aabb().centre());
         let one = L::splat(T::one());
         let (mut whole, mut strained) = (Aabb::empty(), 0);
-        moves.clear();
-        memory::append(moves, std::iter::repeat_n(whole, cells.tiles.len()));
+        memory::refill_with(moves, whole, cells.tiles.len());
         for index in 0..cells.tiles.len() {
             let (tile, rest) = (&cells.tiles[index], &rest.tiles[index]);
             let seen = mesh.gather::<L>(&cells.outlines[index].vertices).sub(centre);

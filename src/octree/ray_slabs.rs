@@ -14,20 +14,12 @@ pub(super) struct Slabs<T: Scalar> {
     pub(super) margin: T,
 }
 
-/// How far a ray may have to go, at least and at most, in lengths of its direction, for boxes to be told apart by the `t` of
-/// their faces. Where it is less, `t` has lost its digits to underflow. Where it is more, a ray that is parallel to a face, and
-/// no farther from it than a rounding, may seem to leave the box before it enters: it passes the face at the margin times a
-/// finite stand-in for 1/0. Such rays are taken to meet every box.
-pub(super) fn reaches_told_apart<T: Scalar>() -> [T; 2] {
-    [T::of(16.0) / T::LARGEST, T::LARGEST * margins::margin(margins::BOX_FACE) * T::of(0.25)]
-}
-
 impl<T: Scalar> Slabs<T> {
     pub(super) fn new(ray: &Ray<T>, mesh_box: &Aabb<T>) -> Self {
         // A finite stand-in for 1/0 keeps 0 · ∞ out of the planes.
         let inverse = ray.direction.map(|d| (T::one() / d).clamp(-T::LARGEST, T::LARGEST));
         let (reach, length) = (mesh_box.reach_from(&ray.origin), ray.direction.amax());
-        let [least, most] = reaches_told_apart();
+        let [least, most] = margins::reaches_told_apart();
         // A far origin does not cut the stand-in here, so the direction alone counts.
         let is_told_apart = length * least <= reach && T::one() <= length * most;
         let margin = if is_told_apart { reach * margins::margin(margins::BOX_FACE) } else { T::INFINITY };

@@ -2,7 +2,8 @@
 
 use super::Narrow;
 use super::block::{Block, are_apart};
-use crate::math::{Kernel, Lanes, Mask, Scalar, Vectors};
+use crate::math::margins::FACING_ALIKE;
+use crate::math::{Kernel, Lanes, Mask, Scalar, Vectors, lanes_of};
 use crate::memory;
 use crate::mesh::Mesh;
 use crate::octree::wide::Wide;
@@ -10,9 +11,6 @@ use crate::octree::wide::tile::TILE_SIZE;
 
 /// The normals of a tile's triangles, of unit length.
 pub(super) type Normals = [[f32; TILE_SIZE]; 3];
-
-/// The least cosine of the angle between normals that face alike: one half, and more than all is rounded.
-const FACING_ALIKE: f32 = 0.51;
 
 /// Makes the normals of all tiles.
 pub(super) struct MakeNormals<'a, T: Scalar> {
@@ -28,8 +26,7 @@ impl<T: Scalar> Kernel<T> for MakeNormals<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let Self { cells, mesh, narrow, normals } = self;
-        normals.clear();
-        memory::append(normals, std::iter::repeat_n([[0.0; TILE_SIZE]; 3], cells.tiles.len()));
+        memory::refill_with(normals, [[0.0; TILE_SIZE]; 3], cells.tiles.len());
         let unit = L::splat(narrow.inverse);
         for index in 0..cells.tiles.len() {
             let tile = &cells.tiles[index];
@@ -67,8 +64,7 @@ impl<T: Scalar> Kernel<f32> for FindSteep<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<f32>>(self) {
         let Self { cells, blocks, normals, tile_pairs, distance, among, steep } = self;
-        steep.clear();
-        memory::append(steep, std::iter::repeat_n(0, blocks.len()));
+        memory::refill_with(steep, 0, blocks.len());
         for pair in tile_pairs {
             let [first, second] = pair.map(|tile| tile as usize);
             let (a, b) = (&blocks[first], &blocks[second]);
@@ -80,11 +76,8 @@ impl<T: Scalar> Kernel<f32> for FindSteep<'_, T> {
             }
             let present = cells.tiles[second].present;
             let facing = Vectors::<f32, L>::load(&normals[second]);
-            let mut candidates = a.near::<L>(&b.whole, distance);
             let (mut steep_of_a, mut steep_of_b) = (0, 0);
-            while candidates != 0 {
-                let place = candidates.trailing_zeros() as usize;
-                candidates &= candidates - 1;
+            for place in lanes_of(a.near::<L>(&b.whole, distance)) {
                 let [x, y, z] = &normals[first];
                 let along = facing.x.mul(L::splat(x[place]));
                 let along = along.add(facing.y.mul(L::splat(y[place]))).add(facing.z.mul(L::splat(z[place])));

@@ -49,11 +49,11 @@ impl<T: Scalar, F: Fn(usize) -> Vector3<T>> PositionSource<T> for Numbered<F> {
 }
 
 /// Whether all positions are finite, and the box around them.
-pub(super) struct Survey<'a, P: ?Sized> {
+pub(super) struct FiniteBounds<'a, P: ?Sized> {
     pub(super) positions: &'a P,
 }
 
-impl<T: Scalar, P: PositionSource<T> + ?Sized> Kernel<T> for Survey<'_, P> {
+impl<T: Scalar, P: PositionSource<T> + ?Sized> Kernel<T> for FiniteBounds<'_, P> {
     type Output = (bool, Aabb<T>);
 
     #[cfg_attr(not(debug_assertions), inline(always))]

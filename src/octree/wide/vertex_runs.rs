@@ -13,7 +13,7 @@ const ASCENDING: [u32; LANE_COUNT] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 
 /// leaf lie. As vertices are numbered along the surface, as good as always, they tell from one reading of the positions
 /// which leaves are far from a region, without a look at their tiles.
 #[derive(Clone, Debug)]
-pub(super) struct Runs<T: Scalar> {
+pub(super) struct VertexRuns<T: Scalar> {
     lower: Vec<Vector3<T>>,
     upper: Vec<Vector3<T>>,
     /// Sixteen at a time, the last repeated.
@@ -22,7 +22,7 @@ pub(super) struct Runs<T: Scalar> {
     starts: Vec<u32>,
 }
 
-impl<T: Scalar> Runs<T> {
+impl<T: Scalar> VertexRuns<T> {
     /// For the leaves among the nodes; their boxes are yet to be renewed.
     pub(super) fn new(mesh: &Mesh<T>, nodes: &[Node<T>], outlines: &[Outline<T>]) -> Self {
         let (mut of_leaves, mut starts) = (Vec::new(), memory::with_room(nodes.len() + 1));

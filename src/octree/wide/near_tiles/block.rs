@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::{Narrow, Sides};
-use crate::math::{Lanes, Mask, Scalar, Vectors};
+use crate::math::{Lanes, Mask, Scalar, Vectors, lanes_of};
 use crate::octree::wide::Wide;
 use crate::octree::wide::tile::TILE_SIZE;
 
@@ -60,10 +60,7 @@ impl Block {
                 sides[axis + 3][place] = narrow.upper(axis, upper[axis][place]);
             }
         }
-        let mut absent = !tile.present | merged;
-        while absent != 0 {
-            let place = absent.trailing_zeros() as usize;
-            absent &= absent - 1;
+        for place in lanes_of(!tile.present | merged) {
             sides.iter_mut().for_each(|side| side[place] = f32::INFINITY);
         }
         *whole = [f32::INFINITY; 6];

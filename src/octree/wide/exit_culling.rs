@@ -5,7 +5,7 @@ use crate::ray::RayPacket;
 
 /// The directions of some rays, as the box around them: tells which tiles none of the rays can leave the body through.
 /// That saves nearly all tiles around the points where rays start, which their boxes always meet.
-pub(super) struct Directions<T: Scalar, L> {
+pub(super) struct DirectionBounds<T: Scalar, L> {
     lower: Vectors<T, L>,
     upper: Vectors<T, L>,
     /// The largest component.
@@ -14,7 +14,7 @@ pub(super) struct Directions<T: Scalar, L> {
     reach: T,
 }
 
-impl<T: Scalar, L: Lanes<T>> Directions<T, L> {
+impl<T: Scalar, L: Lanes<T>> DirectionBounds<T, L> {
     /// Of the `asked` rays; `around` is a box that holds them all.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn new(packet: &RayPacket<T>, asked: Mask, around: &Aabb<T>) -> Self {

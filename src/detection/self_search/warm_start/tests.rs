@@ -66,7 +66,7 @@ enum Settled {
 }
 
 /// One step, held to a search that remembers nothing. The octree follows only where something has to be searched.
-fn step(memory: &mut SelfMemory<f64>, octree: &mut Octree<f64>, mesh: &Mesh<f64>) -> Settled {
+fn step(memory: &mut SelfWarmStart<f64>, octree: &mut Octree<f64>, mesh: &Mesh<f64>) -> Settled {
     let [mut found, mut expected] = [(); 2].map(|()| Touching::default());
     expected.search(&Octree::new(mesh), mesh);
     let is_clear = memory.is_clear(mesh, octree);
@@ -86,7 +86,7 @@ fn step(memory: &mut SelfMemory<f64>, octree: &mut Octree<f64>, mesh: &Mesh<f64>
 fn what_is_remembered_never_tells_other_than_a_search() {
     let mut mesh = torus(SIDES);
     let mut octree = Octree::new(&mesh);
-    let mut memory = SelfMemory::default();
+    let mut memory = SelfWarmStart::default();
     let mut settled = BTreeSet::new();
     let mut pass = |gap: f64, is_folded: bool| {
         pose(&mut mesh, gap, is_folded);
@@ -140,7 +140,7 @@ fn what_is_clear_touches_nothing_however_it_moves() {
     let rest = torus_positions(SIDES, 0);
     let mut touching = 0;
     for (number, shape) in shapes().into_iter().enumerate() {
-        let (mut mesh, mut memory) = (torus(SIDES), SelfMemory::default());
+        let (mut mesh, mut memory) = (torus(SIDES), SelfWarmStart::default());
         let (mut octree, mut list) = (Octree::new(&mesh), ContactList::default());
         let (mut state, mut clear) = (7 + number as u64, 0);
         let (mut waves, mut shear, mut crumple, mut turn) = ([[0.0; 4]; 6], [0.0; 3], [0.0; 3], 0.0f64);
@@ -199,7 +199,7 @@ fn what_lies_inside_another_part_is_not_forgotten() {
     let outer = torus_triangles(SIDES);
     let triangles: Vec<_> = outer.iter().copied().chain(outer.iter().map(|t| t.map(|v| v + count))).collect();
     let mut mesh: Mesh<f64> = Mesh::new(&positions, &triangles).expect("both are closed");
-    let (mut octree, mut memory, mut list) = (Octree::new(&mesh), SelfMemory::default(), ContactList::default());
+    let (mut octree, mut memory, mut list) = (Octree::new(&mesh), SelfWarmStart::default(), ContactList::default());
     for step in 0..40 {
         let moved: Vec<_> = positions.iter().map(|p| p.map(|x| x * (1.0 + 1e-4 * f64::from(step)))).collect();
         mesh.set_positions(&moved).expect("finite");

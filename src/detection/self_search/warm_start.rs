@@ -9,7 +9,7 @@ use crate::octree::{Lapse, NearParts, Octree, Reach};
 /// What a body remembers between steps of its search for contacts with itself: where its vertices were when the search found
 /// nothing, and how far they may move against each other before it has to search again. The contacts do not depend on it.
 #[derive(Clone, Debug)]
-pub(crate) struct SelfMemory<T: Scalar> {
+pub(crate) struct SelfWarmStart<T: Scalar> {
     /// Triangles around one vertex do not touch each other until an edge is strained by more than this.
     fans: Certificate<T>,
     /// By vertex: how far the triangles around it may be strained, as a part of their size.
@@ -40,7 +40,7 @@ pub(crate) struct SelfMemory<T: Scalar> {
     failures: u32,
 }
 
-impl<T: Scalar> Default for SelfMemory<T> {
+impl<T: Scalar> Default for SelfWarmStart<T> {
     fn default() -> Self {
         let (fans, strains, near) = (Certificate::default(), Vec::new(), NearParts::default());
         let (allowed, rounding, fineness) = (-T::one(), T::zero(), T::zero());
@@ -91,7 +91,7 @@ const STEEP_MARGIN: f64 = 1.0;
 /// Coordinates may grow by this before what was kept for rounding is used up.
 const MOST_GROWTH: f64 = 1.5;
 
-impl<T: Scalar> SelfMemory<T> {
+impl<T: Scalar> SelfWarmStart<T> {
     /// Whether the body cannot touch itself at its present positions, by what is remembered. The octree is always the same
     /// of the same mesh, but need not be up to date.
     pub(crate) fn is_clear(&mut self, mesh: &Mesh<T>, octree: &Octree<T>) -> bool {
@@ -194,8 +194,7 @@ impl<T: Scalar> Certificate<T> {
     fn set(&mut self, mesh: &Mesh<T>, allowed: T, is_valid: bool) {
         // Coordinates may double before what was kept for rounding is used up.
         (self.is_valid, self.allowed, self.rounding) = (is_valid, allowed, rounding(mesh) * T::of(2.0));
-        self.positions.clear();
-        memory::append(&mut self.positions, mesh.positions().iter().copied());
+        memory::refill(&mut self.positions, mesh.positions().iter().copied());
     }
 
     fn is_known(&self, mesh: &Mesh<T>) -> bool {

@@ -5,10 +5,10 @@ use super::tile::{TILE_SIZE, Tile};
 use crate::closest::{PointPacket, QueryPoint};
 use crate::math::{Lanes, Mask, Scalar, Vector3, Vectors, direction, margins};
 
-/// A round slab around a tile, across its mean normal: a better bound for distances than the box of a tilted tile.
+/// A round cylinder around a tile, across its mean normal: a better bound for distances than the box of a tilted tile.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slab<T: Scalar> {
-    /// Of unit length, but for a tile without a normal: then zero, and the slab is endless.
+pub(super) struct TileCylinder<T: Scalar> {
+    /// Of unit length, but for a tile without a normal: then zero, and the cylinder is endless.
     normal: Vector3<T>,
     centre: Vector3<T>,
     /// How far it reaches from the centre along the normal.
@@ -18,7 +18,7 @@ pub(super) struct Slab<T: Scalar> {
     radius: T,
 }
 
-impl<T: Scalar> Slab<T> {
+impl<T: Scalar> TileCylinder<T> {
     pub(super) fn endless() -> Self {
         let endless = T::INFINITY;
         Self { normal: Vector3::zeros(), centre: Vector3::zeros(), below: -endless, above: endless, radius: endless }
@@ -44,12 +44,12 @@ impl<T: Scalar> Slab<T> {
         let along = seen.dot(Vectors::splat(&normal));
         let across = seen.sub(Vectors::splat(&normal).scaled(along));
         // More than all is rounded here.
-        let slack = (upper - lower).max() * margins::margin(margins::SLAB);
+        let slack = (upper - lower).max() * margins::margin(margins::TILE_CYLINDER);
         let radius = across.dot(across).greatest().sqrt() + slack;
         Self { normal, centre, below: along.smallest() - slack, above: along.greatest() + slack, radius }
     }
 
-    /// How far along a row of a rotation something in the slab may reach, and a little more.
+    /// How far along a row of a rotation something in the cylinder may reach, and a little more.
     pub(super) fn reach(&self, row: &[f64; 3]) -> f64 {
         let along = |v: &Vector3<T>| row[0] * v.x.to_f64() + row[1] * v.y.to_f64() + row[2] * v.z.to_f64();
         let (square, cosine, middle) =
@@ -57,12 +57,11 @@ impl<T: Scalar> Slab<T> {
         let (below, above, radius) = (self.below.to_f64(), self.above.to_f64(), self.radius.to_f64());
         let lift = (cosine * below).max(cosine * above);
         let size = radius + below.abs() + above.abs() + self.centre.abs().max().to_f64();
-        // Normals are as long as 1 to a few roundings.
-        let slack = T::ROUNDING_UNIT.to_f64() * 64.0;
+        let slack = margins::margin::<T>(margins::CYLINDER_REACH).to_f64();
         middle + lift + radius * (square - cosine * cosine + slack).max(0.0).sqrt() + slack * size
     }
 
-    /// Which of a packet's points may be near enough to something in the slab.
+    /// Which of a packet's points may be near enough to something in the cylinder.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near<L: Lanes<T>>(&self, packet: &PointPacket<T>) -> Mask {
         let factor = packet.centre.factor;
@@ -75,18 +74,18 @@ impl<T: Scalar> Slab<T> {
         let below = L::splat(self.below * factor).sub(along);
         let apart = above.larger(below).larger(zero);
         let beside = across.dot(across).sqrt().sub(L::splat(self.radius * factor)).larger(zero);
-        apart.mul(apart).add(beside.mul(beside)).is_at_most(L::load(&packet.slab_limit))
+        apart.mul(apart).add(beside.mul(beside)).is_at_most(L::load(&packet.cylinder_limit))
     }
 
-    /// Whether a point may be nearer than by this square to something in the slab.
+    /// Whether a point may be nearer than by this square to something in the cylinder.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn is_near(&self, query: &QueryPoint<T>, square_of_slabs: T) -> bool {
+    pub(super) fn is_near(&self, query: &QueryPoint<T>, square_of_cylinders: T) -> bool {
         let seen = query.position - self.centre * query.factor;
         let along = seen.dot(&self.normal);
         let across = seen - self.normal * along;
         let zero = T::zero();
         let apart = (along - self.above * query.factor).max(self.below * query.factor - along).max(zero);
         let beside = (across.norm_squared().sqrt() - self.radius * query.factor).max(zero);
-        apart * apart + beside * beside <= square_of_slabs
+        apart * apart + beside * beside <= square_of_cylinders
     }
 }

@@ -5,7 +5,7 @@ use crate::memory::{self, Room};
 /// The triangles that stand for the patches of at most one area, group by group, so that what casts fewer rays than there
 /// are triangles looks at fewer too.
 #[derive(Clone, Debug)]
-pub(crate) struct Standing {
+pub(crate) struct Representatives {
     triangles: Vec<u32>,
     /// Those of group g are at the places `starts[g]..starts[g + 1]`.
     starts: Vec<u32>,
@@ -15,7 +15,7 @@ pub(crate) struct Standing {
     border_starts: Vec<u32>,
 }
 
-impl Standing {
+impl Representatives {
     /// Those of the mesh's patches of at most this area; `groups` offers the triangles of each group in turn, of each
     /// triangle once.
     pub(crate) fn new<T: Scalar>(
@@ -141,18 +141,18 @@ mod tests {
         let count = mesh.topology().triangles().len() as u32;
         for area in [1.5, 4.0, 50.0] {
             // Groups of ten.
-            let standing = Standing::new(&mesh, area, count.div_ceil(10), |group, offer| {
+            let representatives = Representatives::new(&mesh, area, count.div_ceil(10), |group, offer| {
                 (group * 10..count.min(group * 10 + 10)).for_each(offer);
             });
             let mut places = Vec::new();
-            (0..count.div_ceil(10)).for_each(|group| standing.add_places_in(group, &mut places));
+            (0..count.div_ceil(10)).for_each(|group| representatives.add_places_in(group, &mut places));
             let stand = |triangle: &u32| mesh.patches().of(*triangle, area).is_some();
             let expected: Vec<u32> = (0..count).filter(stand).collect();
-            assert_eq!(places.iter().map(|&place| standing.triangle(place)).collect::<Vec<_>>(), expected);
+            assert_eq!(places.iter().map(|&place| representatives.triangle(place)).collect::<Vec<_>>(), expected);
             assert!(places.len() * 2 < count as usize + places.len());
             for place in places {
-                let patch = mesh.patches().of(standing.triangle(place), area).expect("it stands for one");
-                let border = standing.border(place);
+                let patch = mesh.patches().of(representatives.triangle(place), area).expect("it stands for one");
+                let border = representatives.border(place);
                 assert_eq!(border.is_empty(), patch.len() == 1);
                 if patch.len() > 1 {
                     let sum: Vector3<f64> = patch.iter().map(|&triangle| mesh.scaled_normal(triangle)).sum();

@@ -1,0 +1,97 @@
+//! The sources themselves: what `docs/architecture.md` says of their order and names, and where rounding bounds stand.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The modules of the table of layers, the highest first.
+fn layers() -> Vec<String> {
+    let page = fs::read_to_string("docs/architecture.md").expect("the page is there");
+    let (_, section) = page.split_once("## Layers\n").expect("it has the section");
+    let (section, _) = section.split_once("\n## ").expect("another follows");
+    let names = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
+    names.map(|(name, _)| name.to_owned()).collect()
+}
+
+fn files_in(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("the folder is there") {
+        let path = entry.expect("it can be read").path();
+        if path.is_dir() {
+            files_in(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+/// Each file of the library but the root, with its module and its code without comments and unit tests.
+fn sources() -> Vec<(PathBuf, String, String)> {
+    let mut files = Vec::new();
+    files_in(Path::new("src"), &mut files);
+    let is_code = |path: &PathBuf| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        path != Path::new("src/lib.rs") && stem != "tests" && !stem.starts_with("test_") && stem != "faults"
+    };
+    let read = |path: PathBuf| {
+        let text = fs::read_to_string(&path).expect("it can be read");
+        let code = text.split("\nmod tests {").next().unwrap_or_default().lines();
+        let code = code.filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+        let below = path.strip_prefix("src").expect("it lies there").with_extension("");
+        let module = below.iter().next().expect("it has a name").to_string_lossy().into_owned();
+        (path, module, code)
+    };
+    files.into_iter().filter(is_code).map(read).collect()
+}
+
+#[test]
+fn modules_use_only_those_below_them() {
+    let layers = layers();
+    let place = |name: &str| layers.iter().position(|layer| layer == name);
+    let mut seen = 0;
+    for (path, module, code) in sources() {
+        let own = place(&module).unwrap_or_else(|| panic!("{module} is not in the table of layers"));
+        for used in code.split("crate::").skip(1) {
+            let name: String = used.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            // What hosts need of `detection` and `recovery` has a module of its own.
+            let name = if name == "contact" { "recovery" } else { &name };
+            if let Some(other) = place(name) {
+                assert!(own <= other, "{}: {module} uses {name}, which is above it", path.display());
+                seen += usize::from(own < other);
+            }
+        }
+    }
+    assert!(seen > 500, "only {seen} uses");
+}
+
+/// Rounding bounds stand in one file, with their derivations.
+#[test]
+fn rounding_bounds_stand_in_one_file() {
+    for (path, _, code) in sources() {
+        let may = ["src/math/margins.rs", "src/math/scalar.rs"].iter().any(|own| path == Path::new(own));
+        let found = ["EPSILON", "ROUNDING_UNIT", "e-5", "e-6", "e-7", "e-8", "e-9", "e-1"]
+            .iter()
+            .find(|word| code.contains(*word));
+        assert!(
+            may || found.is_none(),
+            "{}: {} belongs into src/math/margins.rs",
+            path.display(),
+            found.unwrap_or(&"")
+        );
+    }
+}
+
+/// The walks and decisions name files that are there.
+#[test]
+fn files_of_the_architecture_are_there() {
+    let page = fs::read_to_string("docs/architecture.md").expect("the page is there");
+    let named: Vec<&str> = page.split('`').skip(1).step_by(2).filter(|name| name.ends_with(".rs")).collect();
+    assert!(named.len() > 60, "{named:?}");
+    // Next to the file named before it, some are named by their name alone.
+    let mut folder = PathBuf::new();
+    for name in named {
+        let path = [Path::new("src").join(name), Path::new(name).into(), folder.join(name)]
+            .into_iter()
+            .find(|path| path.exists());
+        let path = path.unwrap_or_else(|| panic!("docs/architecture.md names {name}"));
+        folder = path.parent().unwrap_or(Path::new("")).into();
+    }
+}
