@@ -38,8 +38,9 @@ class Contacts:
 
     def to_array(self) -> NDArray[Any]:
         """A copy of all contacts: kind, a ContactKind; colliding and collided, the body that the ray starts from and
-        the one it ends on; p1 and p2, the ray's ends, each with triangle, vertices, weights (barycentric) and position
-        in m; direction, of unit length; depth in m; cos_alpha; area in m²."""
+        the one it ends on; piece, the part of p1's triangle; id, from step to step; p1 and p2, the ray's ends, each
+        with triangle, vertices, weights (barycentric) and position in m; direction, of unit length; depth in m;
+        cos_alpha; area in m²."""
         return copied(library.rayc_contacts_copy, len(self), self._handle, 0, len(self))
 
     def statistics(self) -> dict[str, int]:
