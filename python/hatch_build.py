@@ -82,6 +82,8 @@ def types(header, library):
             prefix = len(f"rayc_{name}_")
             known = [(member[prefix:-2], f" = {value}", text) for text, member, value in members]
             parts.append(class_of(f"{title}(IntEnum)", text, known))
+    public = re.findall(r"^class (\w+)", "".join(parts), re.MULTILINE)
+    parts.append(f'\n\n__all__ = {["NO_TRIANGLE", *public]}')
     return "\n".join(parts) + "\n"
 
 

@@ -71,6 +71,7 @@ const data = {
   stability: readCsv("stability/map.csv"),
   detect: readCsv("performance/detect.csv"),
   figure8: readCsv("accuracy/figure8.csv"),
+  hosts: readCsv("hosts/frame_rates.csv"),
   failures: readFailures(),
   deep: {
     detect: readCsv("penetration/detect.csv"),

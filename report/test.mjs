@@ -99,6 +99,32 @@ try {
     }
     await page.select("#map-scene", "all");
   });
+  const hostLabels = async (scene) => {
+    await page.select("#host-scene", scene);
+    const [names, inside] = await page.$$eval('[data-plot="hosts"] svg text', (texts) => {
+      const isInside = (text) => {
+        const [box, frame] = [text, text.closest("svg")].map((element) => element.getBoundingClientRect());
+        return box.left >= frame.left && box.right <= frame.right;
+      };
+      return [texts.length, texts.filter(isInside).length];
+    });
+    assert.equal(inside, names, `${scene}: labels run out of the chart`);
+  };
+  const hostScenes = await page.$$eval("#host-scene option", (options) => options.map((option) => option.value));
+  await check("each host's scene draws a labelled point for each run", async () => {
+    for (const host of new Set(data.hosts.map((row) => row.host))) {
+      assert(host === "own engine" || hostScenes.some((scene) => scene.startsWith(`${host}: `)), host);
+    }
+    let drawn = 0;
+    for (const scene of hostScenes) {
+      await hostLabels(scene);
+      drawn += await count("hosts");
+    }
+    assert.equal(drawn, data.hosts.length);
+    await page.focus("#host-scene");
+    await page.keyboard.press("Home");
+    assert.equal(await page.$eval("#host-scene", (select) => select.value), hostScenes[0]);
+  });
   await check("the benchmark of deep contact ranks every library, in a table and in bars", async () => {
     const libraries = new Set(data.deep.free.map((row) => row.library));
     const asked = new Set(data.deep.free.filter((row) => row.refused < row.poses).map((row) => row.library));
@@ -190,6 +216,7 @@ try {
     await page.screenshot({ path: join(folder, `${name}.png`), clip: { x: 0, y: 0, width, height } });
     await page.screenshot({ path: join(folder, `${name}_whole.png`), fullPage: true });
     await (await page.$("#deep")).screenshot({ path: join(folder, `${name}_deep.png`) });
+    await (await page.$("#hosts")).screenshot({ path: join(folder, `${name}_hosts.png`) });
   };
   await shoot("report_light", 1700);
   await check("dark and light differ", async () => {
@@ -210,6 +237,8 @@ try {
     });
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 320);
     assert((await count("choose")) > 50);
+    for (const scene of hostScenes) await hostLabels(scene);
+    await page.select("#host-scene", hostScenes[0]);
     await shoot("report_narrow", 1700);
   });
   await check("nothing was reported on the console or asked of the network", async () => assert.deepEqual(faults, []));

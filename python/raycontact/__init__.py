@@ -14,22 +14,8 @@ Every call lets other Python threads run. Two of them must not use one scene, me
 changes it: that raises Error with Status.BUSY.
 """
 
-from ._header import (
-    NO_TRIANGLE,
-    ContactKind,
-    ContactSystemOptions,
-    DetectionOptions,
-    Law,
-    MeshOptions,
-    OctreeLayout,
-    OctreeOptions,
-    ResponseOptions,
-    Sampling,
-    Scalar,
-    SceneOptions,
-    Status,
-    Weighting,
-)
+from . import _header
+from ._header import *  # noqa: F403 (constants, enums and options of the C header)
 from ._library import Error, paper_detection_options, version
 from .contact_system import ContactSystem, Material
 from .contacts import Contacts, query_pair, query_self
@@ -37,28 +23,5 @@ from .mesh import Mesh
 from .scene import Scene
 
 __version__ = version()
-__all__ = [
-    "NO_TRIANGLE",
-    "ContactKind",
-    "ContactSystem",
-    "ContactSystemOptions",
-    "Contacts",
-    "DetectionOptions",
-    "Error",
-    "Law",
-    "Material",
-    "Mesh",
-    "MeshOptions",
-    "OctreeLayout",
-    "OctreeOptions",
-    "ResponseOptions",
-    "Sampling",
-    "Scalar",
-    "Scene",
-    "SceneOptions",
-    "Status",
-    "Weighting",
-    "paper_detection_options",
-    "query_pair",
-    "query_self",
-]
+__all__ = ["ContactSystem", "Contacts", "Error", "Material", "Mesh", "Scene"]
+__all__ += ["paper_detection_options", "query_pair", "query_self", *_header.__all__]

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ._arrays import Vectors, copied, packed
+from ._arrays import Array, packed, to_read
 from ._ffi import ffi
 from ._header import DetectionOptions, SceneOptions
-from ._library import DTYPES, answer, check, create, library, options
+from ._library import answer, call, copied, create, library, options
 from .contacts import Contacts
 from .mesh import Mesh
 
@@ -22,7 +22,7 @@ class Scene:
     """Many bodies, numbered from 0, and all contacts among them.
 
     Options: see SceneOptions; threads=0 starts a pool of one thread for each core, which ends with the scene. Results
-    do not depend on it. An unknown body raises Error with Status.UNKNOWN_BODY.
+    do not depend on it. An unknown body raises Error with Status.UNKNOWN_BODY. After an Error all is as it was.
     """
 
     def __init__(self, **scene_options: Unpack[SceneOptions]) -> None:
@@ -30,73 +30,69 @@ class Scene:
 
     def add(self, mesh: Mesh) -> int:
         """Adds a copy of `mesh` with its present positions; returns the body's number."""
-        return int(answer("uint32_t", library.rayc_scene_add_mesh, self._handle, mesh._handle))
+        return int(answer(library.rayc_scene_add_mesh, self._handle, mesh._handle))
 
     def remove(self, body: int) -> None:
-        """Removes a body. Its number is refused from here on, and no other body gets it before release_body_numbers()."""
-        check(library.rayc_scene_remove_body(self._handle, body))
+        """Removes a body. Its number is refused from here on; no other body has it before release_body_numbers()."""
+        call(library.rayc_scene_remove_body, self._handle, body)
 
     def release_body_numbers(self) -> None:
-        """Lets the numbers of bodies removed so far be given to new bodies, so that numbers stay small. Call it when
-        nothing uses the number of a removed body any more: no contacts, no saved state, no contact system."""
-        check(library.rayc_scene_release_body_numbers(self._handle))
+        """Lets new bodies have the numbers of removed ones, so that numbers stay small. Call it when nothing uses those
+        numbers any more: no contacts, no saved state, no contact system."""
+        call(library.rayc_scene_release_body_numbers, self._handle)
 
-    def set_positions(self, body: int, positions: ArrayLike) -> None:
-        """Renews the positions of a body's vertices: (n, 3), in m. Where that raises Error, the old ones stay."""
-        vectors = Vectors(positions, "positions")
-        check(library.rayc_scene_set_positions(self._handle, body, vectors.struct))
+    def set_positions(self, body: int, positions: Array) -> None:
+        """Renews the positions of a body's vertices: (n, 3), in m."""
+        call(library.rayc_scene_set_positions, self._handle, body, [to_read(positions, "positions")])
 
-    def set_pose(self, body: int, position: ArrayLike, rotation: ArrayLike) -> None:
-        """Moves a body that keeps its shape: position is (3,) in m, rotation (3, 3), and a point p of its mesh as it was
-        created is at rotation @ p + position. The cost is that of where it meets others. Where that raises Error, it stays
-        where it was."""
-        pose = packed("rayc_pose", ("position", position, 3), ("rotation", rotation, 9))
-        check(library.rayc_scene_set_pose(self._handle, body, pose))
+    def set_pose(self, body: int, position: Array, rotation: Array) -> None:
+        """Moves a body that keeps its shape, at the cost of where it meets others: position is (3,) in m, rotation
+        (3, 3), and a point p of its mesh as it was created is at rotation @ p + position."""
+        call(library.rayc_scene_set_pose, self._handle, body, packed(position=(position, 3), rotation=(rotation, 9)))
 
     def set_detection_options(self, **detection: Unpack[DetectionOptions]) -> None:
         """Sets how contacts are found from the next query on; what is not given becomes the default."""
-        check(library.rayc_scene_set_detection_options(self._handle, options("detection", detection)))
+        call(library.rayc_scene_set_detection_options, self._handle, options("detection", detection))
 
     def set_self_collision(self, body: int, is_on: bool) -> None:
         """Switches contacts of a body with itself on or off from the next query on; off for a new body."""
-        check(library.rayc_scene_set_self_collision(self._handle, body, is_on))
+        call(library.rayc_scene_set_self_collision, self._handle, body, is_on)
 
     def set_pair_collision(self, a: int, b: int, is_on: bool) -> None:
         """Switches contacts between two bodies off or on again from the next query on."""
-        check(library.rayc_scene_set_pair_collision(self._handle, a, b, is_on))
+        call(library.rayc_scene_set_pair_collision, self._handle, a, b, is_on)
 
     def allow_escape(self, a: int, b: int, allowed: bool) -> None:
         """Lets two bodies escape from one another where contacts cannot part them, as by default, or forbids it."""
-        check(library.rayc_scene_allow_escape(self._handle, a, b, allowed))
+        call(library.rayc_scene_allow_escape, self._handle, a, b, allowed)
 
     def may_escape(self, a: int, b: int) -> bool:
         """Whether two bodies may escape from one another."""
-        return bool(answer("uint32_t", library.rayc_scene_may_escape, self._handle, a, b))
+        return bool(answer(library.rayc_scene_may_escape, self._handle, a, b))
 
     def query(self, contacts: Contacts | None = None) -> Contacts:
         """Finds all contacts at the present positions. They replace those of `contacts`, which is returned, or are new.
         The same positions have the same contacts, however often they are asked for in a step."""
         contacts = Contacts() if contacts is None else contacts
-        check(library.rayc_scene_query(self._handle, contacts._handle))
+        call(library.rayc_scene_query, self._handle, contacts._handle)
         return contacts
 
     def advance(self, seconds: float) -> None:
         """Ends a step of so many seconds, after its last query: what pairs remember, by which they escape, goes on."""
-        check(library.rayc_scene_advance(self._handle, seconds))
+        call(library.rayc_scene_advance, self._handle, seconds)
 
     def pair_memories(self) -> NDArray[Any]:
         """What each pair remembers from step to step: one for each, with the fields of rayc_pair_memory."""
-        count = answer("size_t", library.rayc_scene_pair_memory_count, self._handle)
-        given = self._handle, 0, count, DTYPES["pair_memory"].itemsize
-        return copied("pair_memory", count, library.rayc_scene_copy_pair_memories, *given)
+        count = answer(library.rayc_scene_pair_memory_count, self._handle)
+        return copied(
+            library.rayc_scene_copy_pair_memories, count, self._handle, 0, count, ffi.sizeof("rayc_pair_memory")
+        )
 
     def save_pair_memories(self) -> bytes:
-        """The same as bytes, for files: a scene with the same bodies and options that restores them goes on as this one
-        does, to the bit."""
-        saved = ffi.new("uint8_t[]", answer("size_t", library.rayc_scene_saved_length, self._handle))
-        check(library.rayc_scene_save_pair_memories(self._handle, len(saved), saved))
-        return bytes(ffi.buffer(saved))
+        """The same for files: a scene of the same bodies and options that restores it goes on as this, to the bit."""
+        length = answer(library.rayc_scene_saved_length, self._handle)
+        return copied(library.rayc_scene_save_pair_memories, length, self._handle, length).tobytes()
 
     def restore_pair_memories(self, saved: bytes) -> None:
         """Goes on from saved bytes."""
-        check(library.rayc_scene_restore_pair_memories(self._handle, len(saved), ffi.from_buffer(saved)))
+        call(library.rayc_scene_restore_pair_memories, self._handle, len(saved), ffi.from_buffer(saved))

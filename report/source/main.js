@@ -117,10 +117,16 @@ function stability() {
   else plots.show("stability", data.stability?.filter((row) => row.scene === scene), plots.stability);
 }
 
+const scenesOfHosts = plots.hostScenes(data.hosts);
+function hosts() {
+  plots.show("hosts", scenesOfHosts.get(at("host-scene").value), plots.hosts);
+}
+
 fill(at("scene"), [...new Set((data.chart ?? []).map((row) => row.scene))].map((scene) => [scene, scene]));
 fill(at("measure"), measures.map((measure) => [measure.key, measure.name]));
 fill(at("map-scene"), [["all", "all scenes"]]);
 fill(at("map-scene"), [...new Set((data.stability ?? []).map((row) => row.scene))].map((s) => [s, s.replaceAll("_", " ")]));
+fill(at("host-scene"), [...scenesOfHosts.keys()].map((scene) => [scene, scene]));
 at("runs").textContent = data.stability?.length ?? 0;
 for (const { key, name, isShown } of variants) {
   const box = element("input");
@@ -132,6 +138,7 @@ for (const { key, name, isShown } of variants) {
 }
 for (const id of ["scene", "measure", "labels"]) at(id).addEventListener("change", choose);
 at("map-scene").addEventListener("change", stability);
+at("host-scene").addEventListener("change", hosts);
 at("theme").addEventListener("click", () => {
   const root = document.documentElement;
   const isDark = (root.dataset.theme ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light")) === "dark";
@@ -140,6 +147,7 @@ at("theme").addEventListener("click", () => {
 function drawAll() {
   choose();
   stability();
+  hosts();
   plots.show("deep", data.deep.free, plots.freed);
   plots.show("triangles", data.detect, plots.byTriangles);
   plots.show("bodies", data.detect, plots.byBodies);

@@ -120,6 +120,59 @@ export function freed(rows, width) {
   });
 }
 
+/** Who makes the contact of a run in a host. */
+const makers = {
+  raycontact: ["raycontact", "#2b7fd4"], both: ["raycontact, the host's response", "#17a398"],
+  host: ["the host's own", "#808890"], none: ["no contact", "#c9b037"],
+};
+
+/** Milliseconds of a step; pages that count frames say them by the second. */
+const stepTime = (row) => row.ms_per_step ?? 1000 / row.frames_per_second;
+
+/** A time step as the pages write it, 0.02 or 1/120, in seconds. */
+function seconds(timeStep) {
+  const [over, under = 1] = String(timeStep).split("/").map(Number);
+  return over / under;
+}
+
+/** What a step of a host's scene takes, by time step and contact, in the order of the host's page. */
+export function hosts(rows, width) {
+  const name = ({ time_step, contact }) => `${time_step} s, ${contact.replaceAll("`", "")}`;
+  const figures = ({ time, time_step }) =>
+    `${Number(time.toPrecision(3))} ms (${Number((1000 * seconds(time_step) / time).toPrecision(2))})`;
+  const known = rows.map((row) => ({ ...row, name: row.host === "own engine" ? row.scene : name(row), time: stepTime(row) }));
+  const found = Object.keys(makers).filter((by) => known.some((row) => row.by === by));
+  // On narrow screens names stand above their points.
+  const isNarrow = width < 700;
+  const times = known.map(({ time }) => time);
+  const marks = { x: "time", y: "name" };
+  const letters = Math.max(...known.map((row) => row.name.length));
+  return Plot.plot({
+    style, width, height: (isNarrow ? 62 : 28) * known.length + 64,
+    marginLeft: isNarrow ? 8 : 30 + 6.6 * letters, marginRight: 140, marginBottom: 44,
+    x: { type: "log", label: "milliseconds of a step →", labelOffset: 38, domain: [Math.min(...times) / 1.3, Math.max(...times)],
+      tickFormat: "~g", ticks: 4 },
+    y: { type: "point", label: null, domain: known.map((row) => row.name), axis: isNarrow ? null : "left", padding: 0.6 },
+    color: { legend: true, domain: found.map((by) => makers[by][0]), range: found.map((by) => makers[by][1]) },
+    marks: [
+      Plot.ruleY(known, { y: "name", strokeOpacity: 0.15 }),
+      Plot.dot(known, { ...marks, fill: ({ by }) => makers[by][0], r: 6, className: "points" }),
+      Plot.text(known, { ...marks, dx: 11, textAnchor: "start", text: figures, fill: "currentColor", stroke: "var(--plot-background)" }),
+      isNarrow ? Plot.text(known, { y: "name", frameAnchor: "left", dy: -12, lineAnchor: "bottom", lineWidth: width / 14, text: "name" }) : null,
+    ],
+  });
+}
+
+/** The scenes of hosts, each with its rows. */
+export function hostScenes(rows) {
+  const scenes = new Map();
+  for (const row of rows ?? []) {
+    const scene = row.host === "own engine" ? "an engine of one's own" : `${row.host}: ${row.scene.replaceAll("_", " ")}`;
+    scenes.set(scene, [...(scenes.get(scene) ?? []), row]);
+  }
+  return scenes;
+}
+
 function describe(row) {
   return Object.entries(row).filter(([, value]) => value !== null).map(([name, value]) => `${name}: ${value}`).join("\n");
 }
