@@ -58,7 +58,8 @@ const verdictColours = ["#3a9d5d", "#c9b037", "#6aa7c9", "#e08a2c", "#b05fb5", "
 
 /** As the scenes call them, and as people do. */
 const contactMethods = {
-  ours: "raycontact, paper's law", paper: "raycontact, paper's mode", classic: "raycontact, classic bodies",
+  ours: "raycontact, paper's law", pressure: "raycontact, pressure law", contact_system: "contact system, no Bullet",
+  paper: "raycontact, paper's mode", classic: "raycontact, classic bodies",
   vf_dd_implicit: "Bullet VF, implicit", vf_dd_explicit: "Bullet VF, explicit", vf_ss: "Bullet VF, classic bodies",
   cl_ss: "Bullet CL, classic bodies",
 };
