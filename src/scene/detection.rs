@@ -36,8 +36,8 @@ impl<T: Scalar> Scene<T> {
     /// A query changes nothing that a later one in the same step could see: with the same positions it finds the same
     /// contacts, however often. What pairs remember goes on with [`advance`](Self::advance).
     ///
-    /// Where there is little to do, a thousand rays or so, the calling thread does it alone; and also where that has proved
-    /// faster, which is tried now and then.
+    /// Where there is little to do, a thousand rays or so, the calling thread does it alone; a scene with threads of its own
+    /// also where that has proved faster, which is tried now and then.
     pub fn query(&mut self, contacts: &mut ContactList<T>) {
         let found = catch_unwind(AssertUnwindSafe(|| self.detect(contacts)));
         if let Err(panic) = found {
@@ -72,9 +72,11 @@ impl<T: Scalar> Scene<T> {
         self.pairs.history.is_queried = true;
     }
 
-    /// In the way that has proved faster; the crate's own tests are of threads.
+    /// In the way that has proved faster, where the pool is the scene's own: a host that lends its threads has decided. The
+    /// crate's own tests are of threads.
     fn detect_as_fast(&mut self, rays: f64, contacts: &mut ContactList<T>) {
-        let way = if cfg!(test) { Way::SideBySide } else { self.pace.way(rays) };
+        let is_free = matches!(self.threads.helpers(), Helpers::Pool) && !cfg!(test);
+        let way = if is_free { self.pace.way(rays) } else { Way::SideBySide };
         let start = Instant::now();
         match way {
             Way::SideBySide => self.detect_side_by_side(contacts),
