@@ -7,8 +7,8 @@ usage() {
 usage: scripts/distributed.sh [run|docs]
 
 run (default): the demo distributed on 1 to 4 ranks of this machine, seven times each, and divisions of up to a million
-bodies into up to 1000 parts; three minutes on two quiet cores, beside the build. Writes out/distributed/measured.csv, a row for each rank
-and run, out/distributed/parts.csv, a row for each part, and what scripts/draw_distributed.py makes of them.
+bodies into up to 1000 parts; three minutes on two quiet cores, beside the build. Writes out/distributed/measured.csv, a row
+for each rank and run, out/distributed/parts.csv, a row for each part, and what scripts/draw_distributed.py makes of them.
 docs: runs nothing; takes the last figures over into docs/distributed.md and docs/distributed/.
 Exit status: 0 when drawn, 1 when something failed, 2 for a wrong command line.
 END

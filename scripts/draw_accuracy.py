@@ -7,19 +7,10 @@ Usage: draw_accuracy.py [docs/accuracy]
 scripts/accuracy.sh measures and calls it. Needs Debian's python3-matplotlib.
 """
 
-import argparse
 import csv
 import os
-import sys
 
-try:
-    import matplotlib
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plot  # after the choice of output
-    from matplotlib.ticker import FuncFormatter, NullFormatter
-except ModuleNotFoundError:
-    matplotlib = None  # --help works without
+from drawing import FuncFormatter, NullFormatter, draw_in_folder, plot, save
 
 # Told apart by colour-blind readers too.
 MODES = {
@@ -59,12 +50,6 @@ def count_axis(axis, ticks):
     axis.set_minor_formatter(NullFormatter())
 
 
-def save(figure, folder, name):
-    # Neither date nor random names: the same figures give the same file. Tight, since the legend stands above.
-    figure.savefig(os.path.join(folder, name), bbox_inches="tight", metadata={"Date": None})
-    plot.close(figure)
-
-
 def draw_figure8(folder):
     rows = read(folder, "figure8.csv", ["sides", "mode", "mean", "worst"])
     figure, axes = plot.subplots(figsize=(7.2, 5.2), layout="constrained")
@@ -83,7 +68,7 @@ def draw_figure8(folder):
     count_axis(axes.xaxis, [10, 20, 50, 100, 150])
     axes.grid(which="major", linewidth=0.4)
     figure.legend(fontsize=7.5, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    save(figure, folder, "figure8.svg")
+    save(figure, folder, "figure8.svg", bbox_inches="tight")
 
 
 def draw_case(axes, rows):
@@ -128,26 +113,13 @@ def draw_convergence(folder):
         key("order 2", **guide),
         key("target of the default", color="black", linestyle="", marker="_", markersize=12),
     ], loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=6, fontsize=8)
-    save(figure, folder, "convergence.svg")
+    save(figure, folder, "convergence.svg", bbox_inches="tight")
 
 
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__.split("\n\n", maxsplit=1)[0],
-        epilog="Exit status: 0 when drawn, 1 when something is missing, 2 for a wrong command line.",
-    )
-    parser.add_argument("folder", nargs="?", default="docs/accuracy", help="default: docs/accuracy")
-    folder = parser.parse_args().folder
-    if matplotlib is None:
-        sys.exit("draw_accuracy.py: matplotlib is missing (Debian: python3-matplotlib)")
-    # Letters as text and fixed names keep the files small and the same from run to run.
-    matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "accuracy", "font.size": 9})
-    try:
-        draw_figure8(folder)
-        draw_convergence(folder)
-    except (OSError, ValueError) as error:
-        sys.exit(f"draw_accuracy.py: {error}")
+def draw(folder):
+    draw_figure8(folder)
+    draw_convergence(folder)
 
 
 if __name__ == "__main__":
-    main()
+    draw_in_folder(__doc__, "docs/accuracy", "accuracy", draw)

@@ -7,18 +7,10 @@ Usage: draw_choices.py [docs/chart]
 scripts/chart.sh calls it. Needs matplotlib.
 """
 
-import argparse
 import csv
 import os
-import sys
 
-try:
-    import matplotlib
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plot  # after the choice of output
-except ModuleNotFoundError:
-    matplotlib = None  # --help works without
+from drawing import draw_in_folder, plot, save
 
 SCENE = "deep-tori"
 OWN = "law={} sampling={} precision={} layout=wide edges={} weights={}"
@@ -67,26 +59,9 @@ def draw(folder):
             axis.set_major_formatter("{x:g}")
         axes.grid(linewidth=0.4)
     figure.supxlabel("time of a step, as a multiple of one pass over the positions", fontsize=9)
-    # Neither date nor random names: the same figures give the same file.
-    figure.savefig(os.path.join(folder, "choices.svg"), bbox_inches="tight", metadata={"Date": None})
-
-
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__.split("\n\n", maxsplit=1)[0],
-        epilog="Exit status: 0 when drawn, 1 when something is missing, 2 for a wrong command line.",
-    )
-    parser.add_argument("folder", nargs="?", default="docs/chart", help="default: docs/chart")
-    folder = parser.parse_args().folder
-    if matplotlib is None:
-        sys.exit("draw_choices.py: matplotlib is missing (Debian: python3-matplotlib)")
-    # Letters as text and fixed names keep the file small and the same from run to run.
-    matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "choices", "font.size": 9})
-    try:
-        draw(folder)
-    except (OSError, ValueError, KeyError) as error:
-        sys.exit(f"draw_choices.py: {error}: run scripts/chart.sh full, then scripts/chart.sh docs")
+    save(figure, folder, "choices.svg", bbox_inches="tight")
 
 
 if __name__ == "__main__":
-    main()
+    hint = ": run scripts/chart.sh full, then scripts/chart.sh docs"
+    draw_in_folder(__doc__, "docs/chart", "choices", draw, hint)

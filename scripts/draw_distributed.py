@@ -12,22 +12,11 @@ and calls it. Needs Debian's python3-matplotlib and python3-numpy.
 Exit status: 0; 1 where a file cannot be read; 2 for a wrong command line.
 """
 
-import argparse
 import csv
 import math
 import os
-import sys
 
-import document_tables
-
-try:
-    import matplotlib
-    import numpy
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plot  # after the choice of output
-except ModuleNotFoundError:
-    matplotlib = None  # --help works without
+from drawing import draw_and_tabulate, numpy, plot, save
 
 LATENCY = 1.5e-6  # s, of a message
 LINK = 100e9 / 8  # bytes/s
@@ -181,7 +170,7 @@ def tables(model, compared, worked):
     return lines
 
 
-def draw(path, compared, worked):
+def draw_scaling(folder, compared, worked):
     figure, (left, right) = plot.subplots(1, 2, figsize=(9, 3.4))
     several = [line for line in compared if line[0] == 220]
     ranks = [line[1] for line in several]
@@ -213,35 +202,22 @@ def draw(path, compared, worked):
     plot.rcParams["svg.hashsalt"] = "raycontact"
     plot.rcParams["svg.fonttype"] = "none"
     figure.tight_layout()
-    figure.savefig(path, metadata={"Date": None})
-    plot.close(figure)
+    save(figure, folder, "scaling.svg")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", default="out/distributed")
-    parser.add_argument("document", nargs="?")
-    arguments = parser.parse_args()
-    if matplotlib is None:
-        sys.exit("draw_distributed: install matplotlib and numpy: apt-get install python3-matplotlib python3-numpy")
-    try:
-        measured = medians(read(os.path.join(arguments.folder, "measured.csv")))
-        parts = read(os.path.join(arguments.folder, "parts.csv"))
-        model = Model(measured, parts)
-        worked = work_out(model, [part for part in parts if part["parts"] > 1])
-        compared = compare(model, measured, parts)
-        with open(os.path.join(arguments.folder, "model.csv"), "w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(worked[0]), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(worked)
-        draw(os.path.join(arguments.folder, "scaling.svg"), compared, worked)
-        lines = tables(model, compared, worked)
-        print("\n".join(lines))
-        if arguments.document:
-            document_tables.renew(arguments.document, {"model": "\n".join(lines)})
-    except (OSError, ValueError, KeyError) as error:
-        sys.exit(f"draw_distributed: {error}")
+def draw(folder):
+    measured = medians(read(os.path.join(folder, "measured.csv")))
+    parts = read(os.path.join(folder, "parts.csv"))
+    model = Model(measured, parts)
+    worked = work_out(model, [part for part in parts if part["parts"] > 1])
+    compared = compare(model, measured, parts)
+    with open(os.path.join(folder, "model.csv"), "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(worked[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(worked)
+    draw_scaling(folder, compared, worked)
+    return tables(model, compared, worked)
 
 
 if __name__ == "__main__":
-    main()
+    draw_and_tabulate(__doc__, "out/distributed", "model", draw)

@@ -7,18 +7,10 @@ Usage: draw_penetration.py [docs/penetration]
 scripts/penetration.sh measures and calls it. Needs matplotlib.
 """
 
-import argparse
 import csv
 import os
-import sys
 
-try:
-    import matplotlib
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plot  # after the choice of output
-except ModuleNotFoundError:
-    matplotlib = None  # --help works without
+from drawing import draw_in_folder, plot, save
 
 # Told apart by colour-blind readers too.
 OUTCOMES = {"freed": ("apart", "#1b6ab3"), "nearly": ("apart after a shift of 2 % of the size", "#8fbce6"),
@@ -34,12 +26,6 @@ JUDGES = {"overlap_volume": ("even pressure", "#555555", "s"), "hydroelastic": (
 def read(folder, name):
     with open(os.path.join(folder, name), newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
-
-
-def save(figure, folder, name):
-    # Neither date nor random names: the same figures give the same file.
-    figure.savefig(os.path.join(folder, name), bbox_inches="tight", metadata={"Date": None})
-    plot.close(figure)
 
 
 def add_up(rows, outcomes):
@@ -71,7 +57,7 @@ def draw_free(folder):
     bars = draw_bars(axes, names, sums, OUTCOMES)
     axes.set_xlabel("% of the overlapping poses")
     figure.legend(bars.values(), bars, fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    save(figure, folder, "free.svg")
+    save(figure, folder, "free.svg", bbox_inches="tight")
 
 
 def draw_simulate(folder):
@@ -86,7 +72,7 @@ def draw_simulate(folder):
     ordered = [label for label, _ in ENDS.values() if label in bars]
     figure.legend([bars[label] for label in ordered], ordered, fontsize=8, ncols=3, loc="lower center",
                   bbox_to_anchor=(0.5, 1.0))
-    save(figure, folder, "simulate.svg")
+    save(figure, folder, "simulate.svg", bbox_inches="tight")
 
 
 def draw_directions(folder):
@@ -104,27 +90,14 @@ def draw_directions(folder):
         axes.set_yticks(range(len(names)), names)
         axes.grid(axis="x", linewidth=0.4)
     figure.legend(fontsize=8, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    save(figure, folder, "directions.svg")
+    save(figure, folder, "directions.svg", bbox_inches="tight")
 
 
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__.split("\n\n", maxsplit=1)[0],
-        epilog="Exit status: 0 when drawn, 1 when something is missing, 2 for a wrong command line.",
-    )
-    parser.add_argument("folder", nargs="?", default="docs/penetration", help="default: docs/penetration")
-    folder = parser.parse_args().folder
-    if matplotlib is None:
-        sys.exit("draw_penetration.py: matplotlib is missing (Debian: python3-matplotlib)")
-    # Letters as text and fixed names keep the files small and the same from run to run.
-    matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "penetration", "font.size": 9})
-    try:
-        draw_free(folder)
-        draw_simulate(folder)
-        draw_directions(folder)
-    except (OSError, ValueError, KeyError) as error:
-        sys.exit(f"draw_penetration.py: {error}: run scripts/penetration.sh --full")
+def draw(folder):
+    draw_free(folder)
+    draw_simulate(folder)
+    draw_directions(folder)
 
 
 if __name__ == "__main__":
-    main()
+    draw_in_folder(__doc__, "docs/penetration", "penetration", draw, ": run scripts/penetration.sh --full")

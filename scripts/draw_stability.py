@@ -12,20 +12,10 @@ python3-matplotlib.
 Exit status: 0; 1 where map.csv cannot be read; 2 for a wrong command line.
 """
 
-import argparse
 import csv
 import os
-import sys
 
-import document_tables
-
-try:
-    import matplotlib
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plot  # after the choice of output
-except ModuleNotFoundError:
-    matplotlib = None  # --help works without
+from drawing import draw_and_tabulate, plot, save
 
 METHODS = {
     "ours": "raycontact, paper's law",
@@ -94,8 +84,7 @@ def draw_scene(folder, scene, rows):
     # Neither date nor random names: the same map gives the same file.
     plot.rcParams["svg.hashsalt"] = "raycontact"
     plot.rcParams["svg.fonttype"] = "none"
-    figure.savefig(os.path.join(folder, f"{scene}_map.svg"), bbox_inches="tight", metadata={"Date": None})
-    plot.close(figure)
+    save(figure, folder, f"{scene}_map.svg", bbox_inches="tight")
 
 
 def count(rows):
@@ -128,25 +117,13 @@ def tables(rows, scenes):
     return lines + ["", *table("time step / s, suggested stiffness", by_step)]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", default="out/stability")
-    parser.add_argument("document", nargs="?")
-    arguments = parser.parse_args()
-    if matplotlib is None:
-        sys.exit("draw_stability: matplotlib is missing; install it with: apt-get install python3-matplotlib")
-    try:
-        rows = read(os.path.join(arguments.folder, "map.csv"))
-        scenes = list(dict.fromkeys(row["scene"] for row in rows))
-        for scene in scenes:
-            draw_scene(arguments.folder, scene, [row for row in rows if row["scene"] == scene])
-        lines = tables(rows, scenes)
-        print("\n".join(lines))
-        if arguments.document:
-            document_tables.renew(arguments.document, {"map": "\n".join(lines)})
-    except (OSError, ValueError, KeyError) as error:
-        sys.exit(f"draw_stability: {error}")
+def draw(folder):
+    rows = read(os.path.join(folder, "map.csv"))
+    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    for scene in scenes:
+        draw_scene(folder, scene, [row for row in rows if row["scene"] == scene])
+    return tables(rows, scenes)
 
 
 if __name__ == "__main__":
-    main()
+    draw_and_tabulate(__doc__, "out/stability", "map", draw)

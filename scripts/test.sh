@@ -11,9 +11,9 @@ library, the oracle with 1e5 queries, a few sizes of the examples that measure f
 instructions of a step, the hash of all results, the versions that the library is made of, random inputs for
 a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the benchmark of deep contact without
 its peers, the C and C++ tests with the packages and the manual (cmake --workflow --preset test), and the command lines of
-all programs. Missing Debian packages are installed first, and MuJoCo is fetched. With --long the oracle asks 1e7 queries, self-collision takes 1e5 steps, forces are measured at every
-size, as in docs/accuracy.md, licences are checked, the sanitizers run, and the page of all measurements is made anew and
-tested in Chromium.
+all programs. Missing Debian packages are installed first, and MuJoCo is fetched. With --long the oracle asks 1e7 queries,
+self-collision takes 1e5 steps, forces are measured at every size, as in docs/accuracy.md, licences are checked, the sanitizers
+run, and the page of all measurements is made anew and tested in Chromium.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }

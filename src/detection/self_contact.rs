@@ -24,9 +24,8 @@ use crate::ray::{Hit, Ray};
 ///
 /// Rays start where the surface touches others of its triangles, and where it winds around more than once: if it touches
 /// itself nowhere, at no more than one point of each connected part. A scene also remembers that from step to step. An
-/// open mesh has no inside, and so no contacts with itself; it is counted. Nor has a tangled one, in
-/// which everything touches everything: no inside is left to tell, and the search would take as long as there are pairs of
-/// triangles. It is counted too ([`Statistics::tangled_bodies`](super::Statistics::tangled_bodies)).
+/// open mesh has no inside, and so no contacts with itself; it is counted. Nor has a tangled one
+/// ([`Statistics::tangled_bodies`](super::Statistics::tangled_bodies)).
 ///
 /// # Errors
 /// [`OctreeError`] where the octree is stale or another mesh's; `contacts` is then as before.

@@ -50,11 +50,8 @@ pub struct Statistics {
     pub escapes_turned: u64,
     /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
     pub escapes_forbidden: u64,
-    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none, since no inside is left to
-    /// tell: of 512 triangles or more, where the surface folds over around more than a quarter of the vertices; where
-    /// triangles touch more than 6 others each on average, or about 6 among 96 or more whose boxes overlap theirs; where it
-    /// folds over around one vertex in 64 and the boxes of triangles overlap those of more than 16 others each; or with more
-    /// than 64 pairs of near parts, of up to 16 triangles, for each triangle.
+    /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: nearly everything touches
+    /// everything, and no inside is left to tell. docs/architecture.md says by which signs they are known.
     pub tangled_bodies: u64,
     /// Pairs of a crowd, whose triangles are cut into fewer pieces ([`Sampling::Automatic`](super::Sampling::Automatic)).
     pub crowded_pairs: u64,

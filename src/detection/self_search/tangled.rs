@@ -1,20 +1,20 @@
 //! Bodies in which everything touches everything: garbage positions of a simulation gone wrong. Pairs of triangles that
 //! touch are then quadratically many, each ray crosses a part of the whole surface, and no inside is left to tell.
+//!
+//! A body is tangled by any of four signs: random pairs that touch too often ([`is_tangled`]), folds around too many vertices
+//! ([`Limits::folds`]), too many pairs of triangles that touch, or that are close beside folds ([`Limits`]), and too many pairs
+//! of near parts ([`MOST_PAIRS_OF_PARTS`]). What chose the numbers: docs/architecture.md, under *Tuned constants*.
 
 use super::nearness::{Nearness, nearness};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::octree::is_merged;
 
-// `tangled/tests.rs` holds these limits to bodies that are tangled and to ones that are not; `examples/garbage.rs` measures what
-// both cost.
-
-/// A body with fewer triangles is never tangled: it is searched pair by pair. In so small a body a tenth of the triangles may
-/// touch when it is merely crumpled.
+/// A body with fewer triangles is never tangled: it is searched pair by pair.
 const FEWEST_TRIANGLES: usize = 512;
-/// A body is tangled if each triangle touches this many others on average, as estimated from random pairs.
+/// By random pairs: each triangle touches this many others on average,
 const TOUCHING: usize = 24;
-/// It is tangled too, with long triangles all over one another, if each touches this many
+/// or this many, with long triangles all over one another,
 const TOUCHING_OF_CLOSE: usize = 6;
 /// and has a box that overlaps the boxes of this many. Long triangles in order have as many such boxes, but do not touch.
 const CLOSE: usize = 96;
@@ -25,19 +25,21 @@ const FIRST_PART: usize = 4;
 /// A body whose triangles each have boxes that overlap those of fewer others than this is in order.
 const FEWEST_CLOSE: usize = 12;
 
-/// A body that folds over around less than one vertex in this many is merely crumpled here and there.
+/// The surface folds over around more than one vertex in this many: it has no side.
+const VERTICES_WITHOUT_SIDE: usize = 4;
+/// Around fewer than one in this many it is merely crumpled here and there.
 const VERTICES_OF_A_FOLD: usize = 64;
-/// A body with more folds is tangled if it has this many pairs of triangles with overlapping boxes for each triangle: spikes
-/// and rags.
+/// With more folds, this many pairs of triangles with overlapping boxes for each triangle are too many: spikes and rags.
 const CLOSE_BESIDE_FOLDS: usize = 8;
-/// When all pairs are looked at, a body is tangled with this many touching pairs for each triangle: a large part of the
-/// surface lies on the rest. A torus flattened to a plane has seven; slivers that cross have two.
+/// Of all pairs, this many that touch for each triangle: a large part of the surface lies on the rest.
 const MOST_TOUCHING: usize = 3;
+/// This many pairs of near parts for each triangle: their list would take more memory than everything else.
+pub(in crate::detection) const MOST_PAIRS_OF_PARTS: usize = 64;
 
 /// What a body that is not tangled has at most. A search that finds more can stop.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::detection) struct Limits {
-    /// Vertices around which the surface folds over. With more than a quarter of all vertices it has no side.
+    /// Vertices around which the surface folds over.
     pub(in crate::detection) folds: usize,
     /// Pairs of triangles that touch.
     pub(in crate::detection) touching: usize,
@@ -58,7 +60,7 @@ impl Limits {
             return Self::NONE;
         }
         let (touching, close) = (triangles * MOST_TOUCHING, triangles * CLOSE_BESIDE_FOLDS);
-        Self { folds: vertices / 4, touching, close, few_folds: vertices / VERTICES_OF_A_FOLD }
+        Self { folds: vertices / VERTICES_WITHOUT_SIDE, touching, close, few_folds: vertices / VERTICES_OF_A_FOLD }
     }
 
     /// How many pairs may be close in a body with so many folds.

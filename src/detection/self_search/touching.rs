@@ -2,7 +2,7 @@
 //! no ray has to be traced to know that.
 
 use super::nearness::{projected_gap, rounding, separation, touch_distance};
-use super::tangled::{Limits, is_tangled};
+use super::tangled::{Limits, MOST_PAIRS_OF_PARTS, is_tangled};
 use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
@@ -47,10 +47,6 @@ pub(in crate::detection) struct Fans<T: Scalar> {
     /// The mean altitude of the triangles.
     pub(in crate::detection) fineness: T,
 }
-
-/// A body is also tangled if it has more pairs of near parts for each triangle than this: their list would take more memory
-/// than everything else. Fans of long slivers come near this limit with 30 000 triangles.
-const MOST_PAIRS_OF_PARTS: usize = 64;
 
 impl<T: Scalar> Touching<T> {
     /// Starts anew with a surface that touches itself nowhere. Lengths whose squares underflow or overflow tell
@@ -158,9 +154,8 @@ impl<T: Scalar> Touching<T> {
         if turns == 1 && least > T::zero() { (least, least_cosine) } else { (T::zero(), T::zero()) }
     }
 
-    /// Looks at the triangles without a common vertex; a margin of 0 is quickest. Where more touch, or are close beside
-    /// many folds, than a body has that is not tangled, or parts are near each other beyond all bounds, it is. The first two
-    /// do not depend on the order in which pairs are looked at, nor on the margins.
+    /// Looks at the triangles without a common vertex, until more touch or are close than the limits allow; a margin of 0 is
+    /// quickest. What touches and is close depends neither on the order in which pairs are looked at nor on the margins.
     pub(in crate::detection) fn search_pairs(
         &mut self,
         octree: &Octree<T>,

