@@ -41,7 +41,8 @@ def to_write(given: Any, name: str, is_packed: bool = False) -> NDArray[Any]:
     fits = given.dtype == np.float64 and given.flags.carray if is_packed else lies_well(rows(given, name))
     if not (fits and given.flags.writeable):
         found = f"dtype {given.dtype}, strides {given.strides}, writeable {given.flags.writeable}"
-        raise ValueError(f"{name} cannot be added to where it lies ({found}); give one such as np.zeros((n, 3))")
+        example = "np.zeros(n)" if is_packed else "np.zeros((n, 3))"
+        raise ValueError(f"{name} cannot be added to where it lies ({found}); give one such as {example}")
     return given
 
 
