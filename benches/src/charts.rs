@@ -10,6 +10,19 @@ type Failure = Box<dyn std::error::Error>;
 type Chart = fn(&[Row], &Area) -> Result<(), Failure>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
+/// Draws the names of a chart's series into it, whatever its coordinates are.
+macro_rules! draw_legend {
+    ($chart:ident) => {
+        $chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperLeft)
+            .background_style(WHITE.mix(0.85))
+            .border_style(BLACK.mix(0.2))
+            .label_font(("sans-serif", 14))
+            .draw()?
+    };
+}
+
 /// One curve: a method's label, and its points.
 type Curve = (String, Vec<(f64, f64)>);
 
@@ -111,13 +124,7 @@ fn growth(area: &Area, title: &str, unit: &str, curves: &[Curve]) -> Result<(), 
         let line = chart.draw_series(LineSeries::new(points.iter().copied(), style).point_size(3))?;
         line.label(label.as_str()).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.2))
-        .label_font(("sans-serif", 14))
-        .draw()?;
+    draw_legend!(chart);
     Ok(())
 }
 
@@ -167,12 +174,6 @@ fn parallel(rows: &[Row], area: &Area) -> Result<(), Failure> {
             .label(label.as_str())
             .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 14, y + 5)], colour.filled()));
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.2))
-        .label_font(("sans-serif", 14))
-        .draw()?;
+    draw_legend!(chart);
     Ok(())
 }

@@ -40,12 +40,7 @@ mod vectors;
 mod version;
 
 pub use closest::*;
-pub use contact_system::{
-    rayc_contact_system, rayc_contact_system_add_deformable, rayc_contact_system_add_half_space,
-    rayc_contact_system_add_moved, rayc_contact_system_add_rigid, rayc_contact_system_create,
-    rayc_contact_system_destroy, rayc_contact_system_remove_body, rayc_contact_system_set_motion,
-    rayc_contact_system_set_node_masses, rayc_contact_system_set_pair_material, rayc_contact_system_unknown_count,
-};
+pub use contact_system::*;
 pub use contact_system_ghosts::*;
 pub use contact_system_options::*;
 pub use contact_system_pairs::*;
@@ -60,7 +55,7 @@ pub use mesh::*;
 pub use octree::*;
 pub use octree_options::*;
 pub use options::*;
-pub use own_exits::{rayc_octree_own_exits, rayc_own_exit};
+pub use own_exits::*;
 pub use packed_mesh::*;
 pub use pair_forces::*;
 pub use pair_memory::*;

@@ -9,6 +9,8 @@ use super::workspace::{Chunk, Workspace};
 use crate::math::{LANE_COUNT, Scalar, dispatch};
 use crate::memory::Room;
 
+// What chose these numbers: docs/architecture.md, *Tuned constants*.
+
 /// A direction is cast in about this many chunks. They do not depend on the number of threads, so sums over them do not either.
 const CHUNKS: usize = 16;
 /// The fewest groups of vertices or triangles in a chunk, whose rays need not fill the last packet, and the most.

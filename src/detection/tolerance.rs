@@ -4,9 +4,8 @@ use super::pair::Pair;
 use super::sample::largest_face;
 use crate::math::{Scalar, Vector3, length};
 
-// These numbers were chosen together: with them, in 614 overlaps of tori, balls, thorns, boxes and animals and with tolerances
-// from 0.003 to 0.1, no result was farther from the finest one than asked. `tests/library/detection/tolerance.rs` holds the
-// rule to that on the scenes of the chart and the workloads of the measuring program.
+// These numbers were chosen together, by overlaps of tori, balls, thorns, boxes and animals: docs/architecture.md, *Tuned constants*.
+// `tests/library/detection/tolerance.rs` holds the rule to the tolerance.
 
 /// The first try has this many rays on the overlap box's largest face, each further one four times as many.
 const FEWEST_RAYS: f64 = 32.0;

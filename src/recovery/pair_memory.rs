@@ -54,7 +54,7 @@ impl<T: Scalar> Default for PairMemory<T> {
     }
 }
 
-// What these numbers free, and how often a pair under load escapes with them, is measured in docs/stability.md.
+// What chose these numbers: docs/architecture.md, *Tuned constants*.
 
 /// Steps without a smaller overlap after which deep contacts are stuck.
 const STEPS_TO_A_NEW_LOW: u32 = 8;

@@ -5,6 +5,8 @@ use super::pair_memory::{PairMemory, Progress};
 use crate::detection::{ContactKind, ContactList, Outcome, Pair};
 use crate::math::{Scalar, Vector3};
 
+// What chose these numbers: docs/architecture.md, *Tuned constants*.
+
 /// A way out is short if it is less than so many times the depth of the deepest contact,
 const SHORT_WAY: f64 = 2.0;
 /// and less than this part of the smaller body's size.

@@ -12,6 +12,8 @@ use crate::threads::Helpers;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::time::Instant;
 
+// What chose these numbers: docs/architecture.md, *Tuned constants*.
+
 /// One thread does fewer rays than this faster than two, each of which must fetch what the other has written.
 const FEWEST_RAYS_TO_SHARE: f64 = if cfg!(test) { 0.0 } else { 1000.0 };
 /// Reading this many triangles anew takes as long as one ray.

@@ -75,6 +75,8 @@ struct Certificate<T: Scalar> {
     rounding: T,
 }
 
+// What chose these numbers: docs/architecture.md, *Tuned constants*.
+
 /// The clearance that a search looks for should last this many steps at the present pace.
 const STEPS_WANTED: f64 = 16.0;
 /// A clearance that lasts fewer steps than this costs more than it saves;
