@@ -315,8 +315,8 @@ void no_creep_on_a_slope() {
 // On a height field and on a compound of two boxes a cube comes to rest; a body whose mask leaves them out falls
 // through.
 void more_shapes_and_masks() {
-  const float heights[16] = {};
-  btHeightfieldTerrainShape field(4, 4, heights, 1, -1, 1, 1, PHY_FLOAT, false);
+  const btScalar heights[16] = {};
+  btHeightfieldTerrainShape field(4, 4, heights, btScalar(-1), btScalar(1), 1, false);
   field.setLocalScaling(btVector3(2, 1, 2));
   btBoxShape half(btVector3(btScalar(1.5), btScalar(0.5), 3));
   btCompoundShape slab;
