@@ -1,4 +1,6 @@
 // Rigid bodies as collided surfaces, floors and friction: judged by the laws of mechanics.
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -131,6 +133,18 @@ void a_cube_in_the_hole_of_a_ring() {
     world.world().removeRigidBody(flying.get());
   }
 }
+
+/** Counts contacts. */
+class Drawer : public btIDebugDraw {
+ public:
+  void drawLine(const btVector3&, const btVector3&, const btVector3&) override {}
+  void drawContactPoint(const btVector3&, const btVector3&, btScalar, int, const btVector3&) override { ++contacts; }
+  void reportErrorWarning(const char*) override {}
+  void draw3dText(const btVector3&, const char*) override {}
+  void setDebugMode(int) override {}
+  int getDebugMode() const override { return DBG_DrawAabb; }
+  std::size_t contacts = 0;
+};
 
 /** Goes up at a steady speed. */
 class Lift : public btMotionState {
@@ -298,6 +312,44 @@ void no_creep_on_a_slope() {
   }
 }
 
+// On a height field and on a compound of two boxes a cube comes to rest; a body whose mask leaves them out falls
+// through.
+void more_shapes_and_masks() {
+  const btScalar heights[16] = {};
+  btHeightfieldTerrainShape field(4, 4, heights, btScalar(-1), btScalar(1), 1, false);
+  field.setLocalScaling(btVector3(2, 1, 2));
+  btBoxShape half(btVector3(btScalar(1.5), btScalar(0.5), 3));
+  btCompoundShape slab;
+  for (const double x : {-1.6, 1.6})
+    slab.addChildShape(btTransform(btMatrix3x3::getIdentity(), btVector3(btScalar(x), btScalar(-0.5), 0)), &half);
+  for (btCollisionShape* shape : {static_cast<btCollisionShape*>(&field), static_cast<btCollisionShape*>(&slab)})
+    for (const bool is_masked : {false, true}) {
+      const char* test = shape == &field ? "height field" : "compound";
+      demo::SoftWorld world(2e4, 0.3, stiff_contact(), btVector3(0, -10, 0));
+      btSoftBody& soft = world.add(cube_at(0.2, 0.1, -0.5), 3);
+      const auto support = rigid(*shape, 0, btVector3(0, 0, 0));
+      world.world().addRigidBody(support.get(), 0, 0);
+      bullet::BodyOptions options;
+      if (is_masked) options.group = 2, options.mask = ~uint32_t{1};
+      world.contact().add_rigid_body(*support, options);
+      for (int step = 0; step < 100; ++step) world.step(0.02);
+      Drawer drawer;
+      world.world().setDebugDrawer(&drawer);
+      world.world().debugDrawWorld();
+      if (is_masked) {
+        expect(lowest(soft) < -1, test, "what its mask leaves out does not hold it");
+        expect(drawer.contacts == 0, test, "nothing is drawn");
+      } else {
+        expect_near(lowest(soft), 0, 0.02, test, "lowest point at rest");
+        expect_near(double(world.contact().pair_force(soft, *support).y()), 30, 1, test, "it carries the weight");
+        expect(drawer.contacts > 0 && drawer.contacts == world.contact().contact_count(), test, "contacts are drawn");
+      }
+      world.world().setDebugDrawer(nullptr);
+      world.contact().remove_rigid_body(*support);
+      world.world().removeRigidBody(support.get());
+    }
+}
+
 void bad_rigid_bodies() {
   const char* test = "bad rigid bodies";
   demo::SoftWorld world(2e4, 0.3, stiff_contact());
@@ -331,6 +383,7 @@ int main() {
   static_supports();
   friction_on_a_slope();
   no_creep_on_a_slope();
+  more_shapes_and_masks();
   bad_rigid_bodies();
   return failures == 0 ? 0 : 1;
 }

@@ -42,9 +42,13 @@ class ClassicContact {
   }
 
   /** Soft bodies collide with the surface of the body's shape; see surface_of_shape. Rigid bodies pass each other. */
-  void add_rigid_body(btRigidBody& body) { add_rigid_body(body, surface_of_shape(*body.getCollisionShape())); }
+  void add_rigid_body(btRigidBody& body, const BodyOptions& options = {}) {
+    add_rigid_body(body, surface_of_shape(*body.getCollisionShape()), options);
+  }
   /** The same with a surface of its own. */
-  void add_rigid_body(btRigidBody& body, RigidSurface surface) { surfaces_.add_rigid(body, std::move(surface)); }
+  void add_rigid_body(btRigidBody& body, RigidSurface surface, const BodyOptions& options = {}) {
+    surfaces_.add_rigid(body, std::move(surface), options);
+  }
 
   /** Before the body leaves the world or is destroyed. */
   void remove_body(const btCollisionObject& body) { surfaces_.remove(&body); }

@@ -8,6 +8,7 @@
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableLagrangianForce.h>
+#include <LinearMath/btIDebugDraw.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
@@ -74,13 +75,15 @@ class ContactForce : public btDeformableLagrangianForce {
   }
 
   /** Soft bodies collide with the surface of the body's shape; see surface_of_shape. Rigid bodies pass each other. */
-  void add_rigid_body(btRigidBody& body) { add_rigid_body(body, surface_of_shape(*body.getCollisionShape())); }
+  void add_rigid_body(btRigidBody& body, const BodyOptions& options = {}) {
+    add_rigid_body(body, surface_of_shape(*body.getCollisionShape()), options);
+  }
 
   /** The same with a surface of its own. Open surfaces (terrain) are taken for bodies that no force moves. */
-  void add_rigid_body(btRigidBody& body, RigidSurface surface) {
+  void add_rigid_body(btRigidBody& body, RigidSurface surface, const BodyOptions& options = {}) {
     if (world_ == nullptr && !body.isStaticOrKinematicObject())
       throw std::logic_error("rigid body: it could not react; call register_with(solver, world) first");
-    surfaces_.add_rigid(body, std::move(surface));
+    surfaces_.add_rigid(body, std::move(surface), options);
   }
 
   /** Needed for rigid bodies only: soft ones leave when they leave the world. */
@@ -204,7 +207,12 @@ class ContactForce : public btDeformableLagrangianForce {
    public:
     explicit Reaction(ContactForce& force) : force_(force) {}
     void updateAction(btCollisionWorld*, btScalar time_step) override { force_.move_rigid_bodies(time_step); }
-    void debugDraw(btIDebugDraw*) override {}
+    void debugDraw(btIDebugDraw* drawer) override {
+      const auto vector = [](const double* x) { return btVector3(btScalar(x[0]), btScalar(x[1]), btScalar(x[2])); };
+      for (const rayc_contact& contact : force_.contacts())
+        drawer->drawContactPoint(vector(contact.p1.position), vector(contact.direction), btScalar(contact.depth), 1,
+                                 btVector3(1, 1, 0));
+    }
 
    private:
     ContactForce& force_;

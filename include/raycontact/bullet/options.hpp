@@ -74,7 +74,9 @@ struct ContactOptions {
 
 /** What may differ from body to body. */
 struct BodyOptions {
-  bool self_collision = false;  ///< also contacts of the body with itself
+  bool self_collision = false;   ///< also contacts of the body with itself
+  uint32_t group = 1;            ///< bits; two bodies touch where each one's group has a bit of the other's mask
+  uint32_t mask = ~uint32_t{0};  ///< bits
 };
 
 /** A floor: pushes along `normal` where normal . x < offset, with the friction of ContactOptions. */

@@ -3,6 +3,7 @@
 #ifndef RAYCONTACT_BULLET_RIGID_SURFACE_HPP
 #define RAYCONTACT_BULLET_RIGID_SURFACE_HPP
 
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
@@ -91,14 +92,25 @@ inline std::vector<btVector3> points_of_convex_shape(const btConvexShape& shape)
 }  // namespace detail
 
 /**
- * Convex shapes by their hull, round ones with about 400 points; triangle meshes as they are. Throws
- * std::invalid_argument for other shapes (compounds, planes, height fields).
+ * Convex shapes by their hull, round ones with about 400 points; triangle meshes and height fields as they are;
+ * compounds by the surfaces of their children, which should not overlap. Throws std::invalid_argument for other shapes
+ * (planes).
  */
 inline RigidSurface surface_of_shape(const btCollisionShape& shape) {
+  if (shape.isCompound()) {
+    const auto& compound = static_cast<const btCompoundShape&>(shape);
+    RigidSurface all;
+    for (int c = 0; c < compound.getNumChildShapes(); ++c) {
+      const RigidSurface child = surface_of_shape(*compound.getChildShape(c));
+      const auto first = static_cast<uint32_t>(all.points.size());
+      for (const btVector3& point : child.points) all.points.push_back(compound.getChildTransform(c) * point);
+      for (uint32_t corner : child.triangles) all.triangles.push_back(first + corner);
+    }
+    return all;
+  }
   if (shape.isConvex())
     return detail::convex_hull(detail::points_of_convex_shape(static_cast<const btConvexShape&>(shape)));
-  if (shape.isConcave() && shape.getShapeType() != STATIC_PLANE_PROXYTYPE &&
-      shape.getShapeType() != TERRAIN_SHAPE_PROXYTYPE) {
+  if (shape.isConcave() && shape.getShapeType() != STATIC_PLANE_PROXYTYPE) {
     detail::TriangleCollector collector;
     const btVector3 everywhere(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
     static_cast<const btConcaveShape&>(shape).processAllTriangles(&collector, -everywhere, everywhere);

@@ -35,6 +35,7 @@ struct ContactBody {
   std::vector<btScalar> positions;  // of the surface's points, in the world
   std::vector<btScalar> areas;      // of a skin, at rest
   std::vector<btScalar> kept_positions{};
+  BodyOptions options{};
 };
 
 /** The velocity that gravity adds to a rigid body in a step. */
@@ -68,15 +69,17 @@ class SurfaceSet {
     ContactBody added{&body, nullptr, std::move(skin), {}, 0, false, 0, {}, {}};
     skin_positions(body, added.skin, added.positions);
     added.areas = skin_areas(added.positions, added.skin.triangles);
+    added.options = options;
     add(std::move(added), false);
     if (options.self_collision) scene_.set_self_collision(bodies_.back().number, true);
   }
 
-  void add_rigid(btRigidBody& body, RigidSurface surface) {
+  void add_rigid(btRigidBody& body, RigidSurface surface, const BodyOptions& options) {
     refuse_twice(&body);
     raycontact::detail::check_threes(surface.triangles.size(), "surface.triangles", "triangle");
     ContactBody added{nullptr, &body, {}, std::move(surface), 0, true, 0, {}, {}};
     place(added, {});
+    added.options = options;
     // A triangle mesh may be a piece of terrain; a moving one must be closed to have an inside.
     add(std::move(added), body.isStaticOrKinematicObject());
   }
@@ -177,6 +180,9 @@ class SurfaceSet {
     check(rayc_scene_add_mesh(scene_.get(), mesh.get(), &body.number));
     if (index_of_number_.size() <= body.number) index_of_number_.resize(body.number + 1, no_body);
     index_of_number_[body.number] = bodies_.size();
+    for (const ContactBody& other : bodies_)
+      if ((body.options.group & other.options.mask) == 0 || (other.options.group & body.options.mask) == 0)
+        scene_.set_pair_collision(body.number, other.number, false);
     bodies_.push_back(std::move(body));
   }
 
