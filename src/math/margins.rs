@@ -74,7 +74,8 @@ pub(crate) fn reaches_told_apart<T: Scalar>() -> [T; 2] {
 pub(crate) const CELL_FACE: f64 = 3.0;
 
 /// How far the cylinder around a tile reaches along a row of a rotation; times its size, and as a part of a square of the row.
-/// Normals are as long as 1 to 4 units, their product with a row takes 5 more, and squares double that: 18. Held by `src/octree/wide/posed/tests.rs`.
+/// Normals are as long as 1 to 4 units, their product with a row takes 5 more, and squares double that: 18. Held by
+/// `src/octree/wide/posed/tests.rs`.
 pub(crate) const CYLINDER_REACH: f64 = 64.0;
 
 /// Boxes in narrow numbers, in units of the mesh's longest side: 16 rounding units of `f32`. A number takes 1 each for the

@@ -1,6 +1,6 @@
+use super::autotuner::Way;
 use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
-use super::pace::Way;
 use super::pairs::{Remembered, by_number};
 use super::shared_body::{PairCost, finds_pair};
 use super::{OwnContacts, Scene};
@@ -78,13 +78,13 @@ impl<T: Scalar> Scene<T> {
     /// crate's own tests are of threads.
     fn detect_as_fast(&mut self, rays: f64, contacts: &mut ContactList<T>) {
         let is_free = matches!(self.threads.helpers(), Helpers::Pool) && !cfg!(test);
-        let way = if is_free { self.pace.way(rays) } else { Way::SideBySide };
+        let way = if is_free { self.autotuner.way(rays) } else { Way::SideBySide };
         let start = Instant::now();
         match way {
             Way::SideBySide => self.detect_side_by_side(contacts),
             Way::Alone => self.detect_alone(contacts),
         }
-        self.pace.took(way, rays, start.elapsed());
+        self.autotuner.took(way, rays, start.elapsed());
     }
 
     /// Says which lists of contacts there will be, and in which order.

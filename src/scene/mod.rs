@@ -1,10 +1,10 @@
 //! Many meshes at once: which boxes overlap (broad phase), then their contacts, pairs in parallel (narrow phase).
 
+mod autotuner;
 mod bodies;
 mod broad_phase;
 mod detection;
 mod error;
-mod pace;
 mod pairs;
 mod posed;
 mod saved;
@@ -46,7 +46,7 @@ pub struct Scene<T: Scalar> {
     pairs: Pairs<T>,
     options: DetectionOptions<T>,
     threads: Threads,
-    pace: pace::Pace,
+    autotuner: autotuner::Autotuner,
 }
 
 /// The contacts of a body with itself.
@@ -87,7 +87,7 @@ impl<T: Scalar> Scene<T> {
             pairs: Pairs::default(),
             options: DetectionOptions::default(),
             threads,
-            pace: pace::Pace::default(),
+            autotuner: autotuner::Autotuner::default(),
         }
     }
 

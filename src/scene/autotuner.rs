@@ -17,14 +17,16 @@ const QUERIES_OF_A_TRIAL: usize = 6;
 /// The slower way is tried again after so many queries, where it takes less than this many times as long, or longer.
 const NEARLY_AS_FAST: f64 = 1.3;
 const TRY_AGAIN_AFTER: [u32; 2] = [256, 2048];
-/// And at once where there is so many times as much to do, or so many times as little, as when it was tried last.
+/// And where there is so many times as much to do, or so many times as little, as when it was tried last; but not within so many
+/// queries, since there may be more and less to do by turns.
 const OTHER_WORK: f64 = 2.0;
+const NOT_WITHIN: u32 = 64;
 /// By this part what is known of the way in use goes up or down with each query: towards the median.
 const STEP: f64 = 0.02;
 
 /// What the two ways take.
 #[derive(Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct Autotuner {
     side_by_side: Option<Known>,
     alone: Option<Known>,
     trial: Option<Trial>,
@@ -47,7 +49,7 @@ struct Trial {
     count: usize,
 }
 
-impl Pace {
+impl Autotuner {
     /// How to do a query that is expected to take as long as so many rays.
     pub(super) fn way(&mut self, rays: f64) -> Way {
         if let Some(trial) = &self.trial {
@@ -64,7 +66,8 @@ impl Pace {
                 let is_nearly_as_fast = more.seconds < less.seconds * NEARLY_AS_FAST;
                 let is_due = self.waited >= TRY_AGAIN_AFTER[usize::from(!is_nearly_as_fast)];
                 let is_other_work = rays > more.rays * OTHER_WORK || more.rays > rays * OTHER_WORK;
-                if is_due || is_other_work { (slower, true) } else { (faster, false) }
+                let is_asked = is_due || (is_other_work && self.waited >= NOT_WITHIN);
+                if is_asked { (slower, true) } else { (faster, false) }
             }
         };
         self.waited += 1;
@@ -101,45 +104,57 @@ mod tests {
     use super::*;
 
     /// How many of so many queries each way does, where it takes so many µs.
-    fn queries(pace: &mut Pace, count: usize, rays: f64, [side_by_side, alone]: [f64; 2]) -> [usize; 2] {
+    fn queries(tuner: &mut Autotuner, count: usize, rays: f64, [side_by_side, alone]: [f64; 2]) -> [usize; 2] {
         let mut done = [0; 2];
         for _ in 0..count {
-            let way = pace.way(rays);
+            let way = tuner.way(rays);
             let (place, micros) = if way == Way::SideBySide { (0, side_by_side) } else { (1, alone) };
             done[place] += 1;
-            pace.took(way, rays, Duration::from_secs_f64(micros * 1e-6));
+            tuner.took(way, rays, Duration::from_secs_f64(micros * 1e-6));
         }
         done
     }
 
     #[test]
     fn the_faster_way_is_taken_and_the_other_tried_now_and_then() {
-        let mut pace = Pace::default();
+        let mut tuner = Autotuner::default();
         let trial = QUERIES_OF_A_TRIAL;
-        assert_eq!(queries(&mut pace, 2 * trial, 3000.0, [500.0, 400.0]), [trial; 2]);
-        assert_eq!(queries(&mut pace, 256 + trial, 3000.0, [500.0, 400.0]), [trial, 256]);
+        assert_eq!(queries(&mut tuner, 2 * trial, 3000.0, [500.0, 400.0]), [trial; 2]);
+        assert_eq!(queries(&mut tuner, 256 + trial, 3000.0, [500.0, 400.0]), [trial, 256]);
         // It has become much faster: after the next trial it is taken.
-        assert_eq!(queries(&mut pace, 1000, 3000.0, [200.0, 400.0]), [744, 256]);
+        assert_eq!(queries(&mut tuner, 1000, 3000.0, [200.0, 400.0]), [744, 256]);
         // By so much that the other is hardly ever tried.
-        assert!(queries(&mut pace, 4000, 3000.0, [200.0, 400.0])[1] <= 2 * trial);
+        assert!(queries(&mut tuner, 4000, 3000.0, [200.0, 400.0])[1] <= 2 * trial);
     }
 
     #[test]
     fn other_work_asks_anew() {
-        let mut pace = Pace::default();
-        queries(&mut pace, 500, 2000.0, [900.0, 300.0]);
-        let [side_by_side, alone] = queries(&mut pace, 100, 9000.0, [900.0, 1500.0]);
-        assert!(side_by_side >= 90 && alone <= 10, "{side_by_side} {alone}");
+        let mut tuner = Autotuner::default();
+        queries(&mut tuner, 500, 2000.0, [900.0, 300.0]);
+        let [side_by_side, alone] = queries(&mut tuner, 200, 9000.0, [900.0, 1500.0]);
+        assert!(side_by_side >= 130 && alone <= 70, "{side_by_side} {alone}");
+    }
+
+    #[test]
+    fn more_and_less_work_by_turns_does_not_keep_it_trying() {
+        let mut tuner = Autotuner::default();
+        queries(&mut tuner, 2 * QUERIES_OF_A_TRIAL, 2000.0, [900.0, 300.0]);
+        let mut slow = 0;
+        for turn in 0..350 {
+            let rays = [2000.0, 9000.0][turn % 2];
+            slow += queries(&mut tuner, 1, rays, [0.45 * rays, 0.15 * rays])[0];
+        }
+        assert!(slow <= 5 * QUERIES_OF_A_TRIAL, "{slow}");
     }
 
     #[test]
     fn single_long_queries_decide_nothing() {
-        let mut pace = Pace::default();
+        let mut tuner = Autotuner::default();
         for _ in 0..50 {
-            assert_eq!(queries(&mut pace, 1, 3000.0, [9000.0, 9000.0]), [1, 0]);
-            assert_eq!(queries(&mut pace, 2, 3000.0, [300.0, 500.0]), [2, 0]);
-            if pace.alone.is_none() && pace.side_by_side.is_some() {
-                queries(&mut pace, QUERIES_OF_A_TRIAL, 3000.0, [300.0, 500.0]);
+            assert_eq!(queries(&mut tuner, 1, 3000.0, [9000.0, 9000.0]), [1, 0]);
+            assert_eq!(queries(&mut tuner, 2, 3000.0, [300.0, 500.0]), [2, 0]);
+            if tuner.alone.is_none() && tuner.side_by_side.is_some() {
+                queries(&mut tuner, QUERIES_OF_A_TRIAL, 3000.0, [300.0, 500.0]);
             }
         }
     }
