@@ -22,7 +22,7 @@ friction and without, at rest or moving, apart or deep in one another, every sec
 escapes. Each step is implicit Euler, solved until the contact system has nothing to correct. The energy of motion, of
 springs and of contact must not rise. That of contact is an integral over what bodies share, of the pressure law's potential.
 
-  --starts N      how many (default 20); the issue's run is --starts 1000 --steps 10000
+  --starts N      how many (default 20); the full run is --starts 1000 --steps 10000
   --steps N       of each (default 500)
   --every N       steps between two integrals; between them, motion and springs are summed up (default 25)
   --seed N        of all starts (default 1)

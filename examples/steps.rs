@@ -3,6 +3,7 @@
 mod support;
 
 use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling};
+use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 use std::error::Error;
@@ -19,6 +20,7 @@ Runs steps of detection on a workload of moving tori, for tools that count what 
   --steps N         how many steps (default 10)
   --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults; ray-length:
                     the defaults with the paper's law; spacing:LENGTH and tolerance:PART: the defaults with such a sampling (default paper)
+  --precision P     single or double, the C interface's default (default single)
   --help            this text
 
 Prints steps=N contacts=N, the contacts of the last step.
@@ -73,9 +75,9 @@ fn torus(pose: &Pose, rows: u32, columns: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>)
 }
 
 /// Where a point at rest is at a step.
-fn moved([x, y, z]: [f64; 3], step: u32) -> [f32; 3] {
+fn moved<T: Scalar>([x, y, z]: [f64; 3], step: u32) -> [T; 3] {
     let height = 0.02 * (3.0 * x + 2.0 * y + 0.3 * f64::from(step)).sin() / (x * x + y * y + 0.25).sqrt();
-    [x + height * y, y - height * x, z + height * 0.5].map(|coordinate| coordinate as f32)
+    [x + height * y, y - height * x, z + height * 0.5].map(T::of)
 }
 
 /// The poses of the bodies, and their rows and columns.
@@ -92,9 +94,10 @@ fn parse(workload: &str) -> Option<(Vec<Pose>, [u32; 2])> {
     Some((stacked(2), [rows.parse().ok()?, columns.parse().ok()?]))
 }
 
-fn options(mode: &str) -> Option<DetectionOptions<f32>> {
+fn options<T: Scalar>(mode: &str) -> Option<DetectionOptions<T>> {
     let with = |sampling| DetectionOptions { sampling, ..DetectionOptions::default() };
-    let positive = |number: &str| number.parse().ok().filter(|&number: &f32| number > 0.0 && number.is_finite());
+    let positive =
+        |number: &str| number.parse().ok().filter(|&number: &f64| number > 0.0 && number.is_finite()).map(T::of);
     match mode.split_once(':') {
         None if mode == "paper" => Some(DetectionOptions::paper()),
         None if mode == "default" => Some(DetectionOptions::default()),
@@ -115,14 +118,22 @@ fn main() -> ExitCode {
     let workload = arguments.value("--workload", "stack2".to_owned());
     let steps = arguments.value("--steps", 10);
     let mode = arguments.value("--mode", "paper".to_owned());
-    let Some(options) = options(&mode) else {
-        arguments.fail(&format!("unknown mode '{mode}': paper, default, spacing:LENGTH or tolerance:PART"))
+    let precision = arguments.value("--precision", "single".to_owned());
+    let (Some(singles), Some(doubles)) = (options::<f32>(&mode), options::<f64>(&mode)) else {
+        arguments.fail(&format!("unknown mode '{mode}': paper, default, ray-length, spacing:LENGTH or tolerance:PART"))
     };
     let Some((poses, sides)) = parse(&workload) else {
         arguments.fail(&format!("unknown workload '{workload}': stackN, pairMxN or deepN"))
     };
+    if !["single", "double"].contains(&precision.as_str()) {
+        arguments.fail(&format!("unknown precision '{precision}': single or double"));
+    }
     arguments.finish();
-    match run(&poses, sides, steps, options) {
+    let counted = match precision.as_str() {
+        "double" => run(&poses, sides, steps, doubles),
+        _ => run(&poses, sides, steps, singles),
+    };
+    match counted {
         Ok(contacts) => {
             println!("steps={steps} contacts={contacts}");
             ExitCode::SUCCESS
@@ -135,13 +146,13 @@ fn main() -> ExitCode {
 }
 
 /// Gives the number of contacts in the last step.
-fn run(
+fn run<T: Scalar>(
     poses: &[Pose],
     [rows, columns]: [u32; 2],
     steps: u32,
-    options: DetectionOptions<f32>,
+    options: DetectionOptions<T>,
 ) -> Result<usize, Box<dyn Error>> {
-    let mut scene = Scene::<f32>::new(1)?;
+    let mut scene = Scene::<T>::new(1)?;
     scene.set_options(options);
     let mut frames = vec![Vec::new(); FRAMES as usize];
     for (body, pose) in poses.iter().enumerate() {
