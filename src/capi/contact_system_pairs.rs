@@ -28,8 +28,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_half_space_material(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
-        with_precision!(&mut system.system, |system| system.set_half_space_material(body, half_space, material)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.set_half_space_material(body, half_space, material)?))
     })
 }
 

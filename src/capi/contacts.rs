@@ -4,15 +4,15 @@ use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::mesh::rayc_mesh;
 use super::octree::rayc_octree;
 use super::options::rayc_detection_options;
-use super::pointers::Output;
+use super::pointers::{Output, range_of};
 use super::precision::{InPrecision, with_precision};
 use super::sized_structs::{read_options, write_known};
 use super::statistics::rayc_statistics;
 use crate::detection::{Contact, ContactKind, ContactList, SurfacePoint, query_self};
 use crate::math::Scalar;
-use crate::memory::text;
 use crate::recovery::query_pair;
 use crate::response::ForcesByPair;
+use std::ops::Range;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
@@ -61,14 +61,8 @@ impl AnyContacts {
         with_precision!(self, |list| list.len())
     }
 
-    /// Refuses a range that reaches beyond the end.
-    pub(super) fn check_range(&self, first: usize, count: usize) -> Result<(), Failure> {
-        if first.checked_add(count).is_some_and(|end| end <= self.len()) {
-            return Ok(());
-        }
-        let message =
-            text!("contacts {first} to {first} + {count} were asked for, but there are {}; ask for fewer", self.len());
-        Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+    pub(super) fn range(&self, first: usize, count: usize) -> Result<Range<usize>, Failure> {
+        range_of("contacts", first, count, self.len())
     }
 }
 
@@ -185,10 +179,8 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
 /// Frees the contacts; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_destroy(contacts: *mut rayc_contacts) -> rayc_status {
-    guard_end(|| {
-        // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(contacts, "contacts") }
-    })
+    // SAFETY: the handle is the caller's, and is not used again.
+    guard_end(|| unsafe { take_back(contacts, "contacts") })
 }
 
 /// Finds the contacts between two meshes, rays both ways: Algorithm 1 of Hermann, Faure, Raffin 2008. Body 0 is `a`,
@@ -273,10 +265,9 @@ pub unsafe extern "C" fn rayc_contacts_copy(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
-        list.check_range(first, count)?;
+        let range = contacts.list.range(first, count)?;
         let out = Output::array(out, count, "out")?;
-        with_precision!(list, |list| out.write_all(list.contacts[first..first + count].iter().map(Into::into)));
+        with_precision!(&contacts.list, |list| out.write_all(list.contacts[range].iter().map(Into::into)));
         Ok(())
     })
 }

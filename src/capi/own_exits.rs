@@ -1,10 +1,10 @@
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::mesh::{AnyMesh, rayc_mesh};
-use super::octree::{AnyOctree, OwnExitsRoom, RAYC_NO_TRIANGLE, rayc_octree};
+use super::mesh::rayc_mesh;
+use super::octree::{RAYC_NO_TRIANGLE, rayc_octree};
 use super::pointers::Output;
-use super::precision::precision_mismatch;
+use super::precision::with_precision;
 use crate::contact::{OwnExit, OwnExits, OwnExitsError};
 use crate::math::Scalar;
 use crate::memory::text;
@@ -82,12 +82,10 @@ pub unsafe extern "C" fn rayc_octree_own_exits(
     guard(|| unsafe {
         let (mut octree, mesh) = (changing(octree, "octree")?, reading(mesh, "mesh")?);
         let (exits, count) = (Output::array(exits, capacity, "exits")?, Output::new(count, "count")?);
-        let rayc_octree { octree, own_exits: OwnExitsRoom { singles, doubles } } = &mut *octree;
-        match (octree, &mesh.mesh) {
-            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => find((octree, mesh, singles), capacity, exits, count),
-            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => find((octree, mesh, doubles), capacity, exits, count),
-            _ => Err(precision_mismatch()),
-        }
+        let rayc_octree { octree, own_exits } = &mut *octree;
+        with_precision!(octree, &mesh.mesh, own_exits, |octree, mesh, room| {
+            find((octree, mesh, room), capacity, exits, count)
+        })
     })
 }
 

@@ -9,7 +9,6 @@ use super::sized_structs::read_options;
 use super::vectors::rayc_vectors;
 use crate::detection::ContactList;
 use crate::math::{Scalar, Vector3};
-use crate::memory::text;
 use crate::response::{ForcesByPair, PairForces, PenaltyLaw};
 
 /// The forces of one pair of bodies, or of a body with itself: where they lie among those of all pairs.
@@ -107,16 +106,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_pair_forces(
             AnyContacts::F32(_) => (contacts.pair_forces.f32.pairs(), contacts.pair_forces.f32.forces().len()),
             AnyContacts::F64(_) => (contacts.pair_forces.f64.pairs(), contacts.pair_forces.f64.forces().len()),
         };
-        if [pair_count, force_count] != [all_pairs.len(), count] {
-            let message = text!(
-                "there is room for {pair_count} pairs and {force_count} forces, but {} and {count} were summed; give those \
-                 counts",
-                all_pairs.len()
-            );
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        }
-        let pairs = Output::array(pairs, pair_count, "pairs")?;
-        let forces = Output::array(forces, force_count, "forces")?;
+        let pairs = Output::exactly(pairs, pair_count, all_pairs.len(), "pairs")?;
+        let forces = Output::exactly(forces, force_count, count, "forces")?;
         pairs.write_all(all_pairs.iter().map(|&PairForces { bodies: [first, second], start, counts }| {
             rayc_pair_forces { first, second, start, first_count: counts[0], second_count: counts[1] }
         }));

@@ -31,9 +31,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
         let contacts = reading(contacts, "contacts")?;
         let list = &contacts.list;
         let law = read_options(options)?.law()?;
-        list.check_range(first, count)?;
+        let range = list.range(first, count)?;
         let out = Output::array(coefficients, count, "coefficients")?;
-        let range = first..first + count;
         with_precision!(list, |list| {
             out.write_all(list.contacts[range].iter().map(|contact| law.coefficient(contact).to_f64()));
         });

@@ -132,14 +132,12 @@ mod tests {
     use crate::detection::test_contact::{self, contact};
     use crate::detection::{DetectionOptions, Sampling};
     use crate::math::Aabb;
-    use crate::mesh::Mesh;
     use crate::octree::Octree;
-    use crate::octree::test_mesh::torus_triangles;
+    use crate::shapes;
 
     /// Asks about a pair whose overlap box is this one.
     fn with_pair<R>([lower, upper]: [[f64; 3]; 2], ask: impl FnOnce(&Pair<'_, f64>) -> R) -> R {
-        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let mesh = Mesh::new(&corners, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).expect("it is closed");
+        let mesh = shapes::tetrahedron().mesh();
         let octree = Octree::new(&mesh);
         let tracer = octree.tracer(&mesh).expect("it is new");
         let overlap = Aabb { lower: lower.into(), upper: upper.into() };
@@ -199,19 +197,6 @@ mod tests {
         assert_eq!(steady(7.9f32), 2.0);
     }
 
-    /// A torus, turned about x and moved.
-    fn torus(turn: f64, by: [f64; 3]) -> Mesh<f64> {
-        let sides = [96, 48];
-        let angle = |i: u32, count: u32| std::f64::consts::TAU * f64::from(i) / f64::from(count);
-        let at = |i, j| {
-            let (u, v) = (angle(i, sides[0]), angle(j, sides[1]));
-            let [x, y, z] = [(1.0 + 0.4 * v.cos()) * u.cos(), (1.0 + 0.4 * v.cos()) * u.sin(), 0.4 * v.sin()];
-            [x + by[0], turn.cos() * y - turn.sin() * z + by[1], turn.sin() * y + turn.cos() * z + by[2]]
-        };
-        let positions: Vec<_> = (0..sides[0]).flat_map(|i| (0..sides[1]).map(move |j| at(i, j))).collect();
-        Mesh::new(&positions, &torus_triangles(sides)).expect("it is closed")
-    }
-
     /// What one try with patches of an area finds.
     struct Try {
         load: Load<f64>,
@@ -245,7 +230,8 @@ mod tests {
         let first = [(0, 0.599, (Some(1), 1)), (0, 0.601, (Some(2), 2)), (0, 8.01, (None, 2)), (1, 0.75, (None, 3))];
         let second = [(1, 0.75, (Some(2), 2))];
         for (by, parts) in [([0.25, 0.1, 0.3], first.as_slice()), ([0.3, 0.1, 0.3], &second)] {
-            let meshes = [torus(0.0, [0.0; 3]), torus(0.9, by)];
+            let torus = shapes::torus(96, 48, 0.4);
+            let meshes = [torus.mesh(), torus.turned(0.0, 0.9).moved(by).mesh()];
             let options = DetectionOptions { sampling: Sampling::Tolerance(0.1), ..DetectionOptions::paper() };
             test_contact::with_pair(meshes.each_ref(), &options, |pair| {
                 for (tracer, groups) in pair.tracers.iter().zip(&mut list.workspace.groups) {

@@ -17,6 +17,7 @@ mod roundness;
 mod topology;
 mod winding;
 
+pub use crate::bytes::BytesError;
 pub(crate) use clusters::{CLUSTER_SIZE, Clusters, capacity_below, middle};
 pub(crate) use error::InFile;
 pub use error::MeshError;

@@ -8,12 +8,11 @@ mod error;
 mod pairs;
 mod posed;
 mod saved;
-mod saved_state_error;
 mod shared_body;
 mod sharing;
 
+pub use crate::bytes::BytesError;
 pub use error::SceneError;
-pub use saved_state_error::SavedStateError;
 pub use shared_body::{PairCost, Sharing, finds_pair};
 
 use crate::detection::{ContactList, DetectionOptions, SelfWarmStart};
@@ -233,7 +232,7 @@ impl<T: Scalar> Scene<T> {
         let history = saved::restore(bytes, self.newest_stamp())?;
         let key = |number: u32| self.bodies.get(number).map_or(u64::from(number), |body| body.key);
         if !history.is_in_order(|pair| pair.map(|number| (key(number), number))) {
-            return Err(SavedStateError::Damaged.into());
+            return Err(BytesError::Damaged.into());
         }
         let mut memories = history.before.iter().chain(&history.after);
         memories.try_for_each(|([a, b], _)| self.known_pair(*a, *b).map(drop))?;

@@ -262,6 +262,7 @@ fn times(block: &[Four; 3], v: &Four) -> Four {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::system::twist::V3;
 
     const NODES: usize = 12;
@@ -269,11 +270,8 @@ mod tests {
     /// Rows of so many entries each, with numbers that follow no pattern.
     fn rows(lengths: &[usize], is_rubbing: bool) -> (Vec<Spring>, Vec<Entry>) {
         let (mut springs, mut entries) = (Vec::new(), Vec::new());
-        let mut state = 1_u64;
-        let mut number = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut random = Random::new(1);
+        let mut number = || 0.5 * random.signed();
         for (place, &length) in lengths.iter().enumerate() {
             let begin = entries.len();
             for k in 0..length {

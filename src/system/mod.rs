@@ -48,6 +48,7 @@ pub use parts::Part;
 use crate::detection::ContactList;
 use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
+use crate::mesh::Mesh;
 use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table};
@@ -152,8 +153,7 @@ impl<T: Scalar> ContactSystem<T> {
         carriers: Carriers<'_>,
         material: Material,
     ) -> Result<(), SystemError> {
-        let place = self.place_for(scene, body, &material)?;
-        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let (place, mesh) = self.place_for(scene, body, &material)?;
         let (end, count) = (nodes.end.max(nodes.start), self.node_masses.len());
         if end as usize > count {
             return Err(SystemError::WrongCount { what: "node masses", given: count, expected: end as usize });
@@ -179,8 +179,7 @@ impl<T: Scalar> ContactSystem<T> {
         inertia: [[f64; 3]; 3],
         material: Material,
     ) -> Result<(), SystemError> {
-        let place = self.place_for(scene, body, &material)?;
-        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let (place, mesh) = self.place_for(scene, body, &material)?;
         if !(mass.is_finite() && mass > 0.0) {
             return Err(SystemError::Mass { node: None, value: mass });
         }
@@ -205,8 +204,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// [`SystemError`] of its own for each number that is wrong.
     pub fn add_moved(&mut self, scene: &Scene<T>, body: u32, material: Material) -> Result<(), SystemError> {
-        let place = self.place_for(scene, body, &material)?;
-        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let (place, mesh) = self.place_for(scene, body, &material)?;
         let mover = Mover::Host(Frame::new(mesh));
         self.insert(place, Body::new(body, material, mover, mesh, f64::INFINITY));
         Ok(())
@@ -282,13 +280,19 @@ impl<T: Scalar> ContactSystem<T> {
         &self.contacts
     }
 
-    fn place_for(&self, scene: &Scene<T>, body: u32, material: &Material) -> Result<usize, SystemError> {
+    /// Where a new body goes, and its mesh.
+    fn place_for<'a>(
+        &self,
+        scene: &'a Scene<T>,
+        body: u32,
+        material: &Material,
+    ) -> Result<(usize, &'a Mesh<T>), SystemError> {
         self.check_may_join(scene, body)?;
-        scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let mesh = mesh_of(scene, body)?;
         material.check()?;
         match self.bodies.binary_search_by_key(&body, |body| body.number) {
             Ok(_) => Err(SystemError::BodyTwice { body }),
-            Err(place) => Ok(place),
+            Err(place) => Ok((place, mesh)),
         }
     }
 
@@ -305,6 +309,10 @@ impl<T: Scalar> ContactSystem<T> {
     fn check_no_step(&self) -> Result<(), SystemError> {
         if self.step.is_some() { Err(SystemError::StepUnderWay) } else { Ok(()) }
     }
+}
+
+fn mesh_of<T: Scalar>(scene: &Scene<T>, body: u32) -> Result<&Mesh<T>, SystemError> {
+    scene.mesh(body).map_err(|_| SystemError::NotInScene { body })
 }
 
 fn mass_of(masses: &[f64], nodes: Range<u32>) -> f64 {

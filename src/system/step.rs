@@ -1,7 +1,7 @@
 use super::body::{Body, Course, Mover};
 use super::fold::Folding;
 use super::rows::Velocities;
-use super::{ContactSystem, RigidUnknowns, SystemError, check_finite};
+use super::{ContactSystem, RigidUnknowns, SystemError, check_finite, mesh_of};
 use crate::math::Scalar;
 use crate::memory;
 use crate::mesh::MeshError;
@@ -71,7 +71,7 @@ impl<T: Scalar> ContactSystem<T> {
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
         let ahead = if self.looks_ahead { dt } else { 0.0 };
-        self.start(scene, [dt, ahead, dt], positions, velocities, free_velocities)?;
+        self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
         self.hold_predicted();
         Ok(())
     }
@@ -81,11 +81,9 @@ impl<T: Scalar> ContactSystem<T> {
         &mut self,
         scene: &mut Scene<T>,
         [dt, ahead, rows]: [f64; 3],
-        positions: &[f64],
-        velocities: &[f64],
-        free_velocities: &[f64],
+        given: [&[f64]; 3],
     ) -> Result<(), SystemError> {
-        self.prepare(scene, dt, positions, velocities, free_velocities)?;
+        self.prepare(scene, dt, given)?;
         self.detect(scene, ahead)?;
         // Refused only where the step's length is.
         let _ = scene.advance(dt);
@@ -112,17 +110,16 @@ impl<T: Scalar> ContactSystem<T> {
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
         let ahead = if self.looks_ahead { dt } else { 0.0 };
-        self.prepare(scene, dt, positions, velocities, free_velocities)?;
+        self.prepare(scene, dt, [positions, velocities, free_velocities])?;
         self.place_surfaces(scene, ahead, |scene, body| !scene.is_ghost(body))
     }
 
+    /// Takes over what a host gives at the start of a step.
     pub(super) fn prepare(
         &mut self,
         scene: &Scene<T>,
         dt: f64,
-        positions: &[f64],
-        velocities: &[f64],
-        free_velocities: &[f64],
+        [positions, velocities, free_velocities]: [&[f64]; 3],
     ) -> Result<(), SystemError> {
         self.check_no_step()?;
         if !(dt.is_finite() && dt > 0.0) {
@@ -226,7 +223,7 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::UnknownBody { body });
         }
         for body in &self.bodies {
-            let mesh = scene.mesh(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
+            let mesh = mesh_of(scene, body.number)?;
             let (given, expected) = (mesh.topology().vertex_count(), body.vertex_count());
             if given != expected {
                 return Err(SystemError::WrongCount { what: "the body's mesh", given, expected });

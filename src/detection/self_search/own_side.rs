@@ -88,14 +88,12 @@ impl Folds {
 mod tests {
     use super::*;
     use crate::mesh::Mesh;
+    use crate::shapes;
 
     /// Six tetrahedra; corner 4 k and triangle 4 k are of number k, and the triangle has the corner.
     fn topology() -> Mesh<f64> {
-        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let positions: Vec<_> = (0..6).flat_map(|k| corners.map(|[x, y, z]| [x + 2.0 * f64::from(k), y, z])).collect();
-        let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-        let all: Vec<_> = (0..6).flat_map(|k| triangles.map(|corners| corners.map(|vertex| 4 * k + vertex))).collect();
-        Mesh::new(&positions, &all).expect("they are closed")
+        let one = shapes::tetrahedron();
+        (1..6).fold(one.clone(), |all, k| all.joined(&one.moved([4.0 * f64::from(k), 0.0, 0.0]))).mesh()
     }
 
     /// The folds where these tetrahedra lie inside with their first corner, and these pairs of them cross.

@@ -49,6 +49,7 @@ impl Sets {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     const COUNT: usize = 24;
 
@@ -77,12 +78,8 @@ mod tests {
             sets.reset(7);
             sets.join(3, 5, true);
             sets.reset(COUNT);
-            let mut state: u64 = seed;
-            let mut next = |count: usize| {
-                // Knuth's linear congruential generator.
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (state >> 33) as usize % count
-            };
+            let mut random = Random::new(seed);
+            let mut next = |count: usize| ((0.5 + 0.5 * random.signed()) * count as f64) as usize;
             for _ in 0..COUNT {
                 let (a, b, differ) = (next(COUNT), next(COUNT), next(2) == 1);
                 assert_eq!(sets.join(a as u32, b as u32, differ), known.join(a, b, differ));
