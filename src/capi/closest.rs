@@ -1,8 +1,8 @@
+use super::checks::check_numbers;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::reading;
 use super::mesh::rayc_mesh;
-use super::numbers::check_numbers;
 use super::octree::{RAYC_NO_TRIANGLE, rayc_octree};
 use super::pointers::{Output, reference, slice};
 use super::precision::with_precision;

@@ -88,10 +88,10 @@ pub unsafe extern "C" fn rayc_contact_system_set_node_masses(
 
 /// Adds a deformable body: number `body` of the scene, with the host's nodes first_node … first_node + node_count − 1.
 ///
-/// offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of `weights[e]` · node `nodes[e]` over e from
-/// `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count from the
-/// body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and weights
-/// have entry_count. All three NULL: surface vertex v is the body's node v.
+/// offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of `weights[e]` · node `nodes[e]` over e
+/// from `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count
+/// from the body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and
+/// weights have entry_count. All three NULL: surface vertex v is the body's node v.
 ///
 /// Within a step only ghosts may be added, of this kind or another (rayc_contact_system_off_course()).
 ///

@@ -142,8 +142,8 @@ pub unsafe extern "C" fn rayc_contact_system_begin_explicit(
     })
 }
 
-/// How strongly the rows that push act on each block of rayc_contact_system_copy_parts(): replaces `couplings`, a number for each, in
-/// N/m, of a rigid body's angular velocity in N. Their sums by block are for rayc_contact_system_largest_coupling().
+/// How strongly the rows that push act on each block of rayc_contact_system_copy_parts(): replaces `couplings`, a number for
+/// each, in N/m, of a rigid body's angular velocity in N. Their sums by block are for rayc_contact_system_largest_coupling().
 ///
 /// block_count: that of rayc_contact_system_part_count(). Errors: as there, and RAYC_STATUS_WRONG_COUNT.
 #[unsafe(no_mangle)]
@@ -188,8 +188,9 @@ pub unsafe extern "C" fn rayc_contact_system_largest_coupling(
     })
 }
 
-/// As rayc_contact_system_energy(), pair by pair: replaces `joules`, a number for each part of rayc_contact_system_copy_parts(). The
-/// first part of a pair has all of its energy, the second none. A pair without parts can do no work, and is left out.
+/// As rayc_contact_system_energy(), pair by pair: replaces `joules`, a number for each part of
+/// rayc_contact_system_copy_parts(). The first part of a pair has all of its energy, the second none. A pair without parts can
+/// do no work, and is left out.
 ///
 /// count: that of the unknowns; part_count: that of rayc_contact_system_part_count(). Errors: as for both.
 #[unsafe(no_mangle)]

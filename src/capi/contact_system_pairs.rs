@@ -1,3 +1,4 @@
+use super::checks::flag;
 use super::contact_system::rayc_contact_system;
 use super::contact_system_options::rayc_material;
 use super::contact_system_step::number_at;
@@ -5,7 +6,6 @@ use super::contacts::rayc_contacts;
 use super::failure::rayc_status;
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::numbers::flag;
 use super::pointers::{Output, slice};
 use super::precision::with_precision;
 use crate::detection::ContactList;

@@ -1,9 +1,9 @@
+use super::checks::flag;
 use super::contact_system::rayc_contact_system;
 use super::contact_system_step::apart;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::numbers::flag;
 use super::pointers::{Output, slice};
 use super::precision::with_precision;
 use super::scene::rayc_scene;

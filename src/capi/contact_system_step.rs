@@ -99,9 +99,9 @@ pub unsafe extern "C" fn rayc_contact_system_block_count(
 }
 
 /// Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
-/// stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`. Those of
-/// equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as many
-/// numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
+/// stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`.
+/// Those of equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as
+/// many numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
 /// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.

@@ -32,29 +32,27 @@ impl Handle for rayc_contacts {
 /// Contacts of either precision.
 pub(super) type AnyContacts = InPrecision<ContactList<f32>, ContactList<f64>>;
 
-/// Sums of either precision.
-#[derive(Default)]
-pub(super) struct AnyForcesByPair {
-    pub(super) f32: ForcesByPair<f32>,
-    pub(super) f64: ForcesByPair<f64>,
-}
+/// Their forces, summed pair by pair.
+pub(super) type AnyForcesByPair = InPrecision<ForcesByPair<f32>, ForcesByPair<f64>>;
 
-macro_rules! as_list_of {
-    ($scalar:ty, $own:ident) => {
-        /// The list, made empty first where it was of the other precision.
-        impl AsMut<ContactList<$scalar>> for AnyContacts {
-            fn as_mut(&mut self) -> &mut ContactList<$scalar> {
+macro_rules! as_precision {
+    ($either:ty, $own:ident($value:ty)) => {
+        /// The value, made anew first where it was of the other precision.
+        impl AsMut<$value> for $either {
+            fn as_mut(&mut self) -> &mut $value {
                 if !matches!(self, Self::$own(_)) {
-                    *self = Self::$own(ContactList::default());
+                    *self = Self::$own(Default::default());
                 }
-                let Self::$own(list) = self else { unreachable!("replaced above") };
-                list
+                let Self::$own(value) = self else { unreachable!("replaced above") };
+                value
             }
         }
     };
 }
-as_list_of!(f32, F32);
-as_list_of!(f64, F64);
+as_precision!(AnyContacts, F32(ContactList<f32>));
+as_precision!(AnyContacts, F64(ContactList<f64>));
+as_precision!(AnyForcesByPair, F32(ForcesByPair<f32>));
+as_precision!(AnyForcesByPair, F64(ForcesByPair<f64>));
 
 impl AnyContacts {
     fn len(&self) -> usize {
@@ -171,7 +169,10 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let list = AnyContacts::F64(ContactList::default());
-        give(Output::new(contacts, "contacts")?, rayc_contacts { list, pair_forces: AnyForcesByPair::default() });
+        give(
+            Output::new(contacts, "contacts")?,
+            rayc_contacts { list, pair_forces: AnyForcesByPair::F64(ForcesByPair::default()) },
+        );
         Ok(())
     })
 }

@@ -1,8 +1,8 @@
+use super::checks::flag;
 use super::failure::{Failure, mesh_status, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::host_positions::set_positions;
-use super::numbers::flag;
 use super::options::rayc_mesh_options;
 use super::pointers::{Output, check_length, reference, slice};
 use super::precision::{InPrecision, with_precision};
@@ -55,10 +55,7 @@ impl AnyMesh {
     }
 
     pub(super) fn topology(&self) -> &crate::mesh::Topology {
-        match self {
-            Self::F32(mesh) => mesh.topology(),
-            Self::F64(mesh) => mesh.topology(),
-        }
+        with_precision!(self, |mesh| mesh.topology())
     }
 }
 

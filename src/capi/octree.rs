@@ -1,8 +1,8 @@
+use super::checks::check_numbers;
 use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
-use super::numbers::check_numbers;
 use super::octree_options::rayc_octree_options;
 use super::pointers::{Output, slice};
 use super::precision::{InPrecision, with_precision};

@@ -17,9 +17,9 @@ pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length:
     })
 }
 
-/// Writes the mesh as it was created to `bytes`: its triangles, the positions at creation instead of the present ones,
-/// and the clusters of triangles that are the leaves of its octree, which need not be found again. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
-/// same on every machine.
+/// Writes the mesh as it was created to `bytes`: its triangles, the positions at creation instead of the present ones, and the
+/// clusters of triangles that are the leaves of its octree, which need not be found again. length must be that of
+/// rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
 ///
 /// The positions at creation decide patches, tiles and the order of contacts. So a mesh that rayc_mesh_unpack() makes
 /// of the bytes in another process has, at the same positions, the same contacts in the same order, to the bit. A

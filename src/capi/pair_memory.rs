@@ -1,7 +1,7 @@
+use super::checks::flag;
 use super::failure::rayc_status;
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::numbers::flag;
 use super::pointers::{Output, range_of, slice};
 use super::precision::with_precision;
 use super::scene::{AnyScene, rayc_scene};

@@ -1,10 +1,10 @@
+use super::checks::flag;
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::host_threads::HostThreads;
 use super::mesh::{rayc_mesh, renew_positions};
-use super::numbers::flag;
 use super::options::{rayc_detection_options, rayc_scene_options};
 use super::pointers::{Output, reference};
 use super::precision::{InPrecision, with_precision};
@@ -122,9 +122,8 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
         let mesh = reading(mesh, "mesh")?;
-        let mesh = &mesh.mesh;
         let place = Output::new(body, "body")?;
-        place.write(with_precision!(&mut scene.scene, mesh, |scene, mesh| scene.add(mesh.clone())));
+        place.write(with_precision!(&mut scene.scene, &mesh.mesh, |scene, mesh| scene.add(mesh.clone())));
         Ok(())
     })
 }

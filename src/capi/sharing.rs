@@ -1,7 +1,7 @@
+use super::checks::flag;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::numbers::flag;
 use super::pair_memory::rayc_pair_memory;
 use super::pointers::{Output, range_of, reference};
 use super::precision::with_precision;

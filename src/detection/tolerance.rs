@@ -4,8 +4,8 @@ use super::pair::Pair;
 use super::sample::largest_face;
 use crate::math::{Scalar, Vector3, length};
 
-// These numbers were chosen together, by overlaps of tori, balls, thorns, boxes and animals: docs/architecture.md, *Tuned constants*.
-// `tests/library/detection/tolerance.rs` holds the rule to the tolerance.
+// These numbers were chosen together, by overlaps of tori, balls, thorns, boxes and animals: docs/architecture.md, *Tuned
+// constants*. `tests/library/detection/tolerance.rs` holds the rule to the tolerance.
 
 /// The first try has this many rays on the overlap box's largest face, each further one four times as many.
 const FEWEST_RAYS: f64 = 32.0;
@@ -21,8 +21,8 @@ const AT_ONCE: f64 = 0.6;
 const AT_LAST: f64 = 0.9;
 /// within this many times the tolerance.
 const BEFORE: f64 = 3.0;
-/// Four times the rays are expected to reduce the disagreement by this factor at most. Where even that would not bring it within
-/// the tolerance in the tries that are left, all triangles cast at once.
+/// Four times the rays are expected to reduce the disagreement by this factor at most. Where even that would not bring it
+/// within the tolerance in the tries that are left, all triangles cast at once.
 const MENDED_BY_A_TRY: f64 = 8.0;
 
 /// The net force on the pair's first body and its torque about the middle of the overlap box, for unit stiffness.
@@ -46,8 +46,8 @@ impl<T: Scalar> Load<T> {
         Self { force, torque }
     }
 
-    /// How much the other differs, in parts of this force; torques over the overlap box's half diagonal. NaN where there is
-    /// no force.
+    /// How much the other load differs, relative to this force; torques are divided by half the overlap box's diagonal. NaN
+    /// without a force.
     fn difference(&self, other: &Self, pair: &Pair<'_, T>) -> T {
         let half_diagonal = length(&(pair.overlap.upper - pair.overlap.lower)) * T::of(0.5);
         let [force, torque] = [self.force - other.force, self.torque - other.torque].map(|part| length(&part));
@@ -221,9 +221,9 @@ mod tests {
         (None, tries.len())
     }
 
-    /// Tolerances that two of the tries' differences meet just or just not, are hopelessly beyond, or meet where the tries before
-    /// agreed too; by the number of the difference and its part of the tolerance. Counts and contacts are added to those of
-    /// the pairs before.
+    /// Tolerances that two of the tries' differences meet just or just not, are hopelessly beyond, or meet where the tries
+    /// before agreed too; by the number of the difference and its part of the tolerance. Counts and contacts are added to those
+    /// of the pairs before.
     #[test]
     fn tries_are_made_until_two_agree_or_none_is_left() {
         let mut list = ContactList::<f64>::default();

@@ -121,8 +121,8 @@ impl<T: Scalar> Octree<T> {
         Ok(())
     }
 
-    /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and
-    /// rays there take longer. Nothing is loaded where triangles are joined to patches of an area, so that tiles outnumber rays.
+    /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and rays
+    /// there take longer. Nothing is loaded where triangles are joined to patches of an area, so that tiles outnumber rays.
     /// `for_distances`: distances are asked for too. `tiles` is room for a list.
     pub(crate) fn update_in(
         &mut self,

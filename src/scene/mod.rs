@@ -37,11 +37,11 @@ pub struct Scene<T: Scalar> {
     /// The contacts of each overlapping pair, where threads find them side by side; kept so that a steady step allocates
     /// nothing.
     pair_contacts: Vec<ContactList<T>>,
-    /// What the newest query took for each pair.
+    /// The cost of the newest query for each pair.
     pair_costs: Vec<PairCost>,
     /// All lists of the last step in the order of their contacts, and how many contacts are in the lists before.
     lists: Vec<(List, usize)>,
-    /// What is known of pairs from step to step.
+    /// What is remembered of pairs from step to step.
     pairs: Pairs<T>,
     options: DetectionOptions<T>,
     threads: Threads,
@@ -255,7 +255,7 @@ impl<T: Scalar> Scene<T> {
         Ok(())
     }
 
-    /// Of the bodies' positions the stamp of the newest; other positions have another.
+    /// The stamp of the newest positions of any body; any new positions change it.
     fn newest_stamp(&self) -> u64 {
         self.bodies.iter().map(|body| body.surface.mesh().stamp().max(body.given)).max().unwrap_or_default()
     }

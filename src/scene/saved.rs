@@ -10,7 +10,7 @@ const MARK: [u8; 8] = *b"raycpair";
 /// The form of the bytes.
 const VERSION: u32 = 3;
 const HEAD: usize = 44;
-/// What is said of the history by one bit each.
+/// Flags of the history.
 const IS_QUERIED: u32 = 1;
 const IS_HOSTS: u32 = 2;
 /// No position has changed since the newest query.
@@ -61,7 +61,7 @@ pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>,
     let [before, after] = [memories(&mut head, counts[0])?, memories(&mut head, counts[1])?];
     let is_set = |flag| flags & flag != 0;
     let (is_queried, is_hosts) = (is_set(IS_QUERIED), is_set(IS_HOSTS));
-    // Nothing that was saved is otherwise; bytes made up with a fitting checksum may be.
+    // Saved bytes always pass; forged ones with a fitting checksum may not.
     if flags > IS_QUERIED | IS_HOSTS | IS_AT_QUERY || !(0.0..1.0).contains(&passed) || !(is_queried || after.is_empty())
     {
         return Err(BytesError::Damaged);
@@ -70,7 +70,7 @@ pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>,
     Ok(History { before, after, is_queried, queried_at, is_hosts, passed })
 }
 
-/// So many memories; whether they are in order only the scene knows.
+/// Reads so many memories; only the scene can tell whether they are in order.
 fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<T>>, BytesError> {
     let mut memories = memory::with_room(count as usize);
     for _ in 0..count {

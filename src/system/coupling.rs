@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Matrix6, Vector6};
 /// The force on a node for each of the six velocities of a rigid body, in N s/m and N s.
 type Columns = [V3; 6];
 
-/// What rows that push do on rigid bodies, as they are held.
+/// The part of the matrix that involves rigid bodies, for rows that push.
 #[derive(Debug, Default)]
 pub(super) struct RigidCoupling {
     /// Between two bodies, by their places: JᵀDJ.
@@ -25,7 +25,7 @@ pub(super) struct RigidCoupling {
 }
 
 impl RigidCoupling {
-    /// Adds up what rows do among rigid bodies.
+    /// Assembles the blocks among rigid bodies.
     pub(super) fn gather(&mut self, rows: &[Row]) {
         let among = &mut self.among;
         among.clear();

@@ -6,14 +6,14 @@ use super::row::{Entry, Row, Spring};
 use crate::math::{Kernel, Lanes, dispatch};
 use crate::memory::{self, Room};
 
-/// A row with more entries than this, as the push on a whole body has, is no part of the matrix: its blocks would be the square
-/// of them.
+/// Rows with more entries than this, such as a push on a whole body, stay out of the matrix: the number of blocks grows with
+/// the square of the entries.
 const LONGEST: usize = 32;
 
-/// A block between a node and a rigid body has twice the numbers of one between nodes, and is asked for both ways.
+/// The cost of a block between a node and a rigid body, in blocks between nodes: it has twice the numbers and is used twice.
 const WORK_OF_COUPLING: usize = 4;
 
-/// Three numbers side by side, and a fourth that is none.
+/// Three numbers, padded to four.
 type Four = [f64; 4];
 
 const UNITS: [Four; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -22,15 +22,15 @@ const UNITS: [Four; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0,
 /// for its mirror too.
 #[derive(Debug, Default)]
 pub(super) struct NodeMatrix {
-    /// Whether it is that of the springs as they are held now.
+    /// Whether it belongs to the current linearisation.
     pub(super) is_current: bool,
     /// The node of each line, in ascending order, and where its blocks end; the first of them is the diagonal one.
     lines: Vec<(u32, u32)>,
     /// The line of each block's mirror.
     columns: Vec<u32>,
-    /// By columns, in N s/m.
+    /// The blocks by columns, in N s/m.
     blocks: Vec<[Four; 3]>,
-    /// The places of springs that are no part of it.
+    /// The springs that are not in the matrix.
     pub(super) apart: Vec<u32>,
     /// Room: of each node its line; of each line where its entries end, and where its block is in the line under way.
     line_of: Vec<u32>,
