@@ -1,8 +1,9 @@
+use super::closest::{closest_point, rayc_closest_point};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
 use super::mesh::rayc_mesh;
-use super::octree::{RAYC_NO_TRIANGLE, rayc_octree};
+use super::octree::rayc_octree;
 use super::pointers::Output;
 use super::precision::with_precision;
 use crate::contact::{OwnExit, OwnExits, OwnExitsError};
@@ -99,18 +100,6 @@ impl From<OwnExitsError> for Failure {
 }
 
 fn exported<T: Scalar>(found: &OwnExit<T>) -> rayc_own_exit {
-    let none = rayc_own_exit {
-        vertex: found.vertex,
-        triangle: RAYC_NO_TRIANGLE,
-        distance: 0.0,
-        weights: [0.0; 3],
-        position: [0.0; 3],
-    };
-    found.exit.map_or(none, |exit| rayc_own_exit {
-        vertex: found.vertex,
-        triangle: exit.triangle,
-        distance: exit.distance.to_f64(),
-        weights: exit.weights.map(T::to_f64),
-        position: exit.position.map(T::to_f64).into(),
-    })
+    let rayc_closest_point { triangle, distance, weights, position, .. } = closest_point(&found.exit);
+    rayc_own_exit { vertex: found.vertex, triangle, distance, weights, position }
 }

@@ -1,6 +1,6 @@
 //! Meshes for unit tests.
 
-use crate::math::Scalar;
+use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
@@ -36,4 +36,10 @@ pub(crate) fn torus_triangles([around, across]: [u32; 2]) -> Vec<[u32; 3]> {
         [[a, b, c], [a, c, d]]
     };
     squares.flat_map(two).collect()
+}
+
+/// A cube of twice this half side.
+pub(crate) fn cube_about<T: Scalar>(centre: impl Into<Vector3<T>>, half_side: f64) -> Aabb<T> {
+    let (centre, half_side) = (centre.into(), T::of(half_side));
+    Aabb { lower: centre.add_scalar(-half_side), upper: centre.add_scalar(half_side) }
 }

@@ -2,7 +2,7 @@ use crate::closest::ClosestPoint;
 use crate::math::{Aabb, Pose, Scalar, Vector3};
 use crate::mesh::Mesh;
 use crate::octree::Octree;
-use crate::octree::test_mesh::torus_at;
+use crate::octree::test_mesh::{cube_about, torus_at};
 use crate::ray::Ray;
 
 const SIDES: [u32; 2] = [96, 24];
@@ -13,10 +13,6 @@ fn pose(step: u32) -> Pose {
     let ((sin, cos), (sin_x, cos_x)) = ((0.9 * step).sin_cos(), (1.7 * step).sin_cos());
     let rotation = [[cos, -sin, 0.0], [cos_x * sin, cos_x * cos, -sin_x], [sin_x * sin, sin_x * cos, cos_x]];
     Pose { position: [0.3 * step.cos(), 0.2 * step, -0.1 * step], rotation }
-}
-
-fn cube_about<T: Scalar>(centre: &Vector3<T>, half_side: f64) -> Aabb<T> {
-    Aabb { lower: centre.add_scalar(T::of(-half_side)), upper: centre.add_scalar(T::of(half_side)) }
 }
 
 fn follow<T: Scalar>(mesh: &mut Mesh<T>, octree: &mut Octree<T>, pose: &Pose) {
@@ -70,7 +66,7 @@ fn assert_follows<T: Scalar>() {
         // Far away, then about a vertex, then about another at the same pose.
         let corner = judge.positions()[100 * step as usize];
         let regions =
-            [cube_about(&Vector3::repeat(T::of(99.0)), 1.0), cube_about(&corner, 0.1), cube_about(&-corner, 0.2)];
+            [cube_about(Vector3::repeat(T::of(99.0)), 1.0), cube_about(corner, 0.1), cube_about(-corner, 0.2)];
         let mut before = 0;
         for (number, region) in regions.iter().enumerate() {
             let updated = octree.update_in(&mut mesh, &regions[number..=number], None, true, &mut tiles);
