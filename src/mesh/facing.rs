@@ -33,7 +33,7 @@ impl<T: Scalar> Mesh<T> {
     }
 }
 
-/// What is known of the fans on the way around.
+/// The state of the fans while their triangles are visited in order.
 struct FacingFan {
     along: [Mask; 3],
     against: [Mask; 3],
