@@ -226,7 +226,7 @@ static void parts_and_memories(void) {
   uint32_t blocks[2 * NODES];
   double forces[UNKNOWNS] = {0}, of_parts[UNKNOWNS];
   CHECK_STATUS(rayc_contact_system_copy_parts(contacts, 1, parts, block_count, blocks), RAYC_STATUS_WRONG_COUNT,
-               "1 parts");
+               "room for 1, but takes 2");
   CHECK_OK(rayc_contact_system_copy_parts(contacts, 2, parts, block_count, blocks));
   CHECK(parts[0].body != parts[1].body && parts[0].other == parts[1].body && parts[0].is_half_space == 0);
   CHECK_STATUS(rayc_contact_system_part_forces(contacts, UNKNOWNS, v, 1, of_parts), RAYC_STATUS_WRONG_COUNT, "forces");
@@ -244,7 +244,8 @@ static void parts_and_memories(void) {
   CHECK_OK(rayc_contact_system_memory_count(contacts, &count));
   CHECK(count == 1);
   rayc_contact_memory memory;
-  CHECK_STATUS(rayc_contact_system_copy_memories(contacts, 2, &memory), RAYC_STATUS_WRONG_COUNT, "1 pairs");
+  CHECK_STATUS(rayc_contact_system_copy_memories(contacts, 2, &memory), RAYC_STATUS_WRONG_COUNT,
+               "room for 2, but takes 1");
   CHECK_OK(rayc_contact_system_copy_memories(contacts, 1, &memory));
   CHECK(memory.first == 0 && memory.second == 1 && memory.length > 0);
   unsigned char* bytes = malloc(memory.length);

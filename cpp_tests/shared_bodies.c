@@ -71,7 +71,8 @@ int main(void) {
   CHECK(pair_count == 1 && force_count > 2 && force_count <= 2 * OCTAHEDRON_VERTICES);
   rayc_pair_forces pair;
   rayc_vertex_force forces[2 * OCTAHEDRON_VERTICES];
-  CHECK_STATUS(rayc_contacts_copy_pair_forces(contacts, 1, &pair, 1, forces), RAYC_STATUS_WRONG_COUNT, "summed");
+  CHECK_STATUS(rayc_contacts_copy_pair_forces(contacts, 1, &pair, 1, forces), RAYC_STATUS_WRONG_COUNT,
+               "forces has room for 1");
   CHECK_OK(rayc_contacts_copy_pair_forces(contacts, pair_count, &pair, force_count, forces));
   CHECK(pair.first == 1 && pair.second == 0 && pair.first_count + pair.second_count == force_count);
   double expected[2][3 * OCTAHEDRON_VERTICES], sum[3] = {0, 0, 0};

@@ -1667,8 +1667,8 @@ enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
 
 /**
  * Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, in N, for the
- * displacements d (m, or m/s); both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once per
- * iteration.
+ * displacements d (m, or m/s); both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once
+ * per iteration.
  *
  * options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
  *
@@ -1751,10 +1751,10 @@ enum rayc_status rayc_contact_system_set_node_masses(struct rayc_contact_system 
 /**
  * Adds a deformable body: number `body` of the scene, with the host's nodes first_node … first_node + node_count − 1.
  *
- * offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of `weights[e]` · node `nodes[e]` over e from
- * `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count from the
- * body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and weights
- * have entry_count. All three NULL: surface vertex v is the body's node v.
+ * offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of `weights[e]` · node `nodes[e]` over e
+ * from `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count
+ * from the body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and
+ * weights have entry_count. All three NULL: surface vertex v is the body's node v.
  *
  * Within a step only ghosts may be added, of this kind or another (rayc_contact_system_off_course()).
  *
@@ -1904,9 +1904,9 @@ enum rayc_status rayc_contact_system_block_count(const struct rayc_contact_syste
 
 /**
  * Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
- * stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`. Those of
- * equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as many
- * numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
+ * stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`.
+ * Those of equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as
+ * many numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
  * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
@@ -2228,8 +2228,8 @@ enum rayc_status rayc_contact_system_begin_explicit(struct rayc_contact_system *
                                                     const double *velocities);
 
 /**
- * How strongly the rows that push act on each block of rayc_contact_system_copy_parts(): replaces `couplings`, a number for each, in
- * N/m, of a rigid body's angular velocity in N. Their sums by block are for rayc_contact_system_largest_coupling().
+ * How strongly the rows that push act on each block of rayc_contact_system_copy_parts(): replaces `couplings`, a number for
+ * each, in N/m, of a rigid body's angular velocity in N. Their sums by block are for rayc_contact_system_largest_coupling().
  *
  * block_count: that of rayc_contact_system_part_count(). Errors: as there, and RAYC_STATUS_WRONG_COUNT.
  */
@@ -2253,8 +2253,9 @@ enum rayc_status rayc_contact_system_largest_coupling(const struct rayc_contact_
                                                       double *damping_time);
 
 /**
- * As rayc_contact_system_energy(), pair by pair: replaces `joules`, a number for each part of rayc_contact_system_copy_parts(). The
- * first part of a pair has all of its energy, the second none. A pair without parts can do no work, and is left out.
+ * As rayc_contact_system_energy(), pair by pair: replaces `joules`, a number for each part of
+ * rayc_contact_system_copy_parts(). The first part of a pair has all of its energy, the second none. A pair without parts can
+ * do no work, and is left out.
  *
  * count: that of the unknowns; part_count: that of rayc_contact_system_part_count(). Errors: as for both.
  */
@@ -2476,9 +2477,9 @@ enum rayc_status rayc_contacts_copy_pair_forces(const struct rayc_contacts *cont
 enum rayc_status rayc_mesh_packed_length(const struct rayc_mesh *mesh, size_t *length);
 
 /**
- * Writes the mesh as it was created to `bytes`: its triangles, the positions at creation instead of the present ones,
- * and the clusters of triangles that are the leaves of its octree, which need not be found again. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
- * same on every machine.
+ * Writes the mesh as it was created to `bytes`: its triangles, the positions at creation instead of the present ones, and the
+ * clusters of triangles that are the leaves of its octree, which need not be found again. length must be that of
+ * rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
  *
  * The positions at creation decide patches, tiles and the order of contacts. So a mesh that rayc_mesh_unpack() makes
  * of the bytes in another process has, at the same positions, the same contacts in the same order, to the bit. A

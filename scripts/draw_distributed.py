@@ -153,7 +153,7 @@ def tables(model, compared, worked):
     lines += [
         "",
         f"A ray takes {1e6 * model.ray:.2f} µs, a ghost {1e6 * model.old_ghost:.0f} µs where it is known and "
-        f"{1e6 * model.new_ghost:.0f} µs where it is new; a ghost is {model.position_bytes:.0f} bytes, a pair with a ghost "
+        f"{1e6 * model.new_ghost:.0f} µs where it is new; a ghost is {model.position_bytes:.0f} bytes, a pair with a ghost",
         f"{model.force_bytes:.0f} bytes back.",
         "",
         "| bodies | ranks | pairs between ranks | ghosts | sent, MB | computing, ms: mean, largest rank "

@@ -1,6 +1,7 @@
 //! Bytes that a host keeps or sends: numbers little-endian on every machine, with a checksum at their end.
 
 use crate::math::Scalar;
+use std::fmt;
 
 /// How many bytes the checksum takes.
 pub(crate) const CHECKSUM: usize = 8;
@@ -10,42 +11,71 @@ pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
 }
 
-/// Why bytes were refused, whatever they were to hold.
+/// Why bytes were refused that should have been packed or saved before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum BytesError {
-    /// They do not start with the mark, or are not as long as they say.
-    Foreign,
-    /// They have the form with this number.
-    OtherVersion(u32),
-    /// They have numbers of so many bytes.
-    OtherPrecision(u32),
-    /// Their checksum does not fit.
+pub enum BytesError {
+    /// They do not start as such bytes do, or are not as long as they say.
+    Foreign {
+        /// How many there are.
+        length: usize,
+    },
+    /// Another version of the library wrote them in another form.
+    OtherVersion {
+        /// The form's number.
+        version: u32,
+    },
+    /// They hold numbers of the other precision.
+    OtherPrecision {
+        /// Bytes of one number.
+        bytes: u32,
+    },
+    /// They have been changed since they were written.
     Damaged,
 }
+
+impl fmt::Display for BytesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Foreign { length } => {
+                write!(f, "the {length} bytes are something else, or not all; pass all that were written")
+            }
+            Self::OtherVersion { version } => {
+                write!(f, "the bytes have form {version}, which this library does not read; write them anew")
+            }
+            Self::OtherPrecision { bytes } => {
+                write!(f, "the bytes hold {bytes}-byte numbers; read them with that precision")
+            }
+            Self::Damaged => f.write_str("the bytes have been changed since they were written; write them anew"),
+        }
+    }
+}
+
+impl std::error::Error for BytesError {}
 
 /// The size of a number, which follows the mark and the form's number, and all that comes after it.
 pub(crate) fn opened(bytes: &[u8], mark: [u8; 8], version: u32) -> Result<(u32, Reader<'_>), BytesError> {
     let mut head = Reader { rest: bytes };
     let is_marked = head.take::<8>() == Some(mark);
-    let found = head.whole().filter(|_| is_marked).ok_or(BytesError::Foreign)?;
+    let foreign = BytesError::Foreign { length: bytes.len() };
+    let found = head.whole().filter(|_| is_marked).ok_or(foreign)?;
     if found != version {
-        return Err(BytesError::OtherVersion(found));
+        return Err(BytesError::OtherVersion { version: found });
     }
-    let number_size = head.whole().ok_or(BytesError::Foreign)?;
+    let number_size = head.whole().ok_or(foreign)?;
     Ok((number_size, head))
 }
 
 /// Whether the bytes are as long as they say, as they were written, and with numbers of this type.
 pub(crate) fn check<T: Scalar>(bytes: &[u8], length: Option<usize>, number_size: u32) -> Result<(), BytesError> {
     if length != Some(bytes.len()) || bytes.len() < CHECKSUM {
-        return Err(BytesError::Foreign);
+        return Err(BytesError::Foreign { length: bytes.len() });
     }
     let (body, end) = bytes.split_at(bytes.len() - CHECKSUM);
     if checksum(body).to_le_bytes() != *end {
         return Err(BytesError::Damaged);
     }
     if number_size as usize != size_of::<T>() {
-        return Err(BytesError::OtherPrecision(number_size));
+        return Err(BytesError::OtherPrecision { bytes: number_size });
     }
     Ok(())
 }

@@ -57,6 +57,16 @@ pub mod contact {
     pub use crate::recovery::{PairMemory, Record, query_pair};
 }
 
+// What unit tests share with the integration tests.
 #[cfg(test)]
 #[path = "../tests/common/cuboid.rs"]
 mod cuboid;
+#[cfg(test)]
+#[path = "../tests/common/random.rs"]
+mod random;
+#[cfg(test)]
+extern crate self as raycontact;
+#[cfg(test)]
+#[allow(dead_code)] // unit tests use a part of them
+#[path = "../tests/common/shapes.rs"]
+mod shapes;

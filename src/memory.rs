@@ -1,6 +1,6 @@
-//! Memory that ends. Where the standard collections cannot grow they end the process. Those of this crate ask for room
-//! first, and where there is none the call unwinds with [`OutOfMemory`]: the C interface makes a status of it, and a
-//! program in Rust may catch it.
+//! Failed allocations. The standard collections abort the process when they cannot grow. This crate reserves memory first, and
+//! where there is none the call unwinds with [`OutOfMemory`]: the C interface turns that into a status, and a program in Rust
+//! may catch it.
 
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -10,20 +10,20 @@ use std::hint::black_box;
 use std::panic::resume_unwind;
 use std::sync::Arc;
 
-/// What a call unwinds with where there is no memory: [`std::panic::catch_unwind`] gives it, boxed. No message is printed,
-/// and what the call was to change is as before; a [`ContactList`](crate::contact::ContactList) that it was to fill is
-/// empty.
+/// The payload with which a call unwinds when memory runs out: [`std::panic::catch_unwind`] gives it, boxed. No message is
+/// printed. Whatever the call was to change is as before; a [`ContactList`](crate::contact::ContactList) that it was to fill
+/// is empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutOfMemory;
 
-/// Unwinding itself takes some hundred bytes.
+/// In bytes. Unwinding itself takes some hundred.
 const RESERVE: usize = 1 << 10;
 
 thread_local! {
     static RESERVED: Cell<Vec<u8>> = const { Cell::new(Vec::new()) };
 }
 
-/// Sees to it that this thread has the memory by which it can say that there is none.
+/// Reserves the memory that this thread needs to report that memory has run out.
 pub(crate) fn keep_reserve() -> Result<(), OutOfMemory> {
     // A thread that is ending has no place for it.
     let kept = RESERVED.try_with(|reserved| {
@@ -43,8 +43,7 @@ fn unwind() -> ! {
     resume_unwind(Box::new(OutOfMemory))
 }
 
-/// Collections that say so where they cannot grow. Whatever may grow one follows this call, or is one of the functions
-/// below.
+/// Collections that report when they cannot grow. Call this before whatever may grow one, or use the functions below.
 pub(crate) trait Room {
     /// Makes room for so many more, or unwinds.
     fn room_for(&mut self, more: usize) -> &mut Self;
@@ -109,11 +108,11 @@ pub(crate) fn tried<V, E>(items: impl IntoIterator<Item = Result<V, E>>) -> Resu
     Ok(list)
 }
 
-/// Asks for so many bytes and gives them back: before what cannot say itself that there are none. Another thread may take
-/// them in between.
+/// Allocates so many bytes and frees them again, before code that would abort without them. Another thread may take them in
+/// between.
 pub(crate) fn ask(bytes: usize) {
     let room = with_room::<u8>(bytes);
-    // Seen from outside, so that the compiler does not leave it out.
+    // So that the compiler cannot remove the allocation.
     black_box(room.as_ptr());
 }
 
@@ -164,7 +163,7 @@ macro_rules! text {
 }
 pub(crate) use text;
 
-/// What [`format!`] makes.
+/// The formatted text.
 pub(crate) fn written(what: fmt::Arguments<'_>) -> String {
     struct Text(String);
     impl fmt::Write for Text {

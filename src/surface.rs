@@ -9,7 +9,7 @@ use crate::octree::{Octree, Tracer};
 pub(crate) struct Surface<T: Scalar> {
     mesh: Mesh<T>,
     octree: Octree<T>,
-    /// Room for a list of the tree's tiles.
+    /// Scratch memory for a list of the tree's tiles.
     tiles: Vec<u32>,
 }
 
@@ -23,7 +23,7 @@ impl<T: Scalar> Surface<T> {
         &self.mesh
     }
 
-    /// To renew positions; the tree follows when it is refitted.
+    /// The mesh, to renew its positions; the tree follows at the next refit.
     pub(crate) fn mesh_mut(&mut self) -> &mut Mesh<T> {
         &mut self.mesh
     }
@@ -37,7 +37,7 @@ impl<T: Scalar> Surface<T> {
         &self.octree
     }
 
-    /// Whether the tree has nothing to follow.
+    /// Whether the tree is up to date.
     pub(crate) fn is_settled(&self) -> bool {
         self.octree.is_settled(&self.mesh)
     }

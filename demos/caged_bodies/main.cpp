@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "../engine/engine.hpp"
 #include "../number_arguments.hpp"
-#include "engine.hpp"
 
 namespace {
 

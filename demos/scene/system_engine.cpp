@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "../caged_bodies/engine.hpp"
+#include "../engine/engine.hpp"
 
 namespace demo {
 

@@ -1,8 +1,8 @@
+use super::checks::check_numbers;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::reading;
 use super::mesh::rayc_mesh;
-use super::numbers::check_numbers;
 use super::octree::{RAYC_NO_TRIANGLE, rayc_octree};
 use super::pointers::{Output, reference, slice};
 use super::precision::with_precision;
@@ -68,7 +68,7 @@ pub unsafe extern "C" fn rayc_octree_closest_points(
         let mut found = Vec::new();
         tracer.closest_points(&points, &bounds, &mut found);
         // SAFETY: by this function's contract.
-        unsafe { closest.write_all(found.iter().map(exported)) };
+        unsafe { closest.write_all(found.iter().map(closest_point)) };
         Ok(())
     }
     // SAFETY: the pointers are the caller's, as documented.
@@ -144,7 +144,7 @@ fn check_bounds(bounds: &[f64]) -> Result<(), Failure> {
     }
 }
 
-fn exported<T: Scalar>(found: &Option<ClosestPoint<T>>) -> rayc_closest_point {
+pub(super) fn closest_point<T: Scalar>(found: &Option<ClosestPoint<T>>) -> rayc_closest_point {
     match found {
         None => rayc_closest_point {
             triangle: RAYC_NO_TRIANGLE,

@@ -62,10 +62,8 @@ pub unsafe extern "C" fn rayc_contact_system_create(
 /// Frees a system; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_destroy(system: *mut rayc_contact_system) -> rayc_status {
-    guard_end(|| {
-        // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(system, "system") }
-    })
+    // SAFETY: the handle is the caller's, and is not used again.
+    guard_end(|| unsafe { take_back(system, "system") })
 }
 
 /// Sets how many nodes the host has, and their masses in kg: > 0, or infinity for a node that is held fast. Call it
@@ -84,17 +82,16 @@ pub unsafe extern "C" fn rayc_contact_system_set_node_masses(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let masses = slice(masses, count, "masses")?;
-        with_precision!(&mut system.system, |system| system.set_node_masses(masses)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.set_node_masses(masses)?))
     })
 }
 
 /// Adds a deformable body: number `body` of the scene, with the host's nodes first_node … first_node + node_count − 1.
 ///
-/// offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of `weights[e]` · node `nodes[e]` over e from
-/// `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count from the
-/// body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and weights
-/// have entry_count. All three NULL: surface vertex v is the body's node v.
+/// offsets, nodes, weights: how these carry the surface. Surface vertex v is the sum of `weights[e]` · node `nodes[e]` over e
+/// from `offsets[v]` up to `offsets[v + 1]`: a skin in a cage of tetrahedra or trilinear cells, any linear mapping. Nodes count
+/// from the body's first; the weights of a vertex sum to 1. offsets has one more number than the mesh has vertices, nodes and
+/// weights have entry_count. All three NULL: surface vertex v is the body's node v.
 ///
 /// Within a step only ghosts may be added, of this kind or another (rayc_contact_system_off_course()).
 ///
@@ -177,9 +174,8 @@ pub unsafe extern "C" fn rayc_contact_system_add_rigid(
         let inertia = std::array::from_fn(|row| std::array::from_fn(|column| given[3 * row + column]));
         let material = rayc_material::read(material)?;
         with_precision!(&mut system.system, &scene.scene, |system, scene| {
-            system.add_rigid(scene, body, mass, inertia, material)?
-        });
-        Ok(())
+            Ok(system.add_rigid(scene, body, mass, inertia, material)?)
+        })
     })
 }
 
@@ -200,8 +196,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_moved(
         let mut system = changing(system, "system")?;
         let scene = reading(scene, "scene")?;
         let material = rayc_material::read(material)?;
-        with_precision!(&mut system.system, &scene.scene, |system, scene| system.add_moved(scene, body, material)?);
-        Ok(())
+        with_precision!(&mut system.system, &scene.scene, |system, scene| Ok(system.add_moved(scene, body, material)?))
     })
 }
 
@@ -235,10 +230,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_remove_body(system: *mut rayc_contact_system, body: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        with_precision!(&mut changing(system, "system")?.system, |system| system.remove(body)?);
-        Ok(())
-    })
+    guard(|| unsafe { with_precision!(&mut changing(system, "system")?.system, |system| Ok(system.remove(body)?)) })
 }
 
 /// Gives two bodies, or a body with itself, a material of their own instead of the combined one. material: NULL
@@ -257,8 +249,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_pair_material(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
-        with_precision!(&mut system.system, |system| system.set_pair_material(a, b, material)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.set_pair_material(a, b, material)?))
     })
 }
 
@@ -278,8 +269,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_motion(
         let mut system = changing(system, "system")?;
         let rayc_motion { position, rotation, velocity, free_velocity } = *reference(motion, "motion")?;
         let motion = Motion { position, rotation, velocity, free_velocity };
-        with_precision!(&mut system.system, |system| system.set_motion(body, &motion)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.set_motion(body, &motion)?))
     })
 }
 

@@ -1,12 +1,11 @@
 use super::contact_system::rayc_contact_system;
 use super::contact_system_step::apart;
-use super::failure::{Failure, rayc_status};
+use super::failure::rayc_status;
 use super::guard::guard;
 use super::handles::{changing, reading};
 use super::pointers::{Output, slice};
 use super::precision::with_precision;
 use super::scene::rayc_scene;
-use crate::memory::text;
 
 /// Finds how far the scene's bodies, without ghosts, end from where they were when contacts were last looked for, if
 /// these are the velocities at the end of the step. *nodes and *rigid: the largest square of a difference of velocities
@@ -59,8 +58,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_again(
     guard(|| unsafe {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let velocities = slice(velocities, count, "velocities")?;
-        with_precision!(&mut system.system, &mut scene.scene, |system, scene| system.look_again(scene, velocities)?);
-        Ok(())
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| Ok(system.look_again(scene, velocities)?))
     })
 }
 
@@ -114,9 +112,8 @@ pub unsafe extern "C" fn rayc_contact_system_look_explicit(
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            system.look_explicit(scene, dt, positions, velocities)?
-        });
-        Ok(())
+            Ok(system.look_explicit(scene, dt, positions, velocities)?)
+        })
     })
 }
 
@@ -140,14 +137,13 @@ pub unsafe extern "C" fn rayc_contact_system_begin_explicit(
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            system.begin_explicit(scene, dt, positions, velocities)?
-        });
-        Ok(())
+            Ok(system.begin_explicit(scene, dt, positions, velocities)?)
+        })
     })
 }
 
-/// How strongly the rows that push act on each block of rayc_contact_system_copy_parts(): replaces `couplings`, a number for each, in
-/// N/m, of a rigid body's angular velocity in N. Their sums by block are for rayc_contact_system_largest_coupling().
+/// How strongly the rows that push act on each block of rayc_contact_system_copy_parts(): replaces `couplings`, a number for
+/// each, in N/m, of a rigid body's angular velocity in N. Their sums by block are for rayc_contact_system_largest_coupling().
 ///
 /// block_count: that of rayc_contact_system_part_count(). Errors: as there, and RAYC_STATUS_WRONG_COUNT.
 #[unsafe(no_mangle)]
@@ -160,8 +156,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_couplings(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let couplings = super::pointers::slice_mut(couplings, block_count, "couplings")?;
-        with_precision!(&mut system.system, |system| system.part_couplings(couplings)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.part_couplings(couplings)?))
     })
 }
 
@@ -193,8 +188,9 @@ pub unsafe extern "C" fn rayc_contact_system_largest_coupling(
     })
 }
 
-/// As rayc_contact_system_energy(), pair by pair: replaces `joules`, a number for each part of rayc_contact_system_copy_parts(). The
-/// first part of a pair has all of its energy, the second none. A pair without parts can do no work, and is left out.
+/// As rayc_contact_system_energy(), pair by pair: replaces `joules`, a number for each part of
+/// rayc_contact_system_copy_parts(). The first part of a pair has all of its energy, the second none. A pair without parts can
+/// do no work, and is left out.
 ///
 /// count: that of the unknowns; part_count: that of rayc_contact_system_part_count(). Errors: as for both.
 #[unsafe(no_mangle)]
@@ -209,8 +205,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_energies(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (velocities, joules) = apart((velocities, count, "velocities"), (joules, part_count, "joules"))?;
-        with_precision!(&mut system.system, |system| system.part_energies(velocities, joules)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.part_energies(velocities, joules)?))
     })
 }
 
@@ -252,11 +247,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_part_blocks(
         let mut system = changing(system, "system")?;
         with_precision!(&mut system.system, |system| {
             let all = system.part_blocks(factor)?;
-            if all.len() != count {
-                let message = text!("there are {} blocks, and room for {count}; ask for their count", all.len());
-                return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-            }
-            let parts = Output::array(parts, count, "parts")?;
+            let parts = Output::exactly(parts, count, all.len(), "parts")?;
             let rows = Output::array(rows, count, "rows")?;
             let columns = Output::array(columns, count, "columns")?;
             let blocks = Output::array(blocks, 9 * count, "blocks")?;

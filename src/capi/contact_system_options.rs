@@ -1,6 +1,6 @@
+use super::checks::flag;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
-use super::numbers::flag;
 use super::pointers::reference;
 use super::sized_structs::{Options, growing, read_options, write_defaults, write_options};
 use super::vectors::rayc_scalar;

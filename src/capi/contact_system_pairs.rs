@@ -1,3 +1,4 @@
+use super::checks::flag;
 use super::contact_system::rayc_contact_system;
 use super::contact_system_options::rayc_material;
 use super::contact_system_step::number_at;
@@ -5,7 +6,6 @@ use super::contacts::rayc_contacts;
 use super::failure::rayc_status;
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::numbers::flag;
 use super::pointers::{Output, slice};
 use super::precision::with_precision;
 use crate::detection::ContactList;
@@ -28,8 +28,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_half_space_material(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
-        with_precision!(&mut system.system, |system| system.set_half_space_material(body, half_space, material)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.set_half_space_material(body, half_space, material)?))
     })
 }
 

@@ -1,13 +1,12 @@
+use super::checks::flag;
 use super::contact_system::rayc_contact_system;
 use super::contact_system_step::apart;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::numbers::flag;
 use super::pointers::{Output, slice};
 use super::precision::with_precision;
 use super::scene::rayc_scene;
-use crate::memory::text;
 use crate::system::{Part, Surface};
 
 /// One pair's rows as they act on one of its bodies: which of the blocks of rayc_contact_system_copy_parts() are
@@ -67,9 +66,8 @@ pub unsafe extern "C" fn rayc_contact_system_look_ahead(
         let velocities = slice(velocities, count, "velocities")?;
         let free = slice(free_velocities, count, "free_velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            system.look_ahead(scene, dt, positions, velocities, free)?
-        });
-        Ok(())
+            Ok(system.look_ahead(scene, dt, positions, velocities, free)?)
+        })
     })
 }
 
@@ -121,17 +119,8 @@ pub unsafe extern "C" fn rayc_contact_system_copy_parts(
         let mut system = changing(system, "system")?;
         with_precision!(&mut system.system, |system| {
             let (all_parts, all_blocks) = system.parts()?;
-            if [part_count, block_count] != [all_parts.len(), all_blocks.len()] {
-                let message = text!(
-                    "there is room for {part_count} parts and {block_count} blocks, but there are {} and {}; ask for \
-                     their counts",
-                    all_parts.len(),
-                    all_blocks.len()
-                );
-                return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-            }
-            let parts = Output::array(parts, part_count, "parts")?;
-            let blocks = Output::array(blocks, block_count, "blocks")?;
+            let parts = Output::exactly(parts, part_count, all_parts.len(), "parts")?;
+            let blocks = Output::exactly(blocks, block_count, all_blocks.len(), "blocks")?;
             parts.write_all(all_parts.iter().map(|&Part { body, other, start, count }| {
                 let (other, is_half_space) = numbers_of(other);
                 rayc_contact_part { body, other, is_half_space, reserved: 0, start, count }
@@ -159,8 +148,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_forces(
         let mut system = changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, length, "forces"))?;
-        with_precision!(&mut system.system, |system| system.part_forces(velocities, forces)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.part_forces(velocities, forces)?))
     })
 }
 
@@ -182,8 +170,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_products(
         let mut system = changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (change, result) = apart((change, count, "change"), (result, length, "result"))?;
-        with_precision!(&mut system.system, |system| system.part_products(factor, change, result)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.part_products(factor, change, result)?))
     })
 }
 
@@ -214,13 +201,9 @@ pub unsafe extern "C" fn rayc_contact_system_copy_memories(
     guard(|| unsafe {
         let system = reading(system, "system")?;
         with_precision!(&system.system, |system| {
-            let needed = system.remembered_pairs().len();
-            if count != needed {
-                let message = text!("there are {needed} pairs, and room for {count}; ask for their count");
-                return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-            }
-            let place = Output::array(memories, count, "memories")?;
-            place.write_all(system.remembered_pairs().map(|pair| {
+            let pairs = system.remembered_pairs();
+            let place = Output::exactly(memories, count, pairs.len(), "memories")?;
+            place.write_all(pairs.map(|pair| {
                 let (second, is_half_space) = numbers_of(pair.1);
                 let length = system.packed_memory_length(pair);
                 rayc_contact_memory { first: pair.0, second, is_half_space, reserved: 0, length }
@@ -247,11 +230,7 @@ pub unsafe extern "C" fn rayc_contact_system_pack_memory(
         let (key, length) = read_pair(pair)?;
         let mut packed = Vec::new();
         with_precision!(&system.system, |system| system.pack_pair_memory(key, &mut packed)?);
-        if packed.len() != length {
-            let message = text!("the pair remembers {} bytes, not {length}; ask for the pairs again", packed.len());
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        }
-        Output::array(bytes, length, "bytes")?.write_all(packed.into_iter());
+        Output::exactly(bytes, length, packed.len(), "bytes")?.write_all(packed.into_iter());
         Ok(())
     })
 }
@@ -273,8 +252,7 @@ pub unsafe extern "C" fn rayc_contact_system_put_memory(
         let mut system = changing(system, "system")?;
         let (key, length) = read_pair(pair)?;
         let bytes = slice(bytes, length, "bytes")?;
-        with_precision!(&mut system.system, |system| system.put_pair_memory(key, bytes)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.put_pair_memory(key, bytes)?))
     })
 }
 

@@ -2,7 +2,7 @@ use super::contact_system::{AnySystem, rayc_contact_system};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::pointers::{Output, slice, slice_mut};
+use super::pointers::{Output, check_length, slice, slice_mut};
 use super::precision::with_precision;
 use super::scene::rayc_scene;
 use crate::memory::text;
@@ -32,9 +32,8 @@ pub unsafe extern "C" fn rayc_contact_system_begin(
         let velocities = slice(velocities, count, "velocities")?;
         let free = slice(free_velocities, count, "free_velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            system.begin(scene, dt, positions, velocities, free)?
-        });
-        Ok(())
+            Ok(system.begin(scene, dt, positions, velocities, free)?)
+        })
     })
 }
 
@@ -55,8 +54,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
-        with_precision!(&mut system.system, |system| system.add_forces(velocities, forces)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.add_forces(velocities, forces)?))
     })
 }
 
@@ -79,8 +77,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_product(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
-        with_precision!(&mut system.system, |system| system.add_product(factor, change, result)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.add_product(factor, change, result)?))
     })
 }
 
@@ -102,9 +99,9 @@ pub unsafe extern "C" fn rayc_contact_system_block_count(
 }
 
 /// Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
-/// stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`. Those of
-/// equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as many
-/// numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
+/// stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`.
+/// Those of equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as
+/// many numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
 /// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
@@ -120,12 +117,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let system = reading(system, "system")?;
-        let needed = block_count(&system.system)?;
-        if count != needed {
-            let message =
-                text!("there are {needed} blocks, and room for {count}; ask for their count, and give that room");
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        }
+        check_length("blocks", count, block_count(&system.system)?)?;
         let rows = slice_mut(rows, count, "rows")?;
         let columns = slice_mut(columns, count, "columns")?;
         let blocks = slice_mut(blocks, 9 * count, "blocks")?;
@@ -135,8 +127,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
             blocks[9 * next..9 * next + 9].copy_from_slice(&block);
             next += 1;
         };
-        with_precision!(&system.system, |system| system.for_each_block(factor, copy)?);
-        Ok(())
+        with_precision!(&system.system, |system| Ok(system.for_each_block(factor, copy)?))
     })
 }
 
@@ -225,8 +216,7 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
     guard(|| unsafe {
         let mut system = changing(system, "system")?;
         let velocities = slice(velocities, count, "velocities")?;
-        with_precision!(&mut system.system, |system| system.finish(velocities)?);
-        Ok(())
+        with_precision!(&mut system.system, |system| Ok(system.finish(velocities)?))
     })
 }
 

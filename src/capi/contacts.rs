@@ -4,15 +4,15 @@ use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::mesh::rayc_mesh;
 use super::octree::rayc_octree;
 use super::options::rayc_detection_options;
-use super::pointers::Output;
+use super::pointers::{Output, range_of};
 use super::precision::{InPrecision, with_precision};
 use super::sized_structs::{read_options, write_known};
 use super::statistics::rayc_statistics;
 use crate::detection::{Contact, ContactKind, ContactList, SurfacePoint, query_self};
 use crate::math::Scalar;
-use crate::memory::text;
 use crate::recovery::query_pair;
 use crate::response::ForcesByPair;
+use std::ops::Range;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
 ///
@@ -32,43 +32,35 @@ impl Handle for rayc_contacts {
 /// Contacts of either precision.
 pub(super) type AnyContacts = InPrecision<ContactList<f32>, ContactList<f64>>;
 
-/// Sums of either precision.
-#[derive(Default)]
-pub(super) struct AnyForcesByPair {
-    pub(super) f32: ForcesByPair<f32>,
-    pub(super) f64: ForcesByPair<f64>,
-}
+/// Their forces, summed pair by pair.
+pub(super) type AnyForcesByPair = InPrecision<ForcesByPair<f32>, ForcesByPair<f64>>;
 
-macro_rules! as_list_of {
-    ($scalar:ty, $own:ident) => {
-        /// The list, made empty first where it was of the other precision.
-        impl AsMut<ContactList<$scalar>> for AnyContacts {
-            fn as_mut(&mut self) -> &mut ContactList<$scalar> {
+macro_rules! as_precision {
+    ($either:ty, $own:ident($value:ty)) => {
+        /// The value, made anew first where it was of the other precision.
+        impl AsMut<$value> for $either {
+            fn as_mut(&mut self) -> &mut $value {
                 if !matches!(self, Self::$own(_)) {
-                    *self = Self::$own(ContactList::default());
+                    *self = Self::$own(Default::default());
                 }
-                let Self::$own(list) = self else { unreachable!("replaced above") };
-                list
+                let Self::$own(value) = self else { unreachable!("replaced above") };
+                value
             }
         }
     };
 }
-as_list_of!(f32, F32);
-as_list_of!(f64, F64);
+as_precision!(AnyContacts, F32(ContactList<f32>));
+as_precision!(AnyContacts, F64(ContactList<f64>));
+as_precision!(AnyForcesByPair, F32(ForcesByPair<f32>));
+as_precision!(AnyForcesByPair, F64(ForcesByPair<f64>));
 
 impl AnyContacts {
     fn len(&self) -> usize {
         with_precision!(self, |list| list.len())
     }
 
-    /// Refuses a range that reaches beyond the end.
-    pub(super) fn check_range(&self, first: usize, count: usize) -> Result<(), Failure> {
-        if first.checked_add(count).is_some_and(|end| end <= self.len()) {
-            return Ok(());
-        }
-        let message =
-            text!("contacts {first} to {first} + {count} were asked for, but there are {}; ask for fewer", self.len());
-        Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+    pub(super) fn range(&self, first: usize, count: usize) -> Result<Range<usize>, Failure> {
+        range_of("contacts", first, count, self.len())
     }
 }
 
@@ -177,7 +169,10 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let list = AnyContacts::F64(ContactList::default());
-        give(Output::new(contacts, "contacts")?, rayc_contacts { list, pair_forces: AnyForcesByPair::default() });
+        give(
+            Output::new(contacts, "contacts")?,
+            rayc_contacts { list, pair_forces: AnyForcesByPair::F64(ForcesByPair::default()) },
+        );
         Ok(())
     })
 }
@@ -185,10 +180,8 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
 /// Frees the contacts; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_destroy(contacts: *mut rayc_contacts) -> rayc_status {
-    guard_end(|| {
-        // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(contacts, "contacts") }
-    })
+    // SAFETY: the handle is the caller's, and is not used again.
+    guard_end(|| unsafe { take_back(contacts, "contacts") })
 }
 
 /// Finds the contacts between two meshes, rays both ways: Algorithm 1 of Hermann, Faure, Raffin 2008. Body 0 is `a`,
@@ -273,10 +266,9 @@ pub unsafe extern "C" fn rayc_contacts_copy(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
-        list.check_range(first, count)?;
+        let range = contacts.list.range(first, count)?;
         let out = Output::array(out, count, "out")?;
-        with_precision!(list, |list| out.write_all(list.contacts[first..first + count].iter().map(Into::into)));
+        with_precision!(&contacts.list, |list| out.write_all(list.contacts[range].iter().map(Into::into)));
         Ok(())
     })
 }

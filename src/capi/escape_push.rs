@@ -1,13 +1,12 @@
 use super::contacts::{AnyContacts, rayc_contacts};
-use super::failure::{Failure, rayc_status};
+use super::failure::rayc_status;
 use super::guard::guard;
 use super::handles::reading;
-use super::pointers::Output;
+use super::pointers::{Output, range_of};
 use super::precision::with_precision;
 use super::sized_structs::{Known, growing};
 use crate::detection::EscapePush;
 use crate::math::Scalar;
-use crate::memory::text;
 
 /// Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. It
 /// says nothing that the contacts do not: hosts that move bodies themselves translate the first by a part of depth ·
@@ -80,14 +79,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
     guard(|| unsafe {
         let contacts = reading(contacts, "contacts")?;
         let list = &contacts.list;
-        let present = push_count(list);
-        if first.checked_add(count).is_none_or(|end| end > present) {
-            let message =
-                text!("pushes {first} to {first} + {count} were asked for, but there are {present}; ask for fewer");
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        }
+        let range = range_of("pushes", first, count, push_count(list))?;
         let out = Known::new(struct_size, out, count, "out")?;
-        let range = first..first + count;
         with_precision!(list, |list| out.write_all(list.pushes()[range].iter().map(Into::into)));
         Ok(())
     })

@@ -3,7 +3,7 @@ use crate::memory::text;
 use crate::mesh::{MeshError, ObjFileError, PackedMeshError};
 use crate::octree::OctreeError;
 use crate::response::LawError;
-use crate::scene::{SavedStateError, SceneError};
+use crate::scene::{BytesError, SceneError};
 use crate::system::SystemError;
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -216,7 +216,7 @@ impl From<SceneError> for Failure {
             }
             SceneError::Pose { .. } => Self::new(RAYC_STATUS_INVALID_DIRECTION, message),
             SceneError::PoseBeyondRange { .. } => Self::new(RAYC_STATUS_MESH_BEYOND_RANGE, message),
-            SceneError::SavedState(error) => Self::new(saved_state_status(error), message),
+            SceneError::SavedState(error) => Self::new(bytes_status(error), message),
             SceneError::ThreadsNotStarted { .. } => Self::new(RAYC_STATUS_THREADS_NOT_STARTED, message),
         }
     }
@@ -225,9 +225,7 @@ impl From<SceneError> for Failure {
 impl From<PackedMeshError> for Failure {
     fn from(error: PackedMeshError) -> Self {
         let status = match &error {
-            PackedMeshError::NotPacked { .. } | PackedMeshError::Damaged => RAYC_STATUS_SAVED_STATE_BROKEN,
-            PackedMeshError::OtherVersion { .. } => RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
-            PackedMeshError::OtherPrecision { .. } => RAYC_STATUS_PRECISION_MISMATCH,
+            PackedMeshError::Bytes(error) => bytes_status(*error),
             PackedMeshError::Mesh(error) => mesh_status(error),
         };
         Self::new(status, text!("{error}"))
@@ -259,10 +257,10 @@ impl From<SystemError> for Failure {
     }
 }
 
-fn saved_state_status(error: SavedStateError) -> rayc_status {
+fn bytes_status(error: BytesError) -> rayc_status {
     match error {
-        SavedStateError::NotSavedState { .. } | SavedStateError::Damaged => RAYC_STATUS_SAVED_STATE_BROKEN,
-        SavedStateError::OtherVersion { .. } => RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
-        SavedStateError::OtherPrecision { .. } => RAYC_STATUS_PRECISION_MISMATCH,
+        BytesError::Foreign { .. } | BytesError::Damaged => RAYC_STATUS_SAVED_STATE_BROKEN,
+        BytesError::OtherVersion { .. } => RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
+        BytesError::OtherPrecision { .. } => RAYC_STATUS_PRECISION_MISMATCH,
     }
 }

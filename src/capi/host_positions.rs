@@ -61,7 +61,7 @@ mod tests {
     use super::super::vectors::rayc_vectors;
     use super::*;
     use crate::math::{Aabb, Vector3};
-    use crate::octree::test_mesh::{torus_positions, torus_triangles};
+    use crate::octree::test_mesh::{torus_at, torus_positions};
 
     /// So many bytes lie before each vector, none of them a finite number's.
     fn bytes<S: Scalar>(positions: &[[f64; 3]], gap: usize, write: impl Fn(S, &mut Vec<u8>)) -> Vec<u8> {
@@ -76,8 +76,7 @@ mod tests {
     fn held_to_the_numbers_given<S: Scalar, T: Scalar>(gap: usize, scalar: rayc_scalar, write: fn(S, &mut Vec<u8>)) {
         // 38 × 5 vertices and a far one: eleven blocks of sixteen, and fifteen.
         let sides = [38, 5];
-        let rest: Vec<[T; 3]> = torus_positions(sides, 0).iter().map(|position| position.map(T::of)).collect();
-        let mut mesh = Mesh::new(&rest, &torus_triangles(sides)).expect("it is closed");
+        let mut mesh = torus_at(sides, 0);
         let mut given = torus_positions(sides, 3);
         let set = |mesh: &mut Mesh<T>, given: &[[f64; 3]]| {
             let bytes = bytes(given, gap, write);

@@ -1,10 +1,10 @@
+use super::checks::flag;
 use super::failure::{Failure, mesh_status, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::host_positions::set_positions;
-use super::numbers::flag;
 use super::options::rayc_mesh_options;
-use super::pointers::{Output, reference, slice};
+use super::pointers::{Output, check_length, reference, slice};
 use super::precision::{InPrecision, with_precision};
 use super::sized_structs::read_options;
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
@@ -55,10 +55,7 @@ impl AnyMesh {
     }
 
     pub(super) fn topology(&self) -> &crate::mesh::Topology {
-        match self {
-            Self::F32(mesh) => mesh.topology(),
-            Self::F64(mesh) => mesh.topology(),
-        }
+        with_precision!(self, |mesh| mesh.topology())
     }
 }
 
@@ -147,10 +144,8 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
 /// Frees a mesh; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_destroy(mesh: *mut rayc_mesh) -> rayc_status {
-    guard_end(|| {
-        // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(mesh, "mesh") }
-    })
+    // SAFETY: the handle is the caller's, and is not used again.
+    guard_end(|| unsafe { take_back(mesh, "mesh") })
 }
 
 /// Renews the positions of all vertices. Octrees of this mesh are stale from here on.
@@ -197,7 +192,7 @@ pub unsafe extern "C" fn rayc_mesh_copy_positions(
     positions: *const rayc_vectors_mut,
 ) -> rayc_status {
     fn copy<T: Scalar>(mesh: &Mesh<T>, to: &mut Strided) -> Result<(), Failure> {
-        check_count("positions", to.count(), mesh.topology().vertex_count())?;
+        check_length("positions", to.count(), mesh.topology().vertex_count())?;
         mesh.positions().iter().enumerate().for_each(|(vertex, position)| to.write(vertex, position));
         Ok(())
     }
@@ -221,16 +216,7 @@ pub unsafe extern "C" fn rayc_mesh_copy_triangles(
     guard(|| unsafe {
         let mesh = reading(mesh, "mesh")?;
         let indices = mesh.mesh.topology().triangles().as_flattened();
-        check_count("triangles", index_count, indices.len())?;
-        Output::array(triangles, index_count, "triangles")?.write_all(indices.iter().copied());
+        Output::exactly(triangles, index_count, indices.len(), "triangles")?.write_all(indices.iter().copied());
         Ok(())
     })
-}
-
-fn check_count(name: &str, given: usize, expected: usize) -> Result<(), Failure> {
-    if given == expected {
-        return Ok(());
-    }
-    let message = text!("{name} has room for {given}, but the mesh has {expected}; give an array of that length");
-    Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
 }

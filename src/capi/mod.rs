@@ -3,6 +3,8 @@
 
 #![allow(unsafe_code, non_camel_case_types, clippy::missing_safety_doc)] // C names; safety stands in each function's text
 
+mod body_arrays;
+mod checks;
 mod closest;
 mod contact_system;
 mod contact_system_ghosts;
@@ -15,13 +17,11 @@ mod escape_push;
 mod failure;
 #[cfg(test)]
 mod faults;
-mod given;
 mod guard;
 mod handles;
 mod host_positions;
 mod host_threads;
 mod mesh;
-mod numbers;
 mod octree;
 mod octree_options;
 mod options;

@@ -1,8 +1,8 @@
+use super::checks::check_numbers;
 use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, glancing, reading, take_back};
 use super::mesh::{AnyMesh, rayc_mesh};
-use super::numbers::check_numbers;
 use super::octree_options::rayc_octree_options;
 use super::pointers::{Output, slice};
 use super::precision::{InPrecision, with_precision};
@@ -26,19 +26,7 @@ pub const RAYC_NO_TRIANGLE: u32 = u32::MAX;
 /// stale. Every use of a stale octree is refused until rayc_octree_update().
 pub struct rayc_octree {
     pub(super) octree: AnyOctree,
-    pub(super) own_exits: OwnExitsRoom,
-}
-
-/// What the octree of a mesh keeps for rayc_octree_own_exits().
-pub(super) struct OwnExitsRoom {
-    pub(super) singles: OwnExits<f32>,
-    pub(super) doubles: OwnExits<f64>,
-}
-
-impl OwnExitsRoom {
-    pub(super) fn new() -> Self {
-        Self { singles: OwnExits::default(), doubles: OwnExits::default() }
-    }
+    pub(super) own_exits: AnyOwnExits,
 }
 
 impl Handle for rayc_octree {
@@ -47,6 +35,9 @@ impl Handle for rayc_octree {
 
 /// An octree of either precision.
 pub(super) type AnyOctree = InPrecision<Octree<f32>, Octree<f64>>;
+
+/// What a search for own exits works with.
+pub(super) type AnyOwnExits = InPrecision<OwnExits<f32>, OwnExits<f64>>;
 
 /// A half line, cut at t_max.
 #[repr(C)]
@@ -89,11 +80,15 @@ pub unsafe extern "C" fn rayc_octree_create(
         let layout = read_options(options)?.layout()?;
         let mesh = reading(mesh, "mesh")?;
         let place = Output::new(octree, "octree")?;
-        let octree = match &mesh.mesh {
-            AnyMesh::F32(mesh) => AnyOctree::F32(Octree::with_layout(mesh, layout)),
-            AnyMesh::F64(mesh) => AnyOctree::F64(Octree::with_layout(mesh, layout)),
+        let (octree, own_exits) = match &mesh.mesh {
+            AnyMesh::F32(mesh) => {
+                (AnyOctree::F32(Octree::with_layout(mesh, layout)), AnyOwnExits::F32(OwnExits::default()))
+            }
+            AnyMesh::F64(mesh) => {
+                (AnyOctree::F64(Octree::with_layout(mesh, layout)), AnyOwnExits::F64(OwnExits::default()))
+            }
         };
-        give(place, rayc_octree { octree, own_exits: OwnExitsRoom::new() });
+        give(place, rayc_octree { octree, own_exits });
         Ok(())
     })
 }
@@ -101,10 +96,8 @@ pub unsafe extern "C" fn rayc_octree_create(
 /// Frees an octree; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_destroy(octree: *mut rayc_octree) -> rayc_status {
-    guard_end(|| {
-        // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(octree, "octree") }
-    })
+    // SAFETY: the handle is the caller's, and is not used again.
+    guard_end(|| unsafe { take_back(octree, "octree") })
 }
 
 /// Builds the octree anew for its mesh's present positions; its memory is reused.
@@ -239,7 +232,7 @@ fn check_ray<T: Scalar>(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::octree::test_mesh::{torus_positions, torus_triangles};
+    use crate::octree::test_mesh::{torus_at, torus_positions};
 
     const SIDES: [u32; 2] = [40, 16];
 
@@ -256,8 +249,7 @@ mod tests {
     }
 
     fn assert_as_every_triangle<T: Scalar>(count: usize) {
-        let positions: Vec<_> = torus_positions(SIDES, 1).into_iter().map(|point| point.map(T::of)).collect();
-        let mesh = Mesh::<T>::new(&positions, &torus_triangles(SIDES)).expect("it is closed");
+        let mesh: Mesh<T> = torus_at(SIDES, 1);
         let octree = Octree::new(&mesh);
         let tracer = octree.tracer(&mesh).expect("it is new");
         let rays = rays(count);

@@ -1,6 +1,6 @@
+use super::checks::check_reserved;
 use super::failure::{Failure, rayc_status, unknown_enum};
 use super::guard::guard;
-use super::numbers::check_reserved;
 use super::sized_structs::{Growing, Options, growing, write_defaults};
 use crate::octree::Layout;
 

@@ -1,7 +1,7 @@
+use super::checks::{check_reserved, flag};
 use super::failure::{Failure, rayc_status, unknown_enum};
 use super::guard::guard;
 use super::host_threads::rayc_parallel_for;
-use super::numbers::{check_reserved, flag};
 use super::sized_structs::{Options, growing, write_defaults, write_options};
 use super::vectors::rayc_scalar;
 use crate::detection::{ContactLaw, DetectionOptions, Sampling};

@@ -1,10 +1,11 @@
+use super::closest::{closest_point, rayc_closest_point};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::mesh::{AnyMesh, rayc_mesh};
-use super::octree::{AnyOctree, OwnExitsRoom, RAYC_NO_TRIANGLE, rayc_octree};
+use super::mesh::rayc_mesh;
+use super::octree::rayc_octree;
 use super::pointers::Output;
-use super::precision::precision_mismatch;
+use super::precision::with_precision;
 use crate::contact::{OwnExit, OwnExits, OwnExitsError};
 use crate::math::Scalar;
 use crate::memory::text;
@@ -82,12 +83,10 @@ pub unsafe extern "C" fn rayc_octree_own_exits(
     guard(|| unsafe {
         let (mut octree, mesh) = (changing(octree, "octree")?, reading(mesh, "mesh")?);
         let (exits, count) = (Output::array(exits, capacity, "exits")?, Output::new(count, "count")?);
-        let rayc_octree { octree, own_exits: OwnExitsRoom { singles, doubles } } = &mut *octree;
-        match (octree, &mesh.mesh) {
-            (AnyOctree::F32(octree), AnyMesh::F32(mesh)) => find((octree, mesh, singles), capacity, exits, count),
-            (AnyOctree::F64(octree), AnyMesh::F64(mesh)) => find((octree, mesh, doubles), capacity, exits, count),
-            _ => Err(precision_mismatch()),
-        }
+        let rayc_octree { octree, own_exits } = &mut *octree;
+        with_precision!(octree, &mesh.mesh, own_exits, |octree, mesh, room| {
+            find((octree, mesh, room), capacity, exits, count)
+        })
     })
 }
 
@@ -101,18 +100,6 @@ impl From<OwnExitsError> for Failure {
 }
 
 fn exported<T: Scalar>(found: &OwnExit<T>) -> rayc_own_exit {
-    let none = rayc_own_exit {
-        vertex: found.vertex,
-        triangle: RAYC_NO_TRIANGLE,
-        distance: 0.0,
-        weights: [0.0; 3],
-        position: [0.0; 3],
-    };
-    found.exit.map_or(none, |exit| rayc_own_exit {
-        vertex: found.vertex,
-        triangle: exit.triangle,
-        distance: exit.distance.to_f64(),
-        weights: exit.weights.map(T::to_f64),
-        position: exit.position.map(T::to_f64).into(),
-    })
+    let rayc_closest_point { triangle, distance, weights, position, .. } = closest_point(&found.exit);
+    rayc_own_exit { vertex: found.vertex, triangle, distance, weights, position }
 }

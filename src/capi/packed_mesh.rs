@@ -1,11 +1,10 @@
-use super::failure::{Failure, rayc_status};
+use super::failure::rayc_status;
 use super::guard::guard;
 use super::handles::{give, reading};
 use super::mesh::{AnyMesh, rayc_mesh};
 use super::pointers::{Output, slice};
 use super::precision::with_precision;
-use crate::memory::text;
-use crate::mesh::{Mesh, packed_number_size};
+use crate::mesh::{Mesh, PackedMeshError, packed_number_size};
 
 /// How many bytes rayc_mesh_pack() writes.
 #[unsafe(no_mangle)]
@@ -18,9 +17,9 @@ pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length:
     })
 }
 
-/// Writes the mesh as it was created to `bytes`: its triangles, the positions at creation instead of the present ones,
-/// and the clusters of triangles that are the leaves of its octree, which need not be found again. length must be that of rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the
-/// same on every machine.
+/// Writes the mesh as it was created to `bytes`: its triangles, the positions at creation instead of the present ones, and the
+/// clusters of triangles that are the leaves of its octree, which need not be found again. length must be that of
+/// rayc_mesh_packed_length(). The bytes carry their version and a checksum, and are the same on every machine.
 ///
 /// The positions at creation decide patches, tiles and the order of contacts. So a mesh that rayc_mesh_unpack() makes
 /// of the bytes in another process has, at the same positions, the same contacts in the same order, to the bit. A
@@ -33,12 +32,7 @@ pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, b
     guard(|| unsafe {
         let mut packed = Vec::new();
         with_precision!(&reading(mesh, "mesh")?.mesh, |mesh| mesh.pack(&mut packed));
-        if packed.len() != length {
-            let message =
-                text!("bytes has room for {length}, but the packed mesh takes {}; give that many", packed.len());
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        }
-        Output::array(bytes, length, "bytes")?.write_all(packed.into_iter());
+        Output::exactly(bytes, length, packed.len(), "bytes")?.write_all(packed.into_iter());
         Ok(())
     })
 }
@@ -54,7 +48,7 @@ pub unsafe extern "C" fn rayc_mesh_unpack(length: usize, bytes: *const u8, mesh:
     guard(|| unsafe {
         let bytes = slice(bytes, length, "bytes")?;
         let place = Output::new(mesh, "mesh")?;
-        let (number_size, _) = packed_number_size(bytes)?;
+        let (number_size, _) = packed_number_size(bytes).map_err(PackedMeshError::from)?;
         let mesh = if number_size as usize == size_of::<f32>() {
             AnyMesh::F32(Mesh::unpack(bytes)?)
         } else {

@@ -1,15 +1,15 @@
-use super::contacts::{AnyContacts, rayc_contacts};
+use super::body_arrays::{Arrays, BodyArray};
+use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
-use super::given::{Arrays, Given};
 use super::guard::guard;
 use super::handles::{changing, reading};
 use super::options::rayc_response_options;
 use super::pointers::Output;
+use super::precision::with_precision;
 use super::sized_structs::read_options;
 use super::vectors::rayc_vectors;
 use crate::detection::ContactList;
 use crate::math::{Scalar, Vector3};
-use crate::memory::text;
 use crate::response::{ForcesByPair, PairForces, PenaltyLaw};
 
 /// The forces of one pair of bodies, or of a body with itself: where they lie among those of all pairs.
@@ -61,13 +61,10 @@ pub unsafe extern "C" fn rayc_contacts_sum_pair_forces(
         let mut contacts = changing(contacts, "contacts")?;
         let rayc_contacts { list, pair_forces } = &mut *contacts;
         let law = read_options(options)?.law()?;
-        let positions = Given::if_any(positions, body_count, "positions")?;
-        let velocities = Given::if_any(velocities, body_count, "velocities")?;
+        let positions = BodyArray::if_any(positions, body_count, "positions")?;
+        let velocities = BodyArray::if_any(velocities, body_count, "velocities")?;
         let places = [Output::new(pair_count, "pair_count")?, Output::new(force_count, "force_count")?];
-        let counts = match list {
-            AnyContacts::F32(list) => sum(list, &mut pair_forces.f32, &law, positions, velocities)?,
-            AnyContacts::F64(list) => sum(list, &mut pair_forces.f64, &law, positions, velocities)?,
-        };
+        let counts = with_precision!(&*list, |list| sum(list, pair_forces.as_mut(), &law, positions, velocities)?);
         for (place, count) in places.into_iter().zip(counts) {
             place.write(count);
         }
@@ -79,8 +76,8 @@ fn sum<T: Scalar>(
     list: &ContactList<T>,
     forces: &mut ForcesByPair<T>,
     law: &PenaltyLaw,
-    positions: Option<&[Given]>,
-    velocities: Option<&[Given]>,
+    positions: Option<&[BodyArray]>,
+    velocities: Option<&[BodyArray]>,
 ) -> Result<[usize; 2], Failure> {
     let read = [("positions", positions), ("velocities", velocities)];
     Arrays { read, written: None }.check(list)?;
@@ -103,27 +100,14 @@ pub unsafe extern "C" fn rayc_contacts_copy_pair_forces(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let contacts = reading(contacts, "contacts")?;
-        let (all_pairs, count) = match &contacts.list {
-            AnyContacts::F32(_) => (contacts.pair_forces.f32.pairs(), contacts.pair_forces.f32.forces().len()),
-            AnyContacts::F64(_) => (contacts.pair_forces.f64.pairs(), contacts.pair_forces.f64.forces().len()),
-        };
-        if [pair_count, force_count] != [all_pairs.len(), count] {
-            let message = text!(
-                "there is room for {pair_count} pairs and {force_count} forces, but {} and {count} were summed; give those \
-                 counts",
-                all_pairs.len()
-            );
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        }
-        let pairs = Output::array(pairs, pair_count, "pairs")?;
-        let forces = Output::array(forces, force_count, "forces")?;
-        pairs.write_all(all_pairs.iter().map(|&PairForces { bodies: [first, second], start, counts }| {
-            rayc_pair_forces { first, second, start, first_count: counts[0], second_count: counts[1] }
-        }));
-        match &contacts.list {
-            AnyContacts::F32(_) => forces.write_all(contacts.pair_forces.f32.forces().iter().map(at_vertex)),
-            AnyContacts::F64(_) => forces.write_all(contacts.pair_forces.f64.forces().iter().map(at_vertex)),
-        }
+        with_precision!(&contacts.pair_forces, |summed| {
+            let pairs = Output::exactly(pairs, pair_count, summed.pairs().len(), "pairs")?;
+            let forces = Output::exactly(forces, force_count, summed.forces().len(), "forces")?;
+            pairs.write_all(summed.pairs().iter().map(|&PairForces { bodies: [first, second], start, counts }| {
+                rayc_pair_forces { first, second, start, first_count: counts[0], second_count: counts[1] }
+            }));
+            forces.write_all(summed.forces().iter().map(at_vertex));
+        });
         Ok(())
     })
 }

@@ -1,13 +1,12 @@
-use super::failure::{Failure, rayc_status};
+use super::checks::flag;
+use super::failure::rayc_status;
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::numbers::flag;
-use super::pointers::{Output, slice};
+use super::pointers::{Output, range_of, slice};
 use super::precision::with_precision;
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::{Known, growing};
 use crate::math::Scalar;
-use crate::memory::text;
 use crate::recovery::PairMemory;
 
 /// What a pair of bodies of a scene remembers from step to step while their boxes overlap; rayc_scene_advance() ends a
@@ -61,10 +60,8 @@ pub unsafe extern "C" fn rayc_scene_allow_escape(scene: *mut rayc_scene, a: u32,
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
-        let scene = &mut scene.scene;
         let allowed = flag("allowed", allowed)?;
-        with_precision!(scene, |scene| scene.allow_escape(a, b, allowed)?);
-        Ok(())
+        with_precision!(&mut scene.scene, |scene| Ok(scene.allow_escape(a, b, allowed)?))
     })
 }
 
@@ -115,15 +112,8 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
     guard(|| unsafe {
         let scene = reading(scene, "scene")?;
         let scene = &scene.scene;
-        let present = memory_count(scene);
-        if first.checked_add(count).is_none_or(|end| end > present) {
-            let message = text!(
-                "pair memories {first} to {first} + {count} were asked for, but there are {present}; ask for fewer"
-            );
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        }
+        let range = range_of("pair memories", first, count, memory_count(scene))?;
         let out = Known::new(struct_size, out, count, "out")?;
-        let range = first..first + count;
         with_precision!(scene, |scene| out.write_all(scene.pair_memories()[range].iter().map(Into::into)));
         Ok(())
     })
@@ -158,11 +148,7 @@ pub unsafe extern "C" fn rayc_scene_save_pair_memories(
         let scene = &scene.scene;
         let mut saved = Vec::new();
         with_precision!(scene, |scene| scene.save_pair_memories(&mut saved));
-        if saved.len() != length {
-            let message = text!("bytes has room for {length}, but {} are to be saved; give that many", saved.len());
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        }
-        Output::array(bytes, length, "bytes")?.write_all(saved.into_iter());
+        Output::exactly(bytes, length, saved.len(), "bytes")?.write_all(saved.into_iter());
         Ok(())
     })
 }
@@ -181,10 +167,8 @@ pub unsafe extern "C" fn rayc_scene_restore_pair_memories(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
-        let scene = &mut scene.scene;
         let bytes = slice(bytes, length, "bytes")?;
-        with_precision!(scene, |scene| scene.restore_pair_memories(bytes)?);
-        Ok(())
+        with_precision!(&mut scene.scene, |scene| Ok(scene.restore_pair_memories(bytes)?))
     })
 }
 

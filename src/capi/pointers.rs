@@ -1,5 +1,6 @@
 use super::failure::{Failure, rayc_status};
 use crate::memory::text;
+use std::ops::Range;
 
 pub(super) fn null(name: &str) -> Failure {
     Failure::new(rayc_status::RAYC_STATUS_NULL_POINTER, text!("{name} is NULL; pass a valid pointer"))
@@ -34,6 +35,27 @@ pub(super) unsafe fn slice_mut<'a, V>(pointer: *mut V, count: usize, name: &str)
     }
 }
 
+/// Refuses an array that has not the length of what is to be written to it.
+pub(super) fn check_length(name: &str, given: usize, needed: usize) -> Result<(), Failure> {
+    if given == needed {
+        return Ok(());
+    }
+    let message = text!("{name} has room for {given}, but takes {needed}; ask for their number, and give that many");
+    Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+}
+
+/// The range of `count` elements from `first` on, where as many are present.
+pub(super) fn range_of(what: &str, first: usize, count: usize, present: usize) -> Result<Range<usize>, Failure> {
+    match first.checked_add(count) {
+        Some(end) if end <= present => Ok(first..end),
+        _ => {
+            let message =
+                text!("{what} {first} to {first} + {count} were asked for, but there are {present}; ask for fewer");
+            Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+        }
+    }
+}
+
 /// A place for an output: known not to be NULL before any work is done, written on success only.
 pub(super) struct Output<V>(*mut V);
 
@@ -45,6 +67,12 @@ impl<V> Output<V> {
     /// Like [`new`](Self::new), for an array: NULL is fine where it has no elements.
     pub(super) fn array(pointer: *mut V, count: usize, name: &str) -> Result<Self, Failure> {
         if count == 0 { Ok(Self(pointer)) } else { Self::new(pointer, name) }
+    }
+
+    /// The same where `needed` elements are to be written.
+    pub(super) fn exactly(pointer: *mut V, count: usize, needed: usize, name: &str) -> Result<Self, Failure> {
+        check_length(name, count, needed)?;
+        Self::array(pointer, count, name)
     }
 
     /// # Safety

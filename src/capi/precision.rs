@@ -20,6 +20,9 @@ macro_rules! with_precision {
     ($a:expr, $b:expr, |$p:ident, $q:ident| $call:expr) => {
         $crate::capi::precision::with_all!(($a, $b), ($p, $q), $call)
     };
+    ($a:expr, $b:expr, $c:expr, |$p:ident, $q:ident, $r:ident| $call:expr) => {
+        $crate::capi::precision::with_all!(($a, $b, $c), ($p, $q, $r), $call)
+    };
     ($a:expr, $b:expr, $c:expr, $d:expr, |$p:ident, $q:ident, $r:ident, $s:ident| $call:expr) => {
         $crate::capi::precision::with_all!(($a, $b, $c, $d), ($p, $q, $r, $s), $call)
     };

@@ -1,6 +1,6 @@
+use super::body_arrays::{Arrays, BodyArray, BodyArraysMut};
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
-use super::given::{Arrays, Given, GivenMut};
 use super::guard::guard;
 use super::handles::reading;
 use super::options::rayc_response_options;
@@ -31,9 +31,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
         let contacts = reading(contacts, "contacts")?;
         let list = &contacts.list;
         let law = read_options(options)?.law()?;
-        list.check_range(first, count)?;
+        let range = list.range(first, count)?;
         let out = Output::array(coefficients, count, "coefficients")?;
-        let range = first..first + count;
         with_precision!(list, |list| {
             out.write_all(list.contacts[range].iter().map(|contact| law.coefficient(contact).to_f64()));
         });
@@ -67,16 +66,16 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
         let contacts = reading(contacts, "contacts")?;
         let list = &contacts.list;
         let law = read_options(options)?.law()?;
-        let positions = Given::if_any(positions, body_count, "positions")?;
-        let velocities = Given::if_any(velocities, body_count, "velocities")?;
-        let forces = GivenMut::all(forces, body_count, "forces")?;
+        let positions = BodyArray::if_any(positions, body_count, "positions")?;
+        let velocities = BodyArray::if_any(velocities, body_count, "velocities")?;
+        let forces = BodyArraysMut::all(forces, body_count, "forces")?;
         with_precision!(list, |list| add_all_forces(list, &law, positions, velocities, forces))
     })
 }
 
 /// Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, in N, for the
-/// displacements d (m, or m/s); both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once per
-/// iteration.
+/// displacements d (m, or m/s); both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once
+/// per iteration.
 ///
 /// options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
 ///
@@ -103,8 +102,8 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
                 text!("the factors are {stiffness_factor} and {damping_factor}; give finite numbers"),
             ));
         }
-        let displacements = Given::all(displacements, body_count, "displacements")?;
-        let forces = GivenMut::all(forces, body_count, "forces")?;
+        let displacements = BodyArray::all(displacements, body_count, "displacements")?;
+        let forces = BodyArraysMut::all(forces, body_count, "forces")?;
         let factors = [stiffness_factor, damping_factor];
         with_precision!(list, |list| add_all_differentials(list, &law, factors, displacements, forces))
     })
@@ -129,7 +128,7 @@ pub unsafe extern "C" fn rayc_contacts_energy(
         let contacts = reading(contacts, "contacts")?;
         let list = &contacts.list;
         let law = read_options(options)?.law()?;
-        let positions = Given::if_any(positions, body_count, "positions")?;
+        let positions = BodyArray::if_any(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
         place.write(with_precision!(list, |list| all_energy(list, &law, positions)?));
         Ok(())
@@ -139,9 +138,9 @@ pub unsafe extern "C" fn rayc_contacts_energy(
 fn add_all_forces<T: Scalar>(
     list: &ContactList<T>,
     law: &PenaltyLaw,
-    positions: Option<&[Given]>,
-    velocities: Option<&[Given]>,
-    mut forces: GivenMut<'_>,
+    positions: Option<&[BodyArray]>,
+    velocities: Option<&[BodyArray]>,
+    mut forces: BodyArraysMut<'_>,
 ) -> Result<(), Failure> {
     let read = [("positions", positions), ("velocities", velocities)];
     Arrays { read, written: Some(&forces) }.check(list)?;
@@ -153,15 +152,19 @@ fn add_all_differentials<T: Scalar>(
     list: &ContactList<T>,
     law: &PenaltyLaw,
     [stiffness, damping]: [f64; 2],
-    displacements: &[Given],
-    mut forces: GivenMut<'_>,
+    displacements: &[BodyArray],
+    mut forces: BodyArraysMut<'_>,
 ) -> Result<(), Failure> {
     Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list)?;
     add_differential(&list.contacts, law, stiffness, damping, displacements, &mut forces);
     Ok(())
 }
 
-fn all_energy<T: Scalar>(list: &ContactList<T>, law: &PenaltyLaw, positions: Option<&[Given]>) -> Result<f64, Failure> {
+fn all_energy<T: Scalar>(
+    list: &ContactList<T>,
+    law: &PenaltyLaw,
+    positions: Option<&[BodyArray]>,
+) -> Result<f64, Failure> {
     Arrays { read: [("positions", positions)], written: None }.check(list)?;
     Ok(energy(&list.contacts, law, positions).to_f64())
 }

@@ -1,10 +1,10 @@
+use super::checks::flag;
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::guard::{guard, guard_end};
 use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
 use super::host_threads::HostThreads;
 use super::mesh::{rayc_mesh, renew_positions};
-use super::numbers::flag;
 use super::options::{rayc_detection_options, rayc_scene_options};
 use super::pointers::{Output, reference};
 use super::precision::{InPrecision, with_precision};
@@ -101,10 +101,8 @@ fn new_scene<T: Scalar>(options: &rayc_scene_options) -> Result<Scene<T>, Failur
 /// Frees a scene and ends its threads, which have ended when it returns; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_status {
-    guard_end(|| {
-        // SAFETY: the handle is the caller's, and is not used again.
-        unsafe { take_back(scene, "scene") }
-    })
+    // SAFETY: the handle is the caller's, and is not used again.
+    guard_end(|| unsafe { take_back(scene, "scene") })
 }
 
 /// Adds a copy of `mesh` with its present positions. *body: its number.
@@ -123,11 +121,9 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
-        let scene = &mut scene.scene;
         let mesh = reading(mesh, "mesh")?;
-        let mesh = &mesh.mesh;
         let place = Output::new(body, "body")?;
-        place.write(with_precision!(scene, mesh, |scene, mesh| scene.add(mesh.clone())));
+        place.write(with_precision!(&mut scene.scene, &mesh.mesh, |scene, mesh| scene.add(mesh.clone())));
         Ok(())
     })
 }
@@ -164,8 +160,7 @@ pub unsafe extern "C" fn rayc_scene_add_mesh_with_key(
 pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u32) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.remove(body).map(drop)?);
-        Ok(())
+        with_precision!(&mut changing(scene, "scene")?.scene, |scene| Ok(scene.remove(body).map(drop)?))
     })
 }
 
@@ -202,9 +197,8 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
-        let scene = &mut scene.scene;
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
-        with_precision!(scene, |scene| set(scene, body, &positions))
+        with_precision!(&mut scene.scene, |scene| set(scene, body, &positions))
     })
 }
 
@@ -234,8 +228,7 @@ pub unsafe extern "C" fn rayc_scene_set_pose(scene: *mut rayc_scene, body: u32, 
         let mut scene = changing(scene, "scene")?;
         let rayc_pose { position, rotation } = *reference(pose, "pose")?;
         let pose = Pose { position, rotation };
-        with_precision!(&mut scene.scene, |scene| scene.set_pose(body, &pose)?);
-        Ok(())
+        with_precision!(&mut scene.scene, |scene| Ok(scene.set_pose(body, &pose)?))
     })
 }
 
@@ -265,10 +258,8 @@ pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, b
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
-        let scene = &mut scene.scene;
         let is_on = flag("is_on", is_on)?;
-        with_precision!(scene, |scene| scene.set_self_collision(body, is_on)?);
-        Ok(())
+        with_precision!(&mut scene.scene, |scene| Ok(scene.set_self_collision(body, is_on)?))
     })
 }
 
@@ -287,10 +278,8 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
-        let scene = &mut scene.scene;
         let is_on = flag("is_on", is_on)?;
-        with_precision!(scene, |scene| scene.set_pair_collision(a, b, is_on)?);
-        Ok(())
+        with_precision!(&mut scene.scene, |scene| Ok(scene.set_pair_collision(a, b, is_on)?))
     })
 }
 
@@ -308,10 +297,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.advance(seconds)?);
-        Ok(())
-    })
+    guard(|| unsafe { with_precision!(&mut changing(scene, "scene")?.scene, |scene| Ok(scene.advance(seconds)?)) })
 }
 
 /// Finds all contacts between different bodies at their present positions: first which boxes overlap, then, for each
@@ -326,10 +312,9 @@ pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
-        let scene = &mut scene.scene;
         let mut contacts = changing(contacts, "contacts")?;
         let list = &mut contacts.list;
-        with_precision!(scene, |scene| scene.query(list.as_mut()));
+        with_precision!(&mut scene.scene, |scene| scene.query(list.as_mut()));
         Ok(())
     })
 }

@@ -1,9 +1,9 @@
+use super::checks::flag;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::{changing, reading};
-use super::numbers::flag;
 use super::pair_memory::rayc_pair_memory;
-use super::pointers::{Output, reference};
+use super::pointers::{Output, range_of, reference};
 use super::precision::with_precision;
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::{Known, check_size, growing, write_known};
@@ -80,8 +80,7 @@ pub unsafe extern "C" fn rayc_scene_share_body(
             neighbours: Some(neighbours).filter(|&count| count != RAYC_NEIGHBOURS_COUNTED),
             overlaps_itself: flag("overlaps_itself", overlaps_itself)?,
         };
-        with_precision!(&mut scene.scene, |scene| scene.share(body, sharing)?);
-        Ok(())
+        with_precision!(&mut scene.scene, |scene| Ok(scene.share(body, sharing)?))
     })
 }
 
@@ -170,13 +169,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_costs(
     guard(|| unsafe {
         let scene = reading(scene, "scene")?;
         let costs = pair_costs(&scene.scene);
-        let Some(asked) = first.checked_add(count).and_then(|end| costs.get(first..end)) else {
-            let message = text!(
-                "costs of pairs {first} to {first} + {count} were asked for, but there are {}; ask for fewer",
-                costs.len()
-            );
-            return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
-        };
+        let asked = &costs[range_of("costs of pairs", first, count, costs.len())?];
         let of = |&PairCost { bodies: [first, second], cost }: &PairCost| rayc_pair_cost { first, second, cost };
         Known::new(struct_size, out, count, "out")?.write_all(asked.iter().map(of));
         Ok(())
@@ -211,7 +204,6 @@ pub unsafe extern "C" fn rayc_scene_set_pair_memory(
         let mut scene = changing(scene, "scene")?;
         check_size::<rayc_pair_memory>(struct_size)?;
         let memory = reference(memory, "memory")?;
-        with_precision!(&mut scene.scene, |scene| set(scene, memory)?);
-        Ok(())
+        with_precision!(&mut scene.scene, |scene| Ok(set(scene, memory)?))
     })
 }

@@ -45,6 +45,13 @@ pub struct rayc_vectors_mut {
     pub scalar: u32,
 }
 
+impl rayc_vectors_mut {
+    fn to_read(self) -> rayc_vectors {
+        let Self { data, count, stride, scalar } = self;
+        rayc_vectors { data, count, stride, scalar }
+    }
+}
+
 pub(super) fn scalar_from(value: u32, field: impl Display) -> Result<rayc_scalar, Failure> {
     match value {
         v if v == rayc_scalar::RAYC_SCALAR_F32 as u32 => Ok(rayc_scalar::RAYC_SCALAR_F32),
@@ -74,22 +81,7 @@ impl Strided {
     /// # Safety
     /// The array is as it says, and stays so while the result is used.
     pub(super) unsafe fn new(vectors: &rayc_vectors, name: impl Display) -> Result<Self, Failure> {
-        Self::checked(vectors.data.cast_mut(), vectors.count, vectors.stride, vectors.scalar, name)
-    }
-
-    /// # Safety
-    /// The array is as it says, and nobody else uses it while the result is used.
-    pub(super) unsafe fn new_mut(vectors: &rayc_vectors_mut, name: impl Display) -> Result<Self, Failure> {
-        Self::checked(vectors.data, vectors.count, vectors.stride, vectors.scalar, name)
-    }
-
-    fn checked(
-        data: *mut c_void,
-        count: usize,
-        stride: usize,
-        scalar: u32,
-        name: impl Display,
-    ) -> Result<Self, Failure> {
+        let rayc_vectors { data, count, stride, scalar } = *vectors;
         let scalar = scalar_from(scalar, format_args!("{name}.scalar"))?;
         let packed = packed(scalar);
         let stride = if stride == 0 { packed } else { stride };
@@ -119,7 +111,14 @@ impl Strided {
                 text!("{name}.data is NULL, but {name}.count is {count}; pass the array"),
             ));
         }
-        Ok(Self { data: data.cast(), count, stride, scalar })
+        Ok(Self { data: data.cast_mut().cast(), count, stride, scalar })
+    }
+
+    /// # Safety
+    /// The array is as it says, and nobody else uses it while the result is used.
+    pub(super) unsafe fn new_mut(vectors: &rayc_vectors_mut, name: impl Display) -> Result<Self, Failure> {
+        // SAFETY: by this function's contract.
+        unsafe { Self::new(&vectors.to_read(), name) }
     }
 
     /// # Safety
@@ -127,22 +126,17 @@ impl Strided {
     #[inline]
     pub(super) unsafe fn known(vectors: &rayc_vectors) -> Self {
         let rayc_vectors { data, count, stride, scalar } = *vectors;
-        Self::of_known(data.cast_mut(), count, stride, scalar)
+        let is_single = scalar == rayc_scalar::RAYC_SCALAR_F32 as u32;
+        let scalar = if is_single { rayc_scalar::RAYC_SCALAR_F32 } else { rayc_scalar::RAYC_SCALAR_F64 };
+        Self { data: data.cast_mut().cast(), count, stride: if stride == 0 { packed(scalar) } else { stride }, scalar }
     }
 
     /// # Safety
     /// As [`new_mut`](Self::new_mut), which has found no fault with it.
     #[inline]
     pub(super) unsafe fn known_mut(vectors: &rayc_vectors_mut) -> Self {
-        let rayc_vectors_mut { data, count, stride, scalar } = *vectors;
-        Self::of_known(data, count, stride, scalar)
-    }
-
-    #[inline]
-    fn of_known(data: *mut c_void, count: usize, stride: usize, scalar: u32) -> Self {
-        let is_single = scalar == rayc_scalar::RAYC_SCALAR_F32 as u32;
-        let scalar = if is_single { rayc_scalar::RAYC_SCALAR_F32 } else { rayc_scalar::RAYC_SCALAR_F64 };
-        Self { data: data.cast(), count, stride: if stride == 0 { packed(scalar) } else { stride }, scalar }
+        // SAFETY: by this function's contract.
+        unsafe { Self::known(&vectors.to_read()) }
     }
 
     pub(super) fn count(&self) -> usize {

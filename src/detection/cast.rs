@@ -14,18 +14,18 @@ use crate::ray::Hit;
 /// The rays from some of a body's groups of vertices or triangles through the other body, sixteen at a time through
 /// both filters of the paper.
 pub(crate) struct Cast<'a, T: Scalar> {
-    /// Of the contacts.
+    /// The kind of the contacts made.
     pub(crate) kind: ContactKind,
     pub(crate) direction: &'a Direction<'a, T>,
     pub(crate) starts: Starts<'a, T>,
     pub(crate) surface: &'a mut Turning<T>,
     pub(crate) statistics: &'a mut Statistics,
     pub(crate) contacts: &'a mut Vec<Contact<T>>,
-    /// Room for the pieces of a triangle, and for what is inside of those that the other body's surface crosses.
+    /// Scratch memory for the pieces of a triangle, and for the inside parts of those that the other body's surface crosses.
     pub(crate) pieces: &'a mut Pieces<T>,
-    /// Room for the vertices in the overlap box.
+    /// Scratch memory for the vertices in the overlap box.
     pub(crate) vertices: &'a mut Vec<u32>,
-    /// Room for the crossings of a ray.
+    /// Scratch memory for the crossings of a ray.
     pub(crate) crossings: &'a mut Vec<Hit<T>>,
 }
 
@@ -39,7 +39,7 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
         let cutter = self.cutter();
         let mut sampler = Sampler::new::<L>(own, pair.region, self.starts, cutter, self.pieces, self.vertices);
         let (mut samples, mut rays, mut surface) = (sampler.packet(), Rays::new(), CastSurfaceLanes::new());
-        // A small function that fills packets, and one loop that traces them: what is inlined here is large.
+        // Packets are filled by a small function and traced in one loop, because the code inlined into the loop is large.
         while sampler.fill::<L>(&mut samples) {
             surface.add::<L>(&samples.lanes);
             let (statistics, crossings) = (&mut *self.statistics, &mut *self.crossings);

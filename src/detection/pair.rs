@@ -41,13 +41,13 @@ pub(crate) struct Pair<'a, T: Scalar> {
     pub(crate) may_escape: bool,
     /// Triangles are joined to patches of at most this area; `None`: each casts for itself.
     pub(crate) patch_area: Option<T>,
-    /// Of the rays on the overlap box's largest face.
+    /// The part of the usual rays on the overlap box's largest face that this pair casts.
     pub(crate) part_of_rays: T,
     /// Where the rays of either body end.
     pub(crate) ray_regions: [Aabb<T>; 2],
     /// Whether rays count only that leave the other body before their own.
     pub(crate) hides_behind_own_surface: bool,
-    /// What either direction carries of the load; `None`: as its contacts tell.
+    /// The share of the load that each direction carries; `None`: found from the contacts.
     pub(crate) fixed_shares: Option<[T; 2]>,
 }
 
@@ -103,7 +103,7 @@ impl<T: Scalar> Pair<'_, T> {
         cutter.map(|cutter| cutter.with_part_of_rays(self.part_of_rays))
     }
 
-    /// All samples of one body inside the overlap box, into `samples`. The other lists are room.
+    /// All samples of one body inside the overlap box, into `samples`. The other lists are scratch memory.
     pub(crate) fn collect(
         &self,
         side: usize,

@@ -4,8 +4,8 @@ use super::pair::Pair;
 use super::sample::largest_face;
 use crate::math::{Scalar, Vector3, length};
 
-// These numbers were chosen together, by overlaps of tori, balls, thorns, boxes and animals: docs/architecture.md, *Tuned constants*.
-// `tests/library/detection/tolerance.rs` holds the rule to the tolerance.
+// These numbers were chosen together, by overlaps of tori, balls, thorns, boxes and animals: docs/architecture.md, *Tuned
+// constants*. `tests/library/detection/tolerance.rs` holds the rule to the tolerance.
 
 /// The first try has this many rays on the overlap box's largest face, each further one four times as many.
 const FEWEST_RAYS: f64 = 32.0;
@@ -21,8 +21,8 @@ const AT_ONCE: f64 = 0.6;
 const AT_LAST: f64 = 0.9;
 /// within this many times the tolerance.
 const BEFORE: f64 = 3.0;
-/// Four times the rays are expected to reduce the disagreement by this factor at most. Where even that would not bring it within
-/// the tolerance in the tries that are left, all triangles cast at once.
+/// Four times the rays are expected to reduce the disagreement by this factor at most. Where even that would not bring it
+/// within the tolerance in the tries that are left, all triangles cast at once.
 const MENDED_BY_A_TRY: f64 = 8.0;
 
 /// The net force on the pair's first body and its torque about the middle of the overlap box, for unit stiffness.
@@ -46,8 +46,8 @@ impl<T: Scalar> Load<T> {
         Self { force, torque }
     }
 
-    /// How much the other differs, in parts of this force; torques over the overlap box's half diagonal. NaN where there is
-    /// no force.
+    /// How much the other load differs, relative to this force; torques are divided by half the overlap box's diagonal. NaN
+    /// without a force.
     fn difference(&self, other: &Self, pair: &Pair<'_, T>) -> T {
         let half_diagonal = length(&(pair.overlap.upper - pair.overlap.lower)) * T::of(0.5);
         let [force, torque] = [self.force - other.force, self.torque - other.torque].map(|part| length(&part));
@@ -132,14 +132,12 @@ mod tests {
     use crate::detection::test_contact::{self, contact};
     use crate::detection::{DetectionOptions, Sampling};
     use crate::math::Aabb;
-    use crate::mesh::Mesh;
     use crate::octree::Octree;
-    use crate::octree::test_mesh::torus_triangles;
+    use crate::shapes;
 
     /// Asks about a pair whose overlap box is this one.
     fn with_pair<R>([lower, upper]: [[f64; 3]; 2], ask: impl FnOnce(&Pair<'_, f64>) -> R) -> R {
-        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let mesh = Mesh::new(&corners, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).expect("it is closed");
+        let mesh = shapes::tetrahedron().mesh();
         let octree = Octree::new(&mesh);
         let tracer = octree.tracer(&mesh).expect("it is new");
         let overlap = Aabb { lower: lower.into(), upper: upper.into() };
@@ -199,19 +197,6 @@ mod tests {
         assert_eq!(steady(7.9f32), 2.0);
     }
 
-    /// A torus, turned about x and moved.
-    fn torus(turn: f64, by: [f64; 3]) -> Mesh<f64> {
-        let sides = [96, 48];
-        let angle = |i: u32, count: u32| std::f64::consts::TAU * f64::from(i) / f64::from(count);
-        let at = |i, j| {
-            let (u, v) = (angle(i, sides[0]), angle(j, sides[1]));
-            let [x, y, z] = [(1.0 + 0.4 * v.cos()) * u.cos(), (1.0 + 0.4 * v.cos()) * u.sin(), 0.4 * v.sin()];
-            [x + by[0], turn.cos() * y - turn.sin() * z + by[1], turn.sin() * y + turn.cos() * z + by[2]]
-        };
-        let positions: Vec<_> = (0..sides[0]).flat_map(|i| (0..sides[1]).map(move |j| at(i, j))).collect();
-        Mesh::new(&positions, &torus_triangles(sides)).expect("it is closed")
-    }
-
     /// What one try with patches of an area finds.
     struct Try {
         load: Load<f64>,
@@ -236,16 +221,17 @@ mod tests {
         (None, tries.len())
     }
 
-    /// Tolerances that two of the tries' differences meet just or just not, are hopelessly beyond, or meet where the tries before
-    /// agreed too; by the number of the difference and its part of the tolerance. Counts and contacts are added to those of
-    /// the pairs before.
+    /// Tolerances that two of the tries' differences meet just or just not, are hopelessly beyond, or meet where the tries
+    /// before agreed too; by the number of the difference and its part of the tolerance. Counts and contacts are added to those
+    /// of the pairs before.
     #[test]
     fn tries_are_made_until_two_agree_or_none_is_left() {
         let mut list = ContactList::<f64>::default();
         let first = [(0, 0.599, (Some(1), 1)), (0, 0.601, (Some(2), 2)), (0, 8.01, (None, 2)), (1, 0.75, (None, 3))];
         let second = [(1, 0.75, (Some(2), 2))];
         for (by, parts) in [([0.25, 0.1, 0.3], first.as_slice()), ([0.3, 0.1, 0.3], &second)] {
-            let meshes = [torus(0.0, [0.0; 3]), torus(0.9, by)];
+            let torus = shapes::torus(96, 48, 0.4);
+            let meshes = [torus.mesh(), torus.turned(0.0, 0.9).moved(by).mesh()];
             let options = DetectionOptions { sampling: Sampling::Tolerance(0.1), ..DetectionOptions::paper() };
             test_contact::with_pair(meshes.each_ref(), &options, |pair| {
                 for (tracer, groups) in pair.tracers.iter().zip(&mut list.workspace.groups) {

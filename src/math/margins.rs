@@ -16,10 +16,11 @@ pub(crate) fn margin<T: Scalar>(units: f64) -> T {
     T::ROUNDING_UNIT * T::of(units)
 }
 
-/// A box's faces, seen by a ray; times the reach, the largest coordinate difference between the ray's origin and the mesh's box.
+/// A box's faces, seen by a ray; times the reach, the largest coordinate difference between the ray's origin and the mesh's
+/// box.
 ///
-/// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues (`examples/oracle/judge.rs`; 6.1 is
-/// the largest it has met). The distance to a face takes 3 more: a difference, a quotient and a product. Held by the oracle
+/// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues (`examples/oracle/judge.rs`; 6.1
+/// is the largest it has met). The distance to a face takes 3 more: a difference, a quotient and a product. Held by the oracle
 /// and by `tests/library/octree/layouts.rs`, which compare with testing every triangle.
 pub(crate) const BOX_FACE: f64 = 16.0;
 
@@ -54,16 +55,16 @@ pub(crate) const SQUARE_OF_LIMIT: f64 = 16.0;
 /// a unit vector: 1 + 3 + 3, times √3; radii take such a height off again. Held by `tests/library/octree/closest_points.rs`.
 pub(crate) const TILE_CYLINDER: f64 = 32.0;
 
-/// Whether rays may leave a tile at all; times its side plus the reach, squared in effect. A normal takes 7 (differences, products, their
-/// difference) on each axis, its product with a direction 5, the corners as the triangle test sees them 8.5; vectors are up to 2 √3 times as
-/// long as a side. Held by `src/octree/wide/packet/tests.rs`.
+/// Whether rays may leave a tile at all; times its side plus the reach, squared in effect. A normal takes 7 (differences,
+/// products, their difference) on each axis, its product with a direction 5, the corners as the triangle test sees them 8.5;
+/// vectors are up to 2 √3 times as long as a side. Held by `src/octree/wide/packet/tests.rs`.
 pub(crate) const LEAVING: f64 = 256.0;
 
 /// How far a ray may have to go, at least and at most, in lengths of its direction, for boxes to be told apart by the `t` of
-/// their faces. Where it is less, `t` has lost its digits to underflow: four bits are left above the smallest. Where it is more,
-/// a ray that is parallel to a face, and no farther from it than a rounding, may seem to leave the box before it enters: it
-/// passes the face at the margin times a finite stand-in for 1/0, which the quarter keeps finite when two such are added. Such
-/// rays are taken to meet every box. Held by `tests/library/whole/number_range.rs` and the fuzz target of rays.
+/// their faces. Where it is less, `t` has lost its digits to underflow: four bits are left above the smallest. Where it is
+/// more, a ray that is parallel to a face, and no farther from it than a rounding, may seem to leave the box before it enters:
+/// it passes the face at the margin times a finite stand-in for 1/0, which the quarter keeps finite when two such are added.
+/// Such rays are taken to meet every box. Held by `tests/library/whole/number_range.rs` and the fuzz target of rays.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn reaches_told_apart<T: Scalar>() -> [T; 2] {
     [T::of(16.0) / T::LARGEST, T::LARGEST * margin(BOX_FACE) * T::of(0.25)]
@@ -79,21 +80,23 @@ pub(crate) const CELL_FACE: f64 = 3.0;
 pub(crate) const CYLINDER_REACH: f64 = 64.0;
 
 /// Boxes in narrow numbers, in units of the mesh's longest side: 16 rounding units of `f32`. A number takes 1 each for the
-/// difference, the inverse, the product, the conversion and this margin itself, the sum of two that is held against a distance 2
-/// more, and the distance 3: 10. Held by `src/octree/near_triangles.rs`.
+/// difference, the inverse, the product, the conversion and this margin itself, the sum of two that is held against a distance
+/// 2 more, and the distance 3: 10. Held by `src/octree/near_triangles.rs`.
 pub(crate) const NARROW_BOX: f32 = 1.0 / (1 << 20) as f32;
 
 /// The least cosine of the angle between normals that face alike, in single precision: one half, and 0.01 for normals of
-/// slivers, of which rounding may turn those that are 2⁻¹⁷ times as high as long by so much. Held by `src/octree/near_triangles.rs`.
+/// slivers, of which rounding may turn those that are 2⁻¹⁷ times as high as long by so much. Held by
+/// `src/octree/near_triangles.rs`.
 pub(crate) const FACING_ALIKE: f32 = 0.51;
 
-/// The least part of a normal along an axis that it faces along, squared. A normal whose triangle passes [`LEAST_SINE`] is right
-/// to 7 units over the sine, 2⁻¹¹ of its length in single precision, where an eighth is asked: 2⁻⁸ would do. Held by
+/// The least part of a normal along an axis that it faces along, squared. A normal whose triangle passes [`LEAST_SINE`] is
+/// right to 7 units over the sine, 2⁻¹¹ of its length in single precision, where an eighth is asked: 2⁻⁸ would do. Held by
 /// `src/mesh/facing.rs`.
 pub(crate) const LEAST_PART: f64 = 1.0 / 64.0;
 
 /// The least sine of a triangle's angle, squared, for its normal to tell where it faces: a normal is rounded by 7 units (2 for
-/// each difference of its two edges, 3 for products and their difference) of these edges' product. Held by `src/mesh/facing.rs`.
+/// each difference of its two edges, 3 for products and their difference) of these edges' product. Held by
+/// `src/mesh/facing.rs`.
 pub(crate) const LEAST_SINE: f64 = 1.0 / (1 << 20) as f64;
 
 /// Which part of the smallest |n| around a vertex Σ|n| − |Σn| must stay below for all to face outward. One that faced the other
@@ -101,14 +104,14 @@ pub(crate) const LEAST_SINE: f64 = 1.0 / (1 << 20) as f64;
 /// [`SUM_AROUND_VERTEX`]. A vertex that is refused for the rest is looked at by itself. Held by `src/mesh/facing.rs`.
 pub(crate) const LEAST_NORMAL: f64 = 0.9375;
 
-/// A flat tetrahedron, from a point to a triangle, as a part of the product of its three edges. The edges' directions are right to
-/// 5 units each (difference, square, root and quotient), and the product of three takes 8 more: 23. Points nearer to a
+/// A flat tetrahedron, from a point to a triangle, as a part of the product of its three edges. The edges' directions are right
+/// to 5 units each (difference, square, root and quotient), and the product of three takes 8 more: 23. Points nearer to a
 /// triangle's plane count as on it, and only whether a part lies inside another is asked, far from both. Held by
 /// `src/mesh/winding.rs`.
 pub(crate) const FLAT_TETRAHEDRON: f64 = 128.0;
 
-/// The volume of a part of a mesh, in units of its box; times the sum of its terms' sizes. What is below comes of the rounding of
-/// the positions themselves, and the part is called flat instead of inside out. Held by `tests/library/mesh/orientation.rs`.
+/// The volume of a part of a mesh, in units of its box; times the sum of its terms' sizes. What is below comes of the rounding
+/// of the positions themselves, and the part is called flat instead of inside out. Held by `tests/library/mesh/orientation.rs`.
 pub(crate) const VOLUME: f64 = 1.0;
 
 /// Positions as rays see them; times the largest coordinate: projections 8.5, hits 32, the rays' origins 8. Held by
@@ -152,8 +155,8 @@ pub(crate) const UNIT_NORMAL: f64 = 1e-6;
 /// each, for up to 160 nodes. Held by `tests/library/system/refusals.rs`.
 pub(crate) const WEIGHT_SUM: f64 = 1e-5;
 
-/// How far an inertia matrix may be from its transpose, and how small its least eigenvalue, as parts of its norm: what is lost to
-/// rounding is no inertia. Held by `tests/library/system/refusals.rs`.
+/// How far an inertia matrix may be from its transpose, and how small its least eigenvalue, as parts of its norm: what is lost
+/// to rounding is no inertia. Held by `tests/library/system/refusals.rs`.
 pub(crate) const INERTIA: [f64; 2] = [1e-9, 1e-14];
 
 /// How far the square of a remembered direction may be from 1, in either precision. Held by `src/recovery/packed_memory.rs`.

@@ -232,11 +232,11 @@ fn neighbours(topology: &Topology, triangle: u32) -> impl Iterator<Item = u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::octree::test_mesh::bipyramid;
+    use crate::shapes;
 
     #[test]
     fn only_what_can_be_clusters_is_taken() {
-        let mesh = bipyramid(400);
+        let mesh = shapes::fan(400).mesh::<f64>();
         let (topology, found) = (mesh.topology(), mesh.clusters());
         let accepted = |change: &dyn Fn(&mut Vec<u32>, &mut Vec<u8>)| {
             let (mut triangles, mut sizes) = (found.triangles.clone(), found.sizes.clone());
@@ -280,7 +280,7 @@ mod tests {
             1 + assert_apart(left, capacity) + assert_apart(right, capacity)
         }
         // Three levels of nodes.
-        let mesh = bipyramid(3000);
+        let mesh = shapes::fan(3000).mesh::<f64>();
         let centres: Vec<_> = mesh.clusters().iter().map(|cluster| centre(&mesh, cluster)).collect();
         let halvings = assert_apart(&centres, capacity_below(centres.len()).expect("more than one node"));
         assert!(centres.len() > 256 && halvings > 20, "{} clusters, {halvings} halvings", centres.len());

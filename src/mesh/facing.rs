@@ -33,7 +33,7 @@ impl<T: Scalar> Mesh<T> {
     }
 }
 
-/// What is known of the fans on the way around.
+/// The state of the fans while their triangles are visited in order.
 struct FacingFan {
     along: [Mask; 3],
     against: [Mask; 3],
@@ -73,7 +73,7 @@ impl<T: Scalar> Fan<T> for FacingFan {
 mod tests {
     use super::*;
     use crate::math::{Kernel, LANE_COUNT, on_every_path};
-    use crate::octree::test_mesh::{torus_positions, torus_triangles};
+    use crate::octree::test_mesh::torus_at;
 
     #[derive(Clone, Copy)]
     struct Asked<'a, T: Scalar>(&'a Mesh<T>);
@@ -110,9 +110,7 @@ mod tests {
     }
 
     fn assert_same_on_all_paths<T: Scalar>() {
-        let sides = [48, 12];
-        let positions: Vec<_> = torus_positions(sides, 3).into_iter().map(|point| point.map(T::of)).collect();
-        let mesh = Mesh::new(&positions, &torus_triangles(sides)).expect("it is closed");
+        let mesh: Mesh<T> = torus_at([48, 12], 3);
         let [first, others @ ..] = &on_every_path::<T, _>(Asked(&mesh))[..] else { panic!("there is a path") };
         assert!(others.iter().all(|other| other == first));
         let mut counts = [0; 3];

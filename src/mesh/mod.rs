@@ -17,6 +17,7 @@ mod roundness;
 mod topology;
 mod winding;
 
+pub use crate::bytes::BytesError;
 pub(crate) use clusters::{CLUSTER_SIZE, Clusters, capacity_below, middle};
 pub(crate) use error::InFile;
 pub use error::MeshError;
@@ -56,7 +57,7 @@ pub struct Mesh<T: Scalar> {
     pose: Option<Pose>,
     /// The vertices placed since the pose was set.
     placed: Vec<u32>,
-    /// All positions under the pose, where somebody has asked for them.
+    /// All positions under the pose, once they have been asked for.
     all: OnceLock<Vec<Vector3<T>>>,
     /// The same for clones.
     reference: Arc<Reference<T>>,
@@ -280,7 +281,7 @@ impl<T: Scalar> Mesh<T> {
         six_fold / T::of(6.0)
     }
 
-    /// Tells these positions from all others, so that a stale octree is recognised.
+    /// A stamp that no other positions have, so that a stale octree is recognised.
     pub(crate) fn stamp(&self) -> u64 {
         self.stamp
     }

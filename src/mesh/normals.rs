@@ -23,14 +23,14 @@ impl<T: Scalar> NormalLanes<T> {
     }
 }
 
-/// Who looks at the triangles around vertices, sixteen vertices side by side, on the way around.
+/// A visitor of the triangles around sixteen vertices side by side, in their order around each vertex.
 pub(super) trait Fan<T: Scalar> {
     /// The next triangle of each vertex, between two edges; `is_triangle` where there is one, `is_safe` where the square of
     /// its normal has lost nothing.
     fn add<L: Lanes<T>>(&mut self, edges: [Vectors<T, L>; 2], normal: Vectors<T, L>, is_safe: Mask, is_triangle: Mask);
 }
 
-/// Nobody.
+/// A visitor that does nothing.
 struct NormalsAlone;
 
 impl<T: Scalar> Fan<T> for NormalsAlone {

@@ -10,23 +10,8 @@ use std::fmt;
 /// Why packed bytes were refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PackedMeshError {
-    /// They do not start as a packed mesh does, or their length does not fit their own counts.
-    NotPacked {
-        /// How many bytes there are.
-        length: usize,
-    },
-    /// Another version of the library wrote them in another form.
-    OtherVersion {
-        /// The form's number.
-        version: u32,
-    },
-    /// They hold numbers of the other precision.
-    OtherPrecision {
-        /// Bytes of one number.
-        bytes: u32,
-    },
-    /// They have been changed since they were packed.
-    Damaged,
+    /// They are not what was packed.
+    Bytes(BytesError),
     /// They fit their checksum, and are no mesh all the same.
     Mesh(MeshError),
 }
@@ -34,22 +19,19 @@ pub enum PackedMeshError {
 impl fmt::Display for PackedMeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotPacked { length } => {
-                write!(f, "the {length} bytes are not a packed mesh; pass all that were packed")
-            }
-            Self::OtherVersion { version } => {
-                write!(f, "the packed mesh has form {version}, this library reads {VERSION}; pack it anew")
-            }
-            Self::OtherPrecision { bytes } => {
-                write!(f, "the packed mesh has {bytes}-byte numbers; unpack it as a mesh of that precision")
-            }
-            Self::Damaged => write!(f, "the packed mesh has been changed since; pack it anew"),
+            Self::Bytes(error) => write!(f, "packed mesh: {error}"),
             Self::Mesh(error) => error.fmt(f),
         }
     }
 }
 
 impl std::error::Error for PackedMeshError {}
+
+impl From<BytesError> for PackedMeshError {
+    fn from(error: BytesError) -> Self {
+        Self::Bytes(error)
+    }
+}
 
 const MARK: [u8; 8] = *b"raycmesh";
 const VERSION: u32 = 2;
@@ -60,17 +42,8 @@ const VERTEX: usize = 3 * 8;
 const TRIANGLE: usize = 3 * 4 + 4;
 
 /// Bytes of one number of a packed mesh, by which its precision is known; and what follows.
-pub(crate) fn packed_number_size(bytes: &[u8]) -> Result<(u32, Reader<'_>), PackedMeshError> {
-    bytes::opened(bytes, MARK, VERSION).map_err(|error| refused(error, bytes))
-}
-
-fn refused(error: BytesError, bytes: &[u8]) -> PackedMeshError {
-    match error {
-        BytesError::Foreign => PackedMeshError::NotPacked { length: bytes.len() },
-        BytesError::OtherVersion(version) => PackedMeshError::OtherVersion { version },
-        BytesError::OtherPrecision(bytes) => PackedMeshError::OtherPrecision { bytes },
-        BytesError::Damaged => PackedMeshError::Damaged,
-    }
+pub(crate) fn packed_number_size(bytes: &[u8]) -> Result<(u32, Reader<'_>), BytesError> {
+    bytes::opened(bytes, MARK, VERSION)
 }
 
 impl<T: Scalar> Mesh<T> {
@@ -121,23 +94,22 @@ impl<T: Scalar> Mesh<T> {
             let numbers = vertices.checked_mul(VERTEX)?.checked_add(triangles.checked_mul(TRIANGLE)?)?;
             Some((numbers.checked_add(clusters)?.checked_add(HEAD + CHECKSUM)?, vertices, triangles, clusters))
         };
-        let (length, vertices, triangles, clusters) = counted().ok_or_else(|| refused(BytesError::Foreign, bytes))?;
-        bytes::check::<T>(bytes, Some(length), number_size).map_err(|error| refused(error, bytes))?;
+        let (length, vertices, triangles, clusters) = counted().ok_or(BytesError::Foreign { length: bytes.len() })?;
+        bytes::check::<T>(bytes, Some(length), number_size)?;
         let mut vector = || Some([head.number()?, head.number()?, head.number()?]);
-        let positions = memory::tried((0..vertices).map(|_| vector().ok_or(PackedMeshError::Damaged)))?;
+        let positions = memory::tried((0..vertices).map(|_| vector().ok_or(BytesError::Damaged)))?;
         let mut corners = || Some([head.whole()?, head.whole()?, head.whole()?]);
-        let triangles = memory::tried((0..triangles).map(|_| corners().ok_or(PackedMeshError::Damaged)))?;
-        let in_clusters = memory::tried((0..triangles.len()).map(|_| head.whole().ok_or(PackedMeshError::Damaged)))?;
-        let sizes = memory::tried(
-            (0..clusters).map(|_| head.take().map(|[size]: [u8; 1]| size).ok_or(PackedMeshError::Damaged)),
-        )?;
+        let triangles = memory::tried((0..triangles).map(|_| corners().ok_or(BytesError::Damaged)))?;
+        let in_clusters = memory::tried((0..triangles.len()).map(|_| head.whole().ok_or(BytesError::Damaged)))?;
+        let sizes =
+            memory::tried((0..clusters).map(|_| head.take().map(|[size]: [u8; 1]| size).ok_or(BytesError::Damaged)))?;
         let made = match open {
             Some(0) => Self::new(&positions, &triangles),
             Some(1) => Self::open(&positions, &triangles),
-            _ => return Err(PackedMeshError::Damaged),
+            _ => return Err(BytesError::Damaged.into()),
         };
         let mesh = made.map_err(PackedMeshError::Mesh)?;
-        let known = Clusters::known(&mesh.topology, in_clusters, sizes).ok_or(PackedMeshError::Damaged)?;
+        let known = Clusters::known(&mesh.topology, in_clusters, sizes).ok_or(BytesError::Damaged)?;
         mesh.reference.clusters.get_or_init(|| known);
         Ok(mesh)
     }

@@ -272,23 +272,7 @@ impl Tree {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A rippled torus of 2 · 40 · 20 triangles.
-    fn torus() -> Mesh<f64> {
-        let (around, across) = (40, 20);
-        let quads = || (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
-        let point = |(i, j): (usize, usize)| {
-            let [u, v] = [(i, around), (j, across)].map(|(i, count)| std::f64::consts::TAU * i as f64 / count as f64);
-            let tube = 0.4 + 0.02 * (5.0 * u).sin();
-            [(1.0 + tube * v.cos()) * u.cos(), (1.0 + tube * v.cos()) * u.sin(), tube * v.sin()]
-        };
-        let index = |i: usize, j: usize| (i % around * across + j % across) as u32;
-        let two = |(i, j): (usize, usize)| {
-            let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        };
-        Mesh::new(&quads().map(point).collect::<Vec<_>>(), &quads().flat_map(two).collect::<Vec<_>>()).expect("valid")
-    }
+    use crate::octree::test_mesh::torus;
 
     fn is_connected(mesh: &Mesh<f64>, patch: &[u32]) -> bool {
         let (mut reached, mut waiting) = (vec![patch[0]], vec![patch[0]]);
@@ -305,7 +289,7 @@ mod tests {
 
     #[test]
     fn patches_of_any_area_cover_the_surface_once_and_those_who_stand_for_larger_ones_stand_for_smaller_ones() {
-        let mesh = torus();
+        let mesh = torus([40, 20]);
         let patches = Patches::new(&mesh);
         let count = mesh.topology().triangles().len() as u32;
         let mut fewer_before: Option<Vec<u32>> = None;

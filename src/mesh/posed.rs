@@ -14,7 +14,7 @@ impl<T: Scalar> Mesh<T> {
     /// placed later. Octrees of this mesh are stale from here on.
     pub(crate) fn follow(&mut self, pose: &Pose, aabb: Aabb<T>) {
         let nowhere = Vector3::repeat(T::of(f64::NAN));
-        // Room first, so that a later step asks for none.
+        // Reserved now, so that no later step allocates.
         self.placed.room_for(self.positions.len() - self.placed.len());
         if self.pose.is_some() {
             for vertex in self.placed.drain(..) {

@@ -39,38 +39,14 @@ mod tests {
     use crate::cuboid::CUBOID_FACES;
     use crate::mesh::Mesh;
     use crate::octree::test_mesh::torus;
-
-    /// A ball by latitude and longitude.
-    fn ball(rings: u32, radius: f64) -> Mesh<f64> {
-        let sides = 2 * rings;
-        let mut positions = vec![[0.0, 0.0, radius], [0.0, 0.0, -radius]];
-        for ring in 1..rings {
-            let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(rings)).sin_cos();
-            positions.extend((0..sides).map(|side| {
-                let (y, x) = (std::f64::consts::TAU * f64::from(side) / f64::from(sides)).sin_cos();
-                [radius * sin * x, radius * sin * y, radius * cos]
-            }));
-        }
-        let at = |ring: u32, side: u32| 2 + (ring - 1) * sides + side % sides;
-        let mut triangles = Vec::new();
-        for side in 0..sides {
-            triangles.push([0, at(1, side), at(1, side + 1)]);
-            triangles.push([1, at(rings - 1, side + 1), at(rings - 1, side)]);
-            for ring in 1..rings - 1 {
-                let [a, b] = [at(ring, side), at(ring, side + 1)];
-                let [c, d] = [at(ring + 1, side), at(ring + 1, side + 1)];
-                triangles.extend([[a, c, d], [a, d, b]]);
-            }
-        }
-        Mesh::new(&positions, &triangles).expect("it is closed")
-    }
+    use crate::shapes;
 
     #[test]
     fn balls_are_round_and_boxes_are_not() {
-        for (rings, margin) in [(5, 0.07), (10, 0.02), (40, 0.001)] {
+        for (levels, margin) in [(1, 0.07), (2, 0.02), (4, 0.001)] {
             for radius in [1e-9, 1.0, 1e9] {
-                let roundness = ball(rings, radius).roundness();
-                assert!((roundness - 1.0).abs() < margin, "{rings} rings: {roundness}");
+                let roundness = shapes::sphere(levels).scaled(radius).mesh::<f64>().roundness();
+                assert!((roundness - 1.0).abs() < margin, "{levels} levels: {roundness}");
             }
         }
         let corners: Vec<_> = (0..8).map(|k| [f64::from(k & 1), f64::from(k & 2), f64::from(k & 4) * 0.1]).collect();

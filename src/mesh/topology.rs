@@ -146,8 +146,8 @@ fn check_indices(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<(), Mesh
 fn find_edges(triangles: &[[u32; 3]], border: Border) -> Result<(Vec<Edge>, bool), MeshError> {
     let mut is_open = false;
     let mut edges = memory::with_room(triangles.len() * 3 / 2);
-    // Of each triangle's sides: the smaller end, the larger, whether the triangle runs backward, and the triangle, as one number,
-    // which sorts fastest.
+    // Of each triangle's sides: the smaller end, the larger, whether the triangle runs backward, and the triangle, as one
+    // number, which sorts fastest.
     let mut halves: Vec<u128> = memory::with_room(triangles.len() * 3);
     for (triangle, corners) in triangles.iter().enumerate() {
         for i in 0..3 {

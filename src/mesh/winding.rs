@@ -111,21 +111,18 @@ fn middle([a, b, c]: &Corners) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shapes;
+
+    /// So many triangles has each.
+    const SPHERE: usize = 20 << 6;
 
     /// Spheres of many triangles, one inside the other, facing either way.
     fn nested_spheres() -> Vec<Corners> {
-        let point = |i: u32, j: u32, radius: f64| {
-            let (u, v) = (f64::from(i) * std::f64::consts::TAU / 32.0, f64::from(j) * std::f64::consts::PI / 16.0);
-            Vector3::new(v.sin() * u.cos(), v.sin() * u.sin(), v.cos()) * radius
-        };
         let mut triangles = Vec::new();
         for (radius, is_outward) in [(1.0, true), (0.8, false), (0.79, true), (0.5, true), (0.3, false)] {
-            for (i, j) in (0..32).flat_map(|i| (0..16).map(move |j| (i, j))) {
-                let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| point(i, j, radius));
-                for [a, b, c] in [[a, c, b], [a, d, c]] {
-                    triangles.push(if is_outward { [a, b, c] } else { [a, c, b] });
-                }
-            }
+            let sphere = shapes::sphere(3).scaled(radius).mesh::<f64>();
+            let corners = (0..SPHERE as u32).map(|triangle| sphere.corners(triangle));
+            triangles.extend(corners.map(|[a, b, c]| if is_outward { [a, b, c] } else { [a, c, b] }));
         }
         triangles
     }
@@ -146,9 +143,9 @@ mod tests {
 
     #[test]
     fn a_surface_winds_half_around_its_own_points() {
-        let triangles = &nested_spheres()[..32 * 16 * 2];
+        let triangles = &nested_spheres()[..SPHERE];
         let tree = WindingTree::new(triangles.to_vec());
-        for corners in triangles.iter().filter(|corners| length(&(corners[0] - corners[1])) > 0.01) {
+        for corners in triangles {
             let found = tree.winding_number(&middle(corners));
             assert!((0.4..0.6).contains(&found), "{corners:?}: {found}");
         }

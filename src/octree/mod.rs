@@ -121,9 +121,9 @@ impl<T: Scalar> Octree<T> {
         Ok(())
     }
 
-    /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and
-    /// rays there take longer. Nothing is loaded where triangles are joined to patches of an area, so that tiles outnumber rays.
-    /// `for_distances`: distances are asked for too. `tiles` is room for a list.
+    /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and rays
+    /// there take longer. Nothing is loaded where triangles are joined to patches so large that tiles outnumber rays.
+    /// `for_distances`: distances are asked for too. `tiles` is scratch memory.
     pub(crate) fn update_in(
         &mut self,
         mesh: &mut Mesh<T>,

@@ -3,7 +3,7 @@ use super::{Cells, Tracer};
 use crate::math::{Aabb, LANE_COUNT, Lanes, Scalar};
 use crate::memory;
 
-/// If more than one group in this many is wanted, sorting them takes as long as looking at all.
+/// If more than one group in this many is wanted, sorting them takes as long as visiting all.
 const PART_TO_LIST: usize = if cfg!(test) { 2 } else { 16 };
 
 /// The surface in groups of neighbouring vertices and triangles, at most sixteen of each: where rays start, group by

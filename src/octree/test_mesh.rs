@@ -1,5 +1,6 @@
 //! Meshes for unit tests.
 
+use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 use std::f64::consts::TAU;
 
@@ -15,9 +16,15 @@ pub(crate) fn torus_positions([around, across]: [u32; 2], step: u32) -> Vec<[f64
     vertices.map(at).chain([[9.0, 9.0, 9.0]]).collect()
 }
 
-/// That torus at step 0.
+/// That torus.
+pub(crate) fn torus_at<T: Scalar>(sides: [u32; 2], step: u32) -> Mesh<T> {
+    let positions: Vec<_> = torus_positions(sides, step).into_iter().map(|point| point.map(T::of)).collect();
+    Mesh::new(&positions, &torus_triangles(sides)).expect("it is closed")
+}
+
+/// The same at step 0.
 pub(crate) fn torus(sides: [u32; 2]) -> Mesh<f64> {
-    Mesh::new(&torus_positions(sides, 0), &torus_triangles(sides)).expect("it is closed")
+    torus_at(sides, 0)
 }
 
 /// The triangles of a torus of `around` × `across` vertices.
@@ -31,11 +38,8 @@ pub(crate) fn torus_triangles([around, across]: [u32; 2]) -> Vec<[u32; 3]> {
     squares.flat_map(two).collect()
 }
 
-/// Two pyramids on one base of so many sides.
-pub(crate) fn bipyramid(sides: u32) -> Mesh<f64> {
-    let at = |side: u32| TAU * f64::from(side) / f64::from(sides);
-    let rim = (0..sides).map(|side| [at(side).cos(), at(side).sin(), 0.0]);
-    let positions: Vec<_> = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
-    let pair = |side| [[side, (side + 1) % sides, sides], [(side + 1) % sides, side, sides + 1]];
-    Mesh::new(&positions, &(0..sides).flat_map(pair).collect::<Vec<_>>()).expect("it is closed")
+/// A cube of twice this half side.
+pub(crate) fn cube_about<T: Scalar>(centre: impl Into<Vector3<T>>, half_side: f64) -> Aabb<T> {
+    let (centre, half_side) = (centre.into(), T::of(half_side));
+    Aabb { lower: centre.add_scalar(-half_side), upper: centre.add_scalar(half_side) }
 }

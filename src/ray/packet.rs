@@ -41,50 +41,48 @@ impl<T: Scalar> RayPacket<T> {
     /// Takes up to sixteen rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn set(&mut self, rays: &[Ray<T>]) {
+        self.place(rays);
+        for lane in 0..LANE_COUNT {
+            let ray = self.ray(lane);
+            let sheared = ShearedRay::new(&ray);
+            for axis in 0..3 {
+                self.inverse[axis][lane] = (T::one() / ray.direction[axis]).clamp(-T::LARGEST, T::LARGEST);
+                self.turned_origin[axis][lane] = sheared.origin[axis];
+                self.shear[axis][lane] = sheared.shear[axis];
+            }
+            self.axes[lane] = sheared.axes;
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn place(&mut self, rays: &[Ray<T>]) {
         self.present = ((1u32 << rays.len()) - 1) as Mask;
-        // Places behind the last repeat it, so that nothing undefined is computed there.
+        // Lanes behind the last repeat it, so that nothing undefined is computed there.
         for lane in 0..LANE_COUNT {
             let ray = &rays[lane.min(rays.len() - 1)];
             for axis in 0..3 {
                 self.origin[axis][lane] = ray.origin[axis];
                 self.direction[axis][lane] = ray.direction[axis];
-                self.inverse[axis][lane] = (T::one() / ray.direction[axis]).clamp(-T::LARGEST, T::LARGEST);
             }
             self.t_max[lane] = ray.t_max;
-            let sheared = ShearedRay::new(ray);
-            for place in 0..3 {
-                self.turned_origin[place][lane] = sheared.origin[place];
-                self.shear[place][lane] = sheared.shear[place];
-            }
-            self.axes[lane] = sheared.axes;
         }
     }
 
     /// [`set`](Self::set) in all lanes at once, to the bit.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn set_rays<L: Lanes<T>>(&mut self, rays: &[Ray<T>]) {
-        self.present = ((1u32 << rays.len()) - 1) as Mask;
-        for lane in 0..LANE_COUNT {
-            // Lanes behind the last repeat it.
-            let ray = &rays[lane.min(rays.len() - 1)];
-            for axis in 0..3 {
-                self.origin[axis][lane] = ray.origin[axis];
-                self.direction[axis][lane] = ray.direction[axis];
-            }
-            self.t_max[lane] = ray.t_max;
-        }
+        self.place(rays);
         let (origin, direction) = (Vectors::<T, L>::load(&self.origin), Vectors::load(&self.direction));
-        let one = L::splat(T::one());
-        let (ones, most) = (Vectors::new(one, one, one), Vectors::splat(&Vector3::repeat(T::LARGEST)));
-        if direction.magnitude().are_at_most(most) != Mask::MAX {
+        if direction.magnitude().are_at_most(Vectors::splat(&Vector3::repeat(T::LARGEST))) != Mask::MAX {
             return self.set(rays);
         }
-        ones.divided_by(direction).smaller(most).larger(most.negate()).store(&mut self.inverse);
+        clamped_inverse(direction).store(&mut self.inverse);
         let axes = MainAxes::new(direction);
         self.axes = axes.places();
         axes.turned(origin).store(&mut self.turned_origin);
         let turned = axes.turned(direction);
-        Vectors::new(turned.x.div(turned.z), turned.y.div(turned.z), one.div(turned.z)).store(&mut self.shear);
+        let inverse = L::splat(T::one()).div(turned.z);
+        Vectors::new(turned.x.div(turned.z), turned.y.div(turned.z), inverse).store(&mut self.shear);
     }
 
     /// Makes rays from points along the opposite of their unit normals, each cut where it leaves the box: see
@@ -107,13 +105,7 @@ impl<T: Scalar> RayPacket<T> {
         let above = Vectors::splat(&region.upper).sub(origin);
         let margin =
             below.magnitude().larger(above.magnitude()).largest().mul(L::splat(margins::margin(margins::RAY_END)));
-        let (one, largest) = (L::splat(T::one()), L::splat(T::LARGEST));
-        let smallest = largest.negate();
-        let inverse = Vectors::new(
-            one.div(direction.x).smaller(largest).larger(smallest),
-            one.div(direction.y).smaller(largest).larger(smallest),
-            one.div(direction.z).smaller(largest).larger(smallest),
-        );
+        let inverse = clamped_inverse(direction);
         inverse.store(&mut self.inverse);
         // Of a box's two faces across an axis, a ray from inside leaves by the one that lies ahead.
         let margin = Vectors::new(margin, margin, margin);
@@ -136,4 +128,11 @@ impl<T: Scalar> RayPacket<T> {
             t_max: self.t_max[lane],
         }
     }
+}
+
+/// Of each component; finite where that is zero.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn clamped_inverse<T: Scalar, L: Lanes<T>>(direction: Vectors<T, L>) -> Vectors<T, L> {
+    let (ones, most) = (Vectors::splat(&Vector3::repeat(T::one())), Vectors::splat(&Vector3::repeat(T::LARGEST)));
+    ones.divided_by(direction).smaller(most).larger(most.negate())
 }

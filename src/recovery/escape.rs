@@ -120,7 +120,7 @@ impl<T: Scalar> Judges<T> {
                 for (place, hit) in workspace.hits.iter().enumerate() {
                     let way_out = hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t);
                     if way_out >= limit {
-                        // This point will probably rule out the next direction too, so it is tried first.
+                        // This point will probably rule out the next direction too, so test it first.
                         points.swap(0, start + place);
                         return None;
                     }

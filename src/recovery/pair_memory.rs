@@ -66,7 +66,7 @@ const STEPS_TO_TURN: u32 = 24;
 /// How the overlap of a pair has developed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Progress {
-    /// On the whole the contacts push one way: they part the bodies, or bear a load.
+    /// The contacts mostly push one way: they part the bodies, or carry a load.
     OneWay,
     /// They push against each other.
     Balanced,
@@ -84,7 +84,7 @@ const LASTING_PUSH: f64 = 0.05;
 const NEWEST: f64 = 1.0 / 8.0;
 
 impl<T: Scalar> PairMemory<T> {
-    /// Takes note of a step's contacts; `first` is the number of the pair's first body.
+    /// Updates the memory with a step's contacts; `first` is the number of the pair's first body.
     pub(crate) fn observe(&mut self, first: u32, contacts: &[Contact<T>]) -> Progress {
         let mut overlap = T::zero();
         let mut net = Vector3::zeros();

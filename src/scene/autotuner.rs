@@ -1,30 +1,30 @@
-//! Whether threads pay: the times of queries say it. Results do not depend on it.
+//! Decides from measured times whether a query runs on all threads. Results do not depend on it.
 
 use std::time::Duration;
 
-/// Who finds a query's contacts.
+/// How a query runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
-    /// All threads.
+    /// On all threads.
     SideBySide,
-    /// The calling thread.
+    /// On the calling thread alone.
     Alone,
 }
 
-/// A way is tried for so many queries in a row. The first does not count, since threads have to wake up and caches to fill; of
-/// the others the median does, since single ones may take long by chance.
+/// A trial lasts this many queries in a row. The first does not count, since threads have to wake up and caches to fill; the
+/// median of the others does, since single ones may take long by chance.
 const QUERIES_OF_A_TRIAL: usize = 6;
 /// The slower way is tried again after so many queries, where it takes less than this many times as long, or longer.
 const NEARLY_AS_FAST: f64 = 1.3;
 const TRY_AGAIN_AFTER: [u32; 2] = [256, 2048];
-/// And where there is so many times as much to do, or so many times as little, as when it was tried last; but not within so many
-/// queries, since there may be more and less to do by turns.
+/// And where there is so many times as much to do, or so many times as little, as when it was tried last; but not within so
+/// many queries, since there may be more and less to do by turns.
 const OTHER_WORK: f64 = 2.0;
 const NOT_WITHIN: u32 = 64;
-/// By this part what is known of the way in use goes up or down with each query: towards the median.
+/// The time known of the way in use moves by this part up or down with each query, towards the median.
 const STEP: f64 = 0.02;
 
-/// What the two ways take.
+/// The measured times of the two ways.
 #[derive(Debug, Default)]
 pub(super) struct Autotuner {
     side_by_side: Option<Known>,
@@ -36,7 +36,7 @@ pub(super) struct Autotuner {
 
 #[derive(Clone, Copy, Debug)]
 struct Known {
-    /// For a ray expected, in s.
+    /// The time per expected ray, in s.
     seconds: f64,
     /// How many rays were expected when it was tried.
     rays: f64,
@@ -50,7 +50,7 @@ struct Trial {
 }
 
 impl Autotuner {
-    /// How to do a query that is expected to take as long as so many rays.
+    /// Chooses the way for a query that is expected to take as long as this many rays.
     pub(super) fn way(&mut self, rays: f64) -> Way {
         if let Some(trial) = &self.trial {
             return trial.way;
@@ -75,7 +75,7 @@ impl Autotuner {
         way
     }
 
-    /// Takes note of what a query took.
+    /// Records the time of a query.
     pub(super) fn took(&mut self, way: Way, rays: f64, time: Duration) {
         let seconds = time.as_secs_f64() / rays.max(1.0);
         let known = match way {

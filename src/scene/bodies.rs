@@ -11,18 +11,18 @@ pub(super) struct Body<T: Scalar> {
     /// Where it comes among the bodies; of equal keys by the number.
     pub(super) key: u64,
     pub(super) surface: Surface<T>,
-    /// Room for where it meets other bodies.
+    /// Scratch memory for the boxes in which it meets other bodies.
     pub(super) regions: Vec<Aabb<T>>,
     /// Where self-collision is switched on.
     pub(super) own: Option<OwnContacts<T>>,
     pub(super) sharing: Sharing,
-    /// Newer than the stamp of its positions where they were given again and are the same.
+    /// Newer than the stamp of its positions if the same positions were given again.
     pub(super) given: u64,
-    /// How many rays as long as the last query took for it.
+    /// The cost of the last query for it, in rays.
     pub(super) cost: f64,
 }
 
-/// A body in a place of its own, so that the list is short to move.
+/// Boxed, so that the list is quick to move.
 pub(super) type Boxed<T> = Box<[Body<T>; 1]>;
 
 /// The bodies of a scene in their order: ascending by key, and by number where keys are equal. A number without a body costs
@@ -30,13 +30,13 @@ pub(super) type Boxed<T> = Box<[Body<T>; 1]>;
 #[derive(Debug)]
 pub(super) struct Bodies<T: Scalar> {
     list: Vec<Boxed<T>>,
-    /// Numbers of removed bodies that the host has done with, in descending order.
+    /// Numbers of removed bodies that may be given again, in descending order.
     released: Vec<u32>,
-    /// By number where the body stands in the list; one for each number that was ever given.
+    /// The body's index in the list, by number; one for each number that was ever given.
     places: Vec<u32>,
 }
 
-/// The place of a number without a body.
+/// The index of a number without a body.
 const NOWHERE: u32 = u32::MAX;
 
 impl<T: Scalar> Default for Bodies<T> {

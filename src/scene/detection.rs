@@ -14,7 +14,7 @@ use std::time::Instant;
 
 // What chose these numbers: docs/architecture.md, *Tuned constants*.
 
-/// One thread does fewer rays than this faster than two, each of which must fetch what the other has written.
+/// Below this many rays one thread is faster than two, which would have to fetch each other's results.
 const FEWEST_RAYS_TO_SHARE: f64 = if cfg!(test) { 0.0 } else { 1000.0 };
 /// Reading this many triangles anew takes as long as one ray.
 const TRIANGLES_READ_PER_RAY: f64 = 50.0;
@@ -87,7 +87,7 @@ impl<T: Scalar> Scene<T> {
         self.autotuner.took(way, rays, start.elapsed());
     }
 
-    /// Says which lists of contacts there will be, and in which order.
+    /// Decides which lists of contacts there will be, and in which order.
     fn order_lists(&mut self) {
         let lists = &mut self.lists;
         lists.clear();
@@ -100,7 +100,7 @@ impl<T: Scalar> Scene<T> {
         }
     }
 
-    /// About how many rays take as long as all there is to do.
+    /// The expected cost of the query, in rays.
     fn rays_expected(&self) -> f64 {
         let of_pairs = self.broad_phase.pairs().iter().map(|pair| {
             let [[a], [b]] = pair.map(|place| &*self.bodies.list()[place as usize]);
@@ -316,7 +316,7 @@ impl<T: Scalar> Bodies<T> {
             List::Body(place) => self.list_mut()[place][0].cost += rays,
             List::Pair(place) => {
                 let both = self.two_mut(pairs[place].map(|place| place as usize));
-                // A ghost's scene does not hear of it.
+                // The ghost's own scene does not learn of it.
                 let share = if both.iter().any(|body| body.sharing.is_ghost) { rays } else { rays * 0.5 };
                 costs.room_for(1).push(PairCost { bodies: both.each_ref().map(|body| body.number), cost: rays });
                 both.into_iter().for_each(|body| body.cost += share);

@@ -1,4 +1,4 @@
-use super::saved_state_error::SavedStateError;
+use crate::bytes::BytesError;
 use crate::math::PoseError;
 use std::fmt;
 
@@ -43,7 +43,7 @@ pub enum SceneError {
         body: u32,
     },
     /// Saved bytes are not what was saved.
-    SavedState(SavedStateError),
+    SavedState(BytesError),
     /// The system gave no threads.
     ThreadsNotStarted {
         /// How many were wanted.
@@ -73,7 +73,7 @@ impl fmt::Display for SceneError {
                 "body {body}: the pose moves its coordinates beyond the largest number of the scene's precision; keep bodies \
                  nearer to the origin"
             ),
-            Self::SavedState(error) => error.fmt(f),
+            Self::SavedState(error) => write!(f, "saved pair memories: {error}"),
             Self::ThreadsNotStarted { threads, source } => {
                 write!(f, "could not start {threads} threads: {source}; ask for fewer, or for 1 to use your own")
             }
@@ -83,8 +83,8 @@ impl fmt::Display for SceneError {
 
 impl std::error::Error for SceneError {}
 
-impl From<SavedStateError> for SceneError {
-    fn from(error: SavedStateError) -> Self {
+impl From<BytesError> for SceneError {
+    fn from(error: BytesError) -> Self {
         Self::SavedState(error)
     }
 }

@@ -8,12 +8,11 @@ mod error;
 mod pairs;
 mod posed;
 mod saved;
-mod saved_state_error;
 mod shared_body;
 mod sharing;
 
+pub use crate::bytes::BytesError;
 pub use error::SceneError;
-pub use saved_state_error::SavedStateError;
 pub use shared_body::{PairCost, Sharing, finds_pair};
 
 use crate::detection::{ContactList, DetectionOptions, SelfWarmStart};
@@ -38,11 +37,11 @@ pub struct Scene<T: Scalar> {
     /// The contacts of each overlapping pair, where threads find them side by side; kept so that a steady step allocates
     /// nothing.
     pair_contacts: Vec<ContactList<T>>,
-    /// What the newest query took for each pair.
+    /// The cost of the newest query for each pair.
     pair_costs: Vec<PairCost>,
     /// All lists of the last step in the order of their contacts, and how many contacts are in the lists before.
     lists: Vec<(List, usize)>,
-    /// What is known of pairs from step to step.
+    /// What is remembered of pairs from step to step.
     pairs: Pairs<T>,
     options: DetectionOptions<T>,
     threads: Threads,
@@ -233,7 +232,7 @@ impl<T: Scalar> Scene<T> {
         let history = saved::restore(bytes, self.newest_stamp())?;
         let key = |number: u32| self.bodies.get(number).map_or(u64::from(number), |body| body.key);
         if !history.is_in_order(|pair| pair.map(|number| (key(number), number))) {
-            return Err(SavedStateError::Damaged.into());
+            return Err(BytesError::Damaged.into());
         }
         let mut memories = history.before.iter().chain(&history.after);
         memories.try_for_each(|([a, b], _)| self.known_pair(*a, *b).map(drop))?;
@@ -256,7 +255,7 @@ impl<T: Scalar> Scene<T> {
         Ok(())
     }
 
-    /// Of the bodies' positions the stamp of the newest; other positions have another.
+    /// The stamp of the newest positions of any body; any new positions change it.
     fn newest_stamp(&self) -> u64 {
         self.bodies.iter().map(|body| body.surface.mesh().stamp().max(body.given)).max().unwrap_or_default()
     }

@@ -115,7 +115,7 @@ impl<T: Scalar> History<T> {
             self.passed = (self.passed - 1.0).max(0.0);
         }
         if self.is_queried && !is_whole {
-            // Counts stand still, but an escape begins and ends at once, and so does an overlap.
+            // Counts do not advance, but escapes and overlaps begin and end at once.
             let mut known = self.before.iter().peekable();
             for (pair, memory) in &mut self.after {
                 while known.next_if(|(other, _)| order(other) < order(pair)).is_some() {}

@@ -1,16 +1,16 @@
 //! What the pairs of a scene remember, as bytes that a host saves with its own state.
 
-use super::SceneError;
 use super::pairs::{History, Remembered};
-use super::saved_state_error::{SavedStateError, VERSION};
 use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
 use crate::math::Scalar;
 use crate::memory::{self, Room};
 use crate::recovery::{PACKED, PairMemory};
 
 const MARK: [u8; 8] = *b"raycpair";
+/// The form of the bytes.
+const VERSION: u32 = 3;
 const HEAD: usize = 44;
-/// What is said of the history by one bit each.
+/// Flags of the history.
 const IS_QUERIED: u32 = 1;
 const IS_HOSTS: u32 = 2;
 /// No position has changed since the newest query.
@@ -48,39 +48,33 @@ pub(super) fn save<T: Scalar>(history: &History<T>, stamp: u64, bytes: &mut Vec<
 }
 
 /// The history that was saved. `stamp` is the newest of the bodies' positions, which are those that were saved with it.
-pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>, SceneError> {
-    let not_saved = SavedStateError::NotSavedState { length: bytes.len() };
-    let refused = |error| match error {
-        BytesError::Foreign => not_saved,
-        BytesError::OtherVersion(version) => SavedStateError::OtherVersion { version },
-        BytesError::OtherPrecision(bytes) => SavedStateError::OtherPrecision { bytes },
-        BytesError::Damaged => SavedStateError::Damaged,
-    };
-    let (number_size, mut head) = bytes::opened(bytes, MARK, VERSION).map_err(refused)?;
-    let flags = head.whole().ok_or(not_saved)?;
-    let passed = head.number().ok_or(not_saved)?;
-    let mut count = || head.long().ok_or(not_saved);
+pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>, BytesError> {
+    let foreign = BytesError::Foreign { length: bytes.len() };
+    let (number_size, mut head) = bytes::opened(bytes, MARK, VERSION)?;
+    let flags = head.whole().ok_or(foreign)?;
+    let passed = head.number().ok_or(foreign)?;
+    let mut count = || head.long().ok_or(foreign);
     let counts = [count()?, count()?];
     let entries = counts[0].checked_add(counts[1]).and_then(|count| usize::try_from(count).ok());
     let length = entries.and_then(|count| count.checked_mul(ENTRY)?.checked_add(HEAD + CHECKSUM));
-    bytes::check::<T>(bytes, length, number_size).map_err(refused)?;
+    bytes::check::<T>(bytes, length, number_size)?;
     let [before, after] = [memories(&mut head, counts[0])?, memories(&mut head, counts[1])?];
     let is_set = |flag| flags & flag != 0;
     let (is_queried, is_hosts) = (is_set(IS_QUERIED), is_set(IS_HOSTS));
-    // Nothing that was saved is otherwise; bytes made up with a fitting checksum may be.
+    // Saved bytes always pass; forged ones with a fitting checksum may not.
     if flags > IS_QUERIED | IS_HOSTS | IS_AT_QUERY || !(0.0..1.0).contains(&passed) || !(is_queried || after.is_empty())
     {
-        return Err(SavedStateError::Damaged.into());
+        return Err(BytesError::Damaged);
     }
     let queried_at = if is_set(IS_AT_QUERY) { stamp } else { 0 };
     Ok(History { before, after, is_queried, queried_at, is_hosts, passed })
 }
 
-/// So many memories; whether they are in order only the scene knows.
-fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<T>>, SavedStateError> {
+/// Reads so many memories; only the scene can tell whether they are in order.
+fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<T>>, BytesError> {
     let mut memories = memory::with_room(count as usize);
     for _ in 0..count {
-        memories.push(entry(bytes).ok_or(SavedStateError::Damaged)?);
+        memories.push(entry(bytes).ok_or(BytesError::Damaged)?);
     }
     Ok(memories)
 }

@@ -1,6 +1,6 @@
-//! What scenes that share bodies say of one, and which of them finds a pair's contacts.
+//! How a body is shared between scenes, and which of two scenes finds a pair's contacts.
 
-/// What a scene is to know of a body that others have too.
+/// How a scene shares a body with others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sharing {
     /// Another scene's body: it has no contacts with itself here and none with other ghosts; of a pair of it and a body of
@@ -17,7 +17,7 @@ pub struct Sharing {
 pub struct PairCost {
     /// The pair's bodies by number, the one that comes first in their order first.
     pub bodies: [u32; 2],
-    /// How many rays as long it took. Reading the bodies' triangles is no pair's: see
+    /// The cost in rays, without reading the bodies' triangles: see
     /// [`Scene::body_cost`](super::Scene::body_cost).
     pub cost: f64,
 }

@@ -7,7 +7,7 @@ use crate::math::{Aabb, Scalar};
 use crate::recovery::PairMemory;
 
 impl<T: Scalar> Scene<T> {
-    /// Says how a body is shared with other scenes, from the next query on; not at all for a new one.
+    /// Sets how a body is shared with other scenes, from the next query on. A new body is not shared.
     ///
     /// # Errors
     /// [`SceneError::UnknownBody`].

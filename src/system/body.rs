@@ -8,7 +8,7 @@ use crate::mesh::Mesh;
 use nalgebra::Matrix3;
 use std::ops::Range;
 
-/// How surface vertices hang on the host's nodes.
+/// How the host's nodes carry the surface vertices.
 #[derive(Clone, Copy, Debug)]
 pub enum Carriers<'a> {
     /// Surface vertex v is the body's node v.
@@ -63,7 +63,7 @@ pub(super) struct Table {
     entries: Vec<(u32, f64)>,
 }
 
-/// A surface that turns and moves as a whole.
+/// A surface that moves as a rigid body.
 #[derive(Debug)]
 pub(super) struct Frame {
     /// Its vertices in the body's own coordinates.
@@ -176,26 +176,27 @@ pub(super) struct Body<T: Scalar> {
     pub(super) number: u32,
     pub(super) material: Material,
     pub(super) mover: Mover,
-    /// Its surface vertices farthest out along each axis, from which points inside it are held.
+    /// Its surface vertices farthest out along each axis, which help to carry points inside it.
     pub(super) outermost: [u32; 6],
-    /// Of all its nodes, or its own; infinite where nothing moves it.
+    /// The sum of its nodes' masses, or a rigid body's mass; infinite if no force moves it.
     pub(super) mass: f64,
-    /// Where detection has it: the vertices of a surface that nodes carry, or centre and rotation.
+    /// Its predicted position, where detection finds its contacts: the vertices of a surface that nodes carry, or centre and
+    /// rotation.
     pub(super) ahead: Vec<V3>,
     pub(super) ahead_pose: (V3, Matrix3<f64>),
-    /// Room for the positions of its surface.
+    /// Scratch memory for the positions of its surface.
     pub(super) positions: Vec<[T; 3]>,
     /// Whether it was added within the step under way, or the last one.
     pub(super) has_joined: bool,
 }
 
-/// How the unknowns move: nodes by velocities of their own, rigid bodies by twists one after the other.
+/// The predicted motion: the velocities of nodes and rigid bodies, followed for some time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course<'a> {
     pub(super) time: f64,
     pub(super) velocities: &'a [f64],
     pub(super) twists: &'a [f64],
-    /// The positions of the nodes at its end.
+    /// The predicted positions of the nodes.
     pub(super) ends: &'a [f64],
 }
 
@@ -216,7 +217,7 @@ impl<T: Scalar> Body<T> {
         }
     }
 
-    /// Whether any of its unknowns can give way.
+    /// Whether a force can move it.
     pub(super) fn is_movable(&self) -> bool {
         !matches!(self.mover, Mover::Host(_))
     }
@@ -228,7 +229,7 @@ impl<T: Scalar> Body<T> {
         }
     }
 
-    /// The frame of a body that has one.
+    /// The frame of a body that is not deformable.
     pub(super) fn frame_mut(&mut self) -> Option<&mut Frame> {
         match &mut self.mover {
             Mover::Nodes { .. } => None,
@@ -236,7 +237,7 @@ impl<T: Scalar> Body<T> {
         }
     }
 
-    /// Where a surface vertex is at the end of a course.
+    /// The predicted position of a surface vertex.
     pub(super) fn vertex(&self, vertex: u32, course: &Course<'_>) -> V3 {
         let on_frame = |frame: &Frame, twist: &[f64]| {
             let (centre, rotation) = frame.moved(course.time, twist);
@@ -249,7 +250,7 @@ impl<T: Scalar> Body<T> {
         }
     }
 
-    /// Goes to the end of a course, where detection then has it.
+    /// Moves the body to its predicted position.
     pub(super) fn go(&mut self, course: &Course<'_>) {
         let Self { mover, ahead, ahead_pose, .. } = self;
         match mover {
@@ -264,7 +265,7 @@ impl<T: Scalar> Body<T> {
         }
     }
 
-    /// Where detection has a surface vertex.
+    /// Where a surface vertex was at the last detection.
     pub(super) fn vertex_ahead(&self, vertex: u32) -> V3 {
         match &self.mover {
             Mover::Nodes { .. } => self.ahead[vertex as usize],
@@ -274,12 +275,12 @@ impl<T: Scalar> Body<T> {
         }
     }
 
-    /// Where detection has a point of the surface.
+    /// Where a point of the surface was at the last detection.
     pub(super) fn point_ahead(&self, corners: &Corners) -> V3 {
         corners.point(|vertex| self.vertex_ahead(vertex))
     }
 
-    /// Where detection has a body that keeps its shape.
+    /// The pose at the last detection, of a body that is not deformable.
     pub(super) fn pose_ahead(&self) -> Option<Pose> {
         if matches!(self.mover, Mover::Nodes { .. }) {
             return None;
@@ -289,7 +290,7 @@ impl<T: Scalar> Body<T> {
         Some(Pose { position: centre.into(), rotation })
     }
 
-    /// Fills `positions` with those that detection has; the first vertex where one is beyond the precision.
+    /// Fills `positions` with those of the last detection, or gives the first vertex that the precision cannot hold.
     pub(super) fn fill_positions(&mut self) -> Result<(), usize> {
         let mut positions = std::mem::take(&mut self.positions);
         positions.clear();
@@ -306,7 +307,7 @@ impl<T: Scalar> Body<T> {
     }
 }
 
-/// The weights of a point of the surface, exactly as wide as they are.
+/// The weights of a point of the surface in double precision.
 pub(super) fn weights_of<T: Scalar>(point: &SurfacePoint<T>) -> [f64; 3] {
     let [_, second, third] = point.weights.map(T::to_f64);
     // So that they sum to 1 in double precision too.

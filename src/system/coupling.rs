@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Matrix6, Vector6};
 /// The force on a node for each of the six velocities of a rigid body, in N s/m and N s.
 type Columns = [V3; 6];
 
-/// What rows that push do on rigid bodies, as they are held.
+/// The part of the matrix that involves rigid bodies, for rows that push.
 #[derive(Debug, Default)]
 pub(super) struct RigidCoupling {
     /// Between two bodies, by their places: JᵀDJ.
@@ -25,7 +25,7 @@ pub(super) struct RigidCoupling {
 }
 
 impl RigidCoupling {
-    /// Adds up what rows do among rigid bodies.
+    /// Assembles the blocks among rigid bodies.
     pub(super) fn gather(&mut self, rows: &[Row]) {
         let among = &mut self.among;
         among.clear();
@@ -191,45 +191,33 @@ fn between(a: &RigidEnd, stiffness: &Matrix3<f64>, b: &RigidEnd) -> Matrix6<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::system::row::Held;
     use crate::system::rows::{Rows, Velocities};
 
     const NODES: usize = 9;
     const BODIES: usize = 3;
 
-    /// Numbers that follow no pattern, from -0.5 to 0.5.
-    struct Numbers(u64);
-
-    impl Numbers {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        }
-
-        fn vector(&mut self) -> V3 {
-            V3::new(self.next(), self.next(), self.next())
-        }
-    }
-
     /// Rows between nodes, between nodes and rigid bodies, between two of these, and long ones; some rub, some do not push.
-    fn rows(numbers: &mut Numbers) -> Rows {
+    fn rows(numbers: &mut Random) -> Rows {
         let mut rows = Rows::default();
         for place in 0..90 {
             let count = [4, 4, 0, 5, 40][place % 5];
             for k in 0..count {
-                rows.add_distinct(((5 * place + 7 * k) % NODES) as u32, numbers.next(), numbers.next());
+                rows.add_distinct(((5 * place + 7 * k) % NODES) as u32, numbers.signed(), numbers.signed());
             }
             let mut end = |is_there: bool, place, sign| {
-                let arm = numbers.vector();
+                let arm = V3::from(numbers.point(0.5));
                 is_there.then_some(RigidEnd { place, sign, arm })
             };
             let rigid = [
                 end(matches!(place % 5, 1 | 2), place % BODIES, -1.0),
                 end(matches!(place % 5, 2..=4), (place + 1) % BODIES, 1.0),
             ];
-            let (normal, tangential) = (1.0 + numbers.next(), if place % 2 == 0 { 0.6 + numbers.next() } else { 0.0 });
+            let (normal, tangential) =
+                (1.5 + numbers.signed(), if place % 2 == 0 { 1.1 + numbers.signed() } else { 0.0 });
             let held = Held { pushes: place % 7 != 0, normal, tangential, ..Held::default() };
-            let direction = numbers.vector().normalize();
+            let direction = V3::from(numbers.point(1.0)).normalize();
             rows.rows.push(Row { direction, rigid, end: rows.entries.len(), held, ..Row::default() });
         }
         rows.masses = vec![(2.0, Matrix3::identity() * 0.3); BODIES];
@@ -251,10 +239,10 @@ mod tests {
 
     #[test]
     fn products_are_the_forces_of_the_rows_on_nodes_and_rigid_bodies() {
-        let mut numbers = Numbers(1);
+        let mut numbers = Random::new(1);
         let mut rows = rows(&mut numbers);
-        let change: Vec<f64> = (0..3 * NODES).map(|_| numbers.next()).collect();
-        let twists: Vec<f64> = (0..6 * BODIES).map(|_| numbers.next()).collect();
+        let change: Vec<f64> = (0..3 * NODES).map(|_| numbers.signed()).collect();
+        let twists: Vec<f64> = (0..6 * BODIES).map(|_| numbers.signed()).collect();
         let of = Velocities { nodes: &change, twists: &twists };
         let [on_nodes, on_rigid] = expected(&rows, of, 0.7);
         let [mut nodes, mut loads] = [vec![0.0; 3 * NODES], vec![0.0; 6 * BODIES]];
@@ -268,9 +256,9 @@ mod tests {
     /// Rigid bodies answer so that mass times change is the load over the time.
     #[test]
     fn eliminated_bodies_answer_the_nodes() {
-        let mut numbers = Numbers(2);
+        let mut numbers = Random::new(2);
         let mut rows = rows(&mut numbers);
-        let change: Vec<f64> = (0..3 * NODES).map(|_| numbers.next()).collect();
+        let change: Vec<f64> = (0..3 * NODES).map(|_| numbers.signed()).collect();
         let dt = 0.05;
         rows.gather_springs();
         rows.factor_rigid(dt);

@@ -66,7 +66,7 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Eliminated);
         }
         // No look-ahead: where bodies are, at the velocities they have.
-        self.start(scene, [dt, 0.0, 0.0], positions, velocities, velocities)?;
+        self.start(scene, [dt, 0.0, 0.0], [positions, velocities, velocities])?;
         let Some(step) = self.step else { return Err(SystemError::NoStep) };
         let mut unknowns = std::mem::take(&mut self.buffers.unknowns);
         unknowns.clear();
@@ -90,7 +90,7 @@ impl<T: Scalar> ContactSystem<T> {
         positions: &[f64],
         velocities: &[f64],
     ) -> Result<(), SystemError> {
-        self.prepare(scene, dt, positions, velocities, velocities)?;
+        self.prepare(scene, dt, [positions, velocities, velocities])?;
         self.place_surfaces(scene, 0.0, |scene, body| !scene.is_ghost(body))
     }
 

@@ -1,4 +1,4 @@
-//! How much of the push that a step predicts its solve leaves, for each pair of bodies: what friction must be told.
+//! The load of each pair of bodies, which limits its friction: how much of the predicted push is left after the solve.
 
 use super::Material;
 use super::twist::V3;
@@ -30,25 +30,25 @@ pub(super) type Key = (u32, Surface);
 pub(super) struct Pair {
     pub(super) key: Key,
     pub(super) material: Material,
-    /// 1/m of both, together.
+    /// The sum of both bodies' 1/mass.
     pub(super) inverse_mass: f64,
-    /// In N: all that rows push by prediction, their stiffness in N s/m, and what the solve left.
+    /// The push of all its rows in N, as predicted; their stiffness in N s/m; and the push in N after the solve.
     predicted: f64,
     normal: f64,
     solved: f64,
     /// On the first body, in N.
     force: V3,
-    /// Of the step before: predicted and left.
+    /// The push of the step before: predicted, and after the solve.
     then: Option<(f64, f64)>,
-    /// Of the friction springs at the end of this step, and of the one before.
+    /// The friction springs at the end of this step, and of the one before.
     springs: Springs,
     springs_then: Springs,
-    /// Of this step's springs, how stiff those are together that have been found again, and those that are new.
+    /// The stiffness of this step's friction springs: of those kept from the step before, and of the new ones.
     found: f64,
     new: f64,
 }
 
-/// Springs of a pair, together.
+/// The sum of a pair's friction springs.
 #[derive(Clone, Copy, Debug, Default)]
 struct Springs {
     /// In N/m.
@@ -58,7 +58,7 @@ struct Springs {
 }
 
 impl PairLoads {
-    /// The place of a pair among those of this step, whichever of two bodies comes first; `new` where it is its first row.
+    /// A pair's index in this step, in either order of its bodies; `new` gives its material and 1/mass for its first row.
     pub(super) fn place(&mut self, key: Key, new: impl FnOnce() -> (Material, f64)) -> usize {
         let (key, _) = in_order(key);
         let is_it = |pair: &Pair| pair.key == key;
@@ -80,7 +80,7 @@ impl PairLoads {
         self.before.iter().map(|pair| pair.key)
     }
 
-    /// What the step before left of a pair: predicted, solved, and its springs together.
+    /// What is remembered of a pair from the step before: the push predicted and after the solve, and its springs.
     pub(super) fn remembered(&self, key: Key) -> Option<[f64; 6]> {
         let place = self.before.binary_search_by_key(&key, |pair| pair.key).ok()?;
         let Pair { predicted, solved, springs: Springs { coefficient, pull }, .. } = self.before[place];
@@ -169,8 +169,8 @@ impl Pair {
         *if is_new { &mut self.new } else { &mut self.found } += coefficient;
     }
 
-    /// The stretch with which a new spring begins. Where rays start from other points than in the step before, what springs
-    /// that are gone have pulled with is handed over to the new ones, and never more.
+    /// The stretch with which a new spring begins. Where rays start from other points than in the step before, the new springs
+    /// take over the pull of those that are gone, and never more.
     pub(super) fn inherited(&self) -> V3 {
         let Springs { coefficient, pull } = self.springs_then;
         let lost = coefficient - self.found;
@@ -180,12 +180,12 @@ impl Pair {
         pull / coefficient * (lost / self.new).min(1.0)
     }
 
-    /// Did the pair bear anything in the step before?
+    /// Whether the pair carried a load in the step before.
     pub(super) fn is_loaded(&self) -> bool {
         self.then.is_some_and(|(_, solved)| solved > 0.0)
     }
 
-    /// What a row that predicts this push will bear: its part of the pair's, of stiffness `normal`.
+    /// The load expected of a row with this predicted push and the stiffness `normal`: its part of the pair's load.
     pub(super) fn load(&self, push: f64, normal: f64, dt: f64) -> f64 {
         match self.then {
             Some((_, solved)) if self.predicted <= 0.0 => solved * normal / self.normal,
@@ -194,7 +194,7 @@ impl Pair {
         }
     }
 
-    /// By what the two would slow one another down in a step if their load acted along their motion, in m/s.
+    /// How much speed, in m/s, the pair's load could take off its relative motion in one step.
     pub(super) fn speed_lost(&self, dt: f64) -> f64 {
         self.then.map_or(0.0, |(_, solved)| solved * self.inverse_mass * dt)
     }

@@ -6,14 +6,14 @@ use super::row::{Entry, Row, Spring};
 use crate::math::{Kernel, Lanes, dispatch};
 use crate::memory::{self, Room};
 
-/// A row with more entries than this, as the push on a whole body has, is no part of the matrix: its blocks would be the square
-/// of them.
+/// Rows with more entries than this, such as a push on a whole body, stay out of the matrix: the number of blocks grows with
+/// the square of the entries.
 const LONGEST: usize = 32;
 
-/// A block between a node and a rigid body has twice the numbers of one between nodes, and is asked for both ways.
+/// The cost of a block between a node and a rigid body, in blocks between nodes: it has twice the numbers and is used twice.
 const WORK_OF_COUPLING: usize = 4;
 
-/// Three numbers side by side, and a fourth that is none.
+/// Three numbers, padded to four.
 type Four = [f64; 4];
 
 const UNITS: [Four; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -22,15 +22,15 @@ const UNITS: [Four; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0,
 /// for its mirror too.
 #[derive(Debug, Default)]
 pub(super) struct NodeMatrix {
-    /// Whether it is that of the springs as they are held now.
+    /// Whether it belongs to the current linearisation.
     pub(super) is_current: bool,
     /// The node of each line, in ascending order, and where its blocks end; the first of them is the diagonal one.
     lines: Vec<(u32, u32)>,
     /// The line of each block's mirror.
     columns: Vec<u32>,
-    /// By columns, in N s/m.
+    /// The blocks by columns, in N s/m.
     blocks: Vec<[Four; 3]>,
-    /// The places of springs that are no part of it.
+    /// The springs that are not in the matrix.
     pub(super) apart: Vec<u32>,
     /// Room: of each node its line; of each line where its entries end, and where its block is in the line under way.
     line_of: Vec<u32>,
@@ -262,6 +262,7 @@ fn times(block: &[Four; 3], v: &Four) -> Four {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::system::twist::V3;
 
     const NODES: usize = 12;
@@ -269,11 +270,8 @@ mod tests {
     /// Rows of so many entries each, with numbers that follow no pattern.
     fn rows(lengths: &[usize], is_rubbing: bool) -> (Vec<Spring>, Vec<Entry>) {
         let (mut springs, mut entries) = (Vec::new(), Vec::new());
-        let mut state = 1_u64;
-        let mut number = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut random = Random::new(1);
+        let mut number = || 0.5 * random.signed();
         for (place, &length) in lengths.iter().enumerate() {
             let begin = entries.len();
             for k in 0..length {

@@ -18,22 +18,22 @@
 
 mod anchors;
 mod body;
-mod carried;
-mod conduct;
 mod coupling;
+mod detect_again;
 mod error;
 mod explicit;
-mod fold;
+mod ghosts;
 mod loads;
 mod material;
 mod matrix;
+mod packed_memory;
+mod pairs;
 mod part_matrix;
 mod parts;
 mod products;
 mod row;
+mod row_builder;
 mod rows;
-mod second_look;
-mod shared;
 mod solve;
 mod step;
 mod twist;
@@ -48,13 +48,14 @@ pub use parts::Part;
 use crate::detection::ContactList;
 use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
+use crate::mesh::Mesh;
 use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table};
-use fold::{HalfSpace, PairMaterials};
 use loads::{Key, PairLoads};
 use nalgebra::Matrix3;
 use parts::Parts;
+use row_builder::{HalfSpace, PairMaterials};
 use rows::Rows;
 use std::ops::Range;
 use twist::V3;
@@ -73,7 +74,8 @@ pub enum RigidUnknowns {
 
 /// The contacts of a scene on the unknowns of a host.
 ///
-/// Nothing but its rows holds across calls that change it: see each function. A steady step allocates nothing.
+/// Its rows stay as they are until [`linearise`](Self::linearise) or [`detect_again`](Self::detect_again). A steady step
+/// allocates nothing.
 #[derive(Debug)]
 pub struct ContactSystem<T: Scalar> {
     rigid_unknowns: RigidUnknowns,
@@ -152,8 +154,7 @@ impl<T: Scalar> ContactSystem<T> {
         carriers: Carriers<'_>,
         material: Material,
     ) -> Result<(), SystemError> {
-        let place = self.place_for(scene, body, &material)?;
-        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let (place, mesh) = self.place_for(scene, body, &material)?;
         let (end, count) = (nodes.end.max(nodes.start), self.node_masses.len());
         if end as usize > count {
             return Err(SystemError::WrongCount { what: "node masses", given: count, expected: end as usize });
@@ -179,8 +180,7 @@ impl<T: Scalar> ContactSystem<T> {
         inertia: [[f64; 3]; 3],
         material: Material,
     ) -> Result<(), SystemError> {
-        let place = self.place_for(scene, body, &material)?;
-        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let (place, mesh) = self.place_for(scene, body, &material)?;
         if !(mass.is_finite() && mass > 0.0) {
             return Err(SystemError::Mass { node: None, value: mass });
         }
@@ -192,7 +192,7 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Inertia);
         }
         let mover = Mover::Rigid { mass, inertia, place: self.rigid_count, frame: Frame::new(mesh) };
-        // Room first: a place without a body would stay.
+        // Ask for room first: if that fails, the count must not have changed.
         self.bodies.room_for(1);
         self.rigid_count += 1;
         self.insert(place, Body::new(body, material, mover, mesh, mass));
@@ -205,8 +205,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// [`SystemError`] of its own for each number that is wrong.
     pub fn add_moved(&mut self, scene: &Scene<T>, body: u32, material: Material) -> Result<(), SystemError> {
-        let place = self.place_for(scene, body, &material)?;
-        let mesh = scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let (place, mesh) = self.place_for(scene, body, &material)?;
         let mover = Mover::Host(Frame::new(mesh));
         self.insert(place, Body::new(body, material, mover, mesh, f64::INFINITY));
         Ok(())
@@ -241,7 +240,7 @@ impl<T: Scalar> ContactSystem<T> {
         let place = self.place(body)?;
         if let Mover::Rigid { place: gone, .. } = self.bodies.remove(place).mover {
             self.rigid_count -= 1;
-            // Those of the last step stand in the old places.
+            // The velocities of the last step are stored by the old places.
             self.buffers.end_twists.clear();
             for body in &mut self.bodies {
                 if let Mover::Rigid { place, .. } = &mut body.mover {
@@ -282,13 +281,19 @@ impl<T: Scalar> ContactSystem<T> {
         &self.contacts
     }
 
-    fn place_for(&self, scene: &Scene<T>, body: u32, material: &Material) -> Result<usize, SystemError> {
+    /// Where a new body goes, and its mesh.
+    fn place_for<'a>(
+        &self,
+        scene: &'a Scene<T>,
+        body: u32,
+        material: &Material,
+    ) -> Result<(usize, &'a Mesh<T>), SystemError> {
         self.check_may_join(scene, body)?;
-        scene.mesh(body).map_err(|_| SystemError::NotInScene { body })?;
+        let mesh = mesh_of(scene, body)?;
         material.check()?;
         match self.bodies.binary_search_by_key(&body, |body| body.number) {
             Ok(_) => Err(SystemError::BodyTwice { body }),
-            Err(place) => Ok(place),
+            Err(place) => Ok((place, mesh)),
         }
     }
 
@@ -307,6 +312,10 @@ impl<T: Scalar> ContactSystem<T> {
     }
 }
 
+fn mesh_of<T: Scalar>(scene: &Scene<T>, body: u32) -> Result<&Mesh<T>, SystemError> {
+    scene.mesh(body).map_err(|_| SystemError::NotInScene { body })
+}
+
 fn mass_of(masses: &[f64], nodes: Range<u32>) -> f64 {
     let own = masses.get(nodes.start as usize..nodes.end as usize).unwrap_or_default();
     let sum: f64 = own.iter().filter(|mass| mass.is_finite()).sum();
@@ -314,7 +323,7 @@ fn mass_of(masses: &[f64], nodes: Range<u32>) -> f64 {
 }
 
 fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
-    // 0 times any other is not 0; without a way out of the loop, several are asked at once.
+    // Only NaN and infinity give something else than 0 when multiplied by 0. Without a branch, the loop checks several at once.
     let (eights, rest) = numbers.as_chunks::<8>();
     let mut sums = [0.0; 8];
     for eight in eights {

@@ -1,5 +1,5 @@
-//! Forces and products part by part: what each pair does to each of its bodies, as that does not depend on other pairs. Added
-//! in one order they have the same bits, wherever the pairs were found.
+//! Forces and products part by part, a part being what one pair does to one of its bodies. A part does not depend on other
+//! pairs, so sums of parts in a fixed order have the same bits, whichever process found the pairs.
 
 use super::loads::{PairLoads, Surface};
 use super::part_matrix::Matrix;
@@ -22,7 +22,7 @@ pub struct Part {
     pub count: usize,
 }
 
-/// The parts of the rows there are, made when they are first asked for.
+/// The parts of the present rows, made when they are first asked for.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     is_current: bool,
@@ -34,19 +34,19 @@ pub(super) struct Parts {
     pub(super) entries: Vec<usize>,
     /// Of each row's rigid bodies, the first of its two blocks.
     pub(super) rigid: Vec<[usize; 2]>,
-    /// Room for the matrix.
+    /// Scratch memory for the matrix.
     pub(super) matrix: Matrix,
-    /// Room: pair, side and block.
+    /// Scratch memory: pair, side and block.
     places: Vec<(usize, usize, u32)>,
 }
 
 impl Parts {
-    /// The rows are others now.
+    /// To be called when the rows have changed.
     pub(super) fn forget(&mut self) {
         self.is_current = false;
     }
 
-    /// `side`: which body of a pair a row's entry is of.
+    /// `side` tells to which body of a pair a row's entry belongs.
     fn find(&mut self, rows: &Rows, loads: &PairLoads, nodes: u32, side: impl Fn(u32, u32) -> usize) {
         if self.is_current {
             return;
@@ -101,7 +101,7 @@ impl Parts {
         self.is_current = true;
     }
 
-    /// The places of a pair's parts: none where it has no unknowns.
+    /// The indices of a pair's parts; none if it has no unknowns.
     pub(super) fn of_pair(&self, pair: usize) -> std::ops::Range<usize> {
         let first = self.pairs.partition_point(|&other| other < pair);
         first..first + self.pairs[first..].partition_point(|&other| other == pair)

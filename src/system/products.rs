@@ -1,5 +1,5 @@
-//! Products of the rows' matrix with a change of the velocities. A solve asks for tens of them each time that rows are held, so
-//! what they need lies side by side.
+//! Products of the rows' matrix with a change of the velocities. A solve asks for tens of them per linearisation, so their data
+//! is packed first.
 
 use super::body::at;
 use super::row::{Entry, Slip, Spring};
@@ -8,7 +8,7 @@ use super::twist::V3;
 use crate::memory::{self, Room};
 
 impl Rows {
-    /// Takes note of how rows are held now, for the products until they are held anew.
+    /// Gathers the linearised rows for the products until the next linearisation.
     pub(super) fn gather_springs(&mut self) {
         let Self { rows, springs, matrix, coupling, .. } = self;
         matrix.is_current = false;

@@ -1,7 +1,7 @@
 use super::body::{Body, Course, Mover};
-use super::fold::Folding;
+use super::row_builder::RowBuilder;
 use super::rows::Velocities;
-use super::{ContactSystem, RigidUnknowns, SystemError, check_finite};
+use super::{ContactSystem, RigidUnknowns, SystemError, check_finite, mesh_of};
 use crate::math::Scalar;
 use crate::memory;
 use crate::mesh::MeshError;
@@ -11,20 +11,20 @@ use nalgebra::Matrix3;
 /// A step under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
-    /// For the rows: 0 where the host integrates explicitly.
+    /// Its length for the rows: 0 where the host integrates explicitly.
     pub(super) dt: f64,
-    /// In how many unknowns.
+    /// How many unknowns the host solves for.
     pub(super) unknowns: usize,
 }
 
-/// What a step keeps of the host's numbers, and room for work; three numbers a node, six a rigid body.
+/// The host's numbers for this step, and scratch memory: three numbers per node, six per rigid body.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
     pub(super) positions: Vec<f64>,
     pub(super) velocities: Vec<f64>,
-    /// Positions at the end of a course.
+    /// The predicted positions of the nodes.
     pub(super) ends: Vec<f64>,
-    /// With which the last detection moved nodes on, and rigid bodies.
+    /// The velocities by which the last detection predicted where nodes and rigid bodies will be.
     pub(super) ahead: Vec<f64>,
     pub(super) ahead_twists: Vec<f64>,
     pub(super) twists: Vec<f64>,
@@ -33,7 +33,7 @@ pub(super) struct Buffers {
     pub(super) end_twists: Vec<f64>,
     pub(super) areas: Vec<f64>,
     pub(super) unknowns: Vec<f64>,
-    /// Pairs, how many contacts a later detection found of them, and how many rows they have.
+    /// Each pair with the number of contacts that a later detection found, and the number of its rows.
     pub(super) pairs: Vec<([u32; 2], usize, usize)>,
 }
 
@@ -71,28 +71,26 @@ impl<T: Scalar> ContactSystem<T> {
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
         let ahead = if self.looks_ahead { dt } else { 0.0 };
-        self.start(scene, [dt, ahead, dt], positions, velocities, free_velocities)?;
+        self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
         self.hold_predicted();
         Ok(())
     }
 
-    /// The same with times of their own for looking ahead and for the rows.
+    /// [`begin`](Self::begin) with separate times for the step, the prediction and the rows; `given` are its three arrays.
     pub(super) fn start(
         &mut self,
         scene: &mut Scene<T>,
         [dt, ahead, rows]: [f64; 3],
-        positions: &[f64],
-        velocities: &[f64],
-        free_velocities: &[f64],
+        given: [&[f64]; 3],
     ) -> Result<(), SystemError> {
-        self.prepare(scene, dt, positions, velocities, free_velocities)?;
+        self.prepare(scene, dt, given)?;
         self.detect(scene, ahead)?;
-        // Refused only where the step's length is.
+        // This fails only for a bad step length, which is checked above.
         let _ = scene.advance(dt);
         self.rows.clear();
         self.anchors.start_step();
         self.loads.start_step();
-        self.fold(ahead, |_, _| true, Some(scene));
+        self.add_rows(ahead, |_, _| true, Some(scene));
         self.hand_over();
         self.step = Some(Step { dt: rows, unknowns: self.unknown_count() });
         Ok(())
@@ -112,17 +110,16 @@ impl<T: Scalar> ContactSystem<T> {
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
         let ahead = if self.looks_ahead { dt } else { 0.0 };
-        self.prepare(scene, dt, positions, velocities, free_velocities)?;
+        self.prepare(scene, dt, [positions, velocities, free_velocities])?;
         self.place_surfaces(scene, ahead, |scene, body| !scene.is_ghost(body))
     }
 
+    /// Checks and copies what the host gives at the start of a step.
     pub(super) fn prepare(
         &mut self,
         scene: &Scene<T>,
         dt: f64,
-        positions: &[f64],
-        velocities: &[f64],
-        free_velocities: &[f64],
+        [positions, velocities, free_velocities]: [&[f64]; 3],
     ) -> Result<(), SystemError> {
         self.check_no_step()?;
         if !(dt.is_finite() && dt > 0.0) {
@@ -153,14 +150,14 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
-    /// Positions in the scene and the contacts there, at the end of the course of the last velocities ahead.
+    /// Moves the scene's bodies to their predicted positions and finds the contacts there.
     pub(super) fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
         self.place_surfaces(scene, time, |_, _| true)?;
         scene.query(&mut self.contacts);
         Ok(())
     }
 
-    /// Puts surfaces where they are at the end of that course.
+    /// Moves the surfaces of the wanted bodies to their predicted positions.
     pub(super) fn place_surfaces(
         &mut self,
         scene: &mut Scene<T>,
@@ -176,7 +173,7 @@ impl<T: Scalar> ContactSystem<T> {
             }
             let number = body.number;
             body.go(&course);
-            // Half-spaces ask for all vertices of what can move.
+            // Contacts with half-spaces need all vertices of a body that can move.
             let is_asked = body.is_movable() && !half_spaces.is_empty();
             if !is_asked && body.pose_ahead().is_some_and(|pose| scene.may_follow(number, &pose)) {
                 continue;
@@ -199,21 +196,21 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
-    /// Rows of the contacts that are wanted; with a scene, of escapes and half-spaces too.
-    pub(super) fn fold(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
+    /// Adds rows for the wanted pairs' contacts; with a scene also for escapes and half-spaces.
+    pub(super) fn add_rows(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
         self.parts.forget();
         let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
         let mut areas = std::mem::take(&mut buffers.areas);
         let course = buffers.course(time);
         let before = buffers.before();
-        let mut folding = Folding { bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
-        folding.fold_contacts(&contacts.contacts, wanted);
+        let mut builder = RowBuilder { bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
+        builder.add_contacts(&contacts.contacts, wanted);
         if let Some(scene) = scene {
-            folding.fold_pushes(contacts.pushes());
+            builder.add_escapes(contacts.pushes());
             for (number, half_space) in self.half_spaces.iter().enumerate() {
                 for (place, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_ghost(body.number)) {
                     if let Ok(mesh) = scene.mesh(body.number) {
-                        folding.fold_half_space(number as u32, half_space, place, mesh, &mut areas);
+                        builder.add_half_space_rows(number as u32, half_space, place, mesh, &mut areas);
                     }
                 }
             }
@@ -226,7 +223,7 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::UnknownBody { body });
         }
         for body in &self.bodies {
-            let mesh = scene.mesh(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
+            let mesh = mesh_of(scene, body.number)?;
             let (given, expected) = (mesh.topology().vertex_count(), body.vertex_count());
             if given != expected {
                 return Err(SystemError::WrongCount { what: "the body's mesh", given, expected });
@@ -235,7 +232,7 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
-    /// The step under way, where there is one and these are velocities for it.
+    /// The step under way, if there is one and `numbers` is a valid vector of unknowns for it.
     pub(super) fn check_velocities(&self, what: &'static str, numbers: &[f64]) -> Result<Step, SystemError> {
         let step = self.step.ok_or(SystemError::NoStep)?;
         if numbers.len() != step.unknowns {
@@ -245,7 +242,7 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(step)
     }
 
-    /// Leaves the twists that go with the host's velocities in the rows' response.
+    /// Stores the rigid bodies' velocities that belong to the host's velocities in `rows.response`.
     pub(super) fn find_twists(&mut self, velocities: &[f64], step: Step) {
         let (nodes, twists) = velocities.split_at(3 * self.node_masses.len());
         match self.rigid_unknowns {
@@ -315,7 +312,7 @@ impl<T: Scalar> Body<T> {
     }
 }
 
-/// Of two velocities.
+/// The squared distance of two velocities.
 pub(super) fn square_between(a: &[f64], b: &[f64]) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
 }

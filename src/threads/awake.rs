@@ -1,5 +1,5 @@
-//! Keeps a pool's threads awake from the first phase of a step to its last: between phases they would fall asleep, and to
-//! wake one takes as long as a small phase.
+//! Keeps a pool's threads spinning from the first phase of a step to its last: between phases they would fall asleep, and
+//! waking one takes as long as a small phase.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,7 +24,7 @@ pub(super) fn keep_awake(others: usize, work: impl FnOnce() + Send) {
     }
 }
 
-/// Does a part of the work.
+/// Does one part of the work.
 pub(super) fn at_work(part: impl FnOnce()) {
     /// Counts down even where the part panics.
     struct Below;
@@ -55,7 +55,7 @@ fn look_until(is_done: &AtomicBool) {
     }
     while !is_done.load(Ordering::Acquire) {
         if rayon::yield_now() != Some(rayon::Yield::Executed) {
-            // Whoever else wants the core shall have it.
+            // Lets other threads have the core.
             thread::yield_now();
         }
     }

@@ -27,10 +27,10 @@ pub trait ParallelFor: Send + Sync {
 /// This many items keep a host's threads busy, or one thread of a pool.
 const MANY: usize = 8;
 
-/// What may help the calling thread with many items.
+/// The threads that may help the calling thread with many items.
 #[derive(Clone, Default)]
 pub(crate) enum Helpers {
-    /// Nobody.
+    /// None: the calling thread works alone.
     #[default]
     Nobody,
     /// The pool on which the call is run, which may also be asked from one of its own threads.
@@ -50,7 +50,7 @@ impl fmt::Debug for Helpers {
 }
 
 impl Helpers {
-    /// Whether there is anybody.
+    /// Whether there are any.
     pub(crate) fn are_there(&self) -> bool {
         !matches!(self, Self::Nobody)
     }
@@ -123,7 +123,7 @@ fn share<I>(host: &dyn ParallelFor, items: impl ExactSizeIterator<Item = I> + Se
     }
 }
 
-/// What a scene works with.
+/// The threads of a scene.
 pub(crate) struct Threads {
     pool: Option<Pool>,
     helpers: Helpers,

@@ -23,7 +23,7 @@ pub(crate) fn follow<T: Scalar>(
         .fold(0, |followed, lane| followed | lane)
 }
 
-/// A ray that meets another fold of its own body has not left the body: which of the hidden rays do.
+/// Which of the hidden rays only meet another fold of their own body, and have not left it.
 pub(crate) fn uncovered<T: Scalar>(
     own: &Tracer<'_, T>,
     packet: &RayPacket<T>,

@@ -92,18 +92,13 @@ pub(crate) fn leaves_body_before_end<T: Scalar>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detection::test_contact::boxes;
     use crate::math::Vector3;
     use crate::octree::Octree;
 
     /// Two cubes in one mesh, the smaller inside the larger, far from the origin.
     fn nested() -> Mesh<f64> {
-        let faces = [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4]];
-        let more = [[2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5]];
-        let one = [faces, more].concat();
-        let two: Vec<[u32; 3]> = one.iter().map(|corners| corners.map(|vertex| vertex + 8)).collect();
-        let corner = |i: usize, half: f64| [0, 1, 2].map(|axis| 20.0 + if i >> axis & 1 == 1 { half } else { -half });
-        let positions: Vec<_> = (0..16).map(|i| corner(i % 8, if i < 8 { 2.0 } else { 1.0 })).collect();
-        Mesh::new(&positions, &[one, two].concat()).expect("both are closed")
+        boxes(&[[[18.0; 3], [22.0; 3]], [[19.0; 3], [21.0; 3]]])
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::mesh::{Facing, NormalLanes};
 use crate::octree::{Candidates, Tracer};
 use crate::ray::{Hit, RayPacket};
 
-/// What the search found, and the memory it needs.
+/// The result of the search, and its scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Inside<T: Scalar> {
     groups: Vec<u32>,

@@ -1,21 +1,21 @@
 //! The shortest ways out of a body that overlaps itself.
 //!
 //! A vertex lies inside another part of its body if the surface winds around the point just under it more than once. The
-//! shortest way out of that other part ends at the nearest point of its surface, and no volume mesh is needed to tell it from the
-//! vertex' own: where its own surface lies inside the other part it is no way out, and before it comes out of that again the
-//! other part's surface has come. So the nearest point of all the surface but the part inside around the vertex is the end.
+//! shortest way out of that other part ends at the nearest point of its surface, and no volume mesh is needed to tell it from
+//! the vertex' own: where its own surface lies inside the other part it is no way out, and before it comes out of that again
+//! the other part's surface has come. So the nearest point of all the surface but the part inside around the vertex is the end.
 //! Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", find the same through tetrahedra.
 
-mod growing;
 mod inside;
+mod region_growing;
 
 use crate::closest::ClosestPoint;
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
 use crate::mesh::{Mesh, Topology};
 use crate::octree::{Octree, OctreeError, Tracer};
-use growing::Growing;
 use inside::Inside;
+use region_growing::RegionGrowing;
 use std::fmt;
 
 /// A vertex inside another part of its body, and the way out.
@@ -27,8 +27,8 @@ pub struct OwnExit<T: Scalar> {
     pub exit: Option<ClosestPoint<T>>,
 }
 
-/// The vertices of a body that lie inside another part of it, with their ways out, and the memory that finding them takes: to be
-/// kept, so that a steady step allocates nothing.
+/// The vertices of a body that lie inside another part of it, with their ways out, and the memory that finding them takes: to
+/// be kept, so that a steady step allocates nothing.
 ///
 /// ```
 /// use raycontact::{contact::OwnExits, mesh::Mesh, octree::Octree};
@@ -64,7 +64,7 @@ pub struct OwnExits<T: Scalar> {
     points: Vec<Vector3<T>>,
     bounds: Vec<T>,
     found: Vec<Option<ClosestPoint<T>>>,
-    growing: Growing<T>,
+    growing: RegionGrowing<T>,
 }
 
 /// Why there are no own exits.

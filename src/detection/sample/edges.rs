@@ -7,7 +7,7 @@ use crate::ray::{Hit, Ray};
 
 /// Offers a sample in the middle of each stretch of an edge that lies inside the other mesh, where the edge pierces
 /// its surface: two surfaces cross if and only if an edge of one pierces a triangle of the other. Its normal is the
-/// mean of the two faces', its area their third, as far as the edge is inside. The lists are room.
+/// mean of the two faces', its area their third, as far as the edge is inside. The lists are scratch memory.
 pub(crate) fn for_each_inside_stretch<T: Scalar>(
     tracers: [&Tracer<'_, T>; 2],
     region: &Aabb<T>,

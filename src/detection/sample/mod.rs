@@ -20,17 +20,18 @@ use crate::mesh::Mesh;
 /// Where on a surface rays start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Sampling<T: Scalar> {
-    /// In the middle of each triangle, along its normal; triangles that are large beside the overlap are cut first, so
-    /// that about 128 rays stand on its largest side. Forces then hardly depend on the triangulation. In a scene, where both
-    /// bodies of a pair overlap more than 12 others, n at the least, by their boxes, it is 12/n as many, but no fewer than 8; such pairs are
-    /// counted ([`Statistics::crowded_pairs`](crate::contact::Statistics::crowded_pairs)).
+    /// In the middle of each triangle, along its normal; triangles that are large beside the overlap are cut first, so that
+    /// about 128 rays stand on its largest side. Forces then hardly depend on the triangulation. In a scene, where both bodies
+    /// of a pair overlap more than 12 others, n at the least, by their boxes, it is 12/n as many, but no fewer than 8; such
+    /// pairs are counted ([`Statistics::crowded_pairs`](crate::contact::Statistics::crowded_pairs)).
     #[default]
     Automatic,
     /// About so far apart, a length > 0, whatever the triangulation. Larger triangles are cut into pieces of that size, and
     /// each piece casts from its middle. Smaller ones are joined to patches of at most the length's square, connected and
-    /// nearly flat, of which one triangle casts from its middle along their mean normal, with their areas added as
-    /// vectors. The patches are those of the mesh as it is when they are first asked for; of a larger spacing's triangles
-    /// all cast at smaller ones too. Their sizes go in steps, four to each doubling of the area. Contacts of a body with itself know no patches.
+    /// nearly flat, of which one triangle casts from its middle along their mean normal, with their areas added as vectors. The
+    /// patches are those of the mesh as it is when they are first asked for; of a larger spacing's triangles all cast at
+    /// smaller ones too. Their sizes go in steps, four to each doubling of the area. Contacts of a body with itself know no
+    /// patches.
     Spacing(T),
     /// As automatic, but with triangles joined to patches as large as leave the net force of each pair, and its torque over
     /// the overlap box's half diagonal, within this part of the force, > 0, of that of all triangles. Patches get smaller,

@@ -19,7 +19,7 @@ pub(crate) enum Starts<'a, T: Scalar> {
 }
 
 impl<T: Scalar> Starts<'_, T> {
-    /// In how many steps they are taken.
+    /// How many steps it takes to go through them.
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Groups(groups) => groups.len(),
@@ -53,7 +53,7 @@ impl<T: Scalar> Pieces<T> {
     }
 }
 
-/// What fills packets with the samples of one body inside a region.
+/// Fills packets with the samples of one body inside a region.
 pub(crate) struct Sampler<'a, T: Scalar> {
     own: &'a Tracer<'a, T>,
     starts: Starts<'a, T>,
@@ -70,7 +70,7 @@ pub(crate) struct Sampler<'a, T: Scalar> {
 }
 
 impl<'a, T: Scalar> Sampler<'a, T> {
-    /// Without a cutter samples are vertices in `region`. `pieces` and `vertices` are room.
+    /// Without a cutter samples are vertices in `region`. `pieces` and `vertices` are scratch memory.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new<L: Lanes<T>>(
         own: &'a Tracer<'a, T>,
@@ -101,7 +101,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
         SamplePacket::new(self.faces.is_none() && !matches!(self.starts, Starts::Samples(_)))
     }
 
-    /// Takes note of what has cast no ray, of pieces left larger than asked, and of patches.
+    /// Counts samples that cast no ray, pieces left larger than asked, and patches.
     pub(crate) fn count(&self, statistics: &mut Statistics) {
         statistics.without_normal += self.without_normal;
         if let Some(faces) = &self.faces {

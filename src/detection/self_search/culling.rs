@@ -1,8 +1,8 @@
 //! Which parts of a surface need rays: where the surface does not touch itself, the winding number under it is the same
 //! all over, and one ray tells it.
 
-use super::sets::Sets;
 use super::touching::Touching;
+use super::union_find::UnionFind;
 use crate::detection::Statistics;
 use crate::detection::classify::winding::winding_under;
 use crate::math::Scalar;
@@ -13,7 +13,7 @@ use crate::ray::Hit;
 /// The triangles whose samples are traced.
 #[derive(Clone, Debug, Default)]
 pub(in crate::detection) struct Culling {
-    regions: Sets,
+    regions: UnionFind,
     pub(in crate::detection) is_wanted: Vec<bool>,
 }
 

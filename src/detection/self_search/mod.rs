@@ -4,9 +4,9 @@
 mod culling;
 mod nearness;
 mod own_side;
-mod sets;
 mod tangled;
 mod touching;
+mod union_find;
 mod warm_start;
 mod workspace;
 

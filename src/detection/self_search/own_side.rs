@@ -5,8 +5,8 @@
 //! where one part ends and the next begins. So two points on it belong to the same fold if a path between them over that
 //! surface changes the fold an even number of times.
 
-use super::sets::Sets;
 use super::touching::Touching;
+use super::union_find::UnionFind;
 use crate::math::Scalar;
 use crate::memory;
 use crate::mesh::Topology;
@@ -17,9 +17,9 @@ pub(in crate::detection) struct Folds {
     /// Whether a vertex belongs to a triangle that lies inside another part of the body.
     is_inside: Vec<bool>,
     /// Connected parts of the surface that lie inside.
-    parts: Sets,
+    parts: UnionFind,
     /// The same, joined where they cross.
-    folds: Sets,
+    folds: UnionFind,
     /// Whether three or more folds meet in a set of `folds`, by the set's number. Such a set has no two sides.
     is_mixed: Vec<bool>,
 }
@@ -34,7 +34,7 @@ impl Folds {
         memory::refill_with(&mut self.is_mixed, false, count);
     }
 
-    /// Takes note that the surface between these vertices lies inside.
+    /// Marks the surface between these vertices as inside.
     pub(in crate::detection) fn add(&mut self, vertices: [u32; 3]) {
         for vertex in vertices {
             self.is_inside[vertex as usize] = true;
@@ -52,7 +52,7 @@ impl Folds {
         }
     }
 
-    /// Joins what crosses.
+    /// Joins the parts inside whose triangles cross.
     pub(in crate::detection) fn join<T: Scalar>(&mut self, topology: &Topology, touching: &Touching<T>) {
         for pair in &touching.pairs {
             let [a, b] = pair.map(|triangle| topology.triangles()[triangle as usize]);
@@ -88,14 +88,12 @@ impl Folds {
 mod tests {
     use super::*;
     use crate::mesh::Mesh;
+    use crate::shapes;
 
     /// Six tetrahedra; corner 4 k and triangle 4 k are of number k, and the triangle has the corner.
     fn topology() -> Mesh<f64> {
-        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let positions: Vec<_> = (0..6).flat_map(|k| corners.map(|[x, y, z]| [x + 2.0 * f64::from(k), y, z])).collect();
-        let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-        let all: Vec<_> = (0..6).flat_map(|k| triangles.map(|corners| corners.map(|vertex| 4 * k + vertex))).collect();
-        Mesh::new(&positions, &all).expect("they are closed")
+        let one = shapes::tetrahedron();
+        (1..6).fold(one.clone(), |all, k| all.joined(&one.moved([4.0 * f64::from(k), 0.0, 0.0]))).mesh()
     }
 
     /// The folds where these tetrahedra lie inside with their first corner, and these pairs of them cross.

@@ -88,7 +88,7 @@ impl<T: Scalar> Touching<T> {
         self.near = near;
     }
 
-    /// That of what touches.
+    /// The reach of a search for what touches.
     pub(in crate::detection) fn reach(mesh: &Mesh<T>) -> Reach<T> {
         let pairs = MOST_PAIRS_OF_PARTS * mesh.topology().triangles().len();
         Reach { touch: touch_distance(mesh), margin: T::zero(), part_margin: T::zero(), most_pairs: pairs }
@@ -146,7 +146,7 @@ impl<T: Scalar> Touching<T> {
             let seen = facet.scaled_normal.dot(&axis);
             let (altitude, cosine) = (seen / facet.longest_edge, seen / facet.area);
             least_cosine = if cosine >= least_cosine { least_cosine } else { cosine };
-            // In this form NaN counts as none.
+            // Written so that NaN counts as none.
             least = if altitude >= least { least } else { altitude };
             let [p, q] = corners(triangle);
             turns += u32::from(p.dot(&across) >= T::zero() && q.dot(&across) < T::zero());

@@ -19,16 +19,16 @@ pub(crate) struct SelfWarmStart<T: Scalar> {
     near: NearParts<T>,
     /// or any two vertices by more than this. Negative where nothing is known of that.
     allowed: T,
-    /// With coordinates that round by more nothing is known.
+    /// The largest rounding error of coordinates for which all this holds.
     rounding: T,
     /// Whether the body passed through itself nowhere when `near` was found.
     is_valid: bool,
-    /// The positions that the rest is about.
+    /// The positions for which the rest was found.
     stamp: u64,
     is_clear: bool,
-    /// What has happened to `near` since.
+    /// How much of `near` has lapsed since.
     lapse: Lapse<T>,
-    /// Whether triangles touch where it has lapsed.
+    /// Whether triangles touch in the lapsed parts.
     touches: bool,
     /// The mean altitude of the triangles.
     fineness: T,
@@ -36,7 +36,7 @@ pub(crate) struct SelfWarmStart<T: Scalar> {
     steps: u32,
     /// Steps until a clearance is looked for again.
     pause: u32,
-    /// Clearances in a row that lasted too short.
+    /// How many clearances in a row did not last long enough.
     failures: u32,
 }
 
@@ -66,7 +66,7 @@ impl<T: Scalar> Default for SelfWarmStart<T> {
     }
 }
 
-/// Something that was found at some positions, and holds near them.
+/// A finding that holds near the positions for which it was made.
 #[derive(Clone, Debug, Default)]
 struct Certificate<T: Scalar> {
     is_valid: bool,
@@ -112,7 +112,7 @@ impl<T: Scalar> SelfWarmStart<T> {
         self.is_clear
     }
 
-    /// Nothing is known any more: parts lie inside others.
+    /// Forgets everything: parts of the body lie inside others.
     pub(in crate::detection) fn forget(&mut self) {
         self.is_valid = false;
     }
@@ -185,7 +185,7 @@ impl<T: Scalar> SelfWarmStart<T> {
         let mut wanted = STEPS_WANTED;
         if self.allowed > T::zero() {
             self.failures = 0;
-            // What something else has ended sooner need not last much longer.
+            // If something else ended the last clearance early, the next one need not last much longer.
             wanted = wanted.min(2.0 * lasted);
         }
         self.lapse.spread * T::of(wanted / lasted)

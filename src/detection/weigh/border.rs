@@ -59,7 +59,7 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                 let bit = 1 << lane;
                 let (middle, corners) = (vector_in_lane(&middles, lane), own.corners(samples.indices[lane]));
                 let nearest = other.closest_of_packet(&middle, reaches[lane], lane, distances);
-                // After the first cut nobody knows on which side the new middle is; a triangle tells only within its face.
+                // After the first cut it is not known on which side the new middle lies; a triangle tells only within its face.
                 let is_inside = (round == 0).then_some(exits & bit != 0);
                 let inward = nearest.and_then(|nearest| inward(other.mesh(), &middle, &nearest, is_inside));
                 let plane = nearest.zip(inward);

@@ -8,7 +8,7 @@ const MOST_CORNERS: usize = 9;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part<T: Scalar> {
-    /// Of each corner, in order around it.
+    /// The weights of each corner, in order around the part.
     pub(crate) weights: [Vector3<T>; MOST_CORNERS],
     pub(crate) count: usize,
 }

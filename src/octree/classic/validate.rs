@@ -87,27 +87,12 @@ impl<T: Scalar> Classic<T> {
 mod tests {
     use super::*;
     use crate::cuboid::CUBOID_FACES;
+    use crate::shapes;
 
-    /// A ball of 2 · 12 · 10 triangles, of many sizes.
+    /// A ball of 320 triangles, drawn out to one side so that they are of many sizes.
     fn ball() -> Mesh<f64> {
-        let (around, rows) = (12, 10);
-        let point = |row: u32, side: u32| {
-            let [v, u] = [(row, rows + 1, 0.5), (side, around, 1.0)]
-                .map(|(i, count, turns)| std::f64::consts::TAU * turns * f64::from(i) / f64::from(count));
-            [v.sin() * u.cos(), v.sin() * u.sin(), v.cos()]
-        };
-        let rim = (1..=rows).flat_map(|row| (0..around).map(move |side| point(row, side)));
-        let positions: Vec<_> = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
-        let index = |row: u32, side: u32| row * around + side % around;
-        let (top, bottom) = (rows * around, rows * around + 1);
-        let caps = (0..around).flat_map(|side| {
-            [[top, index(0, side), index(0, side + 1)], [bottom, index(rows - 1, side + 1), index(rows - 1, side)]]
-        });
-        let between = (1..rows).flat_map(|row| (0..around).map(move |side| (row, side))).flat_map(|(row, side)| {
-            let [a, b] = [index(row - 1, side), index(row - 1, side + 1)];
-            [[a, index(row, side), index(row, side + 1)], [a, index(row, side + 1), b]]
-        });
-        Mesh::new(&positions, &caps.chain(between).collect::<Vec<_>>()).expect("it is closed")
+        let radius = |x: f64| 0.1 + 0.5 * (1.0 + x).powi(2);
+        shapes::sphere(2).map(|point| point.map(|x| x * radius(point[0]))).mesh()
     }
 
     fn assert_said(part: &str, change: impl FnOnce(&mut Classic<f64>)) {

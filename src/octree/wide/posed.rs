@@ -21,9 +21,9 @@ type Boxes<T> = [[[T; CHILD_COUNT]; 3]; 2];
 /// What is kept of a tree whose mesh has been moved by a pose.
 #[derive(Clone, Debug)]
 pub(super) struct Posed<T: Scalar> {
-    /// Of each node, at the reference positions.
+    /// The boxes of each node's children at the reference positions.
     boxes: Vec<Boxes<T>>,
-    /// Of each tile, at the reference positions: they bound a tilted tile more tightly than its box.
+    /// Each tile's cylinder at the reference positions; it bounds a tilted tile more tightly than its box.
     cylinders: Vec<TileCylinder<T>>,
     /// The largest coordinates of any vertex at its reference position.
     largest: Vector3<f64>,
@@ -33,7 +33,7 @@ pub(super) struct Posed<T: Scalar> {
     pose: Option<Pose>,
     /// The nodes whose boxes are those at the pose.
     placed: Vec<u32>,
-    /// Room for the nodes on the way, each with its parent and its place there.
+    /// Scratch memory for the nodes to visit, each with its parent and its place there.
     visited: Vec<[u32; 3]>,
 }
 

@@ -106,18 +106,13 @@ impl<T: Scalar> Wide<T> {
 
 #[cfg(test)]
 mod tests {
-    use crate::math::{Aabb, Vector3};
+    use crate::math::Vector3;
     use crate::mesh::Mesh;
-    use crate::octree::test_mesh::{torus, torus_positions};
+    use crate::octree::test_mesh::{cube_about, torus, torus_positions};
     use crate::octree::{Octree, OctreeError};
     use crate::ray::Ray;
 
     const SIDES: [u32; 2] = [96, 24];
-
-    fn cube_about(centre: [f64; 3], half_side: f64) -> Aabb<f64> {
-        let middle = Vector3::from(centre);
-        Aabb { lower: middle.add_scalar(-half_side), upper: middle.add_scalar(half_side) }
-    }
 
     /// Rays near the region and far from it meet what they meet of all triangles.
     fn assert_same_hits(octree: &Octree<f64>, mesh: &Mesh<f64>) {

@@ -4,8 +4,8 @@ use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, margin
 use crate::mesh::Mesh;
 use crate::ray::{Hit, Ray, ShearedRay};
 
-/// One ray's way to where it first meets the mesh: the nearest boxes first, none beyond the nearest hit known. So many nodes may
-/// wait at once.
+/// One ray's way to where it first meets the mesh: the nearest boxes first, none beyond the nearest hit known. So many nodes
+/// may wait at once.
 pub(super) struct NearestOfRay<'a, T: Scalar, const MOST_WAITING: usize> {
     pub(super) cells: &'a Wide<T>,
     pub(super) mesh: &'a Mesh<T>,

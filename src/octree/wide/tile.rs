@@ -22,8 +22,7 @@ pub(super) struct Tile<T: Scalar> {
     pub(super) triangles: [u32; TILE_SIZE],
 }
 
-/// What new positions change of a tile that is not loaded, and what that takes: apart from the rest, so that a refit passes
-/// through little memory.
+/// What a refit reads and writes of a tile that is not loaded; stored separately, so that a refit touches little memory.
 #[derive(Clone, Debug)]
 pub(super) struct Outline<T: Scalar> {
     /// Places beyond the last vertex repeat it.
@@ -40,7 +39,7 @@ impl<T: Scalar> Outline<T> {
         self.aabb.upper.x.is_finite()
     }
 
-    /// Nothing is known of the present positions.
+    /// Marks positions and box as out of date.
     pub(super) fn forget(&mut self) {
         let endless = Vector3::repeat(T::INFINITY);
         (self.aabb, self.is_loaded) = (Aabb { lower: -endless, upper: endless }, false);

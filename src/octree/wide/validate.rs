@@ -104,12 +104,12 @@ impl<T: Scalar> Tile<T> {
 mod tests {
     use super::*;
     use crate::math::Vector3;
-    use crate::octree::test_mesh::bipyramid;
+    use crate::shapes;
 
     /// What is said about an octree that was whole before.
     fn said_after(change: impl FnOnce(&mut Wide<f64>, &Mesh<f64>)) -> Result<(), String> {
         // So many triangles that nodes have nodes under them.
-        let mesh = bipyramid(300);
+        let mesh = shapes::fan(300).mesh::<f64>();
         let mut wide = Wide::new(&mesh);
         assert!(wide.nodes.len() > 2 && !wide.nodes[0].is_leaf);
         wide.validate(&mesh).expect("it is whole");

@@ -9,9 +9,9 @@ const MOST_RUNS: usize = 3 * LANE_COUNT;
 
 const ASCENDING: [u32; LANE_COUNT] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// Boxes around runs of sixteen vertices that follow one another in the mesh, and the runs in which the vertices of each
-/// leaf lie. As vertices are numbered along the surface, as good as always, they tell from one reading of the positions
-/// which leaves are far from a region, without a look at their tiles.
+/// Boxes around runs of sixteen consecutive vertices of the mesh, and the runs in which the vertices of each leaf lie. Where
+/// vertices are numbered along the surface, as they nearly always are, one pass over the positions tells which leaves are far
+/// from a region, without a look at their tiles.
 #[derive(Clone, Debug)]
 pub(super) struct VertexRuns<T: Scalar> {
     lower: Vec<Vector3<T>>,
@@ -48,7 +48,7 @@ impl<T: Scalar> VertexRuns<T> {
         Self { lower, upper, of_leaves, starts }
     }
 
-    /// Follows the positions, if it is of use to any leaf.
+    /// Renews the boxes, if any leaf uses them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn renew<L: Lanes<T>>(&mut self, positions: &[Vector3<T>]) {
         if self.of_leaves.is_empty() {
@@ -63,7 +63,7 @@ impl<T: Scalar> VertexRuns<T> {
         }
     }
 
-    /// A box that holds all vertices of a leaf; `None` where there is none of use.
+    /// A box that holds all vertices of a leaf; `None` if its vertices lie in too many runs.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn around<L: Lanes<T>>(&self, leaf: usize) -> Option<Aabb<T>> {
         let mut around = Aabb::empty();

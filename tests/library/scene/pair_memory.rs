@@ -3,7 +3,7 @@
 use crate::common::shapes::{self, Shape};
 use raycontact::contact::{ContactKind, ContactLaw, ContactList, DetectionOptions, Sampling};
 use raycontact::math::{Scalar, Vector3};
-use raycontact::scene::{SavedStateError, Scene, SceneError};
+use raycontact::scene::{BytesError, Scene, SceneError};
 
 /// Quasi-static motion of free bodies: each goes along the mean of its contacts' pushes, a little beyond touching.
 struct Motion<T: Scalar> {
@@ -116,7 +116,7 @@ fn bad_bytes_are_refused_and_change_nothing() {
     let mut motion = Motion::<f64>::new(&swallowed());
     (0..5).for_each(|_| motion.step());
     let saved = motion.saved();
-    let mut refuse = |bytes: &[u8], expected: SavedStateError| {
+    let mut refuse = |bytes: &[u8], expected: BytesError| {
         match motion.scene.restore_pair_memories(bytes) {
             Err(SceneError::SavedState(error)) => assert_eq!(error, expected),
             other => panic!("{expected:?} was expected, not {other:?}"),
@@ -124,17 +124,17 @@ fn bad_bytes_are_refused_and_change_nothing() {
         assert_eq!(motion.saved(), saved);
     };
     for length in 0..saved.len() {
-        refuse(&saved[..length], SavedStateError::NotSavedState { length });
+        refuse(&saved[..length], BytesError::Foreign { length });
     }
     let length = saved.len() + 1;
-    refuse(&[&saved[..], &[0]].concat(), SavedStateError::NotSavedState { length });
+    refuse(&[&saved[..], &[0]].concat(), BytesError::Foreign { length });
     // The mark, the version and the count are looked at first; any other change shows in the checksum.
     for place in (0..saved.len()).filter(|place| !(8..12).contains(place)) {
         let mut bytes = saved.clone();
         bytes[place] ^= 0x10;
         let is_frame = place < 8 || (28..44).contains(&place);
         let length = saved.len();
-        refuse(&bytes, if is_frame { SavedStateError::NotSavedState { length } } else { SavedStateError::Damaged });
+        refuse(&bytes, if is_frame { BytesError::Foreign { length } } else { BytesError::Damaged });
     }
     let body = &saved[..saved.len() - 8];
     let changed = |place: usize, bytes: &[u8]| {
@@ -142,19 +142,19 @@ fn bad_bytes_are_refused_and_change_nothing() {
         body[place..place + bytes.len()].copy_from_slice(bytes);
         with_checksum(body)
     };
-    refuse(&changed(8, &1u32.to_le_bytes()), SavedStateError::OtherVersion { version: 1 });
-    refuse(&changed(12, &4u32.to_le_bytes()), SavedStateError::OtherPrecision { bytes: 4 });
+    refuse(&changed(8, &1u32.to_le_bytes()), BytesError::OtherVersion { version: 1 });
+    refuse(&changed(12, &4u32.to_le_bytes()), BytesError::OtherPrecision { bytes: 4 });
     // Made-up bytes with the right checksum: pairs out of order, a third kind of escaping, a number below zero, NaN.
     // And before them flags that there are not, and more of a step than there is.
-    refuse(&changed(16, &8u32.to_le_bytes()), SavedStateError::Damaged);
-    refuse(&changed(20, &1f64.to_le_bytes()), SavedStateError::Damaged);
+    refuse(&changed(16, &8u32.to_le_bytes()), BytesError::Damaged);
+    refuse(&changed(20, &1f64.to_le_bytes()), BytesError::Damaged);
     let first_entry = 44;
-    refuse(&changed(first_entry, &7u32.to_le_bytes()), SavedStateError::Damaged);
-    refuse(&changed(first_entry + 8, &2u32.to_le_bytes()), SavedStateError::Damaged);
-    refuse(&changed(first_entry + 52, &(-1f64).to_le_bytes()), SavedStateError::Damaged);
-    refuse(&changed(first_entry + 44, &f64::NAN.to_le_bytes()), SavedStateError::Damaged);
-    refuse(&changed(first_entry + 60, &2f64.to_le_bytes()), SavedStateError::Damaged);
-    refuse(&changed(first_entry + 84, &f64::INFINITY.to_le_bytes()), SavedStateError::Damaged);
+    refuse(&changed(first_entry, &7u32.to_le_bytes()), BytesError::Damaged);
+    refuse(&changed(first_entry + 8, &2u32.to_le_bytes()), BytesError::Damaged);
+    refuse(&changed(first_entry + 52, &(-1f64).to_le_bytes()), BytesError::Damaged);
+    refuse(&changed(first_entry + 44, &f64::NAN.to_le_bytes()), BytesError::Damaged);
+    refuse(&changed(first_entry + 60, &2f64.to_le_bytes()), BytesError::Damaged);
+    refuse(&changed(first_entry + 84, &f64::INFINITY.to_le_bytes()), BytesError::Damaged);
     let far = first_entry + 92 * (motion.scene.pair_memories().len() - 1) + 4;
     let unknown = changed(far, &42u32.to_le_bytes());
     assert!(matches!(motion.scene.restore_pair_memories(&unknown), Err(SceneError::UnknownBody { body: 42 })));

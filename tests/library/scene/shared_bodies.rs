@@ -4,7 +4,7 @@ use crate::common::random::Random;
 use crate::common::shapes::{self, Shape};
 use raycontact::contact::{Contact, ContactList};
 use raycontact::math::Vector3;
-use raycontact::mesh::{Mesh, PackedMeshError};
+use raycontact::mesh::{BytesError, Mesh};
 use raycontact::response::{ForcesByPair, PenaltyLaw, Weighting, add_forces};
 use raycontact::scene::{Scene, SceneError, Sharing, finds_pair};
 use std::collections::BTreeMap;
@@ -254,7 +254,7 @@ fn a_packed_mesh_comes_back_as_it_was() {
         let mut broken = bytes.clone();
         broken[place] ^= 4;
         refused(&broken);
-        assert_eq!(refused(&bytes[..place]), PackedMeshError::NotPacked { length: place });
+        assert_eq!(refused(&bytes[..place]), BytesError::Foreign { length: place }.into());
     }
     // Also what fits its checksum: the last cluster's size.
     let mut forged = bytes.clone();
@@ -264,9 +264,9 @@ fn a_packed_mesh_comes_back_as_it_was() {
         .iter()
         .fold(0xcbf2_9ce4_8422_2325_u64, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3));
     forged[end..].copy_from_slice(&sum.to_le_bytes());
-    assert_eq!(refused(&forged), PackedMeshError::Damaged);
+    assert_eq!(refused(&forged), BytesError::Damaged.into());
     let mut newer = bytes.clone();
     newer[8] = 9;
-    assert_eq!(refused(&newer), PackedMeshError::OtherVersion { version: 9 });
-    assert_eq!(Mesh::<f32>::unpack(&bytes).expect_err("another"), PackedMeshError::OtherPrecision { bytes: 8 });
+    assert_eq!(refused(&newer), BytesError::OtherVersion { version: 9 }.into());
+    assert_eq!(Mesh::<f32>::unpack(&bytes).expect_err("another"), BytesError::OtherPrecision { bytes: 8 }.into());
 }

@@ -3,11 +3,11 @@
 mod bodies;
 #[allow(dead_code)] // the example energy uses more of it
 mod closed;
-mod conduct;
 mod energy;
 mod friction;
+mod ghosts;
 mod laws;
+mod pairs;
 mod parts;
 mod refusals;
-mod shared;
 mod steps;

@@ -6,12 +6,25 @@ use crate::octree::{Layout, Octree};
 
 const SIDES: [u32; 2] = [64, 24];
 
-/// A torus whose vertices are moved; gives its contacts with itself, and how many pairs of triangles were held against
-/// each other, for each triangle.
-fn found(layout: Layout, place: &dyn Fn(usize, [f64; 3]) -> [f64; 3]) -> (ContactList<f64>, f64) {
+/// A torus whose vertices are moved.
+fn bent(place: &dyn Fn(usize, [f64; 3]) -> [f64; 3]) -> Mesh<f64> {
     let mut mesh = torus(SIDES);
     let positions: Vec<_> = torus_positions(SIDES, 0).into_iter().enumerate().map(|(i, p)| place(i, p)).collect();
     mesh.set_positions(&positions).expect("finite");
+    mesh
+}
+
+/// The contacts of every ray.
+fn of_every_ray(mesh: &Mesh<f64>) -> ContactList<f64> {
+    let mut all = ContactList::default();
+    query_self_with_all_rays(mesh, &Octree::new(mesh), &DetectionOptions::default(), &mut all).expect("new");
+    all
+}
+
+/// A bent torus: its contacts with itself, and how many pairs of triangles were held against
+/// each other, for each triangle.
+fn found(layout: Layout, place: &dyn Fn(usize, [f64; 3]) -> [f64; 3]) -> (ContactList<f64>, f64) {
+    let mesh = bent(place);
     let (octree, mut contacts) = (Octree::with_layout(&mesh, layout), ContactList::default());
     let tracer = octree.tracer(&mesh).expect("it is new");
     detect_self(0, tracer, &octree, &DetectionOptions::default(), None, &mut contacts);
@@ -115,11 +128,7 @@ fn numbers_do_not_matter_to_what_is_tangled() {
 #[test]
 fn a_flattened_body_is_tangled_and_nothing_is_lost() {
     let place = |_: usize, [x, y, _]: [f64; 3]| [x, y, 0.25];
-    let mut mesh = torus(SIDES);
-    let positions: Vec<_> = torus_positions(SIDES, 0).into_iter().map(|p| place(0, p)).collect();
-    mesh.set_positions(&positions).expect("finite");
-    let mut all = ContactList::default();
-    query_self_with_all_rays(&mesh, &Octree::new(&mesh), &DetectionOptions::default(), &mut all).expect("new");
+    let all = of_every_ray(&bent(&place));
     let (culled, _) = found(Layout::Wide, &place);
     assert_eq!((all.len(), culled.len(), culled.statistics.tangled_bodies), (0, 0, 1));
 }
@@ -134,12 +143,7 @@ fn what_is_not_tangled_has_the_contacts_of_every_ray() {
     let folded = |_: usize, [x, y, z]: [f64; 3]| [x, y * (1.0 - 0.87 * (-4.0 * x * x).exp() / y.hypot(0.3)), z];
     let places: [&dyn Fn(usize, [f64; 3]) -> [f64; 3]; 3] = [&crumpled, &pinched, &folded];
     for (number, place) in places.into_iter().enumerate() {
-        let mut mesh = torus(SIDES);
-        let positions = torus_positions(SIDES, 0).into_iter().enumerate();
-        let positions: Vec<_> = positions.map(|(i, p)| place(i, p)).collect();
-        mesh.set_positions(&positions).expect("finite");
-        let mut all = ContactList::default();
-        query_self_with_all_rays(&mesh, &Octree::new(&mesh), &DetectionOptions::default(), &mut all).expect("new");
+        let all = of_every_ray(&bent(place));
         let (culled, tried) = found(Layout::Wide, place);
         assert_eq!(culled.contacts, all.contacts, "{number}");
         assert!(culled.statistics.tangled_bodies == 0 && tried < 200.0, "{number}: {tried}");

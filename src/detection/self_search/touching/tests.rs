@@ -1,5 +1,6 @@
 use super::*;
 use crate::octree::Layout;
+use crate::shapes;
 
 type Corners = [Vector3<f64>; 3];
 
@@ -96,10 +97,14 @@ fn the_line_of_centres_tells_what_is_apart() {
 }
 
 fn octahedron(middle: f64) -> Mesh<f64> {
-    let unit = |i: usize| Vector3::ith(i / 2, 1.0 - 2.0 * (i % 2) as f64).add_scalar(middle);
-    let positions: Vec<[f64; 3]> = (0..6).map(|i| unit(i).into()).collect();
-    let triangles = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
-    Mesh::new(&positions, &triangles).expect("it is closed")
+    shapes::octahedron().map(|point| point.map(|x| x + middle)).mesh()
+}
+
+/// What the fans around vertices allow and touch.
+fn fans_of(mesh: &Mesh<f64>) -> (Fans<f64>, Touching<f64>) {
+    let mut touching = Touching::default();
+    touching.reset(mesh);
+    (touching.search_fans(mesh), touching)
 }
 
 /// Each triangle is √1.5 high, and √0.5 seen along the axis of its fan. What is kept for rounding grows with the
@@ -107,17 +112,13 @@ fn octahedron(middle: f64) -> Mesh<f64> {
 #[test]
 fn fans_of_an_octahedron_have_the_altitudes_of_its_triangles() {
     for middle in [0.0, 1e9, 1e11] {
-        let (mesh, mut touching) = (octahedron(middle), Touching::default());
-        touching.reset(&mesh);
-        let found = touching.search_fans(&mesh);
+        let (found, touching) = fans_of(&octahedron(middle));
         let kept = 64.0 * 64.0 * (middle + 1.0) * f64::EPSILON / 2.0;
         assert!((found.fineness / 1.5f64.sqrt() - 1.0).abs() < 1e-14);
         assert!((found.strain / ((0.5f64.sqrt() - kept) / 3.0) - 1.0).abs() < 1e-13, "{}", found.strain);
         assert!(!touching.any && touching.touched == [false; 8]);
     }
-    let (mesh, mut touching) = (octahedron(1e13), Touching::default());
-    touching.reset(&mesh);
-    touching.search_fans(&mesh);
+    let (_, touching) = fans_of(&octahedron(1e13));
     assert!(touching.any && touching.touched == [true; 8], "coordinates tell no altitude apart");
 }
 
@@ -125,20 +126,17 @@ fn fans_of_an_octahedron_have_the_altitudes_of_its_triangles() {
 /// still cover a plane once around each vertex.
 #[test]
 fn fans_hold_while_triangles_are_strained_by_what_they_may() {
-    let (mesh, mut touching) = (octahedron(0.0), Touching::default());
-    touching.reset(&mesh);
-    touching.search_fans(&mesh);
+    let mesh = octahedron(0.0);
+    let (_, touching) = fans_of(&mesh);
     let allowed = touching.strains[0];
     assert!(allowed > 0.2 && touching.strains.iter().all(|strain| (strain - allowed).abs() < 1e-12), "{allowed}");
     for way in 0..200 {
         let strain = nalgebra::Matrix3::from_fn(|i, j| f64::from(way * (3 * i + j + 1) as u32 + 1).sin());
         let map = nalgebra::Matrix3::identity() + strain * (allowed / strain.norm());
         let positions: Vec<[f64; 3]> = mesh.positions().iter().map(|p| (map * p).into()).collect();
-        let (mut moved, mut touching) = (mesh.clone(), Touching::default());
+        let mut moved = mesh.clone();
         moved.set_positions(&positions).expect("finite");
-        touching.reset(&moved);
-        touching.search_fans(&moved);
-        assert!(!touching.any, "way {way}");
+        assert!(!fans_of(&moved).1.any, "way {way}");
     }
 }
 
@@ -155,9 +153,8 @@ fn pyramids(rim: &[u32]) -> Mesh<f64> {
 #[test]
 fn a_fan_that_folds_or_goes_round_twice_touches_itself() {
     let apex_of = |rim: &[u32]| {
-        let (mesh, mut touching) = (pyramids(rim), Touching::default());
-        touching.reset(&mesh);
-        let found = touching.search_fans(&mesh);
+        let mesh = pyramids(rim);
+        let (found, touching) = fans_of(&mesh);
         let apex = [0, 1].map(|k| touching.altitude_of_fan(&mesh, rim.len() as u32 + k).0);
         (apex, found.strain, touching)
     };

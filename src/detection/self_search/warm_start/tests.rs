@@ -1,7 +1,9 @@
 use super::*;
 use crate::detection::self_search::nearness::{Nearness, nearness};
 use crate::detection::{ContactList, DetectionOptions, detect_self, query_self_with_all_rays};
-use crate::octree::test_mesh::{torus, torus_positions, torus_triangles};
+use crate::octree::test_mesh::{torus, torus_positions};
+use crate::random::Random;
+use crate::shapes;
 use std::collections::BTreeSet;
 
 const CORNERS: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -114,12 +116,6 @@ fn what_is_remembered_never_tells_other_than_a_search() {
     );
 }
 
-/// A number from −1 to 1, by Knuth's linear congruential generator.
-fn random(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 * (-52f64).exp2() - 1.0
-}
-
 /// A torus as it is, one pinched in the middle, one pressed to a sheet, and a sheet rolled up, whose layers face alike.
 fn shapes() -> [fn([f64; 3]) -> [f64; 3]; 4] {
     [
@@ -142,13 +138,13 @@ fn what_is_clear_touches_nothing_however_it_moves() {
     for (number, shape) in shapes().into_iter().enumerate() {
         let (mut mesh, mut memory) = (torus(SIDES), SelfWarmStart::default());
         let (mut octree, mut list) = (Octree::new(&mesh), ContactList::default());
-        let (mut state, mut clear) = (7 + number as u64, 0);
+        let (mut random, mut clear) = (Random::new(7 + number as u64), 0);
         let (mut waves, mut shear, mut crumple, mut turn) = ([[0.0; 4]; 6], [0.0; 3], [0.0; 3], 0.0f64);
         let scale = if number < 2 { 0.5 } else { 0.15 };
         for step in 0..600 {
             let pace = [0.004, 0.02, 0.08][step / 100 % 3];
             for value in waves.as_flattened_mut().iter_mut().chain(&mut shear).chain(&mut crumple) {
-                *value = 0.97 * *value + pace * random(&mut state);
+                *value = 0.97 * *value + pace * random.signed();
             }
             turn += pace * 4.0;
             let place = |(vertex, &p): (usize, &[f64; 3])| {
@@ -188,21 +184,15 @@ fn what_is_clear_touches_nothing_however_it_moves() {
 /// Two tori, one inside the other: they touch nothing, and the body overlaps itself, in each step anew.
 #[test]
 fn what_lies_inside_another_part_is_not_forgotten() {
-    let rest = torus_positions(SIDES, 0);
-    let count = rest.len() as u32;
-    let inner = rest.iter().map(|&[x, y, z]| {
-        let ring = x.hypot(y);
-        let thinner = 0.5 + 0.5 / ring;
+    let outer = shapes::torus(32, 8, 0.3);
+    let body = outer.joined(&outer.map(|[x, y, z]| {
+        let thinner = 0.5 + 0.5 / x.hypot(y);
         [x * thinner, y * thinner, 0.5 * z]
-    });
-    let positions: Vec<_> = rest.iter().copied().chain(inner).collect();
-    let outer = torus_triangles(SIDES);
-    let triangles: Vec<_> = outer.iter().copied().chain(outer.iter().map(|t| t.map(|v| v + count))).collect();
-    let mut mesh: Mesh<f64> = Mesh::new(&positions, &triangles).expect("both are closed");
+    }));
+    let mut mesh: Mesh<f64> = body.mesh();
     let (mut octree, mut memory, mut list) = (Octree::new(&mesh), SelfWarmStart::default(), ContactList::default());
     for step in 0..40 {
-        let moved: Vec<_> = positions.iter().map(|p| p.map(|x| x * (1.0 + 1e-4 * f64::from(step)))).collect();
-        mesh.set_positions(&moved).expect("finite");
+        mesh.set_positions(&body.scaled(1.0 + 1e-4 * f64::from(step)).positions).expect("finite");
         octree.update(&mesh).expect("its own");
         let (tracer, options) = (octree.tracer(&mesh).expect("new"), DetectionOptions::default());
         assert!(detect_self(0, tracer, &octree, &options, Some(&mut memory), &mut list), "step {step}");

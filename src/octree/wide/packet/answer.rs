@@ -2,21 +2,21 @@ use super::PacketHits;
 use crate::math::{LANE_COUNT, Lanes, Mask, Scalar};
 use crate::ray::HitLanes;
 
-/// What is wanted of the hits.
+/// The question that the rays of a packet ask.
 pub(super) trait Answer<T: Scalar> {
     /// Whether only hits from inside count.
     const EXITS_ONLY: bool;
 
-    /// Up to where each ray may still meet what counts: nothing beyond what was found changes the answer.
+    /// The `t` of each ray beyond which hits no longer change the answer.
     fn end(&self) -> &[T; LANE_COUNT];
 
-    /// Which rays have their answer, wherever else they lead.
+    /// Which rays have their final answer.
     fn settled(&self) -> Mask;
 
     /// Which of a tile's triangles do not count for a ray, given the tile's vertices and each triangle's set of them.
     fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask;
 
-    /// Takes note of the hit in one of the lanes.
+    /// Records the hit of one lane.
     fn add(&mut self, ray: usize, triangle: u32, hits: &HitLanes<T>, lane: usize);
 }
 

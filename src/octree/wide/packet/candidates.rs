@@ -32,14 +32,14 @@ pub(super) struct Waiting<T> {
     pub(super) rays: Mask,
 }
 
-/// Room for what is found on the way of a packet; with space behind each list that may be overwritten.
+/// Scratch memory for a packet's search, with space behind each list that may be overwritten.
 #[repr(C, align(64))]
 pub(crate) struct Candidates<T: Scalar> {
     lanes: TriangleLanes<T>,
     hits: HitLanes<T>,
     /// For the positions of a tile that is not loaded.
     pub(super) room: [[T; LANE_COUNT]; 3],
-    /// Where more tiles than so many are listed, rays walk.
+    /// The most tiles listed; beyond, the packet walks the tree.
     pub(super) most_listed: usize,
     /// Tiles that rays may meet, and of each its node and its place there: 16 · node + place.
     pub(super) tiles: [u32; TILES_AT_ONCE + LANE_COUNT],
@@ -49,7 +49,7 @@ pub(crate) struct Candidates<T: Scalar> {
     triangles: [Candidate; CANDIDATES_AT_ONCE + LANE_COUNT],
     /// Nodes that a walk has yet to enter.
     pub(super) waiting: [Waiting<T>; STACK_SIZE],
-    /// Whether the last packet had better walk, and so the next, where hits and where exits were asked.
+    /// Whether the next packet starts by walking the tree: for searches of hits, and of exits.
     pub(super) walks: [bool; 2],
 }
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::math::{Kernel, Vector3, on_every_path};
-use crate::octree::test_mesh::{torus_positions, torus_triangles};
+use crate::octree::test_mesh::torus_at;
 use crate::octree::wide::single::{FEW_WAITING, NearestOfRay};
 use crate::octree::wide::trace::STACK_SIZE;
 use crate::octree::{Octree, Tracer};
@@ -95,8 +95,7 @@ fn rays<T: Scalar>(mesh: &Mesh<T>) -> (Vec<Ray<T>>, Vec<[u32; 3]>) {
 }
 
 fn assert_same_either_way<T: Scalar>() {
-    let positions: Vec<_> = torus_positions(SIDES, 3).into_iter().map(|point| point.map(T::of)).collect();
-    let mesh = Mesh::new(&positions, &torus_triangles(SIDES)).expect("it is closed");
+    let mesh: Mesh<T> = torus_at(SIDES, 3);
     let octree = Octree::new(&mesh);
     let tracer = octree.tracer(&mesh).expect("it is new");
     let cells = Wide::new(&mesh);

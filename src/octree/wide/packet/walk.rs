@@ -19,7 +19,7 @@ pub(super) struct Walk<'a, 'b, T: Scalar, L, A> {
 impl<T: Scalar, L: Lanes<T>, A: Answer<T>> Kernel<T> for Walk<'_, '_, T, L, A> {
     type Output = ();
 
-    /// On the lanes that the search is prepared for.
+    /// Runs with the lanes of the search.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<Same: Lanes<T>>(self) {
         let Self { search, list, answer } = self;

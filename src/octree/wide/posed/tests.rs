@@ -2,7 +2,7 @@ use crate::closest::ClosestPoint;
 use crate::math::{Aabb, Pose, Scalar, Vector3};
 use crate::mesh::Mesh;
 use crate::octree::Octree;
-use crate::octree::test_mesh::{torus_positions, torus_triangles};
+use crate::octree::test_mesh::{cube_about, torus_at};
 use crate::ray::Ray;
 
 const SIDES: [u32; 2] = [96, 24];
@@ -13,15 +13,6 @@ fn pose(step: u32) -> Pose {
     let ((sin, cos), (sin_x, cos_x)) = ((0.9 * step).sin_cos(), (1.7 * step).sin_cos());
     let rotation = [[cos, -sin, 0.0], [cos_x * sin, cos_x * cos, -sin_x], [sin_x * sin, sin_x * cos, cos_x]];
     Pose { position: [0.3 * step.cos(), 0.2 * step, -0.1 * step], rotation }
-}
-
-fn torus<T: Scalar>() -> Mesh<T> {
-    let positions: Vec<_> = torus_positions(SIDES, 1).into_iter().map(|point| point.map(T::of)).collect();
-    Mesh::new(&positions, &torus_triangles(SIDES)).expect("it is closed")
-}
-
-fn cube_about<T: Scalar>(centre: &Vector3<T>, half_side: f64) -> Aabb<T> {
-    Aabb { lower: centre.add_scalar(T::of(-half_side)), upper: centre.add_scalar(T::of(half_side)) }
 }
 
 fn follow<T: Scalar>(mesh: &mut Mesh<T>, octree: &mut Octree<T>, pose: &Pose) {
@@ -64,7 +55,7 @@ fn assert_same<T: Scalar>(mesh: &Mesh<T>, octree: &Octree<T>, judge: &Mesh<T>) {
 }
 
 fn assert_follows<T: Scalar>() {
-    let (mut mesh, mut judge) = (torus::<T>(), torus::<T>());
+    let (mut mesh, mut judge) = (torus_at::<T>(SIDES, 1), torus_at::<T>(SIDES, 1));
     let mut octree = Octree::new(&mesh);
     let mut tiles = Vec::new();
     for step in 0..9 {
@@ -75,7 +66,7 @@ fn assert_follows<T: Scalar>() {
         // Far away, then about a vertex, then about another at the same pose.
         let corner = judge.positions()[100 * step as usize];
         let regions =
-            [cube_about(&Vector3::repeat(T::of(99.0)), 1.0), cube_about(&corner, 0.1), cube_about(&-corner, 0.2)];
+            [cube_about(Vector3::repeat(T::of(99.0)), 1.0), cube_about(corner, 0.1), cube_about(-corner, 0.2)];
         let mut before = 0;
         for (number, region) in regions.iter().enumerate() {
             let updated = octree.update_in(&mut mesh, &regions[number..=number], None, true, &mut tiles);
@@ -123,7 +114,7 @@ fn a_tree_follows_poses_where_it_is_asked_to() {
 /// Rotations by right angles, whose faces reach equally far at many vertices, and ones that are almost such.
 #[test]
 fn the_box_of_a_moved_body_is_the_smallest() {
-    let mut mesh = torus::<f32>();
+    let mut mesh = torus_at::<f32>(SIDES, 1);
     let flat: Vec<_> = mesh.positions().iter().map(|p| p.map(|x| x.clamp(-0.9, 0.7)).into()).collect();
     mesh = Mesh::new(&flat, mesh.topology().triangles()).unwrap_or(mesh);
     let mut octree = Octree::new(&mesh);

@@ -1,6 +1,6 @@
-//! A second look for contacts within a step: one body that is stopped may be in the way of another.
+//! A second detection within a step: a body that was stopped may be in the way of another one.
 
-use super::fold::pressed_area;
+use super::row_builder::pressed_area;
 use super::step::Step;
 use super::{ContactSystem, SystemError};
 use crate::detection::Contact;
@@ -9,11 +9,11 @@ use crate::memory::Room;
 use crate::scene::Scene;
 
 impl<T: Scalar> ContactSystem<T> {
-    /// Looks for contacts where bodies end with these velocities, in place of where they were sought before: one that is
-    /// stopped may be in the way of another, which detection took to be moving on. To be called after a solve. Rows of pairs
-    /// that had none, or less than half as many, are made anew; true if there are such: another solve is due. Where no
-    /// unknown ends further from where it was sought than the smallest depth cap there is nothing to look for. Rows are then
-    /// held at these velocities.
+    /// Looks for contacts where bodies end with these velocities, instead of where they were predicted: a body that was stopped
+    /// may be in the way of another one, though the prediction had it moving on. To be called after a solve. Pairs that had no
+    /// rows, or less than half as many, get new ones, and all rows are linearised at these velocities; true if there are such
+    /// pairs, and then another solve is due. If no node or rigid body ends farther from its prediction than the smallest depth
+    /// cap, nothing is done.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::Mesh`].
@@ -28,15 +28,15 @@ impl<T: Scalar> ContactSystem<T> {
         self.go_on_with(velocities);
         self.detect(scene, step.dt)?;
         scene.disregard_query();
-        let has_news = self.fold_news(step);
+        let has_news = self.add_new_rows(step);
         if has_news {
             self.hold_at(velocities, step);
         }
         Ok(has_news)
     }
 
-    /// Makes rows of pairs anew of which the last detection found more; gives whether there are such.
-    pub(super) fn fold_news(&mut self, step: Step) -> bool {
+    /// Makes new rows for pairs of which the last detection found more contacts; true if there are any.
+    pub(super) fn add_new_rows(&mut self, step: Step) -> bool {
         self.count_pairs();
         let mut pairs = std::mem::take(&mut self.buffers.pairs);
         pairs.retain(|&(_, found, rows)| found > 2 * rows);
@@ -44,12 +44,12 @@ impl<T: Scalar> ContactSystem<T> {
         for row in &mut self.rows.rows {
             let (first, second) = self.loads.now[row.pair].key;
             if matches!(second, super::Surface::Body(second) if is_news(first, second)) {
-                // It pushes no longer.
+                // Switched off: the new rows replace it.
                 row.coefficient = 0.0;
                 row.anchor = None;
             }
         }
-        self.fold(step.dt, is_news, None);
+        self.add_rows(step.dt, is_news, None);
         let has_news = !pairs.is_empty();
         self.buffers.pairs = pairs;
         has_news
@@ -60,7 +60,7 @@ impl<T: Scalar> ContactSystem<T> {
         let Self { contacts, rows, loads, buffers, .. } = self;
         let pairs = &mut buffers.pairs;
         pairs.clear();
-        // Those of pairs that are pushed as whole bodies push nothing themselves: such a pair keeps its push.
+        // Contacts of escaping pairs have no area: such pairs keep their one row.
         let pushing = |contact: &&Contact<T>| pressed_area(contact) > T::zero();
         for contact in contacts.contacts.iter().filter(pushing) {
             let pair = [contact.colliding.min(contact.collided), contact.colliding.max(contact.collided)];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-/** The linear solver of the engines beside it. */
-#ifndef RAYCONTACT_DEMOS_CONJUGATE_GRADIENTS_HPP
-#define RAYCONTACT_DEMOS_CONJUGATE_GRADIENTS_HPP
+/** The linear solver of the engine beside it, and of own_engine. */
+#ifndef RAYCONTACT_DEMOS_ENGINE_CONJUGATE_GRADIENTS_HPP
+#define RAYCONTACT_DEMOS_ENGINE_CONJUGATE_GRADIENTS_HPP
 
 #include <cstddef>
 #include <vector>
@@ -44,4 +44,4 @@ void solve_by_conjugate_gradients(const AddProduct& add_product, const std::vect
 
 }  // namespace demo
 
-#endif  // RAYCONTACT_DEMOS_CONJUGATE_GRADIENTS_HPP
+#endif  // RAYCONTACT_DEMOS_ENGINE_CONJUGATE_GRADIENTS_HPP

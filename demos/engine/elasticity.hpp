@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 /** Corotational linear elasticity of tetrahedra, as a sparse matrix of 3 x 3 blocks over their nodes. */
-#ifndef RAYCONTACT_DEMOS_CAGED_BODIES_ELASTICITY_HPP
-#define RAYCONTACT_DEMOS_CAGED_BODIES_ELASTICITY_HPP
+#ifndef RAYCONTACT_DEMOS_ENGINE_ELASTICITY_HPP
+#define RAYCONTACT_DEMOS_ENGINE_ELASTICITY_HPP
 
 #include <algorithm>
 #include <array>
@@ -176,4 +176,4 @@ class Elasticity {
 
 }  // namespace caged
 
-#endif  // RAYCONTACT_DEMOS_CAGED_BODIES_ELASTICITY_HPP
+#endif  // RAYCONTACT_DEMOS_ENGINE_ELASTICITY_HPP

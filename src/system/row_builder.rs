@@ -24,21 +24,21 @@ pub(super) struct HalfSpace {
 /// Materials of pairs that have one of their own, in order.
 pub(super) type PairMaterials = Vec<(Key, Material)>;
 
-/// Folds one detection.
-pub(super) struct Folding<'a, T: Scalar> {
+/// Makes rows from the contacts of one detection.
+pub(super) struct RowBuilder<'a, T: Scalar> {
     pub(super) bodies: &'a [Body<T>],
     pub(super) pair_materials: &'a PairMaterials,
     pub(super) node_masses: &'a [f64],
     pub(super) rows: &'a mut Rows,
     pub(super) anchors: &'a mut Anchors,
     pub(super) loads: &'a mut PairLoads,
-    /// How detection moved the bodies on.
+    /// The prediction that detection used.
     pub(super) course: Course<'a>,
-    /// At the start of the step.
+    /// The velocities at the start of the step.
     pub(super) before: Velocities<'a>,
 }
 
-/// What a row is made of, beside its entries.
+/// What a row is made of, apart from its entries.
 struct Spring {
     key: Key,
     direction: V3,
@@ -46,12 +46,12 @@ struct Spring {
     cos_alpha: f64,
     /// The coefficient for a stiffness of 1.
     area: f64,
-    /// Along which the pair pushes its first body as a whole, of unit length, or zero.
+    /// The direction of the pair's net push on its first body, of unit length, or zero.
     pushes: V3,
 }
 
-/// The area on which a contact presses, seen along its direction: times a stiffness in N/m³, its spring's coefficient. None
-/// where the pair is escaping: such bodies are pushed as a whole, so that soft ones are moved and not drawn out.
+/// A contact's area seen along its direction; multiplied by a stiffness in N/m³, it is the spring's coefficient. Zero for
+/// contacts of an escape, which pushes whole bodies, so that soft ones are moved and not stretched.
 pub(super) fn pressed_area<T: Scalar>(contact: &Contact<T>) -> T {
     match contact.kind {
         ContactKind::Escape => T::zero(),
@@ -59,7 +59,7 @@ pub(super) fn pressed_area<T: Scalar>(contact: &Contact<T>) -> T {
     }
 }
 
-/// The directions of a pair's contacts, by what they push with: as a whole, on the body with the smaller number.
+/// The direction of a pair's net push on the body with the smaller number: its contacts' directions, weighted by pressure.
 fn net_direction<T: Scalar>(contacts: &[Contact<T>]) -> V3 {
     let mut sum = V3::zeros();
     for contact in contacts {
@@ -77,12 +77,12 @@ struct Ends {
     given_before: V3,
 }
 
-/// If a far vertex would need a larger weight than this, the body is flat there.
+/// If the vertex on the far side would need a larger weight than this, the body is too flat there.
 const MOST_FAR_WEIGHT: f64 = 2.0;
 
-impl<T: Scalar> Folding<'_, T> {
-    /// `wanted`: whether to take contacts of this pair of numbers.
-    pub(super) fn fold_contacts(&mut self, contacts: &[Contact<T>], wanted: impl Fn(u32, u32) -> bool) {
+impl<T: Scalar> RowBuilder<'_, T> {
+    /// `wanted` tells by two bodies' numbers whether to take their contacts.
+    pub(super) fn add_contacts(&mut self, contacts: &[Contact<T>], wanted: impl Fn(u32, u32) -> bool) {
         let pair = |contact: &Contact<T>| {
             let Contact { colliding, collided, .. } = *contact;
             (colliding.min(collided), colliding.max(collided))
@@ -91,12 +91,12 @@ impl<T: Scalar> Folding<'_, T> {
             let net = net_direction(contacts);
             for contact in contacts {
                 let pushes = if contact.colliding <= contact.collided { net } else { -net };
-                self.fold_contact(contact, pushes, &wanted);
+                self.add_contact(contact, pushes, &wanted);
             }
         }
     }
 
-    fn fold_contact(&mut self, contact: &Contact<T>, pushes: V3, wanted: impl Fn(u32, u32) -> bool) {
+    fn add_contact(&mut self, contact: &Contact<T>, pushes: V3, wanted: impl Fn(u32, u32) -> bool) {
         let area = pressed_area(contact).to_f64();
         let bodies = self.bodies;
         let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
@@ -129,7 +129,7 @@ impl<T: Scalar> Folding<'_, T> {
     }
 
     /// Escaping pairs: one spring between the two centres of mass, so that every node gets the same acceleration.
-    pub(super) fn fold_pushes(&mut self, pushes: &[EscapePush<T>]) {
+    pub(super) fn add_escapes(&mut self, pushes: &[EscapePush<T>]) {
         for push in pushes {
             let [first, second] = push.bodies;
             if !self.body(first).is_movable() && !self.body(second).is_movable() {
@@ -152,7 +152,7 @@ impl<T: Scalar> Folding<'_, T> {
 
     /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
     /// seen along the normal. `areas`: room for one number for each vertex.
-    pub(super) fn fold_half_space(
+    pub(super) fn add_half_space_rows(
         &mut self,
         number: u32,
         half_space: &HalfSpace,
@@ -215,7 +215,7 @@ impl<T: Scalar> Folding<'_, T> {
         })
     }
 
-    /// Adds the body's part of the row under way, at `corners` along the direction and where `held` says across it.
+    /// Adds one body's entries to the row under way: at `corners` for the normal force, and where `held` says for friction.
     fn add_end(
         &mut self,
         ends: &mut Ends,
@@ -258,8 +258,8 @@ impl<T: Scalar> Folding<'_, T> {
         }
     }
 
-    /// A point inside a body that nodes carry as a sum of three corners of its surface and a fourth vertex on its far side;
-    /// `None` where the body has no such side, is flat.
+    /// A point inside a deformable body as a weighted sum of three corners of its surface and a fourth vertex on its far side;
+    /// `None` where the body is too flat for that.
     fn held_inside(&self, number: u32, corners: &Corners, point: &V3) -> Option<[(u32, f64); 4]> {
         let body = &self.bodies[self.place(number)];
         if !matches!(body.mover, Mover::Nodes { .. }) {
@@ -304,7 +304,7 @@ impl<T: Scalar> Folding<'_, T> {
         }
     }
 
-    /// The entries added since the last row become one.
+    /// Makes a row of the entries added since the last one.
     fn finish(&mut self, spring: Spring, floor: Option<&HalfSpace>, ends: Ends, hold: Option<(u32, Corners, Hold)>) {
         let Spring { key, direction, depth, cos_alpha, area, pushes } = spring;
         let pair = self.pair(key, floor);
@@ -333,7 +333,7 @@ impl<T: Scalar> Folding<'_, T> {
         let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
         let given = self.rows.rows[place].given;
         let [mut slip, before] = self.rows.slips_of_last([(ahead, &given), (self.before, &ends.given_before)]);
-        // Detection has moved nothing on where it did not look ahead.
+        // Without look-ahead, detection has not moved the bodies.
         if self.course.time <= 0.0 {
             slip = Slip::default();
         }
@@ -359,7 +359,7 @@ impl<T: Scalar> Folding<'_, T> {
         row.asked = Row::asked(depth, cos_alpha, self.course.time * slip.along, material.depth_cap);
     }
 
-    /// Where something held is at the end of the course.
+    /// Where the point that a friction spring holds on to was at the last detection.
     fn held_at(&self, key: Key, hold: &Hold) -> V3 {
         match (hold, key.1) {
             (Hold::Material(corners), Surface::Body(number)) => self.bodies[self.place(number)].point_ahead(corners),

@@ -1,4 +1,4 @@
-//! What a pair's friction remembers from step to step, as bytes: for pairs that another system is to find from now on.
+//! What a pair's friction remembers from step to step, as bytes, for another system that finds the pair from now on.
 
 use super::anchors::{Anchor, Corners, Hold};
 use super::loads::{Key, Surface};
@@ -92,7 +92,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 }
 
-/// Those by which a pair's contacts are known: the one body's, and the other's.
+/// The two keys of a pair's contacts: one for those of each body's rays.
 fn keys((first, second): (u32, Surface)) -> [Option<Key>; 2] {
     let turned = match second {
         Surface::Body(second) if second != first => Some((second, Surface::Body(first))),

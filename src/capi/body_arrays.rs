@@ -1,7 +1,7 @@
 //! The arrays of all bodies that a call is given, read and written where they lie.
 
+use super::checks::check_numbers;
 use super::failure::{Failure, rayc_status};
-use super::numbers::check_numbers;
 use super::pointers::slice;
 use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
 use crate::detection::ContactList;
@@ -11,9 +11,9 @@ use crate::response::{BodiesMut, Vectors, VectorsMut};
 
 /// One body's array, known to be as it should.
 #[repr(transparent)]
-pub(super) struct Given(rayc_vectors);
+pub(super) struct BodyArray(rayc_vectors);
 
-impl Given {
+impl BodyArray {
     /// # Safety
     /// `bodies` is NULL or points to `count` arrays that are as they say and stay so during `'a`.
     pub(super) unsafe fn all<'a>(bodies: *const rayc_vectors, count: usize, name: &str) -> Result<&'a [Self], Failure> {
@@ -41,7 +41,7 @@ impl Given {
     }
 }
 
-impl<T: Scalar> Vectors<T> for Given {
+impl<T: Scalar> Vectors<T> for BodyArray {
     #[inline]
     fn get(&self, vertex: u32) -> Vector3<T> {
         // SAFETY: only `all` makes this.
@@ -50,11 +50,11 @@ impl<T: Scalar> Vectors<T> for Given {
 }
 
 /// The arrays to which all bodies' forces are added.
-pub(super) struct GivenMut<'a>(&'a [rayc_vectors_mut]);
+pub(super) struct BodyArraysMut<'a>(&'a [rayc_vectors_mut]);
 
-impl GivenMut<'_> {
+impl BodyArraysMut<'_> {
     /// # Safety
-    /// As [`Given::all`], and nobody else uses the arrays.
+    /// As [`BodyArray::all`], and nobody else uses the arrays.
     pub(super) unsafe fn all(bodies: *const rayc_vectors_mut, count: usize, name: &str) -> Result<Self, Failure> {
         // SAFETY: by this function's contract.
         let bodies = unsafe { slice(bodies, count, name) }?;
@@ -66,7 +66,7 @@ impl GivenMut<'_> {
     }
 }
 
-impl<T: Scalar> BodiesMut<T> for GivenMut<'_> {
+impl<T: Scalar> BodiesMut<T> for BodyArraysMut<'_> {
     #[inline]
     fn add_to(&mut self, body: u32, vertex: u32, vector: Vector3<T>) {
         // SAFETY: only `all` makes this.
@@ -76,8 +76,8 @@ impl<T: Scalar> BodiesMut<T> for GivenMut<'_> {
 
 /// What a call is to read, with its names, and to write.
 pub(super) struct Arrays<'a, const N: usize> {
-    pub(super) read: [(&'static str, Option<&'a [Given]>); N],
-    pub(super) written: Option<&'a GivenMut<'a>>,
+    pub(super) read: [(&'static str, Option<&'a [BodyArray]>); N],
+    pub(super) written: Option<&'a BodyArraysMut<'a>>,
 }
 
 impl<const N: usize> Arrays<'_, N> {
@@ -107,7 +107,7 @@ impl<const N: usize> Arrays<'_, N> {
                 check_numbers::<T>(given.as_slice(), format_args!("{name}[{body}]: vertex {vertex}"))?;
             }
         }
-        let Some(GivenMut(arrays)) = self.written else { return Ok(()) };
+        let Some(BodyArraysMut(arrays)) = self.written else { return Ok(()) };
         check_reach(body, vertices, arrays.get(body as usize).map(|array| array.count))
     }
 }

@@ -85,10 +85,10 @@ impl<T: Scalar> ContactSystem<T> {
         self.go_on_with(velocities);
         self.detect(scene, step.dt)?;
         scene.disregard_query();
-        Ok(self.fold_news(step))
+        Ok(self.add_new_rows(step))
     }
 
-    /// Bodies are sought where these velocities lead.
+    /// Makes these velocities those of the prediction.
     pub(super) fn go_on_with(&mut self, velocities: &[f64]) {
         let Some(step) = self.step else { return };
         self.find_twists(velocities, step);
@@ -117,7 +117,7 @@ impl<T: Scalar> ContactSystem<T> {
         if masses.len() >= self.node_masses.len() && others.all(keeps) { Ok(()) } else { self.check_no_step() }
     }
 
-    /// The step under way has room for what has joined: at rest in the origin, until it is said how it moves.
+    /// Makes room in the step under way for bodies that have joined: at rest at the origin until their motion is set.
     pub(super) fn make_room_in_step(&mut self) {
         let unknowns = self.unknown_count();
         let Some(step) = &mut self.step else { return };

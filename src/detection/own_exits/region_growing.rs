@@ -1,5 +1,6 @@
-//! Triangles beside a part inside may lie inside too, where the other part passes between their vertices. They are as near as
-//! the other part's surface, and no way out. What tells them: their nearest point is where the part begins.
+//! Where the other part's surface passes between a triangle's vertices, the triangle beside a part inside lies partly inside
+//! too. It is as near as the other part's surface, but no way out. Such triangles are recognised by their nearest point, which
+//! lies on the border of the part; the part then grows over them.
 
 use super::OUTSIDE;
 use crate::closest::ClosestPoint;
@@ -8,15 +9,15 @@ use crate::memory::{self, Room};
 use crate::mesh::Topology;
 use crate::octree::Tracer;
 
-/// A part inside that grows over the surface, and the points that ask for what lies beyond; room for both.
+/// A part inside that grows over the surface, and the points whose nearest point beyond it is sought; scratch memory for both.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Growing<T: Scalar> {
-    /// Of each vertex, whether it belongs to the part: [`PART`], or outside.
+pub(super) struct RegionGrowing<T: Scalar> {
+    /// For each vertex [`PART`] if it belongs to the part, else outside.
     parts: Vec<u32>,
     vertices: Vec<u32>,
     /// The first of `vertices` that joined last.
     newest: usize,
-    /// The places of the points that ask again.
+    /// The indices of the points to be searched for again.
     places: Vec<u32>,
     points: Vec<Vector3<T>>,
     bounds: Vec<T>,
@@ -25,8 +26,8 @@ pub(super) struct Growing<T: Scalar> {
 
 const PART: u32 = 0;
 
-impl<T: Scalar> Growing<T> {
-    /// Asks again for each of a part's points whose nearest point beyond the part is where that begins.
+impl<T: Scalar> RegionGrowing<T> {
+    /// Searches again for each of a part's points whose nearest point lies on the border of the part.
     pub(super) fn ask_again(
         &mut self,
         tracer: &Tracer<'_, T>,

@@ -1,14 +1,14 @@
 use crate::memory;
 
-/// Sets of numbers, joined two by two (Tarjan 1975), each with its parity in its set.
+/// Disjoint sets of numbers (union–find, Tarjan 1975). Each number also has a parity within its set.
 #[derive(Clone, Debug, Default)]
-pub(in crate::detection) struct Sets {
+pub(in crate::detection) struct UnionFind {
     parents: Vec<u32>,
     parities: Vec<bool>,
 }
 
-impl Sets {
-    /// `count` sets of one number each.
+impl UnionFind {
+    /// Starts anew with `count` sets of one number each.
     pub(in crate::detection) fn reset(&mut self, count: usize) {
         memory::refill(&mut self.parents, 0..count as u32);
         memory::refill_with(&mut self.parities, false, count);
@@ -38,7 +38,7 @@ impl Sets {
         if root_a == root_b {
             return (parity_a ^ parity_b) == differ;
         }
-        // The smaller number stands for both, so that nothing depends on the order.
+        // The smaller number becomes the root, so that the order of joins does not matter.
         let (child, root) = (root_a.max(root_b), root_a.min(root_b));
         self.parents[child as usize] = root;
         self.parities[child as usize] = parity_a ^ parity_b ^ differ;
@@ -49,6 +49,7 @@ impl Sets {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     const COUNT: usize = 24;
 
@@ -73,16 +74,12 @@ mod tests {
     #[test]
     fn sets_and_parities_are_those_of_all_joins() {
         for seed in 0..40 {
-            let (mut sets, mut known) = (Sets::default(), Known(std::array::from_fn(|number| (number, false))));
+            let (mut sets, mut known) = (UnionFind::default(), Known(std::array::from_fn(|number| (number, false))));
             sets.reset(7);
             sets.join(3, 5, true);
             sets.reset(COUNT);
-            let mut state: u64 = seed;
-            let mut next = |count: usize| {
-                // Knuth's linear congruential generator.
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (state >> 33) as usize % count
-            };
+            let mut random = Random::new(seed);
+            let mut next = |count: usize| ((0.5 + 0.5 * random.signed()) * count as f64) as usize;
             for _ in 0..COUNT {
                 let (a, b, differ) = (next(COUNT), next(COUNT), next(2) == 1);
                 assert_eq!(sets.join(a as u32, b as u32, differ), known.join(a, b, differ));
@@ -94,7 +91,7 @@ mod tests {
         }
     }
 
-    fn assert_same(sets: &mut Sets, known: &Known) {
+    fn assert_same(sets: &mut UnionFind, known: &Known) {
         let found: [_; COUNT] = std::array::from_fn(|number| sets.find(number as u32));
         for (a, b) in (0..COUNT).flat_map(|a| (0..COUNT).map(move |b| (a, b))) {
             let are_one = known.0[a].0 == known.0[b].0;

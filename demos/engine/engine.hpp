@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 /** Fine skins in coarse cages and rigid bodies on the contact system: implicit Euler, conjugate gradients. */
-#ifndef RAYCONTACT_DEMOS_CAGED_BODIES_ENGINE_HPP
-#define RAYCONTACT_DEMOS_CAGED_BODIES_ENGINE_HPP
+#ifndef RAYCONTACT_DEMOS_ENGINE_ENGINE_HPP
+#define RAYCONTACT_DEMOS_ENGINE_ENGINE_HPP
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 #include <limits>
 #include <vector>
 
-#include "../conjugate_gradients.hpp"
 #include "../shapes.hpp"
+#include "conjugate_gradients.hpp"
 #include "elasticity.hpp"
 #include "raycontact/cage.hpp"
 
@@ -244,4 +244,4 @@ class Engine {
 
 }  // namespace caged
 
-#endif  // RAYCONTACT_DEMOS_CAGED_BODIES_ENGINE_HPP
+#endif  // RAYCONTACT_DEMOS_ENGINE_ENGINE_HPP

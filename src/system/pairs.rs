@@ -1,4 +1,4 @@
-//! What differs from host to host, and what they may ask of a pair.
+//! Materials and forces of single pairs, and what else a host may choose or ask.
 
 use super::loads::{Key, Surface, in_order};
 use super::{ContactSystem, Material, SystemError};
@@ -6,7 +6,7 @@ use crate::math::Scalar;
 use crate::memory::Room;
 
 impl<T: Scalar> ContactSystem<T> {
-    /// Contacts are looked for where bodies are at the start of a step, not where they will be: bodies that meet in a step have
+    /// Detects contacts where bodies are at the start of a step, not where they will be, so bodies that meet within a step have
     /// none yet.
     #[must_use]
     pub fn looking_at_the_start(mut self) -> Self {
