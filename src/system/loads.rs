@@ -36,6 +36,8 @@ pub(super) struct Pair {
     predicted: f64,
     normal: f64,
     solved: f64,
+    /// The pushes of all rows as far as none is negative, once bodies have given way.
+    relieved: f64,
     /// On the first body, in N.
     force: V3,
     /// The push of the step before: predicted, and after the solve.
@@ -139,6 +141,7 @@ impl Pair {
             predicted: 0.0,
             normal: 0.0,
             solved: 0.0,
+            relieved: 0.0,
             force: V3::zeros(),
             then: before.map(|pair| (pair.predicted, pair.solved)),
             springs: Springs::default(),
@@ -151,6 +154,21 @@ impl Pair {
     pub(super) fn add_predicted(&mut self, push: f64, normal: f64) {
         self.predicted += push;
         self.normal += normal;
+    }
+
+    /// Once all is predicted.
+    pub(super) fn add_relieved(&mut self, push: f64, normal: f64) {
+        self.relieved += self.relieved_push(push, normal);
+    }
+
+    /// The part of the push that the step before left of its prediction.
+    fn part_left(&self) -> f64 {
+        self.then.map_or(1.0, |(predicted, solved)| (solved / predicted).clamp(0.0, 1.0))
+    }
+
+    /// Where bodies give way, that relieves all rows by the same depth, not by the same part.
+    fn relieved_push(&self, push: f64, normal: f64) -> f64 {
+        (push - self.predicted * (1.0 - self.part_left()) * normal / self.normal).max(0.0)
     }
 
     pub(super) fn add_solved(&mut self, push: f64, force: &V3) {
@@ -189,7 +207,10 @@ impl Pair {
     pub(super) fn load(&self, push: f64, normal: f64, dt: f64) -> f64 {
         match self.then {
             Some((_, solved)) if self.predicted <= 0.0 => solved * normal / self.normal,
-            Some((predicted, solved)) if predicted > 0.0 => push * (solved / predicted).clamp(0.0, 1.0),
+            Some((predicted, _)) if predicted > 0.0 => match self.relieved_push(push, normal) {
+                load if load > 0.0 => load * (self.predicted * self.part_left() / self.relieved),
+                _ => 0.0,
+            },
             _ => push / (1.0 + dt * self.normal * self.inverse_mass),
         }
     }

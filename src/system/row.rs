@@ -140,15 +140,18 @@ impl Row {
     }
 
     /// What rests on a body that its own support holds up seems to be left by it: no reason to let go. Such a row says
-    /// nothing yet, and pushes if the solve brings the two together.
-    pub(super) fn hold_loaded(&mut self, dt: f64) {
+    /// nothing yet, and pushes if the solve brings the two together. Its law holds where they push as soon as they lose some
+    /// of `gained`, the speed with which they leave one another only if nothing supports them; what leaves faster is let go on.
+    pub(super) fn hold_loaded(&mut self, gained: f64, dt: f64) {
         let Slip { along, .. } = self.held.at;
         if self.held.pushes || !(self.asked > 0.0 && self.coefficient > 0.0 && along < 0.0) {
             return;
         }
         self.held.pushes = true;
-        self.held.push = 0.0;
-        self.held.normal = self.coefficient * (dt - self.asked / along);
+        if -self.held.push > self.held.normal * gained {
+            self.held.push = 0.0;
+            self.held.normal = self.coefficient * (dt - self.asked / along);
+        }
     }
 
     /// Holds friction where the row will bear `load`: a spring as stiff as the contact, or softer where it would pull by

@@ -108,6 +108,21 @@ impl Rows {
         sums.map(|[along, across]| Slip { along: row.direction.dot(&along), across: row.across(&across) })
     }
 
+    /// How much faster than before each of a row's two bodies is to leave the other, along its direction, together.
+    pub(super) fn leaving_gained(&self, place: usize, before: Velocities<'_>, free: Velocities<'_>) -> f64 {
+        let row = &self.rows[place];
+        let mut sides = [0.0; 2];
+        for entry in &self.entries[self.begin(place)..row.end] {
+            let gained = at(free.nodes, entry.node) - at(before.nodes, entry.node);
+            sides[usize::from(entry.along > 0.0)] -= row.direction.dot(&gained) * entry.along;
+        }
+        for end in row.rigid.iter().flatten() {
+            let gained = end.velocity(free.twists) - end.velocity(before.twists);
+            sides[usize::from(end.sign > 0.0)] -= row.direction.dot(&gained);
+        }
+        sides.iter().map(|side: &f64| side.max(0.0)).sum()
+    }
+
     pub(super) fn begin(&self, place: usize) -> usize {
         if place == 0 { 0 } else { self.rows[place - 1].end }
     }

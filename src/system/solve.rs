@@ -125,12 +125,17 @@ impl<T: Scalar> ContactSystem<T> {
             let row = &mut self.rows.rows[place];
             let pair = &mut pairs[row.pair];
             row.hold_normal(predicted, dt);
-            if pair.is_loaded() {
-                row.hold_loaded(dt);
+            if !row.held.pushes && pair.is_loaded() {
+                let gained = self.rows.leaving_gained(place, self.buffers.before(), free);
+                self.rows.rows[place].hold_loaded(gained, dt);
             }
+            let row = &self.rows.rows[place];
             if row.held.pushes {
                 pair.add_predicted(row.held.push, row.held.normal);
             }
+        }
+        for row in self.rows.rows.iter().filter(|row| row.held.pushes) {
+            pairs[row.pair].add_relieved(row.held.push, row.held.normal);
         }
         for row in self.rows.rows.iter_mut().filter(|row| row.held.pushes) {
             let pair = &pairs[row.pair];

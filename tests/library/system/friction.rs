@@ -114,6 +114,32 @@ fn what_friction_holds_does_not_creep() {
     }
 }
 
+/// A box that leans on its lower edge, held by little more friction than it needs, in a host that solves once and linearises
+/// nothing: what friction may bear is then a prediction for each row, and loads differ from row to row.
+#[test]
+fn a_single_solve_knows_which_rows_bear_the_load() {
+    let (dt, tilt, friction) = (0.02, 0.3, 0.36);
+    for floor in [Floor::HalfSpace, Floor::Slab] {
+        let mut host = on_a_plane(Kind::Rigid, floor, tilt, friction);
+        let mut settled = V3::zeros();
+        for step in 0..250 {
+            host.set_motions(dt);
+            host.system.begin(&mut host.scene, dt, &[], &[], &[]).expect("a step");
+            host.system.finish(&[]).expect("a step is under way");
+            let rigid = &mut host.rigids[0];
+            rigid.velocity = host.system.rigid_velocity(rigid.body).expect("it is rigid");
+            let [linear, angular] = [0, 3].map(|k| V3::from_column_slice(&rigid.velocity[k..k + 3]));
+            rigid.position += linear * dt;
+            rigid.rotation = rotation(&(angular * dt)) * rigid.rotation;
+            if step == 99 {
+                settled = rigid.position;
+            }
+        }
+        let way = (host.rigids[0].position - settled).norm();
+        assert!(way < 1e-6, "{way} m in 3 s on a {floor:?}");
+    }
+}
+
 #[test]
 fn what_slides_is_as_fast_as_the_textbook_says() {
     let friction = 0.1;
