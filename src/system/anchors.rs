@@ -6,11 +6,13 @@ use crate::memory::Room;
 use nalgebra::Matrix3;
 use std::cmp::Ordering;
 
-/// A point of a triangle, or beside it in its plane.
+/// A point of a triangle, or beside or above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corners {
     pub(super) vertices: [u32; 3],
     pub(super) weights: [f64; 3],
+    /// Above the triangle's plane, along its normal, in m.
+    pub(super) height: f64,
 }
 
 impl Corners {
@@ -21,6 +23,10 @@ impl Corners {
             if self.weights[k] != 0.0 {
                 sum += vertex(self.vertices[k]) * self.weights[k];
             }
+        }
+        if self.height != 0.0 {
+            let [a, b, c] = self.vertices.map(&vertex);
+            sum += normal(&(b - a), &(c - a)).unwrap_or_default() * self.height;
         }
         sum
     }
@@ -33,8 +39,9 @@ pub(super) enum Hold {
     Space(V3),
 }
 
-/// An anchor is a material point of the second body, given in one of its triangles, so it moves, turns and stretches with
-/// the body and nothing adds up from step to step. A contact finds its own again by the triangle from which it starts, and
+/// An anchor is a material point of the second body, where the contact's first point was, so deep inside where the two overlap
+/// deeply. It is given by one of the body's triangles, so it moves, turns and stretches with the body and nothing adds up from
+/// step to step. A contact finds its own again by the triangle from which it starts, and
 /// among several there by the nearest point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Anchor {
@@ -167,21 +174,22 @@ fn in_order(a: &Anchor, b: &Anchor) -> Ordering {
         .then_with(|| compare(&weights, &other_weights))
 }
 
-/// The point of the triangle's plane that lies from `point` along `direction`; where they are nearly parallel, the plane's
-/// nearest point. `vertex`: where the surface's are.
-pub(super) fn in_plane(vertices: &[u32; 3], point: &V3, direction: &V3, vertex: impl Fn(u32) -> V3) -> Corners {
+fn normal(u: &V3, v: &V3) -> Option<V3> {
+    u.cross(v).try_normalize(0.0)
+}
+
+/// A point as seen from a triangle. `vertex`: where the surface's are.
+pub(super) fn seen_from(vertices: &[u32; 3], point: &V3, vertex: impl Fn(u32) -> V3) -> Corners {
     let [a, b, c] = vertices.map(vertex);
     let (u, v) = (b - a, c - a);
-    let normal = u.cross(&v);
-    let along = if normal.dot(direction).abs() > 0.1 * normal.norm() { *direction } else { normal };
-    let solved = Matrix3::from_columns(&[u, v, along]).try_inverse().map(|inverse| inverse * (point - a));
-    let [second, third] = solved.map_or([0.0; 2], |solved| [solved.x, solved.y]);
-    Corners { vertices: *vertices, weights: [1.0 - second - third, second, third] }
+    let axes = normal(&u, &v).and_then(|normal| Matrix3::from_columns(&[u, v, normal]).try_inverse());
+    let [second, third, height] = axes.map_or([0.0; 3], |axes| (axes * (point - a)).into());
+    Corners { vertices: *vertices, weights: [1.0 - second - third, second, third], height }
 }
 
 /// By rising vertex number: a contact that starts from a vertex has that one first.
 pub(super) fn sorted(vertices: [u32; 3], weights: [f64; 3]) -> Corners {
     let mut order = [0, 1, 2];
     order.sort_unstable_by_key(|&k: &usize| vertices[k]);
-    Corners { vertices: order.map(|k| vertices[k]), weights: order.map(|k| weights[k]) }
+    Corners { vertices: order.map(|k| vertices[k]), weights: order.map(|k| weights[k]), height: 0.0 }
 }

@@ -9,11 +9,11 @@ use crate::math::Scalar;
 use crate::memory::Room;
 
 const MARK: [u8; 8] = *b"raycgrip";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEAD: usize = MARK.len() + 4 + 6 * 8;
-/// Three numbers; those and three vertices.
+/// Three numbers; those, three vertices and a height.
 const NUMBERS: usize = 3 * 8;
-const CORNERS: usize = 3 * 4 + NUMBERS;
+const CORNERS: usize = 3 * 4 + NUMBERS + 8;
 /// Three flags, the triangle, and the corners from which it holds.
 const ANCHOR: usize = 3 + 4 + CORNERS;
 
@@ -53,6 +53,7 @@ impl<T: Scalar> ContactSystem<T> {
                 let put_corners = |bytes: &mut Vec<u8>, corners: &Corners| {
                     corners.vertices.iter().for_each(|vertex| bytes.extend(vertex.to_le_bytes()));
                     put(bytes, &corners.weights);
+                    put(bytes, &[corners.height]);
                 };
                 put_corners(bytes, &anchor.from);
                 match &anchor.hold {
@@ -131,8 +132,8 @@ fn read(bytes: &[u8], pair: (u32, Surface), counts: [usize; 2]) -> Option<([f64;
 
 fn corners(reader: &mut Reader, count: usize) -> Option<Corners> {
     let vertices = [reader.whole()?, reader.whole()?, reader.whole()?];
-    let weights = numbers(reader)?;
-    vertices.iter().all(|&vertex| (vertex as usize) < count).then_some(Corners { vertices, weights })
+    let (weights, height) = (numbers(reader)?, reader.number().filter(|x: &f64| x.is_finite())?);
+    vertices.iter().all(|&vertex| (vertex as usize) < count).then_some(Corners { vertices, weights, height })
 }
 
 fn numbers(reader: &mut Reader) -> Option<[f64; 3]> {

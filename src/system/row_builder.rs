@@ -1,7 +1,7 @@
 //! From contacts on surfaces to rows over the unknowns that carry those surfaces.
 
 use super::Material;
-use super::anchors::{Anchors, Corners, Hold, in_plane, sorted};
+use super::anchors::{Anchors, Corners, Hold, seen_from, sorted};
 use super::body::{Body, Course, Mover, weights_of};
 use super::loads::{Key, PairLoads, Surface, in_order};
 use super::row::{Held, RigidEnd, Row, Slip};
@@ -121,10 +121,10 @@ impl<T: Scalar> RowBuilder<'_, T> {
         };
         let mut ends = Ends::default();
         self.add_end(&mut ends, 0, first.number, &from, None, &point);
-        let own = Corners { vertices: p2.vertices, weights: weights_of(p2) };
+        let own = Corners { vertices: p2.vertices, weights: weights_of(p2), height: 0.0 };
         let held = if rubs { self.held_inside(second.number, &own, &point) } else { None };
         self.add_end(&mut ends, 1, second.number, &own, held, &point);
-        let hold = || Hold::Material(in_plane(&p2.vertices, &point, &direction, |vertex| second.vertex_ahead(vertex)));
+        let hold = || Hold::Material(seen_from(&p2.vertices, &point, |vertex| second.vertex_ahead(vertex)));
         self.finish(spring, None, ends, rubs.then(|| (p1.triangle, from, hold())));
     }
 
@@ -185,7 +185,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
             if !(depth > 0.0 && area > 0.0) {
                 continue;
             }
-            let from = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0] };
+            let from = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
             let (own, point) = (body.number, body.vertex_ahead(vertex));
             let mut ends = Ends::default();
             self.add_end(&mut ends, 0, own, &from, None, &point);

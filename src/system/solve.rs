@@ -1,6 +1,6 @@
 //! What a solver asks of a step under way, and how rows are held.
 
-use super::anchors::{Hold, in_plane};
+use super::anchors::{Hold, seen_from};
 use super::body::Course;
 use super::loads::Surface;
 use super::row::Row;
@@ -65,7 +65,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of
-    /// the step, velocity times dt. What springs store, ½ Σ coefficient · depth², where nothing damps or rubs; with what dampers
+    /// the step, velocity times dt. What springs store, ½ Σ coefficient · depth², if nothing damps or rubs; with what dampers
     /// and friction take in the step, and what eliminated rigid bodies take up.
     ///
     /// # Errors
@@ -218,9 +218,7 @@ impl<T: Scalar> ContactSystem<T> {
             let hold = match (pending.hold, pending.key.1) {
                 (Hold::Material(corners), Surface::Body(second)) => {
                     let Ok(second) = body(second) else { continue };
-                    Hold::Material(in_plane(&corners.vertices, &point, &row.direction, |vertex| {
-                        second.vertex(vertex, &course)
-                    }))
+                    Hold::Material(seen_from(&corners.vertices, &point, |vertex| second.vertex(vertex, &course)))
                 }
                 _ => Hold::Space(point),
             };
