@@ -2,6 +2,7 @@
 
 use super::loads::Key;
 use super::twist::V3;
+use crate::math::direction;
 use crate::memory::Room;
 use nalgebra::Matrix3;
 use std::cmp::Ordering;
@@ -26,7 +27,7 @@ impl Corners {
         }
         if self.height != 0.0 {
             let [a, b, c] = self.vertices.map(&vertex);
-            sum += normal(&(b - a), &(c - a)).unwrap_or_default() * self.height;
+            sum += direction(&(b - a).cross(&(c - a))).unwrap_or_default() * self.height;
         }
         sum
     }
@@ -174,15 +175,11 @@ fn in_order(a: &Anchor, b: &Anchor) -> Ordering {
         .then_with(|| compare(&weights, &other_weights))
 }
 
-fn normal(u: &V3, v: &V3) -> Option<V3> {
-    u.cross(v).try_normalize(0.0)
-}
-
 /// A point as seen from a triangle. `vertex`: where the surface's are.
 pub(super) fn seen_from(vertices: &[u32; 3], point: &V3, vertex: impl Fn(u32) -> V3) -> Corners {
     let [a, b, c] = vertices.map(vertex);
     let (u, v) = (b - a, c - a);
-    let axes = normal(&u, &v).and_then(|normal| Matrix3::from_columns(&[u, v, normal]).try_inverse());
+    let axes = direction(&u.cross(&v)).and_then(|normal| Matrix3::from_columns(&[u, v, normal]).try_inverse());
     let [second, third, height] = axes.map_or([0.0; 3], |axes| (axes * (point - a)).into());
     Corners { vertices: *vertices, weights: [1.0 - second - third, second, third], height }
 }

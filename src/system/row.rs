@@ -139,12 +139,12 @@ impl Row {
         };
     }
 
-    /// What rests on a body that its own support holds up seems to be left by it: no reason to let go. Such a row says
-    /// nothing yet, and pushes if the solve brings the two together. Its law holds where they push as soon as they lose some
-    /// of `gained`, the speed with which they leave one another only if nothing supports them; what leaves faster is let go on.
+    /// For a row that is not predicted to push. What rests on a body that its own support holds up only seems to be left by
+    /// it, which is no reason to let go. Such a row adds no force yet, and pushes if the solve brings the two together. It
+    /// keeps its law where losing part of `gained`, the speed by which the two part if nothing supports them, makes it push.
     pub(super) fn hold_loaded(&mut self, gained: f64, dt: f64) {
         let Slip { along, .. } = self.held.at;
-        if self.held.pushes || !(self.asked > 0.0 && self.coefficient > 0.0 && along < 0.0) {
+        if !(self.asked > 0.0 && self.coefficient > 0.0 && along < 0.0) {
             return;
         }
         self.held.pushes = true;
