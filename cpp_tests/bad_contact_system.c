@@ -43,6 +43,9 @@ static void options_are_refused(void) {
   options.look_ahead = 2;
   CHECK_STATUS(rayc_contact_system_create(&options, &other), RAYC_STATUS_INVALID_OPTION, "look_ahead is 2");
   options.look_ahead = 0;
+  options.weighting = 7;
+  CHECK_STATUS(rayc_contact_system_create(&options, &other), RAYC_STATUS_UNKNOWN_ENUM, "weighting is 7");
+  options.weighting = RAYC_WEIGHTING_VERTEX;
   options.precision = 7;
   CHECK_STATUS(rayc_contact_system_create(&options, &other), RAYC_STATUS_UNKNOWN_ENUM, "precision");
   options.struct_size = 4;

@@ -239,7 +239,7 @@ void classic_bodies_and_rigid_ones() {
     if (has_box)
       contact.add_rigid_body(box);
     else
-      contact.add_half_space({btVector3(0, 1, 0), 0, 1});
+      contact.add_half_space({btVector3(0, 1, 0), 0, 1000});
     // Classic worlds handle soft and rigid bodies' own contacts by themselves: these are the adapter's alone.
     world.addRigidBody(&ball, 0, 0);
     ball.setGravity(btVector3(0, 0, 0));

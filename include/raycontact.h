@@ -902,9 +902,10 @@ typedef struct rayc_contact_system_options {
    */
   uint32_t look_ahead;
   /**
-   * Always 0.
+   * A rayc_weighting: RAYC_WEIGHTING_VERTEX weights all contacts of bodies alike, and materials' stiffness is in N/m.
+   * Default RAYC_WEIGHTING_AREA.
    */
-  uint32_t reserved;
+  uint32_t weighting;
 } rayc_contact_system_options;
 
 /**

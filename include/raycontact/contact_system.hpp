@@ -199,6 +199,17 @@ class ContactSystem {
     return detail::outcome(status, wrong);
   }
 
+  /**
+   * How far bodies end from where contacts were last looked for: the largest squares of a difference of velocities, of
+   * nodes and of rigid bodies: rayc_contact_system_off_course().
+   */
+  Outcome<std::array<double, 2>> off_course(const Scene& scene, Span<const double> velocities) {
+    std::array<double, 2> squares{};
+    const rayc_status status = rayc_contact_system_off_course(get(), scene.get(), velocities.size(), velocities.data(),
+                                                              &squares[0], &squares[1]);
+    return detail::outcome(status, squares);
+  }
+
   /** Looks for contacts where bodies end with these velocities; whether another solve is due. */
   Outcome<bool> detect_again(Scene& scene, Span<const double> velocities) {
     uint32_t is_more = 0;

@@ -1,6 +1,7 @@
 use super::checks::flag;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
+use super::options::rayc_weighting;
 use super::pointers::reference;
 use super::sized_structs::{Options, growing, read_options, write_defaults, write_options};
 use super::vectors::rayc_scalar;
@@ -22,8 +23,9 @@ pub struct rayc_contact_system_options {
     pub keeps_rigid_unknowns: u32,
     /// 1: contacts are looked for where bodies will be at the end of the step; 0: where they are at its start. Default 1.
     pub look_ahead: u32,
-    /// Always 0.
-    pub reserved: u32,
+    /// A rayc_weighting: RAYC_WEIGHTING_VERTEX weights all contacts of bodies alike, and materials' stiffness is in N/m.
+    /// Default RAYC_WEIGHTING_AREA.
+    pub weighting: u32,
 }
 
 growing!(rayc_contact_system_options, keeps_rigid_unknowns: u32);
@@ -31,7 +33,8 @@ growing!(rayc_contact_system_options, keeps_rigid_unknowns: u32);
 impl Options for rayc_contact_system_options {
     fn defaults() -> Self {
         let precision = rayc_scalar::RAYC_SCALAR_F64 as u32;
-        Self { struct_size: size_of::<Self>(), precision, keeps_rigid_unknowns: 0, look_ahead: 1, reserved: 0 }
+        let weighting = rayc_weighting::RAYC_WEIGHTING_AREA as u32;
+        Self { struct_size: size_of::<Self>(), precision, keeps_rigid_unknowns: 0, look_ahead: 1, weighting }
     }
 }
 
@@ -39,7 +42,8 @@ impl rayc_contact_system_options {
     /// The system that these ask for.
     pub(super) fn system<T: Scalar>(&self) -> Result<ContactSystem<T>, Failure> {
         let kept = flag("keeps_rigid_unknowns", self.keeps_rigid_unknowns)?;
-        let system = ContactSystem::new(if kept { RigidUnknowns::Kept } else { RigidUnknowns::Eliminated });
+        let system = ContactSystem::new(if kept { RigidUnknowns::Kept } else { RigidUnknowns::Eliminated })
+            .weighted_by(rayc_weighting::read(self.weighting)?);
         Ok(if flag("look_ahead", self.look_ahead)? { system } else { system.looking_at_the_start() })
     }
 }

@@ -235,13 +235,19 @@ impl Options for rayc_scene_options {
     }
 }
 
+impl rayc_weighting {
+    pub(super) fn read(number: u32) -> Result<Weighting, Failure> {
+        match number {
+            w if w == Self::RAYC_WEIGHTING_AREA as u32 => Ok(Weighting::Area),
+            w if w == Self::RAYC_WEIGHTING_VERTEX as u32 => Ok(Weighting::Vertex),
+            other => Err(unknown_enum("weighting", other, "rayc_weighting")),
+        }
+    }
+}
+
 impl rayc_response_options {
     pub(super) fn law(&self) -> Result<PenaltyLaw, Failure> {
-        let weighting = match self.weighting {
-            w if w == rayc_weighting::RAYC_WEIGHTING_AREA as u32 => Weighting::Area,
-            w if w == rayc_weighting::RAYC_WEIGHTING_VERTEX as u32 => Weighting::Vertex,
-            other => return Err(unknown_enum("weighting", other, "rayc_weighting")),
-        };
+        let weighting = rayc_weighting::read(self.weighting)?;
         check_reserved("rayc_response_options", self.reserved)?;
         Ok(PenaltyLaw::new(self.stiffness, self.damping_time, weighting)?)
     }

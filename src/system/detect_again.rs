@@ -57,11 +57,11 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// How many contacts and rows each pair of the last detection has.
     fn count_pairs(&mut self) {
-        let Self { contacts, rows, loads, buffers, .. } = self;
+        let Self { weighting, contacts, rows, loads, buffers, .. } = self;
         let pairs = &mut buffers.pairs;
         pairs.clear();
         // Contacts of escaping pairs have no area: such pairs keep their one row.
-        let pushing = |contact: &&Contact<T>| pressed_area(contact) > T::zero();
+        let pushing = |contact: &&Contact<T>| pressed_area(contact, *weighting) > T::zero();
         for contact in contacts.contacts.iter().filter(pushing) {
             let pair = [contact.colliding.min(contact.collided), contact.colliding.max(contact.collided)];
             match pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {

@@ -49,6 +49,7 @@ use crate::detection::ContactList;
 use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
+use crate::response::Weighting;
 use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table};
@@ -80,6 +81,7 @@ pub enum RigidUnknowns {
 pub struct ContactSystem<T: Scalar> {
     rigid_unknowns: RigidUnknowns,
     looks_ahead: bool,
+    weighting: Weighting,
     node_masses: Vec<f64>,
     /// In ascending order of their numbers.
     bodies: Vec<Body<T>>,
@@ -101,6 +103,7 @@ impl<T: Scalar> ContactSystem<T> {
         Self {
             rigid_unknowns,
             looks_ahead: true,
+            weighting: Weighting::Area,
             node_masses: Vec::new(),
             bodies: Vec::new(),
             rigid_count: 0,

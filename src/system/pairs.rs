@@ -4,6 +4,7 @@ use super::loads::{Key, Surface, in_order};
 use super::{ContactSystem, Material, SystemError};
 use crate::math::Scalar;
 use crate::memory::Room;
+use crate::response::Weighting;
 
 impl<T: Scalar> ContactSystem<T> {
     /// Detects contacts where bodies are at the start of a step, not where they will be, so bodies that meet within a step have
@@ -11,6 +12,14 @@ impl<T: Scalar> ContactSystem<T> {
     #[must_use]
     pub fn looking_at_the_start(mut self) -> Self {
         self.looks_ahead = false;
+        self
+    }
+
+    /// Weights contacts by the area that each stands for, as a new system does, or all alike as in the paper; the stiffness of
+    /// materials is then in N/m. Half-spaces always press on areas.
+    #[must_use]
+    pub fn weighted_by(mut self, weighting: Weighting) -> Self {
+        self.weighting = weighting;
         self
     }
 

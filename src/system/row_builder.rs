@@ -11,6 +11,7 @@ use crate::detection::{Contact, ContactKind, EscapePush};
 use crate::math::{Scalar, direction};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
+use crate::response::Weighting;
 use nalgebra::Matrix3;
 
 /// A floor or wall: solid where normal · x < offset.
@@ -26,6 +27,7 @@ pub(super) type PairMaterials = Vec<(Key, Material)>;
 
 /// Makes rows from the contacts of one detection.
 pub(super) struct RowBuilder<'a, T: Scalar> {
+    pub(super) weighting: Weighting,
     pub(super) bodies: &'a [Body<T>],
     pub(super) pair_materials: &'a PairMaterials,
     pub(super) node_masses: &'a [f64],
@@ -50,20 +52,22 @@ struct Spring {
     pushes: V3,
 }
 
-/// A contact's area seen along its direction; multiplied by a stiffness in N/m³, it is the spring's coefficient. Zero for
-/// contacts of an escape, which pushes whole bodies, so that soft ones are moved and not stretched.
-pub(super) fn pressed_area<T: Scalar>(contact: &Contact<T>) -> T {
-    match contact.kind {
-        ContactKind::Escape => T::zero(),
-        ContactKind::Ray | ContactKind::Edge => contact.area * contact.cos_alpha,
+/// A contact's area seen along its direction; multiplied by a stiffness in N/m³, it is the spring's coefficient. Weighted by
+/// vertex, the area is 1. Zero for contacts of an escape, which pushes whole bodies, so that soft ones are moved and not
+/// stretched.
+pub(super) fn pressed_area<T: Scalar>(contact: &Contact<T>, weighting: Weighting) -> T {
+    match (contact.kind, weighting) {
+        (ContactKind::Escape, _) => T::zero(),
+        (_, Weighting::Area) => contact.area * contact.cos_alpha,
+        (_, Weighting::Vertex) => contact.cos_alpha,
     }
 }
 
 /// The direction of a pair's net push on the body with the smaller number: its contacts' directions, weighted by pressure.
-fn net_direction<T: Scalar>(contacts: &[Contact<T>]) -> V3 {
+fn net_direction<T: Scalar>(contacts: &[Contact<T>], weighting: Weighting) -> V3 {
     let mut sum = V3::zeros();
     for contact in contacts {
-        let push = contact.direction * (pressed_area(contact) * contact.depth);
+        let push = contact.direction * (pressed_area(contact, weighting) * contact.depth);
         let push: V3 = push.map(T::to_f64);
         sum += if contact.colliding <= contact.collided { push } else { -push };
     }
@@ -88,7 +92,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
             (colliding.min(collided), colliding.max(collided))
         };
         for contacts in contacts.chunk_by(|one, next| pair(one) == pair(next)) {
-            let net = net_direction(contacts);
+            let net = net_direction(contacts, self.weighting);
             for contact in contacts {
                 let pushes = if contact.colliding <= contact.collided { net } else { -net };
                 self.add_contact(contact, pushes, &wanted);
@@ -97,7 +101,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
     }
 
     fn add_contact(&mut self, contact: &Contact<T>, pushes: V3, wanted: impl Fn(u32, u32) -> bool) {
-        let area = pressed_area(contact).to_f64();
+        let area = pressed_area(contact, self.weighting).to_f64();
         let bodies = self.bodies;
         let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
         let any_moves = first.is_movable() || second.is_movable();
@@ -138,12 +142,16 @@ impl<T: Scalar> RowBuilder<'_, T> {
             let mut ends = Ends::default();
             self.add_whole_body(&mut ends, 0, first);
             self.add_whole_body(&mut ends, 1, second);
+            let area = match self.weighting {
+                Weighting::Area => push.area.to_f64(),
+                Weighting::Vertex => f64::from(push.contact_count),
+            };
             let spring = Spring {
                 key: (first, Surface::Body(second)),
                 direction: push.direction.map(T::to_f64),
                 depth: push.depth.to_f64(),
                 cos_alpha: 1.0,
-                area: push.area.to_f64(),
+                area,
                 pushes: V3::zeros(),
             };
             self.finish(spring, None, ends, None);

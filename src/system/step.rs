@@ -199,11 +199,13 @@ impl<T: Scalar> ContactSystem<T> {
     /// Adds rows for the wanted pairs' contacts; with a scene also for escapes and half-spaces.
     pub(super) fn add_rows(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
         self.parts.forget();
-        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
+        let Self { weighting, bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
+        let weighting = *weighting;
         let mut areas = std::mem::take(&mut buffers.areas);
         let course = buffers.course(time);
         let before = buffers.before();
-        let mut builder = RowBuilder { bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
+        let mut builder =
+            RowBuilder { weighting, bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
         builder.add_contacts(&contacts.contacts, wanted);
         if let Some(scene) = scene {
             builder.add_escapes(contacts.pushes());

@@ -31,12 +31,6 @@ inline double suggested_depth_cap(double youngs_modulus, double element_edge, do
   return factor * std::max(element_edge, stiffness > 0 ? youngs_modulus / stiffness : 0);
 }
 
-/** Which of the springs' directions the linear solve knows. */
-enum class Stiffness {
-  along_normal,  ///< the ray's only: bodies slide freely
-  isotropic,     ///< all three alike, as if the ray turned with the bodies: sliding is damped within the step
-};
-
 /** How bodies touch; the constructors of ContactForce and ClassicContact refuse values out of range. */
 struct ContactOptions {
   double stiffness = 1000;                   ///< N/m^3 (N/m with RAYC_WEIGHTING_VERTEX), >= 0; see suggested_stiffness
@@ -45,7 +39,6 @@ struct ContactOptions {
   /// A rayc_law: what a contact's force grows with. Here still the paper's: with the library's default a light rigid
   /// body at a large step swings where it should come to rest (docs/bullet.md).
   uint32_t law = RAYC_LAW_RAY_LENGTH;
-  Stiffness directions = Stiffness::along_normal;  ///< which directions the solve knows
   double friction = 0;  ///< Coulomb's coefficient, >= 0; 0 = none. Bodies at rest hold on to one another
   /// m, > 0; asked of one step, or what the bodies close in it if that is more: a tenth to half an element edge.
   double depth_cap = std::numeric_limits<double>::infinity();
@@ -56,10 +49,9 @@ struct ContactOptions {
   /// Detect where the bodies will be at the end of the step if nothing stops them, so that an impact is met in the step
   /// in which it happens; false: where they are at its start, as in the paper.
   bool look_ahead = true;
-  bool edges = true;              ///< trace edges where rays settle nothing
-  bool escape = true;             ///< push pairs that contacts cannot part along one direction
-  bool whole_body_escape = true;  ///< as whole bodies, so that soft ones are moved and not drawn out
-  uint32_t threads = 1;           ///< for detection; 1 = the caller's own, 0 = one for each core
+  bool edges = true;     ///< trace edges where rays settle nothing
+  bool escape = true;    ///< push pairs that contacts cannot part along one direction, as whole bodies
+  uint32_t threads = 1;  ///< for detection; 1 = the caller's own, 0 = one for each core
 
   /** What the paper describes: rays from the vertices, stiffness per vertex, nothing beyond. `stiffness` in N/m. */
   static ContactOptions paper(double stiffness) {
@@ -67,7 +59,7 @@ struct ContactOptions {
     options.stiffness = stiffness;
     options.weighting = RAYC_WEIGHTING_VERTEX;
     options.sampling = RAYC_SAMPLING_VERTICES;
-    options.look_ahead = options.edges = options.escape = options.whole_body_escape = false;
+    options.look_ahead = options.edges = options.escape = false;
     return options;
   }
 };

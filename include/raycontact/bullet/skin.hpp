@@ -20,6 +20,8 @@ using raycontact::SkinPoint;
 
 /** The body's own faces as its skin. Nodes no face uses stay in the list and do not matter. */
 inline Skin skin_from_faces(const btSoftBody& body) {
+  if (body.m_faces.size() == 0)
+    throw std::invalid_argument("soft body: it has no faces; appendFace its boundary, outward, or give it a skin");
   Skin skin;
   skin.points.resize(static_cast<std::size_t>(body.m_nodes.size()));
   for (std::size_t i = 0; i < skin.points.size(); ++i) skin.points[i].nodes[0] = static_cast<int>(i);
@@ -30,43 +32,15 @@ inline Skin skin_from_faces(const btSoftBody& body) {
   return skin;
 }
 
-/** Where to take nodes ahead of where they are: by time * (velocity + gained), pinned ones not at all. */
-struct LookAhead {
-  btScalar time = 0;          ///< s
-  btVector3 gained{0, 0, 0};  ///< m/s: what gravity adds to the velocities within the step
-
-  /** The velocity with which a node is taken ahead, m/s. */
-  btVector3 velocity(const btSoftBody::Node& node) const {
-    return node.m_im > 0 ? node.m_v + gained : btVector3(0, 0, 0);
-  }
-};
-
 /** x, y, z of every point of the skin, packed; `positions` is used again. */
-inline void skin_positions(const btSoftBody& body, const Skin& skin, std::vector<btScalar>& positions,
-                           const LookAhead& ahead = {}) {
+inline void skin_positions(const btSoftBody& body, const Skin& skin, std::vector<btScalar>& positions) {
   positions.resize(3 * skin.points.size());
   btScalar* out = positions.data();
   for (const SkinPoint& point : skin.points) {
     btVector3 x(0, 0, 0);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const btSoftBody::Node& node = body.m_nodes[point.nodes[k]];
-      x += btScalar(point.weights[k]) * (node.m_x + ahead.time * ahead.velocity(node));
-    }
+    for (std::size_t k = 0; k < 4; ++k) x += btScalar(point.weights[k]) * body.m_nodes[point.nodes[k]].m_x;
     for (int axis = 0; axis < 3; ++axis) *out++ = x[axis];
   }
-}
-
-/** A third of the areas of the triangles around each point, m^2. */
-inline std::vector<btScalar> skin_areas(const std::vector<btScalar>& positions,
-                                        const std::vector<uint32_t>& triangles) {
-  const auto at = [&](uint32_t p) { return btVector3(positions[3 * p], positions[3 * p + 1], positions[3 * p + 2]); };
-  std::vector<btScalar> areas(positions.size() / 3, btScalar(0));
-  for (std::size_t t = 0; t + 2 < triangles.size(); t += 3) {
-    const btVector3 a = at(triangles[t]);
-    const btScalar area = (at(triangles[t + 1]) - a).cross(at(triangles[t + 2]) - a).length() / 2;
-    for (std::size_t k = 0; k < 3; ++k) areas[triangles[t + k]] += area / 3;
-  }
-  return areas;
 }
 
 /**

@@ -5,6 +5,7 @@ use super::bodies::{add_box, add_soft};
 use crate::common::host::{Host, at, box_inertia, rotation};
 use crate::common::shapes;
 use nalgebra::{Matrix3, Vector3};
+use raycontact::response::Weighting;
 use raycontact::system::{ContactSystem, Material, RigidUnknowns, Surface};
 
 type V3 = Vector3<f64>;
@@ -113,6 +114,25 @@ fn a_system_may_look_where_bodies_are() {
     let size: f64 = one.iter().map(|f| f * f).sum::<f64>().sqrt();
     let apart: f64 = one.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     assert!(size > 100.0 && apart < 1e-9 * size, "{apart} of {size} N");
+}
+
+/// Weighted by vertex, a contact pushes with stiffness · cos α · depth, whatever area it stands for.
+#[test]
+fn contacts_may_be_weighted_alike() {
+    for (weighting, is_alike) in [(Weighting::Area, false), (Weighting::Vertex, true)] {
+        let mut host = two_soft_cubes(ContactSystem::new(RigidUnknowns::Eliminated).weighted_by(weighting));
+        let still = vec![0.0; host.x.len()];
+        begin(&mut host, 1e-9, &still);
+        let found = net(&forces(&mut host, &still)[still.len() / 2..]);
+        let mut expected = V3::zeros();
+        for contact in &host.system.contacts().contacts {
+            let area = if is_alike { 1.0 } else { contact.area };
+            let sign = if contact.colliding == 1 { 5e4 } else { -5e4 };
+            expected += contact.direction * (sign * area * contact.cos_alpha * contact.depth);
+        }
+        let gap = (found - expected).norm();
+        assert!(expected.norm() > 10.0 && gap < 1e-9 * expected.norm(), "{gap} of {} N", expected.norm());
+    }
 }
 
 /// A light box on a soft cube, whose nodes something else holds up: a host that solves once brings the box to rest, though both
