@@ -350,6 +350,59 @@ void more_shapes_and_masks() {
     }
 }
 
+// A cube lies on a slab whose pair with it has a material of its own: as much deeper as it is softer.
+void a_pair_of_its_own_material() {
+  const char* test = "material of a pair";
+  btBoxShape slab(btVector3(3, btScalar(0.5), 3));
+  double depths[2];
+  for (const bool is_softer : {false, true}) {
+    demo::SoftWorld world(2e6, 0.3, stiff_contact(), btVector3(0, -10, 0));
+    btSoftBody& soft = world.add(cube_at(-0.5, 0, -0.5), 30);
+    const auto support = rigid(slab, 0, btVector3(0, btScalar(-0.5), 0));
+    world.world().addRigidBody(support.get(), 0, 0);
+    world.contact().add_rigid_body(*support);
+    rayc_material material = raycontact::bearing_material(1e4, 1);
+    if (is_softer) world.contact().set_pair_material(soft, *support, material);
+    for (int step = 0; step < 200; ++step) world.step(0.02);
+    depths[is_softer ? 1 : 0] = -lowest(soft);
+    expect_near(double(world.contact().pair_force(soft, *support).y()), 300, 3, test, "it carries the weight");
+    world.contact().remove_rigid_body(*support);
+    expect_refusal([&] { world.contact().set_pair_material(soft, *support, material); }, test, "removed");
+    world.world().removeRigidBody(support.get());
+  }
+  expect_near(depths[0], 0.003, 0.0006, test, "depth with the options' stiffness");
+  expect_near(depths[1], 0.03, 0.001, test, "depth with a tenth of it");
+}
+
+// A ball that sleeps in the air stays there until a soft cube touches it, and falls with what mass it has by then.
+void a_ball_that_sleeps() {
+  const char* test = "sleeping ball";
+  demo::SoftWorld world(2e4, 0.3, stiff_contact(), btVector3(0, -10, 0));
+  btSoftBody& soft = world.add(cube_at(-0.5, 1.2, -0.5), 3);
+  btSphereShape shape(btScalar(0.4));
+  const auto ball = rigid(shape, 1, btVector3(0, 0, 0));
+  world.world().addRigidBody(ball.get(), 0, 0);
+  world.contact().add_rigid_body(*ball);
+  ball->forceActivationState(ISLAND_SLEEPING);
+  int touched = -1;
+  for (int step = 0; step < 40 && touched < 0; ++step) {
+    world.step(0.02);
+    if (world.contact().contact_count() > 0) touched = step;
+    if (touched < 0)
+      expect(double(ball->getCenterOfMassPosition().length()) == 0, test, "it stays until it is touched");
+  }
+  expect(touched > 5 && ball->isActive(), test, "the cube wakes it");
+  ball->setMassProps(10, btVector3(1, 1, 1));
+  world.world().setGravity(btVector3(0, 0, 0));  // of rigid bodies
+  ball->setGravity(btVector3(0, 0, 0));
+  const double before = double(momentum(soft).y()) + 10 * double(ball->getLinearVelocity().y());
+  for (int step = 0; step < 5; ++step) world.step(0.02);
+  const double after = double(momentum(soft).y()) + 10 * double(ball->getLinearVelocity().y());
+  expect_near(after - before, -3 * 10 * 0.1, 0.05, test, "only the cube's weight changes the momentum of both");
+  world.contact().remove_rigid_body(*ball);
+  world.world().removeRigidBody(ball.get());
+}
+
 void bad_rigid_bodies() {
   const char* test = "bad rigid bodies";
   demo::SoftWorld world(2e4, 0.3, stiff_contact());
@@ -384,6 +437,8 @@ int main() {
   friction_on_a_slope();
   no_creep_on_a_slope();
   more_shapes_and_masks();
+  a_pair_of_its_own_material();
+  a_ball_that_sleeps();
   bad_rigid_bodies();
   return failures == 0 ? 0 : 1;
 }

@@ -58,22 +58,12 @@ class Engine {
       for (std::size_t k = 0; k < 4; ++k) nodes[k] = first + static_cast<std::size_t>(t[k]);
       elasticity_.add(x_, nodes, youngs_modulus, 0.3);
     }
-    std::vector<uint32_t> offsets(1, 0), nodes;
-    std::vector<double> weights;
-    for (const raycontact::SkinPoint& point : cage.skin.points) {
-      for (std::size_t k = 0; k < 4; ++k)
-        if (point.weights[k] != 0) {
-          nodes.push_back(static_cast<uint32_t>(point.nodes[k]));
-          weights.push_back(point.weights[k]);
-        }
-      offsets.push_back(static_cast<uint32_t>(nodes.size()));
-    }
     bodies_.push_back({cage, first, 0});
     const uint32_t number = scene_.add({raycontact::vectors(skin(bodies_.size() - 1)), cage.skin.triangles});
     bodies_.back().number = number;
     contacts_.set_node_masses(masses_);
     contacts_.add_deformable(scene_, number, static_cast<uint32_t>(first), static_cast<uint32_t>(cage.nodes.size()),
-                             raycontact::Carriers{offsets, nodes, weights}, material);
+                             raycontact::SkinCarriers(cage.skin), material);
     if (on_floor != nullptr) contacts_.set_half_space_material(number, 0, on_floor);
   }
 

@@ -23,7 +23,6 @@
 #include "raycontact/bullet/classic_contact.hpp"
 #include "raycontact/bullet/contact_force.hpp"
 #include "raycontact/bullet/corotated_elasticity.hpp"
-#include "raycontact/bullet/render_skin.hpp"
 #include "raycontact/bullet/soft_body.hpp"
 
 #endif  // RAYCONTACT_BULLET_HPP

@@ -19,21 +19,10 @@
 #include <vector>
 
 #include "mesh.hpp"
+#include "skin.hpp"
 #include "span.hpp"
 
 namespace raycontact {
-
-/** A point of a skin: a weighted mean of at most four nodes of the body that carries it. */
-struct SkinPoint {
-  std::array<int, 4> nodes{{0, 0, 0, 0}};       ///< their numbers in the body
-  std::array<double, 4> weights{{1, 0, 0, 0}};  ///< sum 1; barycentric in one tetrahedron, or one node alone
-};
-
-/** A closed, outward-oriented surface over such points. */
-struct Skin {
-  std::vector<SkinPoint> points;    ///< the surface's vertices
-  std::vector<uint32_t> triangles;  ///< three point numbers each
-};
 
 /** Tetrahedra and the surface that they carry. */
 struct Cage {
@@ -45,13 +34,6 @@ struct Cage {
 };
 
 namespace detail {
-
-/** Throws std::invalid_argument where one or two numbers are left over. */
-inline void check_threes(std::size_t size, const std::string& name, const std::string& each) {
-  if (size % 3 != 0)
-    throw std::invalid_argument(name + " has " + std::to_string(size) +
-                                " numbers, which is no multiple of three; give three for each " + each);
-}
 
 /** The cells of a box lattice that touch a surface or lie inside it. */
 class Lattice {

@@ -3,9 +3,6 @@
 #ifndef RAYCONTACT_BULLET_CONTACT_BODIES_HPP
 #define RAYCONTACT_BULLET_CONTACT_BODIES_HPP
 
-#include <BulletDynamics/Dynamics/btRigidBody.h>
-#include <LinearMath/btTransformUtil.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -17,36 +14,86 @@
 #include <vector>
 
 #include "raycontact.hpp"
+#include "raycontact/bullet/contact_body.hpp"
 #include "raycontact/bullet/options.hpp"
-#include "raycontact/bullet/rigid_surface.hpp"
-#include "raycontact/bullet/skin.hpp"
 
-namespace raycontact::bullet::detail {
+namespace raycontact::bullet {
 
-/** A soft body with its skin, or a rigid one with its surface. */
-struct ContactBody {
-  btSoftBody* soft;
-  btRigidBody* rigid;
-  Skin skin;             // of a soft body
-  RigidSurface surface;  // of a rigid one
-  BodyOptions options;
-  bool is_in_scene = false;
-  uint32_t number = 0;                // there
-  std::array<btScalar, 5> inertia{};  // of a rigid body, as the system has it
-  rayc_motion motion{};
-
-  const btCollisionObject* object() const {
-    return soft != nullptr ? static_cast<const btCollisionObject*>(soft) : rigid;
-  }
-  bool gives_way() const { return rigid != nullptr && !rigid->isStaticOrKinematicObject() && rigid->getInvMass() > 0; }
-};
-
-/** The unknowns are the nodes of all soft bodies that take part, in the order in which the bodies were added. */
+/**
+ * Which bodies touch, and what of: the same for both of Bullet's soft body worlds. Rigid bodies pass each other and
+ * half-spaces; that is the world's own contact.
+ */
 class ContactBodies {
  public:
+  virtual ~ContactBodies() = default;
+  ContactBodies(const ContactBodies&) = delete;
+  ContactBodies& operator=(const ContactBodies&) = delete;
+
+  /** The body's own faces are its collision surface. */
+  void add_body(btSoftBody& body, const BodyOptions& options = {}) { add_body(body, skin_from_faces(body), options); }
+
+  /** A finer surface carried by the body's nodes. */
+  void add_body(btSoftBody& body, Skin skin, const BodyOptions& options = {}) {
+    check_skin(skin, body.m_nodes.size());
+    add({&body, nullptr, std::move(skin), {}, options});
+  }
+
+  /** Soft bodies collide with the surface of the body's shape; see surface_of_shape. */
+  void add_rigid_body(btRigidBody& body, const BodyOptions& options = {}) {
+    add_rigid_body(body, surface_of_shape(*body.getCollisionShape()), options);
+  }
+
+  /** The same with a surface of its own. Open surfaces (terrain) are taken for bodies that no force moves. */
+  void add_rigid_body(btRigidBody& body, RigidSurface surface, const BodyOptions& options = {}) {
+    raycontact::detail::check_threes(surface.triangles.size(), "surface.triangles", "triangle");
+    add({nullptr, &body, {}, std::move(surface), options});
+  }
+
+  /** Refuses a normal that is no unit vector, and a negative stiffness. */
+  void add_half_space(const HalfSpace& half_space) {
+    check_half_space(half_space);
+    half_spaces_.push_back(half_space);
+    has_changed_ = true;
+  }
+
+  /** What contacts of two bodies, or of one with itself, are made of, in place of what the options say. */
+  void set_pair_material(const btCollisionObject& a, const btCollisionObject& b, const rayc_material& material) {
+    index_of(a), index_of(b);  // refuses what was not added
+    materials_.push_back({&a, &b, material});
+    has_changed_ = true;
+  }
+
+  /** Contacts of the last detection; of those, only what ends up pushing bears any load. */
+  std::size_t contact_count() const { return contacts().size(); }
+
+  /** They themselves; `colliding` and `collided` count bodies in the order of `add_...`. Until the next step. */
+  const std::vector<rayc_contact>& contacts() const {
+    if (!has_news_) return contacts_;
+    has_news_ = false;
+    system_.copy_contacts_to(found_);
+    found_.copy_to(contacts_);
+    for (rayc_contact& contact : contacts_)
+      for (uint32_t* number : {&contact.colliding, &contact.collided})
+        *number = static_cast<uint32_t>(index_of_number_[*number]);
+    return contacts_;
+  }
+
+  /** What the last detection did: rays, misses, pairs that escape. */
+  rayc_statistics statistics() const {
+    contacts();
+    return found_.statistics();
+  }
+
+  /** Positions of the skins, search structures, rays, and what the solve needs of the contacts. */
+  double last_detection_ms() const { return begin_ms_; }
+
+ protected:
+  using ContactBody = detail::ContactBody;
+
+  /** Refuses options out of range. */
   explicit ContactBodies(const ContactOptions& options)
       : options_(checked(options)), scene_(options.threads), system_(system_options()) {
-    require_library_of_same_precision();
+    detail::require_library_of_same_precision();
     rayc_detection_options detection = default_detection_options();
     detection.law = options.law;
     detection.sampling = options.sampling;
@@ -56,11 +103,10 @@ class ContactBodies {
     scene_.set_detection_options(detection);
   }
 
-  void add(ContactBody body) {
+  virtual void add(ContactBody body) {
     if (find(body.object()) != bodies_.end())
       throw std::invalid_argument("this body has been added already; remove it first");
-    if (body.soft != nullptr) check_skin(*body.soft, body.skin);
-    mesh_of(body);  // refuses what is no surface
+    body.mesh();  // refuses what is no surface
     bodies_.push_back(std::move(body));
     has_changed_ = true;
   }
@@ -77,22 +123,10 @@ class ContactBodies {
     has_changed_ = true;
   }
 
-  void add_half_space(const HalfSpace& half_space) {
-    check_half_space(half_space);
-    half_spaces_.push_back(half_space);
-    has_changed_ = true;
-  }
-
-  void set_material(const btCollisionObject& a, const btCollisionObject& b, const rayc_material& material) {
-    index_of(a), index_of(b);  // refuses what was not added
-    materials_.push_back({&a, &b, material});
-    has_changed_ = true;
-  }
-
   /** Before anything in a step has changed the velocities of rigid bodies. */
   void note_start() {
     for (ContactBody& body : bodies_)
-      if (body.rigid != nullptr) copy_velocity(*body.rigid, body.motion.velocity);
+      if (body.rigid != nullptr) body.copy_velocity(body.motion.velocity);
   }
 
   /**
@@ -122,7 +156,7 @@ class ContactBodies {
     }
     for (ContactBody& body : bodies_) {
       if (!body.is_in_scene || body.rigid == nullptr) continue;
-      renew_motion(body, btScalar(back));
+      body.renew_motion(btScalar(back));
       system_.set_motion(body.number, body.motion);
     }
     system_.begin(scene_, double(dt), positions_, velocities_, free_);
@@ -134,57 +168,29 @@ class ContactBodies {
   /** Ends it with the velocities in the nodes. Rigid bodies get theirs, and are moved by what these differ. */
   void finish(btScalar dt) {
     system_.finish(gather_velocities());
-    for (ContactBody& body : bodies_) {
-      if (!body.is_in_scene || !body.gives_way()) continue;
-      const std::array<double, 6> end = system_.rigid_velocity(body.number);
-      btVector3 change[2];
-      for (int k = 0; k < 6; ++k) change[k / 3][k % 3] = btScalar(end[std::size_t(k)] - body.motion.free_velocity[k]);
-      if (change[0].isZero() && change[1].isZero()) continue;
-      body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() + change[0]);
-      body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() + change[1]);
-      btTransform moved;
-      btTransformUtil::integrateTransform(body.rigid->getWorldTransform(), change[0], change[1], dt, moved);
-      body.rigid->proceedToTransform(moved);
-    }
+    for (ContactBody& body : bodies_)
+      if (body.is_in_scene && body.gives_way()) body.follow(system_.rigid_velocity(body.number), dt);
   }
 
   const std::vector<double>& gather_velocities() {
     for (std::size_t n = 0; n < nodes_.size(); ++n)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        velocities_[3 * n + axis] = double(nodes_[n]->m_v[int(axis)]);
+      for (std::size_t axis = 0; axis < 3; ++axis) velocities_[3 * n + axis] = double(nodes_[n]->m_v[int(axis)]);
     return velocities_;
   }
 
-  /** `colliding` and `collided` count bodies in the order in which they were added. */
-  const std::vector<rayc_contact>& contacts() {
-    if (!has_news_) return contacts_;
-    has_news_ = false;
-    system_.copy_contacts_to(found_);
-    found_.copy_to(contacts_);
-    for (rayc_contact& contact : contacts_)
-      for (uint32_t* number : {&contact.colliding, &contact.collided})
-        *number = static_cast<uint32_t>(index_of_number_[*number]);
-    return contacts_;
-  }
-
-  rayc_statistics statistics() {
-    contacts();
-    return found_.statistics();
-  }
-
   /** The force of `b` on `a` in the last step that was finished. */
-  btVector3 pair_force(const btCollisionObject& a, const btCollisionObject& b) const {
+  btVector3 force_between(const btCollisionObject& a, const btCollisionObject& b) const {
     const ContactBody &one = bodies_[index_of(a)], &other = bodies_[index_of(b)];
     if (!one.is_in_scene || !other.is_in_scene || has_changed_) return btVector3(0, 0, 0);
     const std::array<double, 3> force = system_.pair_force(one.number, other.number);
     return btVector3(btScalar(force[0]), btScalar(force[1]), btScalar(force[2]));
   }
 
-  ContactSystem& system() { return system_; }
-  Scene& scene() { return scene_; }
-  const std::vector<btSoftBody::Node*>& nodes() const { return nodes_; }
-  const std::vector<double>& masses() const { return masses_; }
-  double begin_ms() const { return begin_ms_; }
+  ContactOptions options_;
+  Scene scene_;
+  ContactSystem system_;
+  std::vector<btSoftBody::Node*> nodes_;  // whose velocities are the unknowns
+  std::vector<double> masses_;
 
  private:
   struct PairMaterial {
@@ -224,30 +230,6 @@ class ContactBodies {
     throw std::invalid_argument("this body was not added, or has been removed");
   }
 
-  static Mesh mesh_of(const ContactBody& body) {
-    if (body.soft != nullptr) {
-      std::vector<btScalar> positions;
-      skin_positions(*body.soft, body.skin, positions);
-      return Mesh(vectors(positions), body.skin.triangles);
-    }
-    raycontact::detail::check_threes(body.surface.triangles.size(), "surface.triangles", "triangle");
-    rayc_mesh_options options = default_mesh_options();
-    try {
-      return Mesh(vectors(body.surface.points), body.surface.triangles, options);
-    } catch (const Error& error) {
-      // A triangle mesh may be a piece of terrain; a moving one must be closed to have an inside.
-      if (error.status() != RAYC_STATUS_MESH_OPEN || !body.rigid->isStaticOrKinematicObject()) throw;
-      options.open = 1;
-      return Mesh(vectors(body.surface.points), body.surface.triangles, options);
-    }
-  }
-
-  /** Its inverse mass and inertia, and whether anything moves it. */
-  static std::array<btScalar, 5> inertia_of(const ContactBody& body) {
-    const btVector3& inertia = body.rigid->getInvInertiaDiagLocal();
-    return {{body.rigid->getInvMass(), inertia.x(), inertia.y(), inertia.z(), btScalar(body.gives_way() ? 1 : 0)}};
-  }
-
   void leave(ContactBody& body) {
     body.is_in_scene = false;
     has_changed_ = true;
@@ -262,8 +244,8 @@ class ContactBodies {
       const bool is_in = takes_part(body);
       if (body.is_in_scene && !is_in) leave(body);
       const bool is_new = is_in && !body.is_in_scene;
-      has_changed_ = has_changed_ || is_new || (is_in && body.rigid != nullptr && inertia_of(body) != body.inertia);
-      if (is_new) body.number = scene_.add(mesh_of(body));
+      has_changed_ = has_changed_ || is_new || (is_in && body.rigid != nullptr && body.inertia_now() != body.inertia);
+      if (is_new) body.number = scene_.add(body.mesh());
       body.is_in_scene = is_in;
     }
     const std::size_t node_count = nodes_.size();
@@ -303,7 +285,7 @@ class ContactBodies {
         add_rigid(body);
       for (const ContactBody& other : bodies_)
         if (&other != &body && other.is_in_scene)
-          scene_.set_pair_collision(body.number, other.number, may_touch(body, other));
+          scene_.set_pair_collision(body.number, other.number, body.may_touch(other));
     }
     for (const PairMaterial& pair : materials_) {
       const ContactBody &one = bodies_[index_of(*pair.first)], &other = bodies_[index_of(*pair.second)];
@@ -312,26 +294,10 @@ class ContactBodies {
     has_changed_ = false;
   }
 
-  // Two rigid bodies are the host's own business.
-  static bool may_touch(const ContactBody& a, const ContactBody& b) {
-    return (a.soft != nullptr || b.soft != nullptr) && (a.options.group & b.options.mask) != 0 &&
-           (b.options.group & a.options.mask) != 0;
-  }
-
   void add_soft(const ContactBody& body, uint32_t& first_node) {
-    std::vector<uint32_t> offsets(1), nodes;
-    std::vector<double> weights;
-    for (const SkinPoint& point : body.skin.points) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (point.weights[k] == 0) continue;
-        nodes.push_back(static_cast<uint32_t>(point.nodes[k]));
-        weights.push_back(point.weights[k]);
-      }
-      offsets.push_back(static_cast<uint32_t>(nodes.size()));
-    }
     const auto node_count = static_cast<uint32_t>(body.soft->m_nodes.size());
     // Two of it in series are the contact's.
-    system_.add_deformable(scene_, body.number, first_node, node_count, Carriers{offsets, nodes, weights},
+    system_.add_deformable(scene_, body.number, first_node, node_count, SkinCarriers(body.skin),
                            material(2 * options_.stiffness));
     first_node += node_count;
     scene_.set_self_collision(body.number, body.options.self_collision);
@@ -342,66 +308,38 @@ class ContactBodies {
   }
 
   void add_rigid(ContactBody& body) {
-    body.inertia = inertia_of(body);
+    body.inertia = body.inertia_now();
     if (!body.gives_way()) {
       system_.add_moved(scene_, body.number, material(2 * options_.stiffness));
       return;
     }
-    const double mass = 1 / double(body.inertia[0]);
-    double square = 0;
-    for (const btVector3& point : body.surface.points) square = std::max(square, double(point.length2()));
-    std::array<double, 9> inertia{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double inverse = double(body.inertia[axis + 1]);
-      // Bullet's zero stands for an axis about which nothing turns the body.
-      inertia[4 * axis] = inverse > 0 ? 1 / inverse : 1e9 * mass * square;
-    }
-    system_.add_rigid(scene_, body.number, mass, inertia, material(2 * options_.stiffness));
+    system_.add_rigid(scene_, body.number, 1 / double(body.inertia[0]), body.inertia_matrix(),
+                      material(2 * options_.stiffness));
   }
 
-  static void copy_velocity(const btRigidBody& body, double* velocity) {
-    for (int axis = 0; axis < 3; ++axis) {
-      velocity[axis] = double(body.getLinearVelocity()[axis]);
-      velocity[axis + 3] = double(body.getAngularVelocity()[axis]);
-    }
-  }
-
-  static void renew_motion(ContactBody& body, btScalar back) {
-    copy_velocity(*body.rigid, body.motion.free_velocity);
-    btTransform place = body.rigid->getWorldTransform();
-    if (back > 0)
-      btTransformUtil::integrateTransform(body.rigid->getWorldTransform(), body.rigid->getLinearVelocity(),
-                                          body.rigid->getAngularVelocity(), -back, place);
-    for (int row = 0; row < 3; ++row) {
-      body.motion.position[row] = double(place.getOrigin()[row]);
-      for (int column = 0; column < 3; ++column) body.motion.rotation[row][column] = double(place.getBasis()[row][column]);
-    }
-  }
-
+  // What is touched stays awake; what sleeps does so until it is touched.
   void wake_touched() {
-    const bool all_awake = std::all_of(bodies_.begin(), bodies_.end(),
-                                       [](const ContactBody& b) { return !b.gives_way() || b.rigid->isActive(); });
-    if (all_awake) return;
+    const auto may_sleep = [](const ContactBody& body) {
+      return body.gives_way() && body.rigid->getActivationState() != DISABLE_DEACTIVATION;
+    };
+    if (std::none_of(bodies_.begin(), bodies_.end(), may_sleep)) return;
     for (const rayc_contact& contact : contacts())
-      for (uint32_t index : {contact.colliding, contact.collided})
-        if (bodies_[index].gives_way()) bodies_[index].rigid->activate();
+      for (const uint32_t index : {contact.colliding, contact.collided})
+        if (may_sleep(bodies_[index])) bodies_[index].rigid->activate();
   }
 
-  ContactOptions options_;
-  Scene scene_;
-  ContactSystem system_;
   std::vector<ContactBody> bodies_;
   std::vector<HalfSpace> half_spaces_;
   std::vector<PairMaterial> materials_;
-  std::vector<btSoftBody::Node*> nodes_;
-  std::vector<double> masses_, known_masses_, positions_, velocities_, free_;
+  std::vector<double> known_masses_, positions_, velocities_, free_;
   std::vector<std::size_t> index_of_number_;
-  Contacts found_;
-  std::vector<rayc_contact> contacts_;
-  bool has_changed_ = true, has_news_ = false;
+  mutable Contacts found_;
+  mutable std::vector<rayc_contact> contacts_;
+  mutable bool has_news_ = false;  // contacts that have not been copied
+  bool has_changed_ = true;        // what the system knows of
   double begin_ms_ = 0;
 };
 
-}  // namespace raycontact::bullet::detail
+}  // namespace raycontact::bullet
 
 #endif  // RAYCONTACT_BULLET_CONTACT_BODIES_HPP

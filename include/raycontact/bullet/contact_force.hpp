@@ -28,19 +28,16 @@ namespace raycontact::bullet {
  * it, or be removed from the world or from it first. Errors of detection, such as positions that are no longer finite,
  * come out of stepSimulation as exceptions.
  */
-class ContactForce : public btDeformableLagrangianForce {
+class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
  public:
   /** Refuses options out of range. */
-  explicit ContactForce(const ContactOptions& options = {}) : options_(options), bodies_(options), reaction_(*this) {
+  explicit ContactForce(const ContactOptions& options = {}) : ContactBodies(options), reaction_(*this) {
     m_nodes = nullptr;
   }
 
   ~ContactForce() override {
     if (world_ != nullptr) world_->removeAction(&reaction_);
   }
-
-  ContactForce(const ContactForce&) = delete;
-  ContactForce& operator=(const ContactForce&) = delete;
 
   /** Call once. `world.addForce` would drop a second force of the same type without a word. */
   void register_with(btDeformableBodySolver& solver) {
@@ -56,53 +53,14 @@ class ContactForce : public btDeformableLagrangianForce {
     world_ = &world;
   }
 
-  /** The body's own faces are its collision surface. */
-  void add_body(btSoftBody& body, const BodyOptions& options = {}) { add_body(body, skin_from_faces(body), options); }
-
-  /** A finer surface carried by the body's nodes. */
-  void add_body(btSoftBody& body, Skin skin, const BodyOptions& options = {}) {
-    check_body(body);
-    bodies_.add({&body, nullptr, std::move(skin), {}, options});
-    m_softBodies.push_back(&body);
-  }
-
-  /** Soft bodies collide with the surface of the body's shape; see surface_of_shape. Rigid bodies pass each other. */
-  void add_rigid_body(btRigidBody& body, const BodyOptions& options = {}) {
-    add_rigid_body(body, surface_of_shape(*body.getCollisionShape()), options);
-  }
-
-  /** The same with a surface of its own. Open surfaces (terrain) are taken for bodies that no force moves. */
-  void add_rigid_body(btRigidBody& body, RigidSurface surface, const BodyOptions& options = {}) {
-    if (world_ == nullptr && !body.isStaticOrKinematicObject())
-      throw std::logic_error("rigid body: it could not react; call register_with(solver, world) first");
-    bodies_.add({nullptr, &body, {}, std::move(surface), options});
-  }
-
   /** Needed for rigid bodies only: soft ones leave when they leave the world. */
-  void remove_rigid_body(btRigidBody& body) { bodies_.remove(&body); }
-
-  /** Refuses a normal that is no unit vector, and a negative stiffness. */
-  void add_half_space(const HalfSpace& half_space) { bodies_.add_half_space(half_space); }
-
-  /** What contacts of two bodies, or of one with itself, are made of, in place of what the options say. */
-  void set_pair_material(const btCollisionObject& a, const btCollisionObject& b, const rayc_material& material) {
-    bodies_.set_material(a, b, material);
-  }
-
-  /** Contacts of the last detection; of those, only what ends up pushing bears any load. */
-  std::size_t contact_count() const { return contacts().size(); }
-  /** The contacts of the last detection; `colliding` and `collided` count bodies in the order of `add_...`. */
-  const std::vector<rayc_contact>& contacts() const { return bodies_.contacts(); }
-  /** What the last detection did: rays, misses, pairs that escape. */
-  rayc_statistics statistics() const { return bodies_.statistics(); }
-  /** Positions of the skins, search structures, rays, and what the solve needs of the contacts. */
-  double last_detection_ms() const { return bodies_.begin_ms(); }
+  void remove_rigid_body(btRigidBody& body) { remove(&body); }
 
   /** The net force of `other` on `body` in the last sub-step, in N, as the solve left it. Zero for a body and itself.
    */
   btVector3 pair_force(const btCollisionObject& body, const btCollisionObject& other) {
     finish_step();
-    return bodies_.pair_force(body, other);
+    return force_between(body, other);
   }
 
   /**
@@ -113,16 +71,15 @@ class ContactForce : public btDeformableLagrangianForce {
    */
   bool detect_again() {
     if (!is_under_way_ || !options_.look_ahead) return false;
-    const std::vector<double>& velocities = bodies_.gather_velocities();
-    ContactSystem& system = bodies_.system();
+    const std::vector<double>& velocities = gather_velocities();
     const double cap = options_.depth_cap / double(time_step_);
-    const std::array<double, 2> squares = system.off_course(bodies_.scene(), velocities);
+    const std::array<double, 2> squares = system_.off_course(scene_, velocities);
     has_gone_elsewhere_ = has_gone_elsewhere_ || std::max(squares[0], squares[1]) > cap * cap;
     if (!has_gone_elsewhere_) return false;
-    if (system.detect_again(bodies_.scene(), velocities)) return true;
+    if (system_.detect_again(scene_, velocities)) return true;
     // A twentieth of all force may be wrong.
-    if (!(system.misjudged(velocities) > 0.05)) return false;
-    system.linearise(velocities);
+    if (!(system_.misjudged(velocities) > 0.05)) return false;
+    system_.linearise(velocities);
     return true;
   }
 
@@ -132,7 +89,7 @@ class ContactForce : public btDeformableLagrangianForce {
 
   void removeSoftBody(btSoftBody* body) override {
     m_softBodies.remove(body);
-    bodies_.remove(body);
+    remove(body);
   }
 
   // Also after a soft body has left the world: detection waits for the solve.
@@ -141,28 +98,27 @@ class ContactForce : public btDeformableLagrangianForce {
       throw std::logic_error("raycontact: call ContactForce::register_with before the first step");
     finish_step();
     is_due_ = true;
-    bodies_.note_start();
+    note_start();
     for (int b = 0; b < m_softBodies.size(); ++b) switch_off_continuous_collision(*m_softBodies[b]);
   }
 
   void addScaledForces(btScalar scale, TVStack& force) override {
     if (is_due_) begin_step();
     if (!is_under_way_) return;
-    const std::vector<double>& velocities = bodies_.gather_velocities();
+    const std::vector<double>& velocities = gather_velocities();
     result_.assign(velocities.size(), 0);
-    bodies_.system().add_forces(velocities, result_);
+    system_.add_forces(velocities, result_);
     add_result(double(scale), force);
   }
 
   // Of all that Bullet's scale stands for, the forces take the step's length.
   void addScaledElasticForceDifferential(btScalar, const TVStack& dx, TVStack& df) override {
     if (!is_under_way_) return;
-    const std::vector<btSoftBody::Node*>& nodes = bodies_.nodes();
-    change_.resize(3 * nodes.size());
-    for (std::size_t n = 0; n < nodes.size(); ++n)
-      for (int axis = 0; axis < 3; ++axis) change_[3 * n + std::size_t(axis)] = double(dx[nodes[n]->index][axis]);
+    change_.resize(3 * nodes_.size());
+    for (std::size_t n = 0; n < nodes_.size(); ++n)
+      for (int axis = 0; axis < 3; ++axis) change_[3 * n + std::size_t(axis)] = double(dx[nodes_[n]->index][axis]);
     result_.assign(change_.size(), 0);
-    bodies_.system().add_product(double(time_step_), change_, result_);
+    system_.add_product(double(time_step_), change_, result_);
     add_result(1, df);
   }
 
@@ -184,6 +140,16 @@ class ContactForce : public btDeformableLagrangianForce {
 
   /** @endcond */
 
+ protected:
+  void add(ContactBody body) override {
+    btSoftBody* soft = body.soft;
+    if (soft != nullptr) check_body(*soft);
+    if (soft == nullptr && world_ == nullptr && !body.rigid->isStaticOrKinematicObject())
+      throw std::logic_error("rigid body: it could not react; call register_with(solver, world) first");
+    ContactBodies::add(std::move(body));
+    if (soft != nullptr) m_softBodies.push_back(soft);
+  }
+
  private:
   /** Runs when Bullet has moved everything: rigid bodies then get what the solve found for them. */
   class Reaction : public btActionInterface {
@@ -204,7 +170,7 @@ class ContactForce : public btDeformableLagrangianForce {
   void begin_step() {
     is_due_ = has_gone_elsewhere_ = false;
     time_step_ = solver_->m_objective->m_dt;
-    bodies_.begin(time_step_, gravity(), false, [this](const detail::ContactBody& body) {
+    begin(time_step_, gravity(), false, [this](const ContactBody& body) {
       return body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->isInWorld();
     });
     is_under_way_ = true;
@@ -212,14 +178,13 @@ class ContactForce : public btDeformableLagrangianForce {
 
   void finish_step() {
     if (!std::exchange(is_under_way_, false)) return;
-    bodies_.finish(time_step_);
+    finish(time_step_);
   }
 
   void add_result(double scale, TVStack& to) const {
-    const std::vector<btSoftBody::Node*>& nodes = bodies_.nodes();
-    for (std::size_t n = 0; n < nodes.size(); ++n)
+    for (std::size_t n = 0; n < nodes_.size(); ++n)
       for (int axis = 0; axis < 3; ++axis)
-        to[nodes[n]->index][axis] += btScalar(scale * result_[3 * n + std::size_t(axis)]);
+        to[nodes_[n]->index][axis] += btScalar(scale * result_[3 * n + std::size_t(axis)]);
   }
 
   bool is_in_world(const btSoftBody& body) const {
@@ -243,8 +208,6 @@ class ContactForce : public btDeformableLagrangianForce {
     return {0, 0, 0};
   }
 
-  ContactOptions options_;
-  mutable detail::ContactBodies bodies_;  // copies contacts when they are asked for
   Reaction reaction_;
   std::vector<double> change_, result_;
   btDeformableBodySolver* solver_ = nullptr;

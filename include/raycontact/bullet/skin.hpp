@@ -3,7 +3,6 @@
 #ifndef RAYCONTACT_BULLET_SKIN_HPP
 #define RAYCONTACT_BULLET_SKIN_HPP
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -11,7 +10,7 @@
 #include <vector>
 
 #include "raycontact/bullet/precision.hpp"
-#include "raycontact/cage.hpp"
+#include "raycontact/skin.hpp"
 
 namespace raycontact::bullet {
 
@@ -44,21 +43,33 @@ inline void skin_positions(const btSoftBody& body, const Skin& skin, std::vector
 }
 
 /**
- * Throws std::invalid_argument when a point refers to a node the body does not have, or a triangle to no point, or
- * where the triangles' numbers are no multiple of three.
+ * The render mesh of a body whose interpolation weights have been set
+ * (btSoftBodyHelpers::interpolateBarycentricWeights): each render node is carried by the four corners of a tetrahedron.
+ * The mesh must be closed and outward.
  */
-inline void check_skin(const btSoftBody& body, const Skin& skin) {
-  for (std::size_t i = 0; i < skin.points.size(); ++i)
-    for (int node : skin.points[i].nodes)
-      if (node < 0 || node >= body.m_nodes.size())
-        throw std::invalid_argument("skin point " + std::to_string(i) + " is carried by node " + std::to_string(node) +
-                                    ", but the body has " + std::to_string(body.m_nodes.size()) + " nodes");
-  raycontact::detail::check_threes(skin.triangles.size(), "skin.triangles", "triangle");
-  for (std::size_t i = 0; i < skin.triangles.size(); ++i)
-    if (skin.triangles[i] >= skin.points.size())
-      throw std::invalid_argument("skin triangle " + std::to_string(i / 3) + " refers to point " +
-                                  std::to_string(skin.triangles[i]) + ", but the skin has " +
-                                  std::to_string(skin.points.size()) + " points");
+inline Skin skin_from_render_mesh(const btSoftBody& body) {
+  const int count = body.m_renderNodes.size();
+  if (count == 0) throw std::invalid_argument("soft body: it has no render mesh; read one, or use its faces");
+  if (body.m_renderNodesParents.size() < count || body.m_renderNodesInterpolationWeights.size() < count)
+    throw std::invalid_argument("soft body: its render mesh has no weights; call interpolateBarycentricWeights");
+  Skin skin;
+  skin.points.resize(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const auto& parents = body.m_renderNodesParents[i];
+    if (parents.size() != 4)
+      throw std::invalid_argument("soft body: render node " + std::to_string(i) + " has " +
+                                  std::to_string(parents.size()) + " parents, not the 4 corners of a tetrahedron");
+    SkinPoint& point = skin.points[static_cast<std::size_t>(i)];
+    for (int k = 0; k < 4; ++k) {
+      point.nodes[static_cast<std::size_t>(k)] = static_cast<int>(parents[k] - &body.m_nodes[0]);
+      point.weights[static_cast<std::size_t>(k)] = double(body.m_renderNodesInterpolationWeights[i][k]);
+    }
+  }
+  skin.triangles.reserve(3 * static_cast<std::size_t>(body.m_renderFaces.size()));
+  for (int f = 0; f < body.m_renderFaces.size(); ++f)
+    for (const btSoftBody::RenderNode* node : body.m_renderFaces[f].m_n)
+      skin.triangles.push_back(static_cast<uint32_t>(node - &body.m_renderNodes[0]));
+  return skin;
 }
 
 }  // namespace raycontact::bullet

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+/** One of Bullet's bodies, as the contact system has to know it. */
+#ifndef RAYCONTACT_BULLET_CONTACT_BODY_HPP
+#define RAYCONTACT_BULLET_CONTACT_BODY_HPP
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "raycontact.hpp"
+#include "raycontact/bullet/options.hpp"
+#include "raycontact/bullet/rigid_surface.hpp"
+#include "raycontact/bullet/skin.hpp"
+
+namespace raycontact::bullet::detail {
+
+/** A soft body with its skin, or a rigid one with its surface. */
+struct ContactBody {
+  btSoftBody* soft;
+  btRigidBody* rigid;
+  Skin skin;             // of a soft body
+  RigidSurface surface;  // of a rigid one
+  BodyOptions options;
+  bool is_in_scene = false;
+  uint32_t number = 0;                // there
+  std::array<btScalar, 5> inertia{};  // of a rigid body, as the system has it
+  rayc_motion motion{};
+
+  const btCollisionObject* object() const {
+    return soft != nullptr ? static_cast<const btCollisionObject*>(soft) : rigid;
+  }
+
+  bool gives_way() const { return rigid != nullptr && !rigid->isStaticOrKinematicObject() && rigid->getInvMass() > 0; }
+
+  // Two rigid bodies are the host's own business.
+  bool may_touch(const ContactBody& other) const {
+    return (soft != nullptr || other.soft != nullptr) && (options.group & other.options.mask) != 0 &&
+           (other.options.group & options.mask) != 0;
+  }
+
+  Mesh mesh() const {
+    if (soft != nullptr) {
+      std::vector<btScalar> positions;
+      skin_positions(*soft, skin, positions);
+      return Mesh(vectors(positions), skin.triangles);
+    }
+    rayc_mesh_options mesh_options = default_mesh_options();
+    try {
+      return Mesh(vectors(surface.points), surface.triangles, mesh_options);
+    } catch (const Error& error) {
+      // A triangle mesh may be a piece of terrain; a moving one must be closed to have an inside.
+      if (error.status() != RAYC_STATUS_MESH_OPEN || !rigid->isStaticOrKinematicObject()) throw;
+      mesh_options.open = 1;
+      return Mesh(vectors(surface.points), surface.triangles, mesh_options);
+    }
+  }
+
+  /** A rigid body's inverse mass and inertia, and whether it gives way. */
+  std::array<btScalar, 5> inertia_now() const {
+    const btVector3& inverse = rigid->getInvInertiaDiagLocal();
+    return {{rigid->getInvMass(), inverse.x(), inverse.y(), inverse.z(), btScalar(gives_way() ? 1 : 0)}};
+  }
+
+  /** About the body's own axes, for a body that gives way. */
+  std::array<double, 9> inertia_matrix() const {
+    double square = 0;
+    for (const btVector3& point : surface.points) square = std::max(square, double(point.length2()));
+    std::array<double, 9> matrix{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double inverse = double(inertia[axis + 1]);
+      // Bullet's zero stands for an axis about which nothing turns the body.
+      matrix[4 * axis] = inverse > 0 ? 1 / inverse : 1e9 * square / double(inertia[0]);
+    }
+    return matrix;
+  }
+
+  void copy_velocity(double* to) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      to[axis] = double(rigid->getLinearVelocity()[axis]);
+      to[axis + 3] = double(rigid->getAngularVelocity()[axis]);
+    }
+  }
+
+  /** Where a rigid body is, or was so many seconds ago, and where its velocity would take it. */
+  void renew_motion(btScalar ago) {
+    copy_velocity(motion.free_velocity);
+    btTransform place = rigid->getWorldTransform();
+    if (ago > 0)
+      btTransformUtil::integrateTransform(rigid->getWorldTransform(), rigid->getLinearVelocity(),
+                                          rigid->getAngularVelocity(), -ago, place);
+    for (int row = 0; row < 3; ++row) {
+      motion.position[row] = double(place.getOrigin()[row]);
+      for (int column = 0; column < 3; ++column) motion.rotation[row][column] = double(place.getBasis()[row][column]);
+    }
+  }
+
+  /** The velocity that the solve found instead, and the way that it makes. */
+  void follow(const std::array<double, 6>& velocity, btScalar dt) {
+    btVector3 change[2];
+    for (int k = 0; k < 6; ++k) change[k / 3][k % 3] = btScalar(velocity[std::size_t(k)] - motion.free_velocity[k]);
+    if (change[0].isZero() && change[1].isZero()) return;
+    rigid->setLinearVelocity(rigid->getLinearVelocity() + change[0]);
+    rigid->setAngularVelocity(rigid->getAngularVelocity() + change[1]);
+    btTransform moved;
+    btTransformUtil::integrateTransform(rigid->getWorldTransform(), change[0], change[1], dt, moved);
+    rigid->proceedToTransform(moved);
+  }
+};
+
+}  // namespace raycontact::bullet::detail
+
+#endif  // RAYCONTACT_BULLET_CONTACT_BODY_HPP
