@@ -3,9 +3,10 @@
 use super::loads::Key;
 use super::twist::V3;
 use crate::math::direction;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use nalgebra::Matrix3;
 use std::cmp::Ordering;
+use std::ops::Range;
 
 /// A point of a triangle, or beside or above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,49 +52,61 @@ pub(super) struct Anchor {
     pub(super) triangle: u32,
     pub(super) from: Corners,
     pub(super) hold: Hold,
-    /// Among those kept, what it was found as.
-    found: Option<usize>,
 }
 
-impl Anchor {
-    pub(super) fn kept(key: Key, triangle: u32, from: Corners, hold: Hold) -> Self {
-        Self { key, triangle, from, hold, found: None }
-    }
+/// A contact of this step that can rub.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pending {
+    pub(super) key: Key,
+    triangle: u32,
+    pub(super) from: Corners,
+    /// The corners of the triangle that it is to hold on to; `None` over a half-space.
+    pub(super) on: Option<[u32; 3]>,
+    /// Among those kept, what it was found as.
+    found: Option<usize>,
 }
 
 #[derive(Debug, Default)]
 pub(super) struct Anchors {
     /// Of the step before, by pair and triangle.
     kept: Vec<Anchor>,
+    /// Their triangles: a search in these reads little memory.
+    triangles: Vec<u32>,
+    /// Where those of the pair are that was looked for last.
+    searched: Option<(Key, Range<usize>)>,
     /// Of this step.
-    pub(super) pending: Vec<Anchor>,
+    pub(super) pending: Vec<Pending>,
     next: Vec<Anchor>,
+    /// Room to sort: where those of one pair lie next to one another, and the triangles of one pair with their anchors.
+    runs: Vec<(Key, u32, u32)>,
+    order: Vec<u64>,
+    found: Vec<Option<Anchor>>,
 }
 
 impl Anchors {
     /// Those kept of one direction of a pair.
     pub(super) fn of(&self, key: Key) -> &[Anchor] {
+        &self.kept[self.range(key)]
+    }
+
+    fn range(&self, key: Key) -> Range<usize> {
         let start = self.kept.partition_point(|anchor| anchor.key < key);
-        let count = self.kept[start..].partition_point(|anchor| anchor.key == key);
-        &self.kept[start..start + count]
+        start..start + self.kept[start..].partition_point(|anchor| anchor.key == key)
     }
 
     /// Keeps these in place of some. Those that this step has found are found where they are then.
     pub(super) fn replace(&mut self, is_gone: impl Fn(&Key) -> bool, anchors: &[Anchor]) {
-        let Self { kept, pending, next } = self;
-        next.clear();
-        next.room_for(pending.len());
+        let Self { kept, pending, found, .. } = self;
         kept.room_for(anchors.len());
-        let found = |anchor: &Anchor| anchor.found.and_then(|found| kept.get(found)).copied().unwrap_or(*anchor);
-        next.extend(pending.iter().map(found));
+        let as_found = |pending: &Pending| pending.found.and_then(|place| kept.get(place)).copied();
+        memory::refill(found, pending.iter().map(as_found));
         kept.retain(|anchor| !is_gone(&anchor.key));
         kept.extend_from_slice(anchors);
         self.sort();
-        let Self { kept, pending, next } = self;
-        for (anchor, found) in pending.iter_mut().zip(&*next).filter(|(anchor, _)| anchor.found.is_some()) {
-            anchor.found = kept.binary_search_by(|kept| in_order(kept, found)).ok();
+        let Self { kept, pending, found, .. } = self;
+        for (pending, found) in pending.iter_mut().zip(&*found) {
+            pending.found = found.and_then(|found| kept.binary_search_by(|kept| in_order(kept, &found)).ok());
         }
-        next.clear();
     }
 
     pub(super) fn start_step(&mut self) {
@@ -102,27 +115,42 @@ impl Anchors {
 
     pub(super) fn forget(&mut self, is_gone: impl Fn(&Key) -> bool) {
         self.kept.retain(|anchor| !is_gone(&anchor.key));
+        self.list_triangles();
     }
 
-    /// Adds an anchor of this step; gives its place, and where the contact held on in the step before.
-    pub(super) fn find(&mut self, key: Key, triangle: u32, from: Corners, hold: Hold) -> (usize, Option<Anchor>) {
-        let place = (key, triangle);
-        let start = self.kept.partition_point(|anchor| (anchor.key, anchor.triangle) < place);
+    /// Adds a contact of this step; gives its place, and that of the anchor of the step before if it had one.
+    pub(super) fn find(
+        &mut self,
+        key: Key,
+        triangle: u32,
+        from: Corners,
+        on: Option<[u32; 3]>,
+    ) -> (usize, Option<usize>) {
+        // Contacts of one pair mostly come one after the other.
+        let of_pair = match &self.searched {
+            Some((last, range)) if *last == key => range.clone(),
+            _ => self.range(key),
+        };
+        let triangles = &self.triangles[of_pair.clone()];
+        let start = of_pair.start + triangles.partition_point(|&other| other < triangle);
         let distance =
             |anchor: &Anchor| -> f64 { (0..3).map(|k| (anchor.from.weights[k] - from.weights[k]).powi(2)).sum() };
         let mut nearest: Option<(f64, usize)> = None;
-        for (offset, anchor) in self.kept[start..].iter().enumerate() {
-            if (anchor.key, anchor.triangle) != place {
-                break;
-            }
-            let far = distance(anchor);
+        for place in (start..of_pair.end).take_while(|&place| self.triangles[place] == triangle) {
+            let far = distance(&self.kept[place]);
             if nearest.is_none_or(|(least, _)| far < least) {
-                nearest = Some((far, start + offset));
+                nearest = Some((far, place));
             }
         }
+        self.searched = Some((key, of_pair));
         let found = nearest.map(|(_, place)| place);
-        self.pending.room_for(1).push(Anchor { key, triangle, from, hold, found });
-        (self.pending.len() - 1, found.map(|place| self.kept[place]))
+        self.pending.room_for(1).push(Pending { key, triangle, from, on, found });
+        (self.pending.len() - 1, found)
+    }
+
+    /// One of the step before.
+    pub(super) fn before(&self, place: usize) -> &Anchor {
+        &self.kept[place]
     }
 
     /// Whether the contact did not hold on in the step before.
@@ -139,22 +167,48 @@ impl Anchors {
 
     /// From now on the contact holds on to this.
     pub(super) fn set(&mut self, place: usize, hold: Hold) {
-        let anchor = Anchor { hold, ..self.pending[place] };
-        self.next.room_for(1).push(anchor);
+        let Pending { key, triangle, from, .. } = self.pending[place];
+        self.next.room_for(1).push(Anchor { key, triangle, from, hold });
     }
 
     pub(super) fn finish_step(&mut self) {
         std::mem::swap(&mut self.kept, &mut self.next);
-        self.next.clear();
         self.pending.clear();
         self.sort();
     }
 
+    /// Those of a pair come in few stretches: these are sorted, then the triangles of each pair, and each anchor moves once.
     fn sort(&mut self) {
-        // Mostly they come so.
-        if !self.kept.is_sorted_by(|a, b| in_order(a, b).is_le()) {
-            self.kept.sort_unstable_by(in_order);
+        let Self { kept, next, runs, order, .. } = self;
+        runs.clear();
+        let mut start = 0;
+        for run in kept.chunk_by(|one, next| one.key == next.key) {
+            let end = start + run.len() as u32;
+            runs.room_for(1).push((run[0].key, start, end));
+            start = end;
         }
+        runs.sort_unstable();
+        next.clear();
+        next.room_for(kept.len());
+        for of_key in runs.chunk_by(|one, next| one.0 == next.0) {
+            order.clear();
+            for place in of_key.iter().flat_map(|&(_, start, end)| start..end) {
+                order.room_for(1).push(u64::from(kept[place as usize].triangle) << 32 | u64::from(place));
+            }
+            order.sort_unstable();
+            next.extend(order.iter().map(|&place| kept[place as u32 as usize]));
+        }
+        for alike in next.chunk_by_mut(|a, b| (a.triangle, a.key) == (b.triangle, b.key)) {
+            alike.sort_unstable_by(in_order);
+        }
+        std::mem::swap(kept, next);
+        next.clear();
+        self.list_triangles();
+    }
+
+    fn list_triangles(&mut self) {
+        memory::refill(&mut self.triangles, self.kept.iter().map(|anchor| anchor.triangle));
+        self.searched = None;
     }
 }
 

@@ -1,6 +1,7 @@
 //! The rows' matrix on rigid bodies, assembled: among these, and between these and nodes. Each body has two blocks of unknowns.
 
-use super::row::{Entry, RigidEnd, Row, Spring};
+use super::lines::Lines;
+use super::row::{RigidEnd, Row, Spring};
 use super::twist::V3;
 use crate::memory::{self, Room};
 use nalgebra::{Matrix3, Matrix6, Vector6};
@@ -17,10 +18,10 @@ pub(super) struct RigidCoupling {
     ends: Vec<(usize, u32, usize)>,
     /// The place of each body that nodes meet, and where its blocks end.
     bodies: Vec<(usize, usize)>,
-    /// The node of each block.
-    nodes: Vec<u32>,
+    /// The line of each block.
+    lines: Vec<u32>,
     blocks: Vec<Columns>,
-    /// Room: of each node its block of the body under way.
+    /// Room: of each line its block of the body under way.
     places: Vec<u32>,
 }
 
@@ -67,10 +68,9 @@ impl RigidCoupling {
         taken: impl Iterator<Item = u32>,
         springs: &[Spring],
         rows: &[Row],
-        entries: &[Entry],
-        node_count: usize,
+        all: &Lines,
     ) -> usize {
-        let Self { ends, bodies, nodes, places, .. } = self;
+        let Self { ends, bodies, lines, places, .. } = self;
         ends.clear();
         for place in taken {
             let spring = &springs[place as usize];
@@ -81,34 +81,31 @@ impl RigidCoupling {
         }
         ends.sort_unstable();
         bodies.clear();
-        nodes.clear();
-        memory::refill_with(places, u32::MAX, node_count);
+        lines.clear();
+        memory::refill_with(places, u32::MAX, all.count());
         for of_body in ends.chunk_by(|one, next| one.0 == next.0) {
-            let first = nodes.len() as u32;
-            for &(_, place, _) in of_body {
-                let spring = &springs[place as usize];
-                for entry in &entries[spring.begin..spring.end] {
-                    // It may be that of a body before.
-                    let block = &mut places[entry.node as usize];
-                    if *block == u32::MAX || *block < first {
-                        *block = nodes.len() as u32;
-                        nodes.room_for(1).push(entry.node);
-                    }
+            let first = lines.len() as u32;
+            for entry in of_body.iter().flat_map(|&(_, place, _)| all.entries_of(place)) {
+                // It may be that of a body before.
+                let block = &mut places[entry.node as usize];
+                if *block == u32::MAX || *block < first {
+                    *block = lines.len() as u32;
+                    lines.room_for(1).push(entry.node);
                 }
             }
-            bodies.room_for(1).push((of_body[0].0, nodes.len()));
+            bodies.room_for(1).push((of_body[0].0, lines.len()));
         }
-        nodes.len()
+        lines.len()
     }
 
     /// The numbers of the blocks found.
-    pub(super) fn add_up(&mut self, springs: &[Spring], rows: &[Row], entries: &[Entry]) {
-        let Self { ends, bodies, nodes, blocks, places, .. } = self;
-        memory::refill_with(blocks, [V3::zeros(); 6], nodes.len());
+    pub(super) fn add_up(&mut self, springs: &[Spring], rows: &[Row], all: &Lines) {
+        let Self { ends, bodies, lines, blocks, places, .. } = self;
+        memory::refill_with(blocks, [V3::zeros(); 6], lines.len());
         let mut first = 0;
         for (of_body, &(_, last)) in ends.chunk_by(|one, next| one.0 == next.0).zip(&*bodies) {
             for place in first..last {
-                places[nodes[place] as usize] = place as u32;
+                places[lines[place] as usize] = place as u32;
             }
             for &(_, place, side) in of_body {
                 let spring = &springs[place as usize];
@@ -117,7 +114,7 @@ impl RigidCoupling {
                 // d · J and J of the body's six velocities.
                 let turned = [V3::new(0.0, -arm.z, arm.y), V3::new(arm.z, 0.0, -arm.x), V3::new(-arm.y, arm.x, 0.0)];
                 let moves = [V3::x(), V3::y(), V3::z(), turned[0], turned[1], turned[2]].map(|column| column * *sign);
-                for entry in &entries[spring.begin..spring.end] {
+                for entry in all.entries_of(place) {
                     let (along, across) = (spring.normal * entry.along, spring.tangential * entry.across);
                     let block = &mut blocks[places[entry.node as usize] as usize];
                     for (column, moves) in block.iter_mut().zip(&moves) {
@@ -132,7 +129,7 @@ impl RigidCoupling {
     /// Forgets the blocks between nodes and rigid bodies.
     pub(super) fn clear_blocks(&mut self) {
         self.bodies.clear();
-        self.nodes.clear();
+        self.lines.clear();
         self.blocks.clear();
     }
 
@@ -140,28 +137,29 @@ impl RigidCoupling {
         let mut first = 0;
         self.bodies.iter().map(move |&(place, last)| {
             let range = std::mem::replace(&mut first, last)..last;
-            (place, self.nodes[range.clone()].iter().copied().zip(&self.blocks[range]))
+            (place, self.lines[range.clone()].iter().copied().zip(&self.blocks[range]))
         })
     }
 
-    /// Adds `scale` times the forces on nodes for these velocities of rigid bodies.
-    pub(super) fn add_to_nodes(&self, twists: &[f64], scale: f64, nodes: &mut [f64]) {
+    /// Adds the forces on nodes for these velocities of rigid bodies to the sums of lines.
+    pub(super) fn add_to_lines(&self, twists: &[f64], all: &mut Lines) {
         for (place, blocks) in self.of_bodies() {
-            let twist: [f64; 6] = std::array::from_fn(|k| scale * twists[6 * place + k]);
-            for (node, block) in blocks {
-                let force = block.iter().zip(twist).fold(V3::zeros(), |sum, (column, by)| sum + column * by);
-                let to = &mut nodes[3 * node as usize..][..3];
+            let twist = &twists[6 * place..6 * place + 6];
+            for (line, block) in blocks {
+                let force = block.iter().zip(twist).fold(V3::zeros(), |sum, (column, by)| sum + column * *by);
+                let to = &mut all.result[line as usize];
                 (0..3).for_each(|axis| to[axis] += force[axis]);
             }
         }
     }
 
-    /// Adds `scale` times the loads on rigid bodies for these velocities of nodes.
-    pub(super) fn add_to_rigid(&self, nodes: &[f64], scale: f64, loads: &mut [f64]) {
+    /// Adds `scale` times the loads on rigid bodies for the change of lines.
+    pub(super) fn add_to_rigid(&self, all: &Lines, scale: f64, loads: &mut [f64]) {
         for (place, blocks) in self.of_bodies() {
             let mut sum = [0.0; 6];
-            for (node, block) in blocks {
-                let v = super::body::at(nodes, node);
+            for (line, block) in blocks {
+                let [x, y, z, _] = all.change[line as usize];
+                let v = V3::new(x, y, z);
                 (0..6).for_each(|k| sum[k] += block[k].dot(&v));
             }
             (0..6).for_each(|k| loads[6 * place + k] += scale * sum[k]);
@@ -225,9 +223,10 @@ mod tests {
     }
 
     /// From the forces that the rows exert: those against a change, turned around.
-    fn expected(rows: &Rows, of: Velocities<'_>, scale: f64) -> [Vec<f64>; 2] {
+    fn expected(rows: &mut Rows, of: Velocities<'_>, scale: f64) -> [Vec<f64>; 2] {
         let [mut nodes, mut twists] = [vec![0.0; 3 * NODES], vec![0.0; 6 * BODIES]];
-        rows.add_forces(of, -scale, &mut nodes, Some(&mut twists));
+        rows.find_motions(of.nodes);
+        rows.add_forces(of.twists, -scale, &mut nodes, Some(&mut twists));
         [nodes, twists]
     }
 
@@ -244,11 +243,11 @@ mod tests {
         let change: Vec<f64> = (0..3 * NODES).map(|_| numbers.signed()).collect();
         let twists: Vec<f64> = (0..6 * BODIES).map(|_| numbers.signed()).collect();
         let of = Velocities { nodes: &change, twists: &twists };
-        let [on_nodes, on_rigid] = expected(&rows, of, 0.7);
+        let [on_nodes, on_rigid] = expected(&mut rows, of, 0.7);
         let [mut nodes, mut loads] = [vec![0.0; 3 * NODES], vec![0.0; 6 * BODIES]];
         rows.gather_springs();
         rows.add_product(of, 0.7, &mut nodes, Some(&mut loads));
-        assert!(rows.coupling.bodies.len() == BODIES && !rows.matrix.apart.is_empty());
+        assert!(rows.coupling.bodies.len() == BODIES && rows.apart.count() > 0);
         assert_near(&nodes, &on_nodes);
         assert_near(&loads, &on_rigid);
     }
@@ -266,9 +265,9 @@ mod tests {
         rows.add_answered_product(&change, 0.7, dt, &mut found);
         let answer = rows.response.clone();
         let of = Velocities { nodes: &change, twists: &answer };
-        let [on_nodes, _] = expected(&rows, of, 0.7);
+        let [on_nodes, _] = expected(&mut rows, of, 0.7);
         assert_near(&found, &on_nodes);
-        let [_, loads] = expected(&rows, of, -dt);
+        let [_, loads] = expected(&mut rows, of, -dt);
         let momenta: Vec<f64> = answer.iter().enumerate().map(|(k, x)| x * if k % 6 < 3 { 2.0 } else { 0.3 }).collect();
         assert_near(&momenta, &loads);
     }

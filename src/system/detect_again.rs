@@ -30,7 +30,9 @@ impl<T: Scalar> ContactSystem<T> {
         scene.disregard_query();
         let has_news = self.add_new_rows(step);
         if has_news {
-            self.hold_at(velocities, step);
+            // The twists are those of the rows that there were.
+            self.rows.find_motions(&velocities[..3 * self.node_masses.len()]);
+            self.hold_at(step);
         }
         Ok(has_news)
     }

@@ -31,7 +31,7 @@ impl<T: Scalar> ContactSystem<T> {
         self.buffers.unknowns = unknowns;
         self.step = None;
         added?;
-        let mut sums = std::mem::take(&mut self.buffers.areas);
+        let mut sums = std::mem::take(&mut self.buffers.sums);
         let nodes = self.node_masses.len();
         memory::refill_with(&mut sums, 0.0, nodes + 2 * self.rigid_count);
         let rows = &self.rows;
@@ -45,7 +45,7 @@ impl<T: Scalar> ContactSystem<T> {
             sums[block] += coupling;
         });
         let largest = self.largest_with(&sums);
-        self.buffers.areas = sums;
+        self.buffers.sums = sums;
         Ok(longest_step(largest))
     }
 
@@ -72,8 +72,8 @@ impl<T: Scalar> ContactSystem<T> {
         unknowns.clear();
         unknowns.room_for(step.unknowns).extend_from_slice(velocities);
         unknowns.extend_from_slice(&self.buffers.twists);
-        self.find_twists(&unknowns, step);
-        self.hold_at(&unknowns, step);
+        self.find_motions(&unknowns, step);
+        self.hold_at(step);
         self.buffers.unknowns = unknowns;
         Ok(())
     }

@@ -22,7 +22,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn off_course(&mut self, scene: &Scene<T>, velocities: &[f64]) -> Result<[f64; 2], SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
-        self.find_twists(velocities, step);
+        self.find_motions(velocities, step);
         let mut squares = [0.0; 2];
         if !self.looks_ahead {
             return Ok(squares);
@@ -91,7 +91,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// Makes these velocities those of the prediction.
     pub(super) fn go_on_with(&mut self, velocities: &[f64]) {
         let Some(step) = self.step else { return };
-        self.find_twists(velocities, step);
+        self.find_motions(velocities, step);
         copy(&mut self.buffers.ahead, &velocities[..3 * self.node_masses.len()]);
         copy(&mut self.buffers.ahead_twists, &self.rows.response);
     }

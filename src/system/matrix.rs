@@ -2,6 +2,7 @@
 //! with it take a small part of the time that they take row by row.
 
 use super::coupling::RigidCoupling;
+use super::lines::{Four, Lines};
 use super::row::{Entry, Row, Spring};
 use crate::math::{Kernel, Lanes, dispatch};
 use crate::memory::{self, Room};
@@ -10,148 +11,139 @@ use crate::memory::{self, Room};
 /// the square of the entries.
 const LONGEST: usize = 32;
 
-/// The cost of a block between a node and a rigid body, in blocks between nodes: it has twice the numbers and is used twice.
-const WORK_OF_COUPLING: usize = 4;
+/// How long things take, measured, in about a tenth of a nanosecond. In each product: a spring, each of its entries without
+/// friction and with it, and a block. Once, to assemble: an entry, and each two of a spring. Springs on rigid bodies take more
+/// both ways, because those have to answer first; a block between a node and a rigid body has twice the numbers and is used
+/// twice.
+mod work {
+    pub(super) const SPRING: [usize; 2] = [24, 190];
+    pub(super) const ENTRY: [usize; 2] = [10, 16];
+    pub(super) const BLOCK: usize = 15;
+    pub(super) const COUPLING: usize = 120;
+    pub(super) const SPRING_ONCE: [usize; 2] = [0, 1000];
+    pub(super) const ENTRY_ONCE: [usize; 2] = [40, 340];
+    pub(super) const TWO_ENTRIES_ONCE: usize = 44;
+}
 
-/// Three numbers, padded to four.
-type Four = [f64; 4];
-
-const UNITS: [Four; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-
-/// Blocks of nodes on and above the diagonal. Each is symmetric, a sum of normal · d dᵀ + tangential · (1 − d dᵀ), and stands
+/// Blocks of lines on and above the diagonal. Each is symmetric, a sum of normal · d dᵀ + tangential · (1 − d dᵀ), and stands
 /// for its mirror too.
 #[derive(Debug, Default)]
 pub(super) struct NodeMatrix {
-    /// Whether it belongs to the current linearisation.
-    pub(super) is_current: bool,
-    /// The node of each line, in ascending order, and where its blocks end; the first of them is the diagonal one.
-    lines: Vec<(u32, u32)>,
+    /// Where the blocks of each line end; the first of them is the diagonal one.
+    lines: Vec<u32>,
     /// The line of each block's mirror.
     columns: Vec<u32>,
     /// The blocks by columns, in N s/m.
     blocks: Vec<[Four; 3]>,
-    /// The springs that are not in the matrix.
-    pub(super) apart: Vec<u32>,
-    /// Room: of each node its line; of each line where its entries end, and where its block is in the line under way.
-    line_of: Vec<u32>,
+    /// Room for their sums: xx, xy, xz, none; yy, yz, zz, and what is to be added to the diagonal.
+    sums: Vec<[Four; 2]>,
+    /// Room: of each line where its entries end, and where its block is in the line under way.
     ends: Vec<u32>,
     places: Vec<u32>,
-    /// Springs, where their entries end, and those, by ascending line.
+    /// The springs in the matrix, where their entries end, and those, by ascending line.
     taken: Vec<(u32, u32)>,
     entries: Vec<Entry>,
     /// Among the taken springs and their entries, by line.
     by_line: Vec<(u32, u32)>,
-    /// Of each line, in a product.
-    change: Vec<Four>,
-    result: Vec<Four>,
 }
 
 impl NodeMatrix {
-    /// Makes it, and the coupling to rigid bodies, that of the springs, or leaves them all apart where products row by row are
-    /// cheaper.
+    /// Makes it, and the coupling to rigid bodies, that of the springs, where that is less work than so many products row by
+    /// row; false where it is not.
     pub(super) fn assemble(
         &mut self,
-        (springs, rows, entries): (&[Spring], &[Row], &[Entry]),
-        nodes: usize,
+        springs: &[Spring],
+        rows: &[Row],
+        lines: &Lines,
+        products: usize,
         coupling: &mut RigidCoupling,
-    ) {
+    ) -> bool {
         self.lines.clear();
         self.columns.clear();
-        self.blocks.clear();
-        self.apart.clear();
-        self.apart.room_for(springs.len());
+        coupling.clear_blocks();
         self.taken.clear();
         self.taken.room_for(springs.len());
-        let (mut work_by_rows, mut end) = (0, 0);
-        for (spring, place) in springs.iter().zip(0..) {
+        let (mut by_rows, mut once, mut end) = (0, 0, 0);
+        for (spring, place) in springs.iter().zip(0..).filter(|(spring, _)| is_short(spring)) {
             let count = spring.end - spring.begin;
-            if count > LONGEST {
-                self.apart.push(place);
-            } else {
-                // Across the direction there is as much again, and rigid bodies have to answer first.
-                let work = count * if spring.tangential == 0.0 { 1 } else { 2 };
-                work_by_rows += if spring.has_rigid_ends { 2 * work } else { work };
-                end += count as u32;
-                self.taken.push((place, end));
-            }
+            let [rubs, is_coupled] = [spring.tangential != 0.0, spring.has_rigid_ends].map(usize::from);
+            by_rows += work::SPRING[is_coupled] + work::ENTRY[rubs] * count;
+            once += work::SPRING_ONCE[is_coupled] + work::ENTRY_ONCE[is_coupled] * count;
+            once += work::TWO_ENTRIES_ONCE * count * (count + 1) / 2;
+            end += count as u32;
+            self.taken.push((place, end));
         }
-        self.find_lines(springs, entries, nodes);
+        // What is left for a product with blocks.
+        let left = by_rows.saturating_sub(once / products.max(1));
+        if left == 0 {
+            return false;
+        }
         let taken = self.taken.iter().map(|&(place, _)| place);
-        let couplings = coupling.find_blocks(taken, springs, rows, entries, nodes);
-        let work_by_blocks = WORK_OF_COUPLING * couplings;
-        if work_by_blocks <= work_by_rows && self.find_blocks(work_by_rows - work_by_blocks) {
-            self.blocks.room_for(self.columns.len()).resize(self.columns.len(), [[0.0; 4]; 3]);
-            dispatch::<f64, _>(AddUp { matrix: self, springs });
-            coupling.add_up(springs, rows, entries);
-        } else {
+        let couplings = coupling.find_blocks(taken, springs, rows, lines);
+        let left = left.saturating_sub(work::COUPLING * couplings);
+        self.order(lines);
+        if !self.find_blocks(left / work::BLOCK, lines.count()) {
             coupling.clear_blocks();
             self.lines.clear();
-            self.apart.clear();
-            self.apart.extend(0..springs.len() as u32);
+            return false;
         }
-        self.is_current = true;
+        memory::refill_with(&mut self.sums, [[0.0; 4]; 2], self.columns.len());
+        dispatch::<f64, _>(AddUp { matrix: self, springs });
+        memory::refill(&mut self.blocks, self.sums.iter().map(block));
+        coupling.add_up(springs, rows, lines);
+        true
     }
 
-    fn find_lines(&mut self, springs: &[Spring], entries: &[Entry], nodes: usize) {
-        let Self { lines, line_of, ends, taken, entries: own, by_line, .. } = self;
-        let of = |place: u32| &entries[springs[place as usize].begin..springs[place as usize].end];
-        memory::refill_with(line_of, 0, nodes);
-        for &(place, _) in &*taken {
-            for entry in of(place) {
-                line_of[entry.node as usize] += 1;
-            }
+    /// Sorts the entries of the springs taken, by line and by spring and line.
+    fn order(&mut self, lines: &Lines) {
+        let Self { ends, taken, entries, by_line, .. } = self;
+        memory::refill_with(ends, 0, lines.count() + 1);
+        for entry in taken.iter().flat_map(|&(place, _)| lines.entries_of(place)) {
+            ends[entry.node as usize + 1] += 1;
         }
-        ends.clear();
-        let mut sum = 0;
-        for (count, node) in line_of.iter_mut().zip(0..) {
-            if *count > 0 {
-                ends.room_for(1).push(sum);
-                sum += *count;
-                *count = lines.len() as u32;
-                lines.room_for(1).push((node, 0));
-            }
-        }
-        own.clear();
-        own.room_for(sum as usize);
-        memory::refill_with(by_line, (0, 0), sum as usize);
+        (1..ends.len()).for_each(|line| ends[line] += ends[line - 1]);
+        let count = ends[lines.count()] as usize;
+        memory::refill_with(by_line, (0, 0), count);
         for (&(place, _), spring) in taken.iter().zip(0..) {
-            let begin = own.len();
-            for entry in of(place) {
-                let line = line_of[entry.node as usize];
-                let mut at = own.len();
-                own.push(Entry { node: line, ..*entry });
-                while at > begin && own[at - 1].node > line {
-                    own.swap(at, at - 1);
-                    at -= 1;
-                }
-            }
-            for (entry, at) in own[begin..].iter().zip(begin as u32..) {
-                let end = &mut ends[entry.node as usize];
+            for at in lines.range(place) {
+                let end = &mut ends[lines.entries[at as usize].node as usize];
                 by_line[*end as usize] = (spring, at);
                 *end += 1;
             }
         }
+        // Taken line by line, the entries of each spring come in order. Until all are there, a spring's end moves on.
+        let mut begin = 0;
+        for (_, end) in &mut *taken {
+            begin = std::mem::replace(end, begin);
+        }
+        memory::refill_with(entries, Entry { node: 0, along: 0.0, across: 0.0 }, count);
+        for (spring, at) in by_line {
+            let (_, end) = &mut taken[*spring as usize];
+            entries[*end as usize] = lines.entries[*at as usize];
+            *at = std::mem::replace(end, *end + 1);
+        }
     }
 
     /// The blocks there are, without their numbers; false where they are more than `most`.
-    fn find_blocks(&mut self, most: usize) -> bool {
+    fn find_blocks(&mut self, most: usize, count: usize) -> bool {
         let Self { lines, columns, ends, places, taken, entries, by_line, .. } = self;
-        memory::refill_with(places, u32::MAX, lines.len());
+        memory::refill_with(places, u32::MAX, count);
+        lines.room_for(count);
         let mut begin = 0;
-        for (number, (line, &end)) in lines.iter_mut().zip(&*ends).enumerate() {
+        for (number, &end) in (0..count as u32).zip(&*ends) {
             let first = columns.len() as u32;
-            columns.room_for(1).push(number as u32);
+            columns.room_for(count).push(number);
             for &(spring, at) in &by_line[begin..end as usize] {
                 for entry in &entries[at as usize + 1..taken[spring as usize].1 as usize] {
                     // Of the lines before it may be that of an earlier one.
                     let place = &mut places[entry.node as usize];
                     if *place == u32::MAX || *place < first {
                         *place = columns.len() as u32;
-                        columns.room_for(1).push(entry.node);
+                        columns.push(entry.node);
                     }
                 }
             }
-            line.1 = columns.len() as u32;
+            lines.push(columns.len() as u32);
             if columns.len() > most {
                 return false;
             }
@@ -160,23 +152,19 @@ impl NodeMatrix {
         true
     }
 
-    /// Adds `scale` times the product.
-    pub(super) fn add_product(&mut self, change: &[f64], scale: f64, result: &mut [f64]) {
-        let Self { lines, change: own, result: sums, .. } = self;
-        memory::refill(
-            own,
-            lines.iter().map(|&(node, _)| {
-                let place = &change[3 * node as usize..][..3];
-                [place[0] * scale, place[1] * scale, place[2] * scale, 0.0]
-            }),
-        );
-        memory::refill_with(sums, [0.0; 4], lines.len());
-        dispatch::<f64, _>(Product { matrix: self });
-        for (&(node, _), sum) in self.lines.iter().zip(&self.result) {
-            let place = &mut result[3 * node as usize..][..3];
-            (0..3).for_each(|axis| place[axis] += sum[axis]);
-        }
+    /// Adds the product to the sums of lines.
+    pub(super) fn add_product(&self, lines: &mut Lines) {
+        dispatch::<f64, _>(Product { matrix: self, lines });
     }
+}
+
+pub(super) fn is_short(spring: &Spring) -> bool {
+    spring.end - spring.begin <= LONGEST
+}
+
+/// A block by columns.
+fn block([[xx, xy, xz, _], [yy, yz, zz, more]]: &[Four; 2]) -> [Four; 3] {
+    [[xx + more, *xy, *xz, 0.0], [*xy, yy + more, *yz, 0.0], [*xz, *yz, zz + more, 0.0]]
 }
 
 /// The numbers of the blocks.
@@ -190,9 +178,9 @@ impl Kernel<f64> for AddUp<'_> {
 
     #[inline(always)]
     fn run<L: Lanes<f64>>(self) {
-        let NodeMatrix { lines, columns, blocks, ends, places, taken, entries, by_line, .. } = self.matrix;
+        let NodeMatrix { lines, columns, sums, ends, places, taken, entries, by_line, .. } = self.matrix;
         let (mut first, mut begin) = (0, 0);
-        for (&(_, last), &end) in lines.iter().zip(&*ends) {
+        for (&last, &end) in lines.iter().zip(&*ends) {
             for place in first..last {
                 places[columns[place as usize] as usize] = place;
             }
@@ -201,15 +189,15 @@ impl Kernel<f64> for AddUp<'_> {
                 let Spring { direction: d, normal, tangential, .. } = &self.springs[place as usize];
                 let own = &entries[at as usize];
                 let (along, across) = (normal * own.along, tangential * own.across);
-                let outer = [d.x, d.y, d.z].map(|by| [d.x * by, d.y * by, d.z * by, 0.0]);
+                let outer = [[d.x * d.x, d.x * d.y, d.x * d.z, 0.0], [d.y * d.y, d.y * d.z, d.z * d.z, 1.0]];
                 for entry in &entries[at as usize..entries_end as usize] {
                     let same = across * entry.across;
                     let more = along * entry.along - same;
-                    let block = &mut blocks[places[entry.node as usize] as usize];
-                    for (column, (outer, unit)) in block.iter_mut().zip(outer.iter().zip(&UNITS)) {
-                        for axis in 0..4 {
-                            column[axis] += more * outer[axis] + same * unit[axis];
-                        }
+                    let by = [more, more, more, same];
+                    let sum = &mut sums[places[entry.node as usize] as usize];
+                    for axis in 0..4 {
+                        sum[0][axis] += more * outer[0][axis];
+                        sum[1][axis] += by[axis] * outer[1][axis];
                     }
                 }
             }
@@ -219,7 +207,8 @@ impl Kernel<f64> for AddUp<'_> {
 }
 
 struct Product<'a> {
-    matrix: &'a mut NodeMatrix,
+    matrix: &'a NodeMatrix,
+    lines: &'a mut Lines,
 }
 
 impl Kernel<f64> for Product<'_> {
@@ -227,9 +216,10 @@ impl Kernel<f64> for Product<'_> {
 
     #[inline(always)]
     fn run<L: Lanes<f64>>(self) {
-        let NodeMatrix { lines, columns, blocks, change, result, .. } = self.matrix;
+        let NodeMatrix { lines, columns, blocks, .. } = self.matrix;
+        let Lines { change, result, .. } = self.lines;
         let mut first = 0;
-        for (line, &(_, last)) in lines.iter().enumerate() {
+        for (line, &last) in lines.iter().enumerate() {
             let own = change[line];
             let mut sum = times(&blocks[first], &own);
             let others = first + 1..last as usize;
@@ -310,19 +300,21 @@ mod tests {
     }
 
     #[test]
-    fn the_product_is_that_of_the_rows_and_long_rows_stay_apart() {
+    fn the_product_is_that_of_the_rows_but_long_ones() {
         for is_rubbing in [false, true] {
             let mut lengths = vec![8; 60];
             lengths[7] = LONGEST + 1;
             lengths[20] = 1;
             let (springs, entries) = rows(&lengths, is_rubbing);
             let change: Vec<f64> = (0..3 * NODES).map(|k| (k as f64).sin()).collect();
-            let mut matrix = NodeMatrix::default();
+            let (mut matrix, mut lines) = (NodeMatrix::default(), Lines::default());
             for _ in 0..2 {
-                matrix.assemble((&springs, &[], &entries), NODES, &mut RigidCoupling::default());
-                assert_eq!(matrix.apart, [7]);
+                lines.find(&springs, &entries, NODES);
+                assert!(matrix.assemble(&springs, &[], &lines, 1000, &mut RigidCoupling::default()));
                 let mut result = vec![0.0; change.len()];
-                matrix.add_product(&change, 0.7, &mut result);
+                lines.start_product(&change);
+                matrix.add_product(&mut lines);
+                lines.finish_product(0.7, &mut result);
                 let taken: Vec<Spring> = springs.iter().filter(|spring| spring.place != 7).copied().collect();
                 let expected = expected(&taken, &entries, &change, 0.7);
                 let error = result.iter().zip(&expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
@@ -332,13 +324,17 @@ mod tests {
     }
 
     #[test]
-    fn few_rows_on_many_nodes_are_not_assembled() {
-        let (springs, entries) = rows(&[8], false);
-        let mut matrix = NodeMatrix::default();
-        matrix.assemble((&springs, &[], &entries), NODES, &mut RigidCoupling::default());
-        assert_eq!(matrix.apart, [0]);
-        let mut result = vec![0.0; 3 * NODES];
-        matrix.add_product(&vec![1.0; 3 * NODES], 1.0, &mut result);
-        assert!(result.iter().all(|x| *x == 0.0));
+    fn few_rows_on_many_nodes_or_few_products_are_not_worth_it() {
+        let (mut matrix, mut lines) = (NodeMatrix::default(), Lines::default());
+        for (lengths, products, is_worth_it) in
+            [(vec![8], 1000, false), (vec![8; 60], 1, false), (vec![8; 60], 1000, true)]
+        {
+            let (springs, entries) = rows(&lengths, false);
+            lines.find(&springs, &entries, NODES);
+            assert_eq!(matrix.assemble(&springs, &[], &lines, products, &mut RigidCoupling::default()), is_worth_it);
+            lines.start_product(&[1.0; 3 * NODES]);
+            matrix.add_product(&mut lines);
+            assert_eq!(lines.result.iter().any(|sum| sum.iter().any(|x| *x != 0.0)), is_worth_it);
+        }
     }
 }

@@ -125,7 +125,7 @@ fn read(bytes: &[u8], pair: (u32, Surface), counts: [usize; 2]) -> Option<([f64;
             (1, Surface::HalfSpace(_)) => Hold::Space(V3::from(numbers(&mut reader)?)),
             _ => return None,
         };
-        anchors.room_for(1).push(Anchor::kept(key, triangle, from, hold));
+        anchors.room_for(1).push(Anchor { key, triangle, from, hold });
     }
     reader.rest.is_empty().then_some((load, anchors))
 }

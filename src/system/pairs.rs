@@ -71,8 +71,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn misjudged(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
-        self.find_twists(velocities, step);
-        Ok(self.misjudged_at(velocities, step))
+        self.find_motions(velocities, step);
+        Ok(self.misjudged_at(step))
     }
 
     /// The net force in N with which `other` acted on a body in the last finished step; zero for a body and itself.

@@ -72,12 +72,15 @@ impl<T: Scalar> ContactSystem<T> {
         let step = self.check_velocities("velocities", velocities)?;
         let count = self.parts()?.0.len();
         check_count("joules", joules, count)?;
-        self.find_twists(velocities, step);
+        self.find_motions(velocities, step);
         joules.fill(0.0);
-        let of = self.velocities(velocities);
         for (place, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
             if let Some(part) = self.parts.of_pair(row.pair).next() {
-                row.add_energy(&row.force_at(&self.rows.slip_at(place, of)), step.dt, &mut joules[part]);
+                row.add_energy(
+                    &row.force_at(&self.rows.slip_at(place, &self.rows.response)),
+                    step.dt,
+                    &mut joules[part],
+                );
             }
         }
         Ok(())

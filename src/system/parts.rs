@@ -157,10 +157,10 @@ impl<T: Scalar> ContactSystem<T> {
         let step = self.check_velocities("velocities", velocities)?;
         let blocks = self.parts()?.1.len();
         super::solve::check_count("forces", forces, 3 * blocks)?;
-        self.find_twists(velocities, step);
+        self.find_motions(velocities, step);
         forces.fill(0.0);
         let add = |place: usize, force: RowForce| self.parts.scatter(&self.rows, place, &force, forces);
-        self.rows.for_each_force(self.velocities(velocities), 1.0, add);
+        self.rows.for_each_force(&self.rows.response, 1.0, add);
         Ok(())
     }
 

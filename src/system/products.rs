@@ -2,16 +2,46 @@
 //! is packed first.
 
 use super::body::at;
+use super::matrix::is_short;
 use super::row::{Entry, Slip, Spring};
 use super::rows::{RowForce, Rows, Velocities};
 use super::twist::V3;
 use crate::memory::{self, Room};
 
+/// How many products a solve asks for, as far as known.
+#[derive(Debug, Default)]
+pub(super) struct ProductCount {
+    asked: usize,
+    before: Option<usize>,
+}
+
+impl ProductCount {
+    /// Where nothing is known yet.
+    const TYPICAL: usize = 30;
+
+    fn ask(&mut self) {
+        self.asked += 1;
+    }
+
+    fn linearise(&mut self) {
+        if self.asked > 0 {
+            self.before = Some(self.before.map_or(self.asked, |before| (before + self.asked).div_ceil(2)));
+            self.asked = 0;
+        }
+    }
+
+    /// Until the next linearisation: later solves of a step ask for less than its first one, so it is a mean.
+    fn expected(&self) -> usize {
+        self.before.unwrap_or(Self::TYPICAL)
+    }
+}
+
 impl Rows {
     /// Gathers the linearised rows for the products until the next linearisation.
     pub(super) fn gather_springs(&mut self) {
-        let Self { rows, springs, matrix, coupling, .. } = self;
-        matrix.is_current = false;
+        let Self { rows, springs, coupling, products, is_gathered, .. } = self;
+        *is_gathered = false;
+        products.linearise();
         coupling.gather(rows);
         springs.clear();
         springs.room_for(rows.len());
@@ -36,44 +66,62 @@ impl Rows {
         nodes: &mut [f64],
         twists: Option<&mut [f64]>,
     ) {
-        self.assemble(change.nodes.len() / 3);
-        self.matrix.add_product(change.nodes, scale, nodes);
-        self.coupling.add_to_nodes(change.twists, scale, nodes);
-        self.add_apart(change, scale, nodes);
+        self.start_product(change.nodes);
         if let Some(twists) = twists {
             self.coupling.add_among(change.twists, scale, twists);
-            self.add_to_rigid(change.nodes, scale, twists);
+            self.add_to_rigid(scale, twists);
         }
+        self.finish_product(change.twists, scale, nodes);
     }
 
     /// The same where rigid bodies are eliminated and answer the nodes.
     pub(super) fn add_answered_product(&mut self, nodes: &[f64], scale: f64, dt: f64, result: &mut [f64]) {
-        self.assemble(nodes.len() / 3);
+        self.start_product(nodes);
         let count = 6 * self.masses.len();
         let mut loads = std::mem::take(&mut self.loads);
         memory::refill_with(&mut loads, 0.0, count);
-        self.add_to_rigid(nodes, -dt, &mut loads);
+        self.add_to_rigid(-dt, &mut loads);
         self.finish_response(loads, None);
         let twists = std::mem::take(&mut self.response);
-        self.add_product(Velocities { nodes, twists: &twists }, scale, result, None);
+        self.finish_product(&twists, scale, result);
         self.response = twists;
     }
 
-    fn assemble(&mut self, nodes: usize) {
-        if !self.matrix.is_current {
-            let Self { rows, entries, springs, matrix, coupling, .. } = self;
-            matrix.assemble((springs, rows, entries), nodes, coupling);
+    /// What the change of the nodes' velocities alone does.
+    fn start_product(&mut self, nodes: &[f64]) {
+        self.products.ask();
+        if !self.is_gathered {
+            self.gather(nodes.len() / 3);
         }
+        self.lines.start_product(nodes);
+        self.matrix.add_product(&mut self.lines);
+        self.apart.start_product(&mut self.lines);
     }
 
-    /// Adds `scale` times the loads of rows on rigid bodies by a change of the nodes' velocities alone.
-    fn add_to_rigid(&self, nodes: &[f64], scale: f64, loads: &mut [f64]) {
-        self.coupling.add_to_rigid(nodes, scale, loads);
-        for spring in self.apart().filter(|spring| spring.has_rigid_ends) {
-            let slip = self.slip_of_nodes(spring, nodes);
-            let force = spring.direction * (spring.normal * slip.along) + slip.across * spring.tangential;
-            Self::scatter_rigid(&self.rows[spring.place].rigid, &(force * -scale), loads);
+    fn finish_product(&mut self, twists: &[f64], scale: f64, nodes: &mut [f64]) {
+        self.apart.finish_product(&self.rows, twists, &mut self.lines);
+        self.coupling.add_to_lines(twists, &mut self.lines);
+        self.lines.finish_product(scale, nodes);
+    }
+
+    /// Adds `scale` times the loads of rows on rigid bodies by the change of the nodes' velocities alone.
+    fn add_to_rigid(&self, scale: f64, loads: &mut [f64]) {
+        self.coupling.add_to_rigid(&self.lines, scale, loads);
+        self.apart.add_to_rigid(&self.rows, scale, loads);
+    }
+
+    /// Packs the springs for products, in the matrix or apart.
+    fn gather(&mut self, nodes: usize) {
+        let Self { rows, entries, springs, lines, matrix, apart, coupling, products, .. } = self;
+        lines.find(springs, entries, nodes);
+        let is_assembled = matrix.assemble(springs, rows, lines, products.expected(), coupling);
+        apart.clear(springs.len());
+        for (spring, place) in springs.iter().zip(0..) {
+            if !(is_assembled && is_short(spring)) {
+                apart.add(spring, lines.range(place));
+            }
         }
+        self.is_gathered = true;
     }
 
     fn entries_of(&self, spring: &Spring) -> &[Entry] {
@@ -84,25 +132,15 @@ impl Rows {
     fn slip_of(&self, spring: &Spring, change: Velocities<'_>) -> Slip {
         let rigid = if spring.has_rigid_ends { &self.rows[spring.place].rigid[..] } else { &[] };
         let rigid = rigid.iter().flatten().fold(V3::zeros(), |sum, end| sum + end.velocity(change.twists));
-        self.slip_with(spring, change.nodes, rigid)
-    }
-
-    /// The same by the change of nodes alone.
-    fn slip_of_nodes(&self, spring: &Spring, nodes: &[f64]) -> Slip {
-        self.slip_with(spring, nodes, V3::zeros())
-    }
-
-    /// The same where rigid bodies move the points by so much.
-    fn slip_with(&self, spring: &Spring, nodes: &[f64], rigid: V3) -> Slip {
         let direction = spring.direction;
         if spring.tangential == 0.0 {
-            let along = |sum, entry: &Entry| sum + direction.dot(&at(nodes, entry.node)) * entry.along;
+            let along = |sum, entry: &Entry| sum + direction.dot(&at(change.nodes, entry.node)) * entry.along;
             let along = self.entries_of(spring).iter().fold(direction.dot(&rigid), along);
             return Slip { along, across: V3::zeros() };
         }
         let [mut along, mut across] = [rigid; 2];
         for entry in self.entries_of(spring) {
-            let v = at(nodes, entry.node);
+            let v = at(change.nodes, entry.node);
             along += v * entry.along;
             across += v * entry.across;
         }
@@ -122,30 +160,6 @@ impl Rows {
             let along = -scale * spring.normal * slip.along;
             let across = slip.across * (-scale * spring.tangential);
             use_force(spring.place, RowForce { along, across, whole: spring.direction * along + across });
-        }
-    }
-
-    /// Springs that are not assembled.
-    fn apart(&self) -> impl Iterator<Item = &Spring> {
-        self.matrix.apart.iter().map(|&place| &self.springs[place as usize])
-    }
-
-    /// The product on nodes of springs that are not assembled.
-    fn add_apart(&self, change: Velocities<'_>, scale: f64, nodes: &mut [f64]) {
-        for spring in self.apart() {
-            let slip = self.slip_of(spring, change);
-            let along = spring.direction * (scale * spring.normal * slip.along);
-            let mut add = |node: u32, force: V3| {
-                let node = &mut nodes[3 * node as usize..][..3];
-                (0..3).for_each(|axis| node[axis] += force[axis]);
-            };
-            let entries = self.entries_of(spring);
-            if spring.tangential == 0.0 {
-                entries.iter().for_each(|entry| add(entry.node, along * entry.along));
-            } else {
-                let across = slip.across * (scale * spring.tangential);
-                entries.iter().for_each(|entry| add(entry.node, along * entry.along + across * entry.across));
-            }
         }
     }
 }

@@ -63,6 +63,14 @@ pub(super) struct Held {
     pub(super) tangential: f64,
 }
 
+impl Held {
+    /// The force on the first body at a slip, for a row in this direction.
+    pub(super) fn force_at(&self, direction: &V3, slip: &Slip) -> V3 {
+        let Self { at, push, pull, normal, tangential, .. } = self;
+        direction * (push + normal * (slip.along - at.along)) + pull + (slip.across - at.across) * *tangential
+    }
+}
+
 /// One contact as a unilateral spring with friction. On the first body acts force, on the second its opposite.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Row {
@@ -126,17 +134,17 @@ impl Row {
         self.stretch + (across - self.ahead.across) * dt
     }
 
-    /// Holds the normal part at a slip.
-    pub(super) fn hold_normal(&mut self, slip: Slip, dt: f64) {
+    /// The row as it is held at a slip, without friction.
+    pub(super) fn held_at(&self, slip: Slip, dt: f64) -> Held {
         let push = self.push_at(slip.along, dt);
-        self.held = Held {
+        Held {
             pushes: push > 0.0,
             at: slip,
             push,
             pull: V3::zeros(),
             normal: self.coefficient * (dt + self.damping_time),
             tangential: 0.0,
-        };
+        }
     }
 
     /// For a row that is not predicted to push. What rests on a body that its own support holds up only seems to be left by
@@ -154,17 +162,17 @@ impl Row {
         }
     }
 
-    /// Holds friction where the row will bear `load`: a spring as stiff as the contact, or softer where it would pull by
+    /// Adds friction where the row will bear `load`: a spring as stiff as the contact, or softer where it would pull by
     /// more than friction allows. `expected`: the length of the spring and its damper then, in m.
-    pub(super) fn hold_friction(&mut self, load: f64, expected: f64, dt: f64) {
-        if !self.held.pushes || self.anchor.is_none() {
+    pub(super) fn add_friction(&self, held: &mut Held, load: f64, expected: f64, dt: f64) {
+        if !held.pushes || self.anchor.is_none() {
             return;
         }
         let most = self.friction * load.max(0.0);
         let trial = self.coefficient * expected;
         let softer = if trial > most { self.coefficient * (most / trial) } else { self.coefficient };
-        self.held.pull = self.spring_at(&self.held.at.across, dt) * softer;
-        self.held.tangential = softer * (dt + self.damping_time);
+        held.pull = self.spring_at(&held.at.across, dt) * softer;
+        held.tangential = softer * (dt + self.damping_time);
     }
 
     /// The friction spring with its damper, in m: the force over the coefficient, if nothing capped it.
@@ -187,8 +195,7 @@ impl Row {
 
     /// The force on the first body at a slip, as the row is held.
     pub(super) fn force_at(&self, slip: &Slip) -> V3 {
-        let Held { at, push, pull, normal, tangential, .. } = self.held;
-        self.direction * (push + normal * (slip.along - at.along)) + pull + (slip.across - at.across) * tangential
+        self.held.force_at(&self.direction, slip)
     }
 
     /// Adds the potential where it exerts a force.

@@ -1,10 +1,10 @@
 //! From contacts on surfaces to rows over the unknowns that carry those surfaces.
 
 use super::Material;
-use super::anchors::{Anchors, Corners, Hold, seen_from, sorted};
+use super::anchors::{Anchors, Corners, Hold, sorted};
 use super::body::{Body, Course, Mover, weights_of};
 use super::loads::{Key, PairLoads, Surface, in_order};
-use super::row::{Held, RigidEnd, Row, Slip};
+use super::row::{Entry, Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
 use crate::detection::{Contact, ContactKind, EscapePush};
@@ -74,6 +74,10 @@ fn net_direction<T: Scalar>(contacts: &[Contact<T>], weighting: Weighting) -> V3
     direction(&sum).unwrap_or_default()
 }
 
+/// For friction: the triangle, or vertex, from which a contact starts, its point there, and the corners of the triangle that it
+/// holds on to.
+type Holds = (u32, Corners, Option<[u32; 3]>);
+
 #[derive(Default)]
 struct Ends {
     rigid: [Option<RigidEnd>; 2],
@@ -128,8 +132,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let own = Corners { vertices: p2.vertices, weights: weights_of(p2), height: 0.0 };
         let held = if rubs { self.held_inside(second.number, &own, &point) } else { None };
         self.add_end(&mut ends, 1, second.number, &own, held, &point);
-        let hold = || Hold::Material(seen_from(&p2.vertices, &point, |vertex| second.vertex_ahead(vertex)));
-        self.finish(spring, None, ends, rubs.then(|| (p1.triangle, from, hold())));
+        self.finish(spring, pair, ends, rubs.then_some((p1.triangle, from, Some(p2.vertices))));
     }
 
     /// Escaping pairs: one spring between the two centres of mass, so that every node gets the same acceleration.
@@ -154,19 +157,20 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 area,
                 pushes: V3::zeros(),
             };
-            self.finish(spring, None, ends, None);
+            let pair = self.pair(spring.key, None);
+            self.finish(spring, pair, ends, None);
         }
     }
 
     /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
-    /// seen along the normal. `areas`: room for one number for each vertex.
+    /// seen along the normal. `room`: for two numbers for each vertex.
     pub(super) fn add_half_space_rows(
         &mut self,
         number: u32,
         half_space: &HalfSpace,
         place: usize,
         mesh: &Mesh<T>,
-        areas: &mut Vec<f64>,
+        room: &mut Vec<[f64; 2]>,
     ) {
         let (bodies, normal) = (self.bodies, half_space.normal);
         let body = &bodies[place];
@@ -174,22 +178,26 @@ impl<T: Scalar> RowBuilder<'_, T> {
             return;
         }
         let position = |vertex: u32| V3::from(body.positions[vertex as usize].map(T::to_f64));
-        let depth = |vertex: u32| half_space.offset - normal.dot(&position(vertex));
+        // The depth of each vertex, and the area that it stands for.
+        memory::refill(
+            room,
+            (0..).take(body.positions.len()).map(|vertex| [half_space.offset - normal.dot(&position(vertex)), 0.0]),
+        );
+        let is_out = |room: &[[f64; 2]], vertex: u32| room[vertex as usize][0] <= 0.0;
         let vertices = mesh.topology().surface_vertices();
-        if vertices.iter().all(|&vertex| depth(vertex) <= 0.0) {
+        if vertices.iter().all(|&vertex| is_out(room, vertex)) {
             return;
         }
-        memory::refill_with(areas, 0.0, body.positions.len());
         for corners in mesh.topology().triangles() {
-            if corners.iter().all(|&vertex| depth(vertex) <= 0.0) {
+            if corners.iter().all(|&vertex| is_out(room, vertex)) {
                 continue;
             }
             let [a, b, c] = corners.map(position);
             let sixth = -normal.dot(&(b - a).cross(&(c - a))) / 6.0;
-            corners.iter().for_each(|&vertex| areas[vertex as usize] += sixth);
+            corners.iter().for_each(|&vertex| room[vertex as usize][1] += sixth);
         }
         for &vertex in vertices {
-            let (depth, area) = (depth(vertex), areas[vertex as usize]);
+            let [depth, area] = room[vertex as usize];
             if !(depth > 0.0 && area > 0.0) {
                 continue;
             }
@@ -199,7 +207,8 @@ impl<T: Scalar> RowBuilder<'_, T> {
             self.add_end(&mut ends, 0, own, &from, None, &point);
             let key = (own, Surface::HalfSpace(number));
             let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
-            self.finish(spring, Some(half_space), ends, Some((vertex, from, Hold::Space(point + normal * depth))));
+            let pair = self.pair(key, Some(half_space));
+            self.finish(spring, pair, ends, Some((vertex, from, None)));
         }
     }
 
@@ -238,10 +247,12 @@ impl<T: Scalar> RowBuilder<'_, T> {
         match &body.mover {
             Mover::Nodes { table, .. } => {
                 let own = [0, 1, 2].map(|k| (corners.vertices[k], corners.weights[k]));
+                let begin = self.rows.rows.last().map_or(0, |row| row.end);
                 let mut add = |vertex: u32, along: f64, across: f64| {
                     if along != 0.0 || across != 0.0 {
+                        let (along, across) = (sign * along, sign * across);
                         for &(node, weight) in table.of(vertex) {
-                            self.rows.add(node, sign * along * weight, sign * across * weight);
+                            self.rows.add(begin, Entry { node, along: along * weight, across: across * weight });
                         }
                     }
                 };
@@ -313,11 +324,10 @@ impl<T: Scalar> RowBuilder<'_, T> {
     }
 
     /// Makes a row of the entries added since the last one.
-    fn finish(&mut self, spring: Spring, floor: Option<&HalfSpace>, ends: Ends, hold: Option<(u32, Corners, Hold)>) {
+    fn finish(&mut self, spring: Spring, pair: usize, ends: Ends, holds: Option<Holds>) {
         let Spring { key, direction, depth, cos_alpha, area, pushes } = spring;
-        let pair = self.pair(key, floor);
         let material = self.loads.now[pair].material;
-        let hold = hold.filter(|_| material.friction > 0.0);
+        let holds = holds.filter(|_| material.friction > 0.0);
         let row = Row {
             direction,
             coefficient: material.stiffness * area,
@@ -345,11 +355,11 @@ impl<T: Scalar> RowBuilder<'_, T> {
         if self.course.time <= 0.0 {
             slip = Slip::default();
         }
-        if let Some((triangle, from, hold)) = hold {
-            let (anchor, old) = self.anchors.find(key, triangle, from, hold);
+        if let Some((triangle, from, on)) = holds {
+            let (anchor, old) = self.anchors.find(key, triangle, from, on);
             // A new spring is slack at the start of the step.
             let mut stretch = slip.across * self.course.time;
-            if let Some(old) = old {
+            if let Some(old) = old.map(|place| self.anchors.before(place)) {
                 let first = self.body(key.0);
                 let from = first.point_ahead(&old.from);
                 let to = self.held_at(key, &old.hold);

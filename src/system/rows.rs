@@ -2,8 +2,12 @@
 
 use super::body::at;
 use super::coupling::RigidCoupling;
+use super::lines::Lines;
 use super::matrix::NodeMatrix;
+use super::motions::Motions;
+use super::products::ProductCount;
 use super::row::{Entry, RigidEnd, Row, Slip, Spring};
+use super::row_by_row::RowByRow;
 use super::twist::{Factor, V3};
 use crate::memory::{self, Room};
 use nalgebra::Matrix3;
@@ -20,10 +24,18 @@ pub(super) enum Coupled {
 pub(super) struct Rows {
     pub(super) rows: Vec<Row>,
     pub(super) entries: Vec<Entry>,
+    /// Room: of each node where it was last added to the entries.
+    places: Vec<u32>,
+    pub(super) motions: Motions,
     /// Of those that push as they are held, what products need.
     pub(super) springs: Vec<Spring>,
+    /// Those packed for products: whether they are the present ones, what they act on, and where they are.
+    pub(super) is_gathered: bool,
+    pub(super) lines: Lines,
     pub(super) matrix: NodeMatrix,
+    pub(super) apart: RowByRow,
     pub(super) coupling: RigidCoupling,
+    pub(super) products: ProductCount,
     /// Mass and inertia in the world of each rigid body.
     pub(super) masses: Vec<(f64, Matrix3<f64>)>,
     /// Of the rigid bodies, where they are eliminated.
@@ -54,37 +66,33 @@ impl Rows {
         self.rows.clear();
         self.entries.clear();
         self.springs.clear();
+        self.motions.clear();
     }
 
-    /// Adds a node to the row under way; a node that is in it already gets the sum.
-    pub(super) fn add(&mut self, node: u32, along: f64, across: f64) {
-        let begin = self.rows.last().map_or(0, |row| row.end);
-        match self.entries[begin..].iter_mut().find(|entry| entry.node == node) {
-            Some(entry) => (entry.along, entry.across) = (entry.along + along, entry.across + across),
-            None => self.add_distinct(node, along, across),
+    /// To be called before rows are added for a host with so many nodes.
+    pub(super) fn make_room(&mut self, nodes: usize) {
+        let known = self.places.len();
+        if nodes > known {
+            self.places.room_for(nodes - known).resize(nodes, 0);
         }
     }
 
-    /// The same for a node that is known not to be in it.
+    /// Adds an entry to the row under way; a node that is in it already gets the sum. `begin`: the row's first entry.
+    pub(super) fn add(&mut self, begin: usize, own: Entry) {
+        let place = &mut self.places[own.node as usize];
+        // What is there may be of an earlier row, or of an earlier step.
+        match self.entries.get_mut(*place as usize).filter(|entry| *place as usize >= begin && entry.node == own.node) {
+            Some(entry) => (entry.along, entry.across) = (entry.along + own.along, entry.across + own.across),
+            None => {
+                *place = self.entries.len() as u32;
+                self.entries.room_for(1).push(own);
+            }
+        }
+    }
+
+    /// Adds a node that is known not to be in the row under way.
     pub(super) fn add_distinct(&mut self, node: u32, along: f64, across: f64) {
         self.entries.room_for(1).push(Entry { node, along, across });
-    }
-
-    /// How the two points of a row move.
-    pub(super) fn slip_at(&self, place: usize, of: Velocities<'_>) -> Slip {
-        let row = &self.rows[place];
-        let [mut along, mut across] = [row.given; 2];
-        for entry in &self.entries[self.begin(place)..row.end] {
-            let v = at(of.nodes, entry.node);
-            along += v * entry.along;
-            across += v * entry.across;
-        }
-        for end in row.rigid.iter().flatten() {
-            let v = end.velocity(of.twists);
-            along += v;
-            across += v;
-        }
-        Slip { along: row.direction.dot(&along), across: row.across(&across) }
     }
 
     /// The slips of the last row at two velocities, each with what the host moves.
@@ -147,23 +155,24 @@ impl Rows {
         ends.iter().flatten().for_each(|end| end.add_load(&-force, twists));
     }
 
-    /// Calls `use_force(row, force)` with the forces that rows exert, as they are held.
-    pub(super) fn for_each_force(&self, of: Velocities<'_>, scale: f64, mut use_force: impl FnMut(usize, RowForce)) {
+    /// Calls `use_force(row, force)` with the forces that rows exert, as they are held, with motions found before.
+    pub(super) fn for_each_force(&self, twists: &[f64], scale: f64, mut use_force: impl FnMut(usize, RowForce)) {
         for place in 0..self.rows.len() {
             let row = &self.rows[place];
             if row.held.pushes {
-                let whole = row.force_at(&self.slip_at(place, of)) * scale;
+                let whole = row.force_at(&self.slip_at(place, twists)) * scale;
                 use_force(place, RowForce { along: row.direction.dot(&whole), across: row.across(&whole), whole });
             }
         }
     }
 
-    /// Adds the forces that rows exert, as they are held; on rigid bodies too where `twists` has room for them.
-    pub(super) fn add_forces(&self, of: Velocities<'_>, scale: f64, nodes: &mut [f64], mut twists: Option<&mut [f64]>) {
-        self.for_each_force(of, scale, |place, force| {
+    /// Adds the forces that rows exert, as they are held, at these twists and with motions found before; on rigid bodies too
+    /// where `loads` has room for them.
+    pub(super) fn add_forces(&self, twists: &[f64], scale: f64, nodes: &mut [f64], mut loads: Option<&mut [f64]>) {
+        self.for_each_force(twists, scale, |place, force| {
             self.scatter(place, &force, nodes);
-            if let Some(twists) = &mut twists {
-                Self::scatter_rigid(&self.rows[place].rigid, &force.whole, twists);
+            if let Some(loads) = &mut loads {
+                Self::scatter_rigid(&self.rows[place].rigid, &force.whole, loads);
             }
         });
     }
@@ -185,14 +194,14 @@ impl Rows {
         self.system.factor();
     }
 
-    /// Where rigid bodies are eliminated: the twists with which they answer the nodes' velocities, into `response`.
-    pub(super) fn respond(&mut self, nodes: &[f64], free: &[f64], dt: f64) {
+    /// Where rigid bodies are eliminated: the twists with which they answer the nodes' motions, into `response`.
+    pub(super) fn respond(&mut self, free: &[f64], dt: f64) {
         let mut loads = std::mem::take(&mut self.loads);
         memory::refill_with(&mut loads, 0.0, free.len());
         for place in 0..self.rows.len() {
             let row = &self.rows[place];
             if row.held.pushes && row.rigid.iter().any(Option::is_some) {
-                let force = row.force_at(&self.slip_at(place, Velocities { nodes, twists: free })) * dt;
+                let force = row.force_at(&self.slip_at(place, free)) * dt;
                 Self::scatter_rigid(&row.rigid, &force, &mut loads);
             }
         }

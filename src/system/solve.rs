@@ -3,7 +3,7 @@
 use super::anchors::{Hold, seen_from};
 use super::body::Course;
 use super::loads::Surface;
-use super::row::Row;
+use super::row::{Held, Row};
 use super::rows::Velocities;
 use super::step::{Buffers, Step};
 use super::twist::V3;
@@ -19,9 +19,9 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn add_forces(&mut self, velocities: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
         check_count("forces", forces, step.unknowns)?;
-        self.find_twists(velocities, step);
+        self.find_motions(velocities, step);
         let (nodes, twists) = forces.split_at_mut(3 * self.node_masses.len());
-        self.rows.add_forces(self.velocities(velocities), 1.0, nodes, self.kept(twists));
+        self.rows.add_forces(&self.rows.response, 1.0, nodes, self.kept(twists));
         Ok(())
     }
 
@@ -72,11 +72,10 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn energy(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
-        self.find_twists(velocities, step);
-        let of = self.velocities(velocities);
+        self.find_motions(velocities, step);
         let mut energy = 0.0;
         for (place, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
-            row.add_energy(&row.force_at(&self.rows.slip_at(place, of)), step.dt, &mut energy);
+            row.add_energy(&row.force_at(&self.rows.slip_at(place, &self.rows.response)), step.dt, &mut energy);
         }
         if self.rigid_unknowns == RigidUnknowns::Eliminated {
             let changes = self.rows.response.chunks_exact(6).zip(self.buffers.free_twists.chunks_exact(6));
@@ -87,11 +86,6 @@ impl<T: Scalar> ContactSystem<T> {
             }
         }
         Ok(energy)
-    }
-
-    /// The velocities of nodes, and of rigid bodies as last found.
-    pub(super) fn velocities<'a>(&'a self, velocities: &'a [f64]) -> Velocities<'a> {
-        Velocities { nodes: &velocities[..3 * self.node_masses.len()], twists: &self.rows.response }
     }
 
     fn kept<'a>(&self, twists: &'a mut [f64]) -> Option<&'a mut [f64]> {
@@ -119,12 +113,15 @@ impl<T: Scalar> ContactSystem<T> {
         let Some(Step { dt, .. }) = self.step else { return };
         let pairs = &mut self.loads.now;
         let free = Velocities { nodes: &self.buffers.ahead, twists: &self.buffers.free_twists };
+        if !self.looks_ahead {
+            self.rows.find_motions(free.nodes);
+        }
         for place in 0..self.rows.rows.len() {
             let looked_ahead = self.looks_ahead.then_some(self.rows.rows[place].ahead);
-            let predicted = looked_ahead.unwrap_or_else(|| self.rows.slip_at(place, free));
+            let predicted = looked_ahead.unwrap_or_else(|| self.rows.slip_at(place, free.twists));
             let row = &mut self.rows.rows[place];
             let pair = &mut pairs[row.pair];
-            row.hold_normal(predicted, dt);
+            row.held = row.held_at(predicted, dt);
             if !row.held.pushes && pair.is_loaded() {
                 let gained = self.rows.leaving_gained(place, self.buffers.before(), free);
                 self.rows.rows[place].hold_loaded(gained, dt);
@@ -141,42 +138,50 @@ impl<T: Scalar> ContactSystem<T> {
             let pair = &pairs[row.pair];
             let load = pair.load(row.held.push, row.held.normal, dt);
             let expected = row.expected_spring(load, pair.speed_lost(dt), dt);
-            row.hold_friction(load, expected, dt);
+            let mut held = row.held;
+            row.add_friction(&mut held, load, expected, dt);
+            row.held = held;
         }
         self.factor(dt);
     }
 
-    /// Holds the rows at velocities, with the twists last found; gives the part of the force that was predicted wrongly.
-    pub(super) fn hold_at(&mut self, velocities: &[f64], step: Step) -> f64 {
+    /// Holds the rows at the motions and twists last found; gives the part of the force that was predicted wrongly.
+    pub(super) fn hold_at(&mut self, step: Step) -> f64 {
         let mut sums = [0.0; 2];
         for place in 0..self.rows.rows.len() {
-            self.rows.rows[place] = self.held_anew(place, velocities, step, &mut sums);
+            self.rows.rows[place].held = self.held_anew(place, step, &mut sums);
         }
         self.factor(step.dt);
         part_of(sums)
     }
 
-    /// The part of the force that was predicted wrongly, with the twists last found.
-    pub(super) fn misjudged_at(&self, velocities: &[f64], step: Step) -> f64 {
+    /// The part of the force that was predicted wrongly, at the motions and twists last found.
+    pub(super) fn misjudged_at(&self, step: Step) -> f64 {
         let mut sums = [0.0; 2];
         for place in 0..self.rows.rows.len() {
-            self.held_anew(place, velocities, step, &mut sums);
+            self.held_anew(place, step, &mut sums);
         }
         part_of(sums)
     }
 
-    /// A row held at velocities; adds to what was predicted rightly and wrongly.
-    fn held_anew(&self, place: usize, velocities: &[f64], step: Step, [right, wrong]: &mut [f64; 2]) -> Row {
-        let slip = self.rows.slip_at(place, self.velocities(velocities));
-        let mut row = self.rows.rows[place];
+    /// How a row is held anew; adds to what was predicted rightly and wrongly.
+    fn held_anew(&self, place: usize, step: Step, [right, wrong]: &mut [f64; 2]) -> Held {
+        let slip = self.rows.slip_at(place, &self.rows.response);
+        let row = &self.rows.rows[place];
+        let mut held = row.held_at(slip, step.dt);
+        if !held.pushes && !row.held.pushes {
+            return held;
+        }
         let was = if row.held.pushes { row.force_at(&slip) } else { V3::zeros() };
-        row.hold_normal(slip, step.dt);
-        let expected = row.spring_at(&slip.across, step.dt).norm();
-        row.hold_friction(row.held.push, expected, step.dt);
-        let is = if row.held.pushes { row.force_at(&slip) } else { V3::zeros() };
+        if held.pushes {
+            let expected = row.spring_at(&slip.across, step.dt).norm();
+            let load = held.push;
+            row.add_friction(&mut held, load, expected, step.dt);
+        }
+        let is = if held.pushes { held.force_at(&row.direction, &slip) } else { V3::zeros() };
         *right += is.norm();
         *wrong += (is - was).norm();
-        row
+        held
     }
 
     /// Makes ready for products and for the answer of eliminated rigid bodies.
@@ -190,42 +195,38 @@ impl<T: Scalar> ContactSystem<T> {
     /// What the next step is told: loads, and where contacts hold on to one another at the end of this one.
     pub(super) fn remember(&mut self, velocities: &[f64], step: Step) {
         let nodes = &velocities[..3 * self.node_masses.len()];
-        Buffers::find_ends(&mut self.buffers.ends, &self.buffers.positions, nodes, step.dt);
-        for place in 0..self.rows.rows.len() {
-            let slip = self.rows.slip_at(place, self.velocities(velocities));
-            let row = self.rows.rows[place];
-            if !row.held.pushes {
-                continue;
-            }
+        let Self { bodies, anchors, loads, buffers, rows, .. } = &mut *self;
+        Buffers::find_ends(&mut buffers.ends, &buffers.positions, nodes, step.dt);
+        let course = Course { time: step.dt, velocities: nodes, twists: &rows.response, ends: &buffers.ends };
+        let body = |number: u32| bodies.binary_search_by_key(&number, |body| body.number).map(|k| &bodies[k]);
+        for (place, row) in rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
+            let slip = rows.slip_at(place, &rows.response);
             let force = row.force_at(&slip);
             let load = row.direction.dot(&force).max(0.0);
-            self.loads.now[row.pair].add_solved(load, &(force * row.order));
+            loads.now[row.pair].add_solved(load, &(force * row.order));
             let Some(anchor) = row.anchor.filter(|_| load > 0.0) else { continue };
             let stretch = row.stretch_at(&slip.across, step.dt);
             let most = row.friction * load / row.coefficient;
             let is_dragged = stretch.norm() > most;
             let offset = if is_dragged { stretch * (most / stretch.norm()) } else { stretch };
-            self.loads.now[row.pair].add_spring(row.coefficient, &(offset * row.order));
-            if !is_dragged && self.anchors.keep(anchor) {
+            loads.now[row.pair].add_spring(row.coefficient, &(offset * row.order));
+            if !is_dragged && anchors.keep(anchor) {
                 continue;
             }
-            let Self { bodies, anchors, buffers, rows, .. } = &mut *self;
-            let course = Course { time: step.dt, velocities: nodes, twists: &rows.response, ends: &buffers.ends };
-            let body = |number: u32| bodies.binary_search_by_key(&number, |body| body.number).map(|k| &bodies[k]);
             let pending = anchors.pending[anchor];
             let Ok(first) = body(pending.key.0) else { continue };
-            let point = pending.from.point(|vertex| first.vertex(vertex, &course)) + offset;
-            let hold = match (pending.hold, pending.key.1) {
-                (Hold::Material(corners), Surface::Body(second)) => {
+            let point = pending.from.point(first.vertices(&course)) + offset;
+            let hold = match (pending.on, pending.key.1) {
+                (Some(vertices), Surface::Body(second)) => {
                     let Ok(second) = body(second) else { continue };
-                    Hold::Material(seen_from(&corners.vertices, &point, |vertex| second.vertex(vertex, &course)))
+                    Hold::Material(seen_from(&vertices, &point, second.vertices(&course)))
                 }
                 _ => Hold::Space(point),
             };
             anchors.set(anchor, hold);
         }
-        self.anchors.finish_step();
-        self.loads.finish_step();
+        anchors.finish_step();
+        loads.finish_step();
     }
 }
 

@@ -31,7 +31,9 @@ pub(super) struct Buffers {
     pub(super) free_twists: Vec<f64>,
     /// At the end of the last step.
     pub(super) end_twists: Vec<f64>,
-    pub(super) areas: Vec<f64>,
+    /// The depth of each vertex in a half-space, and the area that it stands for.
+    pub(super) pressed: Vec<[f64; 2]>,
+    pub(super) sums: Vec<f64>,
     pub(super) unknowns: Vec<f64>,
     /// Each pair with the number of contacts that a later detection found, and the number of its rows.
     pub(super) pairs: Vec<([u32; 2], usize, usize)>,
@@ -199,11 +201,11 @@ impl<T: Scalar> ContactSystem<T> {
     /// Adds rows for the wanted pairs' contacts; with a scene also for escapes and half-spaces.
     pub(super) fn add_rows(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
         self.parts.forget();
-        let Self { weighting, bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
-        let weighting = *weighting;
-        let mut areas = std::mem::take(&mut buffers.areas);
+        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
+        let (weighting, mut pressed) = (self.weighting, std::mem::take(&mut buffers.pressed));
         let course = buffers.course(time);
         let before = buffers.before();
+        rows.make_room(node_masses.len());
         let mut builder =
             RowBuilder { weighting, bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
         builder.add_contacts(&contacts.contacts, wanted);
@@ -212,12 +214,12 @@ impl<T: Scalar> ContactSystem<T> {
             for (number, half_space) in self.half_spaces.iter().enumerate() {
                 for (place, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_ghost(body.number)) {
                     if let Ok(mesh) = scene.mesh(body.number) {
-                        builder.add_half_space_rows(number as u32, half_space, place, mesh, &mut areas);
+                        builder.add_half_space_rows(number as u32, half_space, place, mesh, &mut pressed);
                     }
                 }
             }
         }
-        buffers.areas = areas;
+        buffers.pressed = pressed;
     }
 
     pub(super) fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
@@ -244,12 +246,14 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(step)
     }
 
-    /// Stores the rigid bodies' velocities that belong to the host's velocities in `rows.response`.
-    pub(super) fn find_twists(&mut self, velocities: &[f64], step: Step) {
+    /// Finds the rows' motions by the nodes among the host's velocities, and stores the rigid bodies' velocities that belong to
+    /// them in `rows.response`.
+    pub(super) fn find_motions(&mut self, velocities: &[f64], step: Step) {
         let (nodes, twists) = velocities.split_at(3 * self.node_masses.len());
+        self.rows.find_motions(nodes);
         match self.rigid_unknowns {
             RigidUnknowns::Kept => copy(&mut self.rows.response, twists),
-            RigidUnknowns::Eliminated => self.rows.respond(nodes, &self.buffers.free_twists, step.dt),
+            RigidUnknowns::Eliminated => self.rows.respond(&self.buffers.free_twists, step.dt),
         }
     }
 
@@ -261,8 +265,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn linearise(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
-        self.find_twists(velocities, step);
-        Ok(self.hold_at(velocities, step))
+        self.find_motions(velocities, step);
+        Ok(self.hold_at(step))
     }
 
     /// Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next,
@@ -272,7 +276,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`]; the step is then still under way.
     pub fn finish(&mut self, velocities: &[f64]) -> Result<(), SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
-        self.find_twists(velocities, step);
+        self.find_motions(velocities, step);
         self.remember(velocities, step);
         copy(&mut self.buffers.end_twists, &self.rows.response);
         self.step = None;
