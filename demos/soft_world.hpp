@@ -40,7 +40,6 @@ class SoftWorld {
   }
 
   ~SoftWorld() {
-    solver_.getLagrangianForceArray()->clear();  // removing a body would detect once more
     for (const std::unique_ptr<btSoftBody>& body : bodies_) world_.removeSoftBody(body.get());
   }
 

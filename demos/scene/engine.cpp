@@ -31,7 +31,7 @@ rb::ContactOptions contact_options(const Scene& scene, const Setting& setting) {
     options = rb::ContactOptions::paper(stiffness);
   } else {
     options.stiffness = stiffness / scene.area_per_vertex();
-    if (setting.method == Method::pressure) options.law = RAYC_LAW_PRESSURE;
+    if (setting.method == Method::ours) options.law = RAYC_LAW_RAY_LENGTH;
     options.depth_cap =
         rb::suggested_depth_cap(scene.youngs_modulus, scene.edge(), options.stiffness, setting.depth_cap);
     // Skins much finer than their cages: their vertices are more than the cages can tell apart.
@@ -127,7 +127,6 @@ class DeformableEngine : public Base {
   }
 
   ~DeformableEngine() override {
-    solver_.getLagrangianForceArray()->clear();  // removing a body would detect once more
     for (btSoftBody* body : pointers_) world_.removeSoftBody(body);
     if (floor_) world_.removeRigidBody(floor_.get());
   }

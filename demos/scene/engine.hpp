@@ -13,8 +13,8 @@
 namespace demo {
 
 enum class Method {
-  ours,            // raycontact as an implicit force with the paper's law, the adapter's default
-  pressure,        // the same with the pressure law, the library's default
+  ours,            // raycontact as an implicit force with the paper's law
+  pressure,        // the same with the pressure law, the default
   paper,           // the same, only what the paper describes
   classic,         // raycontact correcting Bullet's classic soft bodies
   vf_dd_implicit,  // Bullet's deformable bodies, its own contact: vertices against faces

@@ -36,9 +36,7 @@ struct ContactOptions {
   double stiffness = 1000;                   ///< N/m^3 (N/m with RAYC_WEIGHTING_VERTEX), >= 0; see suggested_stiffness
   double damping_time = 0.05;                ///< s, >= 0; damping along the ray = stiffness * damping_time
   uint32_t weighting = RAYC_WEIGHTING_AREA;  ///< a rayc_weighting: what a contact's stiffness is multiplied by
-  /// A rayc_law: what a contact's force grows with. Here still the paper's: with the library's default a light rigid
-  /// body at a large step swings where it should come to rest (docs/bullet.md).
-  uint32_t law = RAYC_LAW_RAY_LENGTH;
+  uint32_t law = RAYC_LAW_PRESSURE;          ///< a rayc_law: what a contact's force grows with
   double friction = 0;  ///< Coulomb's coefficient, >= 0; 0 = none. Bodies at rest hold on to one another
   /// m, > 0; asked of one step, or what the bodies close in it if that is more: a tenth to half an element edge.
   double depth_cap = std::numeric_limits<double>::infinity();
@@ -58,6 +56,7 @@ struct ContactOptions {
     ContactOptions options;
     options.stiffness = stiffness;
     options.weighting = RAYC_WEIGHTING_VERTEX;
+    options.law = RAYC_LAW_RAY_LENGTH;
     options.sampling = RAYC_SAMPLING_VERTICES;
     options.look_ahead = options.edges = options.escape = false;
     return options;
