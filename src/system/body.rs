@@ -166,8 +166,7 @@ impl Table {
         match self {
             Self::Nodes { first, .. } => use_node(first + vertex, 1.0),
             Self::Weights { offsets, entries } => {
-                let own = offsets[vertex as usize] as usize..offsets[vertex as usize + 1] as usize;
-                entries[own].iter().for_each(|&(node, weight)| use_node(node, weight));
+                of(offsets, entries, vertex).iter().for_each(|&(node, weight)| use_node(node, weight));
             }
         }
     }
@@ -175,10 +174,20 @@ impl Table {
     /// The sum of a field over a vertex's nodes.
     #[inline]
     pub(super) fn sum(&self, vertex: u32, field: &[f64]) -> V3 {
-        let mut sum = V3::zeros();
-        self.for_each(vertex, |node, weight| sum += at(field, node) * weight);
-        sum
+        match self {
+            // Added to zero, as other sums are: that turns −0 to 0.
+            Self::Nodes { first, .. } => V3::zeros() + at(field, first + vertex),
+            Self::Weights { offsets, entries } => {
+                let own = of(offsets, entries, vertex).iter();
+                own.fold(V3::zeros(), |sum, &(node, weight)| sum + at(field, node) * weight)
+            }
+        }
     }
+}
+
+#[inline]
+fn of<'a>(offsets: &[u32], entries: &'a [(u32, f64)], vertex: u32) -> &'a [(u32, f64)] {
+    &entries[offsets[vertex as usize] as usize..offsets[vertex as usize + 1] as usize]
 }
 
 /// The node's vector of a field.

@@ -13,8 +13,8 @@ const LONGEST: usize = 32;
 
 /// How long things take, measured, in about a tenth of a nanosecond. In each product: a spring, each of its entries without
 /// friction and with it, and a block. Once, to assemble: an entry, each two of a spring, and a block. Springs on rigid bodies
-/// take more both ways, because those have to answer first; a block between a node and a rigid body has twice the numbers and is used
-/// twice.
+/// take more both ways, because those have to answer first; a block between a node and a rigid body has twice the numbers and
+/// is used twice.
 mod work {
     pub(super) const SPRING: [usize; 2] = [24, 190];
     pub(super) const ENTRY: [usize; 2] = [10, 16];

@@ -96,7 +96,8 @@ impl Rows {
         self.entries.room_for(1).push(Entry { node, along, across });
     }
 
-    /// The slip of the last row at velocities, and its part across the direction at those before, each with what the host moves.
+    /// The slip of the last row at velocities, and its part across the direction at those before, each with what the host
+    /// moves.
     pub(super) fn slips_of_last(&self, of: (Velocities<'_>, &V3), before: (Velocities<'_>, &V3)) -> (Slip, V3) {
         let Some(row) = self.rows.last() else { return Default::default() };
         let [mut along, mut across, mut across_before] = [*of.1, *of.1, *before.1];
@@ -135,8 +136,8 @@ impl Rows {
         if place == 0 { 0 } else { self.rows[place - 1].end }
     }
 
-    /// Calls `use_force(entry, its place, force)` with a row's force on its nodes, times −1: each part of it with weights of its
-    /// own.
+    /// Calls `use_force(entry, its place, force)` with a row's force on its nodes, times −1: each part of it with weights of
+    /// its own.
     #[inline]
     pub(super) fn for_each_node(&self, place: usize, force: &RowForce, mut use_force: impl FnMut(&Entry, usize, V3)) {
         let (row, begin) = (&self.rows[place], self.begin(place));

@@ -27,7 +27,7 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Adds `factor` · (−∂force/∂velocity) · `change` to `result`, as the rows are held: a product with a symmetric, positive
     /// semi-definite matrix. An implicit solve for velocities takes dt as `factor`; for displacements it is 1 / dt times as
-    /// much.
+    /// much. How the sums are rounded depends on how many products earlier solves asked for: the quicker way is taken.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
