@@ -191,6 +191,7 @@ fn of<'a>(offsets: &[u32], entries: &'a [(u32, f64)], vertex: u32) -> &'a [(u32,
 }
 
 /// The node's vector of a field.
+#[inline(always)] // in the innermost loops
 pub(super) fn at(field: &[f64], node: u32) -> V3 {
     // One check of the bounds instead of three.
     V3::from(field.as_chunks::<3>().0[node as usize])
