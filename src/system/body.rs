@@ -56,11 +56,13 @@ pub(super) enum Mover {
     Host(Frame),
 }
 
-/// A table of weights: offsets, and (node, weight) entries.
+/// How nodes carry surface vertices.
 #[derive(Debug)]
-pub(super) struct Table {
-    offsets: Vec<u32>,
-    entries: Vec<(u32, f64)>,
+pub(super) enum Table {
+    /// Each of so many vertices by a node, from the first on.
+    Nodes { first: u32, count: usize },
+    /// By (node, weight) entries.
+    Weights { offsets: Vec<u32>, entries: Vec<(u32, f64)> },
 }
 
 /// A surface that moves as a rigid body.
@@ -113,11 +115,12 @@ impl Table {
     /// `nodes`: those of the body.
     pub(super) fn new(carriers: Carriers<'_>, vertices: usize, nodes: Range<u32>) -> Result<Self, SystemError> {
         let node_count = nodes.len();
-        let mut table = match carriers {
-            Carriers::Nodes => Self {
-                offsets: memory::listed(0..=vertices as u32),
-                entries: memory::listed((0..vertices as u32).map(|vertex| (vertex, 1.0))),
-            },
+        let first = nodes.start;
+        match carriers {
+            Carriers::Nodes if vertices > node_count => {
+                Err(SystemError::NodeRange { vertex: node_count, node: node_count as u32, count: node_count })
+            }
+            Carriers::Nodes => Ok(Self::Nodes { first, count: vertices }),
             Carriers::Weights { offsets, nodes, weights } => {
                 let expect = |what, given, expected| match given == expected {
                     true => Ok(()),
@@ -133,37 +136,62 @@ impl Table {
                     return Err(SystemError::Offsets { vertex: if offsets[0] != 0 { 0 } else { vertices } });
                 }
                 super::check_finite("weights", weights)?;
-                Self {
-                    offsets: memory::listed(offsets.iter().copied()),
-                    entries: memory::listed(nodes.iter().copied().zip(weights.iter().copied())),
+                for vertex in 0..vertices {
+                    let own = offsets[vertex] as usize..offsets[vertex + 1] as usize;
+                    if let Some(&node) = nodes[own.clone()].iter().find(|&&node| node as usize >= node_count) {
+                        return Err(SystemError::NodeRange { vertex, node, count: node_count });
+                    }
+                    let (sum, size) = weights[own].iter().fold((0.0, 1.0), |(sum, size), w| (sum + w, size + w.abs()));
+                    if !sum.is_finite() || (sum - 1.0_f64).abs() > margins::WEIGHT_SUM * size {
+                        return Err(SystemError::WeightSum { vertex, sum });
+                    }
                 }
-            }
-        };
-        for vertex in 0..vertices {
-            let entries = table.of(vertex as u32);
-            if let Some(&(node, _)) = entries.iter().find(|(node, _)| *node as usize >= node_count) {
-                return Err(SystemError::NodeRange { vertex, node, count: node_count });
-            }
-            let (sum, size) = entries.iter().fold((0.0, 1.0), |(sum, size), (_, w)| (sum + w, size + w.abs()));
-            if !sum.is_finite() || (sum - 1.0_f64).abs() > margins::WEIGHT_SUM * size {
-                return Err(SystemError::WeightSum { vertex, sum });
+                let offsets = memory::listed(offsets.iter().copied());
+                let nodes = nodes.iter().map(|node| first + node);
+                Ok(Self::Weights { offsets, entries: memory::listed(nodes.zip(weights.iter().copied())) })
             }
         }
-        table.entries.iter_mut().for_each(|(node, _)| *node += nodes.start);
-        Ok(table)
     }
 
-    pub(super) fn of(&self, vertex: u32) -> &[(u32, f64)] {
-        &self.entries[self.offsets[vertex as usize] as usize..self.offsets[vertex as usize + 1] as usize]
+    fn vertex_count(&self) -> usize {
+        match self {
+            Self::Nodes { count, .. } => *count,
+            Self::Weights { offsets, .. } => offsets.len() - 1,
+        }
+    }
+
+    /// Calls `use_node(node, weight)` for each node of a vertex.
+    #[inline]
+    pub(super) fn for_each(&self, vertex: u32, mut use_node: impl FnMut(u32, f64)) {
+        match self {
+            Self::Nodes { first, .. } => use_node(first + vertex, 1.0),
+            Self::Weights { offsets, entries } => {
+                of(offsets, entries, vertex).iter().for_each(|&(node, weight)| use_node(node, weight));
+            }
+        }
     }
 
     /// The sum of a field over a vertex's nodes.
+    #[inline]
     pub(super) fn sum(&self, vertex: u32, field: &[f64]) -> V3 {
-        self.of(vertex).iter().fold(V3::zeros(), |sum, &(node, weight)| sum + at(field, node) * weight)
+        match self {
+            // Added to zero, as other sums are: that turns −0 to 0.
+            Self::Nodes { first, .. } => V3::zeros() + at(field, first + vertex),
+            Self::Weights { offsets, entries } => {
+                let own = of(offsets, entries, vertex).iter();
+                own.fold(V3::zeros(), |sum, &(node, weight)| sum + at(field, node) * weight)
+            }
+        }
     }
 }
 
+#[inline]
+fn of<'a>(offsets: &[u32], entries: &'a [(u32, f64)], vertex: u32) -> &'a [(u32, f64)] {
+    &entries[offsets[vertex as usize] as usize..offsets[vertex as usize + 1] as usize]
+}
+
 /// The node's vector of a field.
+#[inline(always)] // in the innermost loops
 pub(super) fn at(field: &[f64], node: u32) -> V3 {
     // One check of the bounds instead of three.
     V3::from(field.as_chunks::<3>().0[node as usize])
@@ -224,7 +252,7 @@ impl<T: Scalar> Body<T> {
 
     pub(super) fn vertex_count(&self) -> usize {
         match &self.mover {
-            Mover::Nodes { table, .. } => table.offsets.len() - 1,
+            Mover::Nodes { table, .. } => table.vertex_count(),
             Mover::Rigid { frame, .. } | Mover::Host(frame) => frame.points.len(),
         }
     }
@@ -260,7 +288,7 @@ impl<T: Scalar> Body<T> {
         let Self { mover, ahead, ahead_pose, .. } = self;
         match mover {
             Mover::Nodes { table, .. } => {
-                let vertices = table.offsets.len() - 1;
+                let vertices = table.vertex_count();
                 memory::refill(ahead, (0..vertices as u32).map(|vertex| table.sum(vertex, course.ends)));
             }
             Mover::Rigid { frame, place, .. } => {
@@ -303,10 +331,14 @@ impl<T: Scalar> Body<T> {
         let mut positions = std::mem::take(&mut self.positions);
         positions.clear();
         positions.room_for(self.vertex_count());
-        positions.extend((0..self.vertex_count() as u32).map(|vertex| {
-            let x = self.vertex_ahead(vertex);
-            [T::of(x.x), T::of(x.y), T::of(x.z)]
-        }));
+        let rounded = |x: V3| [T::of(x.x), T::of(x.y), T::of(x.z)];
+        match &self.mover {
+            Mover::Nodes { .. } => positions.extend(self.ahead.iter().map(|&x| rounded(x))),
+            Mover::Rigid { frame, .. } | Mover::Host(frame) => {
+                let (centre, rotation) = self.ahead_pose;
+                positions.extend(frame.points.iter().map(|&point| rounded(centre + rotation * point)));
+            }
+        }
         self.positions = positions;
         match self.positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
             Some(vertex) => Err(vertex),

@@ -245,7 +245,7 @@ mod tests {
         let of = Velocities { nodes: &change, twists: &twists };
         let [on_nodes, on_rigid] = expected(&mut rows, of, 0.7);
         let [mut nodes, mut loads] = [vec![0.0; 3 * NODES], vec![0.0; 6 * BODIES]];
-        rows.gather_springs();
+        rows.forget_products();
         rows.add_product(of, 0.7, &mut nodes, Some(&mut loads));
         assert!(rows.coupling.bodies.len() == BODIES && rows.apart.count() > 0);
         assert_near(&nodes, &on_nodes);
@@ -259,7 +259,7 @@ mod tests {
         let mut rows = rows(&mut numbers);
         let change: Vec<f64> = (0..3 * NODES).map(|_| numbers.signed()).collect();
         let dt = 0.05;
-        rows.gather_springs();
+        rows.forget_products();
         rows.factor_rigid(dt);
         let mut found = vec![0.0; 3 * NODES];
         rows.add_answered_product(&change, 0.7, dt, &mut found);

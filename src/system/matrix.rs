@@ -12,9 +12,9 @@ use crate::memory::{self, Room};
 const LONGEST: usize = 32;
 
 /// How long things take, measured, in about a tenth of a nanosecond. In each product: a spring, each of its entries without
-/// friction and with it, and a block. Once, to assemble: an entry, and each two of a spring. Springs on rigid bodies take more
-/// both ways, because those have to answer first; a block between a node and a rigid body has twice the numbers and is used
-/// twice.
+/// friction and with it, and a block. Once, to assemble: an entry, each two of a spring, and a block. Springs on rigid bodies
+/// take more both ways, because those have to answer first; a block between a node and a rigid body has twice the numbers and
+/// is used twice.
 mod work {
     pub(super) const SPRING: [usize; 2] = [24, 190];
     pub(super) const ENTRY: [usize; 2] = [10, 16];
@@ -23,7 +23,12 @@ mod work {
     pub(super) const SPRING_ONCE: [usize; 2] = [0, 1000];
     pub(super) const ENTRY_ONCE: [usize; 2] = [40, 340];
     pub(super) const TWO_ENTRIES_ONCE: usize = 44;
+    pub(super) const BLOCK_ONCE: usize = 100;
 }
+
+/// Looking for blocks takes time too. Where there were too many, the number that was found for each entry is relied on for some
+/// linearisations: each forgets so much of it.
+const FORGOTTEN: f64 = 0.03;
 
 /// Blocks of lines on and above the diagonal. Each is symmetric, a sum of normal · d dᵀ + tangential · (1 − d dᵀ), and stands
 /// for its mirror too.
@@ -45,6 +50,8 @@ pub(super) struct NodeMatrix {
     entries: Vec<Entry>,
     /// Among the taken springs and their entries, by line.
     by_line: Vec<(u32, u32)>,
+    /// For each entry, when there were too many.
+    found: f64,
 }
 
 impl NodeMatrix {
@@ -63,7 +70,7 @@ impl NodeMatrix {
         coupling.clear_blocks();
         self.taken.clear();
         self.taken.room_for(springs.len());
-        let (mut by_rows, mut once, mut end) = (0, 0, 0);
+        let (mut by_rows, mut once, mut end) = (0, 0, 0_u32);
         for (spring, place) in springs.iter().zip(0..).filter(|(spring, _)| is_short(spring)) {
             let count = spring.end - spring.begin;
             let [rubs, is_coupled] = [spring.tangential != 0.0, spring.has_rigid_ends].map(usize::from);
@@ -74,15 +81,22 @@ impl NodeMatrix {
             self.taken.push((place, end));
         }
         // What is left for a product with blocks.
-        let left = by_rows.saturating_sub(once / products.max(1));
-        if left == 0 {
+        let products = products.max(1);
+        let left = by_rows.saturating_sub(once / products);
+        let of_block = work::BLOCK + work::BLOCK_ONCE / products;
+        if left == 0 || self.found * f64::from(end) > (left / of_block) as f64 {
+            self.found *= 1.0 - FORGOTTEN;
             return false;
         }
         let taken = self.taken.iter().map(|&(place, _)| place);
         let couplings = coupling.find_blocks(taken, springs, rows, lines);
         let left = left.saturating_sub(work::COUPLING * couplings);
         self.order(lines);
-        if !self.find_blocks(left / work::BLOCK, lines.count()) {
+        if !self.find_blocks(left / of_block, lines.count()) {
+            // As if the lines that are left had as many each.
+            let part = self.lines.len() as f64 / lines.count() as f64;
+            let all = self.columns.len() as f64 / part + (couplings * work::COUPLING / work::BLOCK) as f64;
+            self.found = all / f64::from(end);
             coupling.clear_blocks();
             self.lines.clear();
             return false;
@@ -325,16 +339,29 @@ mod tests {
 
     #[test]
     fn few_rows_on_many_nodes_or_few_products_are_not_worth_it() {
-        let (mut matrix, mut lines) = (NodeMatrix::default(), Lines::default());
+        let mut lines = Lines::default();
         for (lengths, products, is_worth_it) in
             [(vec![8], 1000, false), (vec![8; 60], 1, false), (vec![8; 60], 1000, true)]
         {
             let (springs, entries) = rows(&lengths, false);
             lines.find(&springs, &entries, NODES);
+            let mut matrix = NodeMatrix::default();
             assert_eq!(matrix.assemble(&springs, &[], &lines, products, &mut RigidCoupling::default()), is_worth_it);
             lines.start_product(&[1.0; 3 * NODES]);
             matrix.add_product(&mut lines);
             assert_eq!(lines.result.iter().any(|sum| sum.iter().any(|x| *x != 0.0)), is_worth_it);
         }
+    }
+
+    #[test]
+    fn where_there_were_too_many_blocks_it_is_tried_again() {
+        let (mut matrix, mut lines) = (NodeMatrix::default(), Lines::default());
+        let mut assemble = |length: usize| {
+            let (springs, entries) = rows(&vec![8; length], false);
+            lines.find(&springs, &entries, NODES);
+            matrix.assemble(&springs, &[], &lines, 1000, &mut RigidCoupling::default())
+        };
+        assert!(!assemble(1) && !assemble(60));
+        assert!((0..100).any(|_| assemble(60)));
     }
 }

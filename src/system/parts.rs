@@ -110,13 +110,10 @@ impl Parts {
     /// Adds a row's force to what its pair does, as [`Rows::scatter`] adds it to the unknowns.
     fn scatter(&self, rows: &Rows, place: usize, force: &RowForce, numbers: &mut [f64]) {
         let row = &rows.rows[place];
-        for entry in rows.begin(place)..row.end {
-            let on_node = rows.on_node(place, entry, force);
+        rows.for_each_node(place, force, |_, entry, force| {
             let block = 3 * self.entries[entry];
-            for axis in 0..3 {
-                numbers[block + axis] -= on_node[axis];
-            }
-        }
+            (0..3).for_each(|axis| numbers[block + axis] -= force[axis]);
+        });
         for (end, block) in row.rigid.iter().zip(self.rigid[place]) {
             if let Some(end) = end {
                 let twist = &mut numbers[3 * block..3 * block + 6];
@@ -176,6 +173,7 @@ impl<T: Scalar> ContactSystem<T> {
         super::solve::check_count("result", result, 3 * blocks)?;
         result.fill(0.0);
         let (nodes, twists) = change.split_at(3 * self.node_masses.len());
+        self.rows.list_springs();
         let add = |place: usize, force: RowForce| self.parts.scatter(&self.rows, place, &force, result);
         self.rows.for_each_product(Velocities { nodes, twists }, factor, add);
         Ok(())

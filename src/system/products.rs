@@ -37,12 +37,20 @@ impl ProductCount {
 }
 
 impl Rows {
-    /// Gathers the linearised rows for the products until the next linearisation.
-    pub(super) fn gather_springs(&mut self) {
-        let Self { rows, springs, coupling, products, is_gathered, .. } = self;
-        *is_gathered = false;
-        products.linearise();
-        coupling.gather(rows);
+    /// To be called when rows are held anew.
+    pub(super) fn forget_products(&mut self) {
+        self.are_listed = false;
+        self.are_packed = false;
+        self.products.linearise();
+        self.coupling.gather(&self.rows);
+    }
+
+    /// Lists the springs, if they are not yet: after its last linearisation a step needs none.
+    pub(super) fn list_springs(&mut self) {
+        let Self { rows, springs, are_listed, .. } = self;
+        if std::mem::replace(are_listed, true) {
+            return;
+        }
         springs.clear();
         springs.room_for(rows.len());
         let mut begin = 0;
@@ -90,8 +98,8 @@ impl Rows {
     /// What the change of the nodes' velocities alone does.
     fn start_product(&mut self, nodes: &[f64]) {
         self.products.ask();
-        if !self.is_gathered {
-            self.gather(nodes.len() / 3);
+        if !self.are_packed {
+            self.pack(nodes.len() / 3);
         }
         self.lines.start_product(nodes);
         self.matrix.add_product(&mut self.lines);
@@ -111,7 +119,8 @@ impl Rows {
     }
 
     /// Packs the springs for products, in the matrix or apart.
-    fn gather(&mut self, nodes: usize) {
+    fn pack(&mut self, nodes: usize) {
+        self.list_springs();
         let Self { rows, entries, springs, lines, matrix, apart, coupling, products, .. } = self;
         lines.find(springs, entries, nodes);
         let is_assembled = matrix.assemble(springs, rows, lines, products.expected(), coupling);
@@ -121,7 +130,7 @@ impl Rows {
                 apart.add(spring, lines.range(place));
             }
         }
-        self.is_gathered = true;
+        self.are_packed = true;
     }
 
     fn entries_of(&self, spring: &Spring) -> &[Entry] {

@@ -165,9 +165,6 @@ impl Row {
     /// Adds friction where the row will bear `load`: a spring as stiff as the contact, or softer where it would pull by
     /// more than friction allows. `expected`: the length of the spring and its damper then, in m.
     pub(super) fn add_friction(&self, held: &mut Held, load: f64, expected: f64, dt: f64) {
-        if !held.pushes || self.anchor.is_none() {
-            return;
-        }
         let most = self.friction * load.max(0.0);
         let trial = self.coefficient * expected;
         let softer = if trial > most { self.coefficient * (most / trial) } else { self.coefficient };

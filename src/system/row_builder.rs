@@ -128,10 +128,10 @@ impl<T: Scalar> RowBuilder<'_, T> {
             pushes,
         };
         let mut ends = Ends::default();
-        self.add_end(&mut ends, 0, first.number, &from, None, &point);
+        self.add_end(&mut ends, 0, first, &from, None, &point);
         let own = Corners { vertices: p2.vertices, weights: weights_of(p2), height: 0.0 };
-        let held = if rubs { self.held_inside(second.number, &own, &point) } else { None };
-        self.add_end(&mut ends, 1, second.number, &own, held, &point);
+        let held = if rubs { held_inside(second, &own, &point) } else { None };
+        self.add_end(&mut ends, 1, second, &own, held, &point);
         self.finish(spring, pair, ends, rubs.then_some((p1.triangle, from, Some(p2.vertices))));
     }
 
@@ -204,7 +204,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
             let from = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
             let (own, point) = (body.number, body.vertex_ahead(vertex));
             let mut ends = Ends::default();
-            self.add_end(&mut ends, 0, own, &from, None, &point);
+            self.add_end(&mut ends, 0, body, &from, None, &point);
             let key = (own, Surface::HalfSpace(number));
             let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
             let pair = self.pair(key, Some(half_space));
@@ -237,30 +237,28 @@ impl<T: Scalar> RowBuilder<'_, T> {
         &mut self,
         ends: &mut Ends,
         side: usize,
-        number: u32,
+        body: &Body<T>,
         corners: &Corners,
         held: Option<[(u32, f64); 4]>,
         point: &V3,
     ) {
-        let bodies = self.bodies;
-        let (body, sign) = (&bodies[place_of(bodies, number)], [-1.0, 1.0][side]);
+        let sign = [-1.0, 1.0][side];
         match &body.mover {
             Mover::Nodes { table, .. } => {
-                let own = [0, 1, 2].map(|k| (corners.vertices[k], corners.weights[k]));
+                let [a, b, c] = corners.weights;
+                // The fourth vertex is there for friction alone; without it, its weights are none.
+                let across = held.map_or([a, b, c, 0.0], |held| held.map(|(_, weight)| weight));
+                let fourth = held.map_or(0, |held| held[3].0);
+                let [first, second, third] = corners.vertices;
                 let begin = self.rows.rows.last().map_or(0, |row| row.end);
-                let mut add = |vertex: u32, along: f64, across: f64| {
+                for (vertex, along, across) in
+                    [(first, a, across[0]), (second, b, across[1]), (third, c, across[2]), (fourth, 0.0, across[3])]
+                {
                     if along != 0.0 || across != 0.0 {
                         let (along, across) = (sign * along, sign * across);
-                        for &(node, weight) in table.of(vertex) {
+                        table.for_each(vertex, |node, weight| {
                             self.rows.add(begin, Entry { node, along: along * weight, across: across * weight });
-                        }
-                    }
-                };
-                match held {
-                    None => own.iter().for_each(|&(vertex, weight)| add(vertex, weight, weight)),
-                    Some(held) => {
-                        own.iter().zip(&held).for_each(|(&(vertex, along), &(_, across))| add(vertex, along, across));
-                        add(held[3].0, 0.0, held[3].1);
+                        });
                     }
                 }
             }
@@ -275,29 +273,6 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 ends.given_before += at(&frame.velocity);
             }
         }
-    }
-
-    /// A point inside a deformable body as a weighted sum of three corners of its surface and a fourth vertex on its far side;
-    /// `None` where the body is too flat for that.
-    fn held_inside(&self, number: u32, corners: &Corners, point: &V3) -> Option<[(u32, f64); 4]> {
-        let body = &self.bodies[self.place(number)];
-        if !matches!(body.mover, Mover::Nodes { .. }) {
-            return None;
-        }
-        let [a, b, c] = corners.vertices.map(|vertex| body.vertex_ahead(vertex));
-        let normal = (b - a).cross(&(c - a));
-        let height = |vertex: u32| normal.dot(&(body.vertex_ahead(vertex) - a)).abs();
-        let far = body.outermost.iter().fold((0.0, None), |(most, best), &vertex| {
-            let height = height(vertex);
-            if height > most { (height, Some(vertex)) } else { (most, best) }
-        });
-        let far = far.1?;
-        let columns = [b - a, c - a, body.vertex_ahead(far) - a];
-        let w = Matrix3::from_columns(&columns).try_inverse()? * (point - a);
-        let weights = [1.0 - w.x - w.y - w.z, w.x, w.y, w.z];
-        let [first, second, third] = corners.vertices;
-        let is_fine = w.z.abs() <= MOST_FAR_WEIGHT;
-        is_fine.then(|| [(first, weights[0]), (second, weights[1]), (third, weights[2]), (far, weights[3])])
     }
 
     fn add_whole_body(&mut self, ends: &mut Ends, side: usize, number: u32) {
@@ -350,7 +325,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let place = self.rows.rows.len() - 1;
         let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
         let given = self.rows.rows[place].given;
-        let [mut slip, before] = self.rows.slips_of_last([(ahead, &given), (self.before, &ends.given_before)]);
+        let (mut slip, sliding) = self.rows.slips_of_last((ahead, &given), (self.before, &ends.given_before));
         // Without look-ahead, detection has not moved the bodies.
         if self.course.time <= 0.0 {
             slip = Slip::default();
@@ -369,7 +344,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
             (row.anchor, row.stretch) = (Some(anchor), stretch);
         }
         let row = &mut self.rows.rows[place];
-        (row.ahead, row.sliding) = (slip, before.across);
+        (row.ahead, row.sliding) = (slip, sliding);
         // The row is relieved only by motion along it: what deepens it otherwise, as a floor's top does the sides of what
         // falls onto it, is over when the step is.
         let unseen = (self.course.time * slip.across.dot(&pushes)).max(0.0) / cos_alpha;
@@ -393,4 +368,26 @@ impl<T: Scalar> RowBuilder<'_, T> {
 
 fn place_of<T: Scalar>(bodies: &[Body<T>], number: u32) -> usize {
     bodies.binary_search_by_key(&number, |body| body.number).expect("the scene's bodies are the system's")
+}
+
+/// A point inside a deformable body as a weighted sum of three corners of its surface and a fourth vertex on its far side;
+/// `None` where the body is too flat for that.
+fn held_inside<T: Scalar>(body: &Body<T>, corners: &Corners, point: &V3) -> Option<[(u32, f64); 4]> {
+    if !matches!(body.mover, Mover::Nodes { .. }) {
+        return None;
+    }
+    let at = |vertex: u32| body.ahead[vertex as usize];
+    let [a, b, c] = corners.vertices.map(at);
+    let normal = (b - a).cross(&(c - a));
+    let far = body.outermost.iter().fold((0.0, None), |(most, best), &vertex| {
+        let height = normal.dot(&(at(vertex) - a)).abs();
+        if height > most { (height, Some(vertex)) } else { (most, best) }
+    });
+    let far = far.1?;
+    let columns = [b - a, c - a, at(far) - a];
+    let w = Matrix3::from_columns(&columns).try_inverse()? * (point - a);
+    let weights = [1.0 - w.x - w.y - w.z, w.x, w.y, w.z];
+    let [first, second, third] = corners.vertices;
+    let is_fine = w.z.abs() <= MOST_FAR_WEIGHT;
+    is_fine.then(|| [(first, weights[0]), (second, weights[1]), (third, weights[2]), (far, weights[3])])
 }

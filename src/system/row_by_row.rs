@@ -111,7 +111,8 @@ impl Packed {
     #[inline(always)]
     fn forces(&self, [along, across]: &[Four; 2]) -> [Four; 2] {
         let d = &self.direction;
-        let dot = |v: &Four| d[0] * v[0] + d[1] * v[1] + d[2] * v[2];
+        // The last is zero, but with it all four are summed up at once.
+        let dot = |v: &Four| d[0] * v[0] + d[1] * v[1] + (d[2] * v[2] + d[3] * v[3]);
         let (by, out) = (self.normal * dot(along), dot(across));
         let [mut push, mut pull] = [[0.0; 4]; 2];
         for axis in 0..4 {

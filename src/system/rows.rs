@@ -27,10 +27,11 @@ pub(super) struct Rows {
     /// Room: of each node where it was last added to the entries.
     places: Vec<u32>,
     pub(super) motions: Motions,
-    /// Of those that push as they are held, what products need.
+    /// Of those that push as they are held, what products need, and whether it is the present one.
     pub(super) springs: Vec<Spring>,
+    pub(super) are_listed: bool,
     /// Those packed for products: whether they are the present ones, what they act on, and where they are.
-    pub(super) is_gathered: bool,
+    pub(super) are_packed: bool,
     pub(super) lines: Lines,
     pub(super) matrix: NodeMatrix,
     pub(super) apart: RowByRow,
@@ -95,25 +96,25 @@ impl Rows {
         self.entries.room_for(1).push(Entry { node, along, across });
     }
 
-    /// The slips of the last row at two velocities, each with what the host moves.
-    pub(super) fn slips_of_last(&self, of: [(Velocities<'_>, &V3); 2]) -> [Slip; 2] {
+    /// The slip of the last row at velocities, and its part across the direction at those before, each with what the host
+    /// moves.
+    pub(super) fn slips_of_last(&self, of: (Velocities<'_>, &V3), before: (Velocities<'_>, &V3)) -> (Slip, V3) {
         let Some(row) = self.rows.last() else { return Default::default() };
-        let mut sums = of.map(|(_, given)| [*given; 2]);
+        let [mut along, mut across, mut across_before] = [*of.1, *of.1, *before.1];
         for entry in &self.entries[self.begin(self.rows.len() - 1)..row.end] {
-            for ([along, across], (of, _)) in sums.iter_mut().zip(of) {
-                let v = at(of.nodes, entry.node);
-                *along += v * entry.along;
-                *across += v * entry.across;
-            }
+            let v = at(of.0.nodes, entry.node);
+            along += v * entry.along;
+            across += v * entry.across;
+            across_before += at(before.0.nodes, entry.node) * entry.across;
         }
         for end in row.rigid.iter().flatten() {
-            for ([along, across], (of, _)) in sums.iter_mut().zip(of) {
-                let v = end.velocity(of.twists);
-                *along += v;
-                *across += v;
-            }
+            let v = end.velocity(of.0.twists);
+            along += v;
+            across += v;
+            across_before += end.velocity(before.0.twists);
         }
-        sums.map(|[along, across]| Slip { along: row.direction.dot(&along), across: row.across(&across) })
+        let slip = Slip { along: row.direction.dot(&along), across: row.across(&across) };
+        (slip, row.across(&across_before))
     }
 
     /// How much faster than before each of a row's two bodies is to leave the other, along its direction, together.
@@ -135,20 +136,24 @@ impl Rows {
         if place == 0 { 0 } else { self.rows[place - 1].end }
     }
 
-    /// What a row's force is on a node of its, times −1: each part of it with weights of its own.
-    pub(super) fn on_node(&self, place: usize, entry: usize, force: &RowForce) -> V3 {
-        let entry = &self.entries[entry];
-        self.rows[place].direction * force.along * entry.along + force.across * entry.across
+    /// Calls `use_force(entry, its place, force)` with a row's force on its nodes, times −1: each part of it with weights of
+    /// its own.
+    #[inline]
+    pub(super) fn for_each_node(&self, place: usize, force: &RowForce, mut use_force: impl FnMut(&Entry, usize, V3)) {
+        let (row, begin) = (&self.rows[place], self.begin(place));
+        let along = row.direction * force.along;
+        for (entry, at) in self.entries[begin..row.end].iter().zip(begin..) {
+            use_force(entry, at, along * entry.along + force.across * entry.across);
+        }
     }
 
     /// Adds a row's force to the nodes.
     fn scatter(&self, place: usize, force: &RowForce, nodes: &mut [f64]) {
-        for entry in self.begin(place)..self.rows[place].end {
-            let on_node = self.on_node(place, entry, force);
-            for axis in 0..3 {
-                nodes[3 * self.entries[entry].node as usize + axis] -= on_node[axis];
-            }
-        }
+        let nodes = nodes.as_chunks_mut::<3>().0;
+        self.for_each_node(place, force, |entry, _, force| {
+            let node = &mut nodes[entry.node as usize];
+            (0..3).for_each(|axis| node[axis] -= force[axis]);
+        });
     }
 
     pub(super) fn scatter_rigid(ends: &[Option<RigidEnd>; 2], force: &V3, twists: &mut [f64]) {

@@ -27,7 +27,7 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Adds `factor` · (−∂force/∂velocity) · `change` to `result`, as the rows are held: a product with a symmetric, positive
     /// semi-definite matrix. An implicit solve for velocities takes dt as `factor`; for displacements it is 1 / dt times as
-    /// much.
+    /// much. How the sums are rounded depends on how many products earlier solves asked for: the quicker way is taken.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
@@ -134,7 +134,7 @@ impl<T: Scalar> ContactSystem<T> {
         for row in self.rows.rows.iter().filter(|row| row.held.pushes) {
             pairs[row.pair].add_relieved(row.held.push, row.held.normal);
         }
-        for row in self.rows.rows.iter_mut().filter(|row| row.held.pushes) {
+        for row in self.rows.rows.iter_mut().filter(|row| row.held.pushes && row.anchor.is_some()) {
             let pair = &pairs[row.pair];
             let load = pair.load(row.held.push, row.held.normal, dt);
             let expected = row.expected_spring(load, pair.speed_lost(dt), dt);
@@ -173,7 +173,7 @@ impl<T: Scalar> ContactSystem<T> {
             return held;
         }
         let was = if row.held.pushes { row.force_at(&slip) } else { V3::zeros() };
-        if held.pushes {
+        if held.pushes && row.anchor.is_some() {
             let expected = row.spring_at(&slip.across, step.dt).norm();
             let load = held.push;
             row.add_friction(&mut held, load, expected, step.dt);
@@ -186,7 +186,7 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Makes ready for products and for the answer of eliminated rigid bodies.
     fn factor(&mut self, dt: f64) {
-        self.rows.gather_springs();
+        self.rows.forget_products();
         if self.rigid_unknowns == RigidUnknowns::Eliminated {
             self.rows.factor_rigid(dt);
         }

@@ -3,7 +3,7 @@ use super::row_builder::RowBuilder;
 use super::rows::Velocities;
 use super::{ContactSystem, RigidUnknowns, SystemError, check_finite, mesh_of};
 use crate::math::Scalar;
-use crate::memory;
+use crate::memory::{self, Room};
 use crate::mesh::MeshError;
 use crate::scene::Scene;
 use nalgebra::Matrix3;
@@ -324,5 +324,6 @@ pub(super) fn square_between(a: &[f64], b: &[f64]) -> f64 {
 }
 
 pub(super) fn copy(to: &mut Vec<f64>, from: &[f64]) {
-    memory::refill(to, from.iter().copied());
+    to.clear();
+    to.room_for(from.len()).extend_from_slice(from);
 }
