@@ -114,9 +114,9 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
   // Of all that Bullet's scale stands for, the forces take the step's length.
   void addScaledElasticForceDifferential(btScalar, const TVStack& dx, TVStack& df) override {
     if (!is_under_way_) return;
-    change_.resize(3 * nodes_.size());
-    for (std::size_t n = 0; n < nodes_.size(); ++n)
-      for (int axis = 0; axis < 3; ++axis) change_[3 * n + std::size_t(axis)] = double(dx[nodes_[n]->index][axis]);
+    change_.resize(3 * index_.size());
+    for (std::size_t n = 0; n < index_.size(); ++n)
+      for (int axis = 0; axis < 3; ++axis) change_[3 * n + std::size_t(axis)] = double(dx[index_[n]][axis]);
     result_.assign(change_.size(), 0);
     system_.add_product(double(time_step_), change_, result_);
     add_result(1, df);
@@ -173,6 +173,8 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
     begin(time_step_, gravity(), false, [this](const ContactBody& body) {
       return body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->isInWorld();
     });
+    index_.clear();
+    for (const btSoftBody::Node* node : nodes_) index_.push_back(node->index);
     is_under_way_ = true;
   }
 
@@ -182,9 +184,8 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
   }
 
   void add_result(double scale, TVStack& to) const {
-    for (std::size_t n = 0; n < nodes_.size(); ++n)
-      for (int axis = 0; axis < 3; ++axis)
-        to[nodes_[n]->index][axis] += btScalar(scale * result_[3 * n + std::size_t(axis)]);
+    for (std::size_t n = 0; n < index_.size(); ++n)
+      for (int axis = 0; axis < 3; ++axis) to[index_[n]][axis] += btScalar(scale * result_[3 * n + std::size_t(axis)]);
   }
 
   bool is_in_world(const btSoftBody& body) const {
@@ -210,6 +211,7 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
 
   Reaction reaction_;
   std::vector<double> change_, result_;
+  std::vector<int> index_;  // Bullet's, of each unknown node
   btDeformableBodySolver* solver_ = nullptr;
   btDynamicsWorld* world_ = nullptr;
   btScalar time_step_ = 0;
