@@ -10,7 +10,6 @@
 
 namespace sofaraycontact {
 
-using sofa::core::behavior::BaseForceField;
 using sofa::core::behavior::BaseMechanicalState;
 using sofa::simulation::Node;
 using Jacobian = sofa::linearalgebra::CompressedRowSparseMatrix<sofa::type::Mat<3, 3, SReal>>;
@@ -55,18 +54,23 @@ bool read(Jacobian& matrix, std::size_t vertices, raycontact::SurfaceCarriers& c
   return true;
 }
 
-/** All states that force fields other than contact act on. */
-std::set<const BaseMechanicalState*> pushedStates(Node* root) {
-  std::set<const BaseMechanicalState*> pushed;
-  for (const auto* field : root->getTreeObjects<BaseForceField>())
+using States = std::set<const BaseMechanicalState*>;
+
+/** Adds the states at and below a node that force fields other than contact act on. In every step, so without casts. */
+void addPushed(const Node* node, States& pushed) {
+  for (const auto* field : node->forceField)
+    for (const auto* state : field->getMechanicalStates()) pushed.insert(state);
+  for (const auto* field : node->interactionForceField)
     if (dynamic_cast<const RaycontactForceField*>(field) == nullptr)
       for (const auto* state : field->getMechanicalStates()) pushed.insert(state);
-  return pushed;
+  for (const auto& child : node->child) addPushed(child.get(), pushed);
 }
 
-/** Skins alone behind their mappings: what is mapped from a skin may be pushed too. */
-bool isLast(State* skin) {
-  return dynamic_cast<Node*>(skin->getContext())->getTreeObjects<BaseMechanicalState>().size() == 1;
+/** What is mapped from a skin may be pushed too. */
+bool hasStatesBelow(const Node* node) {
+  return std::any_of(node->child.begin(), node->child.end(), [](const auto& child) {
+    return child->mechanicalState.get() != nullptr || hasStatesBelow(child.get());
+  });
 }
 
 }  // namespace
@@ -93,12 +97,14 @@ Carrier carrierOf(const Surface& surface) {
 }
 
 void cutOrOpen(const std::vector<Surface>& surfaces, std::vector<Carrier>& carriers) {
-  std::set<const BaseMechanicalState*> pushed;
+  States pushed;
+  const Node* root = nullptr;
   for (std::size_t k = 0; k < carriers.size() && k < surfaces.size(); ++k) {
     if (carriers[k].mapping == nullptr) continue;
-    State* skin = surfaces[k].state.get();
-    if (pushed.empty()) pushed = pushedStates(dynamic_cast<Node*>(dynamic_cast<Node*>(skin->getContext())->getRoot()));
-    const bool cuts = pushed.count(skin) == 0 && isLast(skin);
+    const State* skin = surfaces[k].state.get();
+    const auto* node = dynamic_cast<const Node*>(skin->getContext());
+    if (root == nullptr) addPushed(root = dynamic_cast<const Node*>(node->getRootContext()), pushed);
+    const bool cuts = pushed.count(skin) == 0 && node->mass.get() == nullptr && !hasStatesBelow(node);
     if (cuts != carriers[k].is_cut) carriers[k].mapping->setForcesMapped(!cuts);
     carriers[k].is_cut = cuts;
   }
