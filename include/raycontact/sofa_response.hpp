@@ -33,6 +33,16 @@ struct ContactLaw {
 };
 
 /**
+ * How nodes that the host's solvers move carry a model: a skin in a cage. Vertex v is the sum of `weights[e]` times
+ * node `nodes[e]` over e from `offsets[v]` up to `offsets[v + 1]`; the weights of a vertex sum to 1.
+ */
+struct SurfaceCarriers {
+  std::vector<double> node_masses;  ///< in kg, one for each node: > 0, infinity for one that the solver does not move
+  std::vector<uint32_t> offsets, nodes;  ///< one offset more than the model has vertices
+  std::vector<double> weights;           ///< one for each of `nodes`
+};
+
+/**
  * Contact forces between the collision models of a stage, for a host that asks for forces and for products with their
  * derivative, as SOFA's solvers do.
  *
@@ -43,7 +53,7 @@ struct ContactLaw {
  * addForce().
  *
  * Arrays have one entry for each number that the stage has given out, NULL for a model that was removed. A v of NULL is
- * a model at rest, an f of NULL one whose forces nobody wants.
+ * a model at rest, an f of NULL one whose forces nobody wants. For a model with SurfaceCarriers they are its nodes'.
  *
  * Threads: one call at a time, for the stage too. Errors are exceptions of type raycontact::Error.
  */
@@ -70,17 +80,18 @@ class ContactResponse {
    * @param law what contacts are made of
    */
   void addSurface(CollisionStage<DataTypes>& stage, double vertex_mass, const ContactLaw& law) {
-    const auto model = static_cast<ModelId>(surfaceCount());
-    if (firsts_.empty()) firsts_.push_back(0);
-    system_.cancel();
-    const std::size_t count = stage.vertexCount(model);
-    std::vector<double> masses = masses_;
-    masses.resize(masses.size() + count, vertex_mass);
-    system_.set_node_masses(masses);
-    if (count > 0)
-      system_.add_deformable(stage.scene(), model, firsts_.back(), static_cast<uint32_t>(count), material(law));
-    masses_.swap(masses);
-    firsts_.push_back(static_cast<uint32_t>(masses_.size()));
+    const std::size_t count = stage.vertexCount(static_cast<ModelId>(surfaceCount()));
+    add(std::vector<double>(count, vertex_mass), [&](ModelId model, uint32_t first) {
+      if (count > 0) system_.add_deformable(stage.scene(), model, first, static_cast<uint32_t>(count), material(law));
+    });
+  }
+
+  /** The same for a model that other nodes carry. Forces and products are then of these nodes. */
+  void addSurface(CollisionStage<DataTypes>& stage, const SurfaceCarriers& carriers, const ContactLaw& law) {
+    add(carriers.node_masses, [&](ModelId model, uint32_t first) {
+      system_.add_deformable(stage.scene(), model, first, static_cast<uint32_t>(carriers.node_masses.size()),
+                             Carriers{carriers.offsets, carriers.nodes, carriers.weights}, material(law));
+    });
   }
 
   /**
@@ -128,25 +139,25 @@ class ContactResponse {
     scatter(products_, df);
   }
 
-  /** The derivative df/dv in 3 x 3 blocks of vertices, numbered through all models; until the next call. */
+  /** The derivative df/dv in 3 x 3 blocks of nodes, numbered through all models; until the next call. */
   const Blocks& blocks() {
     system_.copy_blocks_to(-1, blocks_);
     return blocks_;
   }
 
-  /** The model that has a vertex numbered through all models, and its number there. */
-  std::pair<ModelId, uint32_t> place(uint32_t vertex) const {
-    const auto next = std::upper_bound(firsts_.begin(), firsts_.end(), vertex);
-    return {static_cast<ModelId>(next - firsts_.begin() - 1), vertex - *(next - 1)};
+  /** The model that has a node numbered through all models, and its number there. */
+  std::pair<ModelId, uint32_t> place(uint32_t node) const {
+    const auto next = std::upper_bound(firsts_.begin(), firsts_.end(), node);
+    return {static_cast<ModelId>(next - firsts_.begin() - 1), node - *(next - 1)};
   }
 
   /** The potential of the contacts, in J, at the velocities of the last addForce(): it grows with the depth at the
    * step's end. */
   double getPotentialEnergy() const { return energy_; }
 
-  /** The force on a vertex, in N, at the last addForce() or addSeparateForce(). */
-  std::array<double, 3> lastForce(ModelId model, std::size_t vertex) const {
-    const std::size_t at = 3 * (firsts_[model] + vertex);
+  /** The force on a vertex or node, in N, at the last addForce() or addSeparateForce(). */
+  std::array<double, 3> lastForce(ModelId model, std::size_t node) const {
+    const std::size_t at = 3 * (firsts_[model] + node);
     if (at + 3 > forces_.size()) return {0, 0, 0};
     return {forces_[at], forces_[at + 1], forces_[at + 2]};
   }
@@ -187,6 +198,20 @@ class ContactResponse {
   static constexpr int most_iterations = 500;  ///< Of addSeparateForce().
 
  private:
+  /** `add_body(model, first)` makes it known to the system. */
+  template <class AddBody>
+  void add(const std::vector<double>& node_masses, AddBody add_body) {
+    const auto model = static_cast<ModelId>(surfaceCount());
+    if (firsts_.empty()) firsts_.push_back(0);
+    system_.cancel();
+    std::vector<double> masses = masses_;
+    masses.insert(masses.end(), node_masses.begin(), node_masses.end());
+    system_.set_node_masses(masses);
+    add_body(model, firsts_.back());
+    masses_.swap(masses);
+    firsts_.push_back(static_cast<uint32_t>(masses_.size()));
+  }
+
   static rayc_contact_system_options options(uint32_t precision) {
     rayc_contact_system_options options = default_contact_system_options();
     options.precision = precision;
@@ -262,7 +287,7 @@ class ContactResponse {
       for (std::size_t k = 0; k < 3 * count; ++k) {
         const double number = vectors[k / 3][k % 3];
         if (!std::isfinite(number))
-          throw Error(RAYC_STATUS_NOT_FINITE, name() + ": vertex " + std::to_string(k / 3) + " is not finite");
+          throw Error(RAYC_STATUS_NOT_FINITE, name() + ": node " + std::to_string(k / 3) + " is not finite");
         numbers[3 * first + k] = number;
       }
     }
@@ -282,7 +307,7 @@ class ContactResponse {
 
   ContactSystem system_;
   uint32_t precision_;
-  /** The first vertex of each model, and the number of all. */
+  /** The first node of each model, and the number of all. */
   std::vector<uint32_t> firsts_;
   std::vector<double> masses_, positions_, velocities_, free_, changes_, forces_, products_, residuals_;
   Blocks blocks_;

@@ -40,7 +40,8 @@ def ours(root, **narrow_phase):
             if child.tag == "TriangleOctreeCollisionModel":
                 child.tag = "TriangleCollisionModel"
             if child.tag == "NewProximityIntersection":
-                child.attrib.update({"alarmDistance": "0.5", "contactDistance": "0"} if "publishContacts" in narrow_phase else {})
+                nearer = {"alarmDistance": "0.5", "contactDistance": "0"}
+                child.attrib.update(nearer if "publishContacts" in narrow_phase else {})
     return root
 
 

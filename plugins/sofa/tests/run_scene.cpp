@@ -4,7 +4,6 @@
 #include <sofa/core/ObjectFactory.h>
 #include <sofa/core/behavior/BaseMechanicalState.h>
 #include <sofa/core/objectmodel/Event.h>
-#include <sofa/core/topology/BaseMeshTopology.h>
 #include <sofa/defaulttype/VecTypes.h>
 #include <sofa/helper/system/PluginManager.h>
 #include <sofa/simulation/CollisionBeginEvent.h>
@@ -15,7 +14,6 @@
 #include <sofa/simulation/graph/init.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -24,6 +22,8 @@
 #include <ctime>
 #include <string>
 #include <vector>
+
+#include "inverted_cells.hpp"
 
 namespace {
 
@@ -114,32 +114,6 @@ bool set(Node* root, const std::string& setting) {
     if (candidate->getPathName() == path) component = candidate;
   auto* field = component != nullptr ? component->findData(data) : nullptr;
   return field != nullptr && field->read(setting.substr(equals + 1));
-}
-
-/** Three edges' triple product at the middle of each cell. */
-int inverted_cells(Node* root) {
-  int inverted = 0;
-  for (auto* topology : root->getTreeObjects<sofa::core::topology::BaseMeshTopology>()) {
-    auto* state = dynamic_cast<State*>(topology->getContext()->getMechanicalState());
-    if (state == nullptr) continue;
-    const auto& x = state->read(sofa::core::vec_id::read_access::position)->getValue();
-    const auto turned = [](const auto& a, const auto& b, const auto& c) { return !(dot(cross(a, b), c) > 0); };
-    for (sofa::Size i = 0; i < topology->getNbTetrahedra(); ++i) {
-      const auto t = topology->getTetrahedron(i);
-      inverted += turned(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]], x[t[3]] - x[t[0]]);
-    }
-    for (sofa::Size i = 0; i < topology->getNbHexahedra(); ++i) {
-      const auto h = topology->getHexahedron(i);
-      const auto across = [&](const std::array<int, 8>& sign) {
-        sofa::type::Vec3 sum(0, 0, 0);
-        for (int k = 0; k < 8; ++k) sum += x[h[k]] * sign[k];
-        return sum;
-      };
-      inverted += turned(across({-1, 1, 1, -1, -1, 1, 1, -1}), across({-1, -1, 1, 1, -1, -1, 1, 1}),
-                         across({-1, -1, -1, -1, 1, 1, 1, 1}));
-    }
-  }
-  return inverted;
 }
 
 struct Summary {

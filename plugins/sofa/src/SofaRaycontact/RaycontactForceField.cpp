@@ -6,6 +6,7 @@
 #include <sofa/core/behavior/OdeSolver.h>
 #include <sofa/core/visual/VisualParams.h>
 #include <sofa/simulation/AnimateBeginEvent.h>
+#include <sofa/simulation/CollisionEndEvent.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ using sofa::core::objectmodel::BaseContext;
 namespace {
 
 template <class Component>
-Component* above(BaseContext* context) {
+Component* above(const BaseContext* context) {
   return context->get<Component>(BaseContext::SearchUp);
 }
 
@@ -30,19 +31,20 @@ class RaycontactForceField::Writing {
  public:
   Writing(RaycontactForceField& field, sofa::core::MultiVecDerivId id) : field_(field), id_(id) {
     field.f_.clear();
-    for (const Surface& surface : field.l_narrowPhase->surfaces()) {
+    for (std::size_t k = 0; k < field.carriers_.size(); ++k) {
       VecDeriv* forces = nullptr;
-      if (field.moves(surface)) {
-        forces = surface.state->write(id.getId(surface.state.get()))->beginEdit();
-        if (forces->size() < surface.state->getSize()) forces->resize(surface.state->getSize());
+      if (field.carriers_[k].moves) {
+        State& state = *field.carriers_[k].state;
+        forces = state.write(id.getId(&state))->beginEdit();
+        if (forces->size() < state.getSize()) forces->resize(state.getSize());
       }
       field.f_.push_back(forces);
     }
   }
   ~Writing() {
-    const auto& surfaces = field_.l_narrowPhase->surfaces();
     for (std::size_t k = 0; k < field_.f_.size(); ++k)
-      if (field_.f_[k] != nullptr) surfaces[k].state->write(id_.getId(surfaces[k].state.get()))->endEdit();
+      if (field_.f_[k] != nullptr)
+        field_.carriers_[k].state->write(id_.getId(field_.carriers_[k].state.get()))->endEdit();
   }
   Writing(const Writing&) = delete;
   Writing& operator=(const Writing&) = delete;
@@ -61,6 +63,8 @@ RaycontactForceField::RaycontactForceField()
       d_friction(initData(&d_friction, SReal(0), "friction", "Coulomb's coefficient.")),
       d_depthCap(initData(&d_depthCap, SReal(0), "depthCap",
                           "The depth beyond which one step asks for no more force than there. 0: none.")),
+      d_foldMappings(initData(&d_foldMappings, true, "foldMappings",
+                              "Act on the cage of a skin itself where its mapping is linear, past the mapping.")),
       d_forceScale(initData(&d_forceScale, SReal(0.01), "forceScale", "Length drawn for a force of 1.")),
       d_wrongPart(initData(&d_wrongPart, SReal(0), "wrongPart",
                            "The part of all force, 0 to 1, that the last step's solve took wrongly for pushing.", true,
@@ -86,19 +90,36 @@ void RaycontactForceField::init() {
   // Rays from vertices at edges are oblique, and hold on where they should slide.
   if (d_friction.getValue() > 0 && !l_narrowPhase->d_sampleSpacing.isSet()) l_narrowPhase->d_sampleSpacing.setValue(-1);
   // Matrix-based linear systems ask at the start which states a force field couples.
-  for (Triangles* model : getContext()->getRootContext()->getObjects<Triangles>(BaseContext::SearchDown))
-    if (model->isSimulated() && model->getMechanicalState() != nullptr)
-      l_mechanicalStates.add(model->getMechanicalState());
+  for (Triangles* model : getContext()->getRootContext()->getObjects<Triangles>(BaseContext::SearchDown)) {
+    if (!model->isSimulated() || model->getMechanicalState() == nullptr) continue;
+    l_mechanicalStates.add(model->getMechanicalState());
+    if (State* cage = d_foldMappings.getValue() ? cageOf(model->getMechanicalState()) : nullptr)
+      l_mechanicalStates.add(cage);
+  }
   d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
 }
 
-void RaycontactForceField::reset() {
+RaycontactForceField::~RaycontactForceField() {
+  for (Carrier& carrier : carriers_) open(carrier);
+}
+
+void RaycontactForceField::forget() {
   response_.clear();
+  for (Carrier& carrier : carriers_) open(carrier);
+  carriers_.clear();
   generation_ = 0;
+}
+
+void RaycontactForceField::reset() {
+  forget();
+  stiffness_ = 0;
   is_step_new_ = is_ill_ = has_warned_of_solvers_ = false;
 }
 
 void RaycontactForceField::handleEvent(sofa::core::objectmodel::Event* event) {
+  // Before the solvers run, and after the last that may add to the scene.
+  if (sofa::simulation::CollisionEndEvent::checkEventType(event) && l_narrowPhase)
+    cutOrOpen(l_narrowPhase->surfaces(), carriers_);
   if (!sofa::simulation::AnimateBeginEvent::checkEventType(event)) return;
   is_step_new_ = true;
   dt_ = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
@@ -122,71 +143,102 @@ void RaycontactForceField::guarded(const char* what, Call call) {
   }
 }
 
-bool RaycontactForceField::moves(const Surface& surface) const {
-  return surface.model->isSimulated() && above<OdeSolver>(surface.state->getContext()) != nullptr;
+bool RaycontactForceField::moves(const Triangles& model) const {
+  return model.isSimulated() && above<OdeSolver>(model.getContext()) != nullptr;
 }
 
 void RaycontactForceField::read(sofa::core::ConstMultiVecDerivId id) {
   v_.clear();
-  for (const Surface& surface : l_narrowPhase->surfaces()) {
-    const auto* vectors = surface.state->read(id.getId(surface.state.get()));
-    const bool has_one_each = vectors != nullptr && vectors->getValue().size() == surface.state->getSize();
+  for (const Carrier& carrier : carriers_) {
+    const auto* vectors = carrier.state->read(id.getId(carrier.state.get()));
+    const bool has_one_each = vectors != nullptr && vectors->getValue().size() == carrier.state->getSize();
     v_.push_back(has_one_each ? &vectors->getValue() : nullptr);
   }
 }
 
-/** What a vertex of the surface bears of its body's mass: an even share. */
-double RaycontactForceField::vertexMass(const Surface& surface) const {
-  if (!moves(surface)) return std::numeric_limits<double>::infinity();
+/** Of the body that the model is on; 0 where nothing says. */
+double RaycontactForceField::totalMass(const Triangles& model) const {
   double sum = 0;
-  if (const auto* mass = above<sofa::core::behavior::BaseMass>(surface.state->getContext()))
+  if (const auto* mass = above<sofa::core::behavior::BaseMass>(model.getContext()))
     for (sofa::Index k = 0; k < mass->getContext()->getMechanicalState()->getSize(); ++k)
       sum += mass->getElementMass(k);
-  if (sum > 0) return sum / double(surface.state->getSize());
-  msg_warning() << surface.model->getPathName() << " has no mass above it; each of its vertices is taken for 1 kg.";
+  return sum;
+}
+
+/** What a node bears of its body's mass: an even share. */
+double RaycontactForceField::nodeMass(const Surface& surface, std::size_t nodes) const {
+  if (!moves(*surface.model)) return std::numeric_limits<double>::infinity();
+  const double sum = totalMass(*surface.model);
+  if (sum > 0) return sum / double(nodes);
+  msg_warning() << surface.model->getPathName() << " has no mass above it; each of its nodes is taken for 1 kg.";
   return 1;
+}
+
+/** The same for the nodes of a cage: their own masses where these are known. */
+std::vector<double> RaycontactForceField::cageMasses(const Surface& surface, const State& cage) const {
+  std::vector<double> masses(cage.getSize(), nodeMass(surface, cage.getSize()));
+  const auto* mass = above<sofa::core::behavior::BaseMass>(surface.state->getContext());
+  if (mass == nullptr || dynamic_cast<State*>(mass->getContext()->getMechanicalState()) != &cage) return masses;
+  for (std::size_t k = 0; k < masses.size(); ++k)
+    if (const double own = mass->getElementMass(static_cast<sofa::Index>(k)); own > 0) masses[k] = own;
+  return masses;
 }
 
 /**
  * The heaviest model's weight over its smallest shadow, borne three times over at a tenth of the smallest extent of any
- * model that moves.
+ * model that moves, whether it has come near another yet or not.
  */
 double RaycontactForceField::automaticStiffness() const {
   double pressure = 0, depth = std::numeric_limits<double>::infinity();
   const double gravity = std::max(1e-3, double(getContext()->getGravity().norm()));
-  for (const Surface& surface : l_narrowPhase->surfaces()) {
-    if (!moves(surface)) continue;
+  for (const Triangles* model : getContext()->getRootContext()->getObjects<Triangles>(BaseContext::SearchDown)) {
+    if (model->getMechanicalState() == nullptr || !moves(*model)) continue;
     sofa::type::BoundingBox box;
-    for (const auto& point : surface.model->getX()) box.include(point);
+    for (const auto& point : model->getX()) box.include(point);
     const auto size = box.maxBBox() - box.minBBox();
     const double least = std::min({size[0], size[1], size[2]});
     const double shadow = size[0] * size[1] * size[2] / std::max({size[0], size[1], size[2]});
-    pressure = std::max(pressure, vertexMass(surface) * double(surface.state->getSize()) * gravity / shadow);
+    if (!(shadow > 0)) continue;
+    pressure = std::max(pressure, totalMass(*model) * gravity / shadow);
     depth = std::min(depth, least / 10);
   }
-  return pressure > 0 && depth > 0 ? 3 * pressure / depth : 1;
+  return pressure > 0 ? 3 * pressure / depth : 1;
 }
 
 void RaycontactForceField::takeNewSurfaces() {
   const auto& surfaces = l_narrowPhase->surfaces();
   if (generation_ != l_narrowPhase->generation()) {
+    forget();
     response_ = raycontact::ContactResponse<DataTypes>(l_narrowPhase->precision());
     generation_ = l_narrowPhase->generation();
-    stiffness_ = d_stiffness.getValue();
-    if (stiffness_ <= 0 && !surfaces.empty()) {
-      stiffness_ = automaticStiffness();
-      msg_info() << "stiffness: " << stiffness_;
-    }
+    if (d_stiffness.getValue() > 0) stiffness_ = d_stiffness.getValue();
   }
+  // Once, not of bodies that have changed on the way.
+  if (stiffness_ <= 0 && !surfaces.empty()) {
+    stiffness_ = automaticStiffness();
+    msg_info() << "stiffness: " << stiffness_;
+  }
+  if (carriers_.size() == surfaces.size()) return;
+  while (carriers_.size() < surfaces.size()) addSurface(surfaces[carriers_.size()]);
+  cutOrOpen(surfaces, carriers_);
+}
+
+void RaycontactForceField::addSurface(const Surface& surface) {
   raycontact::ContactLaw law;
   law.stiffness = stiffness_;
   law.damping_time = d_dampingTime.getValue();
   law.friction = d_friction.getValue();
   if (d_depthCap.getValue() > 0) law.depth_cap = d_depthCap.getValue();
-  while (response_.surfaceCount() < surfaces.size()) {
-    const Surface& surface = surfaces[response_.surfaceCount()];
-    response_.addSurface(l_narrowPhase->stage(), vertexMass(surface), law);
+  const bool is_moved = moves(*surface.model);
+  Carrier carrier = is_moved && d_foldMappings.getValue() ? carrierOf(surface) : plainCarrier(surface);
+  carrier.moves = is_moved;
+  if (carrier.mapping == nullptr) {
+    response_.addSurface(l_narrowPhase->stage(), nodeMass(surface, carrier.state->getSize()), law);
+  } else {
+    carrier.carriers.node_masses = cageMasses(surface, *carrier.state);
+    response_.addSurface(l_narrowPhase->stage(), carrier.carriers, law);
   }
+  carriers_.push_back(std::move(carrier));
 }
 
 void RaycontactForceField::warnOfSolvers(bool is_implicit) {
@@ -201,7 +253,7 @@ void RaycontactForceField::warnOfSolvers(bool is_implicit) {
   }
   if (!is_implicit) msg_warning() << own->getPathName() << " is explicit, and so is the response.";
   for (const Surface& surface : l_narrowPhase->surfaces())
-    if (moves(surface) && above<OdeSolver>(surface.state->getContext()) != own)
+    if (moves(*surface.model) && above<OdeSolver>(surface.state->getContext()) != own)
       msg_warning() << surface.model->getPathName() << " is not under " << own->getPathName()
                     << ", the solver of this force field: it is pushed a step late or not at all.";
 }
@@ -211,20 +263,23 @@ double RaycontactForceField::step() const { return dt_ > 0 ? dt_ : double(getCon
 /** The positions and velocities of a new step; false where there is nothing to do. */
 bool RaycontactForceField::begin(const MechanicalParams* params, bool is_implicit) {
   if (!isComponentStateValid() || !l_narrowPhase->hasRun()) return false;
-  read(params->v());
-  x_.clear();
-  for (const Surface& surface : l_narrowPhase->surfaces())
-    x_.push_back(&surface.state->read(params->x().getId(surface.state.get()))->getValue());
-  if (is_step_new_ || !is_implicit) {
+  const bool begins = is_step_new_ || !is_implicit;
+  if (begins) {
     is_step_new_ = false;
-    if (generation_ == l_narrowPhase->generation() && v_.size() == response_.surfaceCount())
-      d_wrongPart.setValue(response_.finish(v_));
+    read(params->v());
+    if (generation_ == l_narrowPhase->generation()) d_wrongPart.setValue(response_.finish(v_));
     takeNewSurfaces();
-    if (!x_.empty()) warnOfSolvers(is_implicit);
-    if (is_implicit && !x_.empty())
-      response_.begin(l_narrowPhase->stage(), step(), x_, v_, getContext()->getGravity().data());
   }
-  return !x_.empty();
+  read(params->v());
+  if (v_.empty()) return false;
+  if (begins) {
+    x_.clear();
+    for (const Carrier& carrier : carriers_)
+      x_.push_back(&carrier.state->read(params->x().getId(carrier.state.get()))->getValue());
+    warnOfSolvers(is_implicit);
+    if (is_implicit) response_.begin(l_narrowPhase->stage(), step(), x_, v_, getContext()->getGravity().data());
+  }
+  return true;
 }
 
 void RaycontactForceField::addForce(const MechanicalParams* params, sofa::core::MultiVecDerivId f) {
@@ -259,16 +314,15 @@ void RaycontactForceField::addDForce(const MechanicalParams* params, sofa::core:
 
 void RaycontactForceField::buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix) {
   if (!response_.isUnderWay()) return;
-  const auto& surfaces = l_narrowPhase->surfaces();
   const raycontact::Blocks& blocks = response_.blocks();
   for (std::size_t k = 0; k < blocks.rows.size(); ++k) {
     const auto [row_model, row] = response_.place(blocks.rows[k]);
     const auto [column_model, column] = response_.place(blocks.columns[k]);
-    if (!moves(surfaces[row_model]) || !moves(surfaces[column_model])) continue;
+    if (!carriers_[row_model].moves || !carriers_[column_model].moves) continue;
     sofa::type::Mat<3, 3, SReal> block;
     for (int i = 0; i < 9; ++i) block[i / 3][i % 3] = static_cast<SReal>(blocks.numbers[9 * k + i]);
-    matrix->getForceDerivativeIn(surfaces[row_model].state.get())
-        .withRespectToVelocityIn(surfaces[column_model].state.get())(3 * row, 3 * column) += block;
+    matrix->getForceDerivativeIn(carriers_[row_model].state.get())
+        .withRespectToVelocityIn(carriers_[column_model].state.get())(3 * row, 3 * column) += block;
   }
 }
 
@@ -279,16 +333,15 @@ SReal RaycontactForceField::getPotentialEnergy(const MechanicalParams*) const {
 void RaycontactForceField::draw(const sofa::core::visual::VisualParams* params) {
   if (!isComponentStateValid() || !params->displayFlags().getShowInteractionForceFields()) return;
   std::vector<sofa::type::Vec3> ends;
-  const auto& surfaces = l_narrowPhase->surfaces();
-  for (std::size_t model = 0; model < std::min(surfaces.size(), response_.surfaceCount()); ++model) {
-    if (!moves(surfaces[model])) continue;
-    const VecCoord& x = surfaces[model].model->getX();
-    for (std::size_t vertex = 0; vertex < x.size(); ++vertex) {
-      const auto force = response_.lastForce(static_cast<raycontact::ModelId>(model), vertex);
+  for (std::size_t model = 0; model < std::min(carriers_.size(), response_.surfaceCount()); ++model) {
+    if (!carriers_[model].moves) continue;
+    const VecCoord& x = carriers_[model].state->read(sofa::core::vec_id::read_access::position)->getValue();
+    for (std::size_t node = 0; node < x.size(); ++node) {
+      const auto force = response_.lastForce(static_cast<raycontact::ModelId>(model), node);
       const sofa::type::Vec3 arrow(force[0], force[1], force[2]);
       if (arrow.norm2() == 0) continue;
-      ends.push_back(x[vertex]);
-      ends.push_back(x[vertex] + arrow * d_forceScale.getValue());
+      ends.push_back(x[node]);
+      ends.push_back(x[node] + arrow * d_forceScale.getValue());
     }
   }
   params->drawTool()->drawLines(ends, 2, sofa::type::RGBAColor::yellow());

@@ -2,6 +2,7 @@
 // The response: contact forces and friction.
 #pragma once
 
+#include <SofaRaycontact/Carriers.h>
 #include <SofaRaycontact/RaycontactNarrowPhase.h>
 #include <sofa/core/behavior/BaseInteractionForceField.h>
 
@@ -21,6 +22,7 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
   sofa::Data<SReal> d_dampingTime;
   sofa::Data<SReal> d_friction;
   sofa::Data<SReal> d_depthCap;
+  sofa::Data<bool> d_foldMappings;
   sofa::Data<SReal> d_forceScale;
   sofa::Data<SReal> d_wrongPart;
   sofa::SingleLink<RaycontactForceField, RaycontactNarrowPhase,
@@ -43,6 +45,7 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
 
  protected:
   RaycontactForceField();
+  ~RaycontactForceField() override;
 
  private:
   class Writing;
@@ -50,8 +53,12 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
   bool begin(const MechanicalParams* params, bool is_implicit);
   void takeNewSurfaces();
   void warnOfSolvers(bool is_implicit);
-  bool moves(const Surface& surface) const;
-  double vertexMass(const Surface& surface) const;
+  bool moves(const Triangles& model) const;
+  double totalMass(const Triangles& model) const;
+  double nodeMass(const Surface& surface, std::size_t nodes) const;
+  std::vector<double> cageMasses(const Surface& surface, const State& cage) const;
+  void addSurface(const Surface& surface);
+  void forget();
   double step() const;
   double automaticStiffness() const;
   void read(sofa::core::ConstMultiVecDerivId v);
@@ -59,6 +66,8 @@ class SOFARAYCONTACT_API RaycontactForceField : public sofa::core::behavior::Bas
   void guarded(const char* what, Call call);
 
   raycontact::ContactResponse<DataTypes> response_;
+  /** What carries the surfaces that the response knows. */
+  std::vector<Carrier> carriers_;
   /** By the surfaces' numbers, kept from step to step. */
   std::vector<const VecCoord*> x_;
   std::vector<const VecDeriv*> v_;

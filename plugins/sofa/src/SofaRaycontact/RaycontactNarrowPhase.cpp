@@ -14,6 +14,15 @@ using sofa::core::collision::DetectionOutput;
 using sofa::core::objectmodel::BaseContext;
 using Outputs = sofa::core::collision::TDetectionOutputVector<Triangles, Triangles>;
 
+namespace {
+
+bool areEqual(const TriangleList& a, const TriangleList& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& p, const auto& q) { return p[0] == q[0] && p[1] == q[1] && p[2] == q[2]; });
+}
+
+}  // namespace
+
 void SchedulerThreads::operator()(std::size_t count, const std::function<void(std::size_t)>& task) const {
   auto* scheduler = sofa::simulation::MainTaskSchedulerFactory::createInRegistry();
   if (scheduler->getThreadCount() < 1) scheduler->init();
@@ -117,10 +126,15 @@ void RaycontactNarrowPhase::beginNarrowPhase() {
 }
 
 bool RaycontactNarrowPhase::hasChanged() const {
-  return std::any_of(surfaces_.begin(), surfaces_.end(), [](const Surface& surface) {
+  for (raycontact::ModelId number = 0; number < surfaces_.size(); ++number) {
+    const Surface& surface = surfaces_[number];
     auto* topology = surface.model->getCollisionTopology();
-    return topology == nullptr || topology->getRevision() != surface.revision;
-  });
+    if (topology == nullptr || topology->getRevision() != surface.revision ||
+        surface.state->getSize() != stage_->vertexCount(number) ||
+        !areEqual(surface.model->getTriangles(), surface.triangles))
+      return true;
+  }
+  return false;
 }
 
 void RaycontactNarrowPhase::addCollisionPair(const std::pair<CollisionModel*, CollisionModel*>& pair) {
@@ -149,8 +163,8 @@ raycontact::ModelId RaycontactNarrowPhase::add(Triangles* model) {
   options.precision = precision();
   const auto add = [&] {
     const raycontact::ModelId number = stage_->addCollisionModel(model->getX(), model->getTriangles(), options);
-    surfaces_.push_back(
-        {model, model->getMechanicalState(), model->getCollisionTopology()->getRevision(), options.open != 0});
+    surfaces_.push_back({model, model->getMechanicalState(), model->getCollisionTopology()->getRevision(),
+                         options.open != 0, model->getTriangles()});
     return number;
   };
   try {

@@ -20,6 +20,7 @@ namespace sofaraycontact {
 
 using DataTypes = sofa::defaulttype::Vec3Types;
 using Triangles = sofa::component::collision::geometry::TriangleCollisionModel<DataTypes>;
+using TriangleList = sofa::core::topology::BaseMeshTopology::SeqTriangles;
 using State = sofa::core::behavior::MechanicalState<DataTypes>;
 
 /** A collision model that the stage knows; its place in the list is its number there. */
@@ -28,6 +29,7 @@ struct Surface {
   State::SPtr state;
   int revision;  ///< of its topology
   bool is_open;
+  TriangleList triangles;  ///< not every change of them raises the revision
 };
 
 /** Shares out work on the threads of SOFA's task scheduler. */
