@@ -3,7 +3,8 @@
 """Draws which runs of other hosts' scenes end well, by who makes the contact and by time step.
 
 FOLDER (default docs/hosts) holds map.csv with the columns host, scene, contact, dt, verdict, and gets map.svg. The lines of
-MuJoCo are those of `mujoco_flexes map`, SOFA's are those of plugins/sofa/tests/map.py. Needs Debian's python3-matplotlib.
+MuJoCo are those of `mujoco_flexes map`, SOFA's are those of
+`plugins/sofa/tests/measure.py --map`. Needs Debian's python3-matplotlib.
 """
 
 import csv

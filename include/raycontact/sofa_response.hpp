@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "contact_system.hpp"
+#include "free_points.hpp"
 #include "sofa.hpp"
 
 namespace raycontact {
@@ -187,7 +188,8 @@ class ContactResponse {
                        const double* gravity) {
     require_one_for_each_model(stage.modelCount(), f.size(), v.size());
     begin(stage, dt, x, v, gravity);
-    const int iterations = find_end(dt, gravity);
+    velocities_ = free_;
+    const int iterations = points_.solve(system_, dt, masses_, velocities_);
     forces_.assign(velocities_.size(), 0);
     system_.add_forces(velocities_, forces_);
     energy_ = system_.energy(velocities_);
@@ -195,7 +197,7 @@ class ContactResponse {
     return iterations;
   }
 
-  static constexpr int most_iterations = 500;  ///< Of addSeparateForce().
+  static constexpr int most_iterations = FreePoints::most_iterations;  ///< Of addSeparateForce().
 
  private:
   /** `add_body(model, first)` makes it known to the system. */
@@ -227,42 +229,6 @@ class ContactResponse {
     material.friction = law.friction;
     material.depth_cap = law.depth_cap;
     return material;
-  }
-
-  /** Moves velocities_ on to where free points of these masses would have them: (M + dt A) d = dt (f + M g). */
-  int find_end(double dt, const double* gravity) {
-    const std::size_t count = velocities_.size();
-    forces_.assign(count, 0);
-    system_.add_forces(velocities_, forces_);
-    const auto is_free = [this](std::size_t k) { return std::isfinite(masses_[k / 3]); };
-    // The mass is the preconditioner: residuals are kept over their mass.
-    double all = 0, left = 0;
-    residuals_.assign(count, 0);
-    for (std::size_t k = 0; k < count; ++k) {
-      if (!is_free(k)) continue;
-      residuals_[k] = dt * (forces_[k] / masses_[k / 3] + gravity[k % 3]);
-      left += masses_[k / 3] * residuals_[k] * residuals_[k];
-    }
-    all = left;
-    changes_ = residuals_;
-    int iteration = 0;
-    for (; iteration < most_iterations && left > 1e-12 * all; ++iteration) {
-      products_.assign(count, 0);
-      system_.add_product(dt, changes_, products_);
-      double curvature = 0;
-      for (std::size_t k = 0; k < count; ++k)
-        if (is_free(k)) curvature += changes_[k] * (products_[k] += masses_[k / 3] * changes_[k]);
-      const double step = left / curvature, before = left;
-      left = 0;
-      for (std::size_t k = 0; k < count; ++k) {
-        if (!is_free(k)) continue;
-        velocities_[k] += step * changes_[k];
-        residuals_[k] -= step * products_[k] / masses_[k / 3];
-        left += masses_[k / 3] * residuals_[k] * residuals_[k];
-      }
-      for (std::size_t k = 0; k < count; ++k) changes_[k] = residuals_[k] + left / before * changes_[k];
-    }
-    return iteration;
   }
 
   void require_one_for_each_model(std::size_t models, std::size_t a, std::size_t b) const {
@@ -309,7 +275,8 @@ class ContactResponse {
   uint32_t precision_;
   /** The first node of each model, and the number of all. */
   std::vector<uint32_t> firsts_;
-  std::vector<double> masses_, positions_, velocities_, free_, changes_, forces_, products_, residuals_;
+  std::vector<double> masses_, positions_, velocities_, free_, changes_, forces_, products_;
+  FreePoints points_;
   Blocks blocks_;
   double energy_ = 0;
   bool is_under_way_ = false;

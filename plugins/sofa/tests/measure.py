@@ -4,6 +4,8 @@
 
 Makes a variant of the scene for each, without what is only looked at, runs them by turns through run_scene and prints the
 medians of steps per second of processor time and of milliseconds of a step, and what became of the bodies.
+With --map it runs six seconds of each at several time steps instead, and prints lines for docs/hosts/map.csv: a run is ok
+where no cell was ever inverted and all tori lie in the bowl.
 Exit status: 0 measured; 1 a run failed; 2 wrong usage.
 """
 import argparse
@@ -88,6 +90,43 @@ VARIANTS = {
 }
 
 
+# Their names in the map.
+MAPPED = {
+    "SOFA's ray tracing and response": "sofa",
+    "ours, SOFA's response": "raycontact_sofa_response",
+    "ours, own response, a common solver": "raycontact",
+    "ours, own response, a solver each": "raycontact_own_solvers",
+}
+LOWEST = -10  # the height of a centre below which a torus has left the bowl
+
+
+def verdict(result):
+    """How a run ended, by its line; none is one whose numbers are not finite."""
+    if result is None:
+        return "exploded"
+    if int(result[4]) > 0:
+        return "inverted"
+    height = re.search(r"centres \S+ (\S+)\.\.", result[5])
+    return "ok" if float(height[1]) > LOWEST else "passed_through"
+
+
+def run_once(arguments, scene, steps, dt):
+    """The program's last line about the run, or None, and what it said."""
+    command = [arguments.driver, "--steps", str(steps), "--dt", str(dt)]
+    for library in arguments.load:
+        command += ["--load", library]
+    run = subprocess.run([*command, scene], capture_output=True, text=True, check=False)
+    lines = LINE.findall(run.stdout)
+    return (lines[-1] if lines else None), run.stdout[-2000:] + run.stderr[-2000:]
+
+
+def print_map(arguments, folder, names):
+    for place, name in enumerate(names):
+        for dt in (0.01, 0.02, 0.04, 0.08):
+            result, _ = run_once(arguments, f"{folder}/{place}.scn", round(6 / dt), dt)
+            print(f"SOFA,ten_tori,{MAPPED[name]},{dt},{verdict(result)}", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene", help="SOFA's examples/Component/Collision/Detection/RayTraceCollision.scn")
@@ -97,24 +136,24 @@ def main():
     parser.add_argument("--dt", default="0.01", help="the step in s (default 0.01)")
     parser.add_argument("--rounds", type=int, default=3, help="how often each variant runs (default 3)")
     parser.add_argument("--only", help="only variants whose name has this in it")
+    parser.add_argument("--map", action="store_true", help="lines for docs/hosts/map.csv instead of times")
     arguments = parser.parse_args()
-    names = [name for name in VARIANTS if arguments.only is None or arguments.only in name]
+    known = MAPPED if arguments.map else VARIANTS
+    names = [name for name in known if arguments.only is None or arguments.only in name]
     found = {name: [] for name in names}
     with tempfile.TemporaryDirectory() as folder:
         for place, name in enumerate(names):
             tree.ElementTree(VARIANTS[name](arguments.scene)).write(pathlib.Path(folder) / f"{place}.scn")
+        if arguments.map:
+            print_map(arguments, folder, names)
+            return 0
         for _ in range(arguments.rounds):
             for place, name in enumerate(names):
-                command = [arguments.driver, "--steps", arguments.steps, "--dt", arguments.dt]
-                for library in arguments.load:
-                    command += ["--load", library]
-                run = subprocess.run([*command, f"{folder}/{place}.scn"], capture_output=True, text=True, check=False)
-                lines = LINE.findall(run.stdout)
-                if not lines:
-                    print(f"measure.py: {name}: no result; the end of its log:\n{run.stdout[-2000:]}{run.stderr[-2000:]}",
-                          file=sys.stderr)
+                result, said = run_once(arguments, f"{folder}/{place}.scn", arguments.steps, arguments.dt)
+                if result is None:
+                    print(f"measure.py: {name}: no result; the end of its log:\n{said}", file=sys.stderr)
                     return 1
-                found[name].append(lines[-1])
+                found[name].append(result)
     for name in names:
         runs = found[name]
         rate, step, collision = (statistics.median(float(run[k]) for run in runs) for k in (1, 2, 3))
