@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
                              scene.friction = 0.5;
                              scene.duration = 200;
                              scene.sample_spacing = 0.4;
-                             scene.settling_steps = 1000;
+                             scene.settling_steps = 1500;
                              scene.drift_tolerance = 1e-4;
                              scene.depth_tolerance = 0.05;
                              scene.inside_tolerance = 0.01;
