@@ -66,7 +66,7 @@ struct SkinCarriers {
   std::vector<uint32_t> nodes;       ///< counted from the body's first
   std::vector<double> weights;       ///< of each of them
 
-  explicit SkinCarriers(const Skin& skin) {
+  explicit SkinCarriers(const Skin& skin) {  ///< Those of this skin; nodes that weigh nothing are left out.
     for (const SkinPoint& point : skin.points) {
       for (std::size_t k = 0; k < 4; ++k) {
         if (point.weights[k] == 0) continue;

@@ -39,8 +39,9 @@ struct ContactLaw {
  */
 struct SurfaceCarriers {
   std::vector<double> node_masses;  ///< in kg, one for each node: > 0, infinity for one that the solver does not move
-  std::vector<uint32_t> offsets, nodes;  ///< one offset more than the model has vertices
-  std::vector<double> weights;           ///< one for each of `nodes`
+  std::vector<uint32_t> offsets;    ///< one more than the model has vertices
+  std::vector<uint32_t> nodes;      ///< those that carry each vertex, one vertex after the other
+  std::vector<double> weights;      ///< one for each of `nodes`
 };
 
 /**

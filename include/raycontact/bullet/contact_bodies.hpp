@@ -87,6 +87,7 @@ class ContactBodies {
   /** Positions of the skins, search structures, rays, and what the solve needs of the contacts. */
   double last_detection_ms() const { return begin_ms_; }
 
+  /// @cond internal
  protected:
   using ContactBody = detail::ContactBody;
 
@@ -338,6 +339,7 @@ class ContactBodies {
   mutable bool has_news_ = false;  // contacts that have not been copied
   bool has_changed_ = true;        // what the system knows of
   double begin_ms_ = 0;
+  /// @endcond
 };
 
 }  // namespace raycontact::bullet

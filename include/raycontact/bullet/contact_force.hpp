@@ -138,8 +138,6 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
   // No enumerator is meant for forces from outside; 7 is free and fits the enumeration's three bits.
   btDeformableLagrangianForceType getForceType() override { return static_cast<btDeformableLagrangianForceType>(7); }
 
-  /** @endcond */
-
  protected:
   void add(ContactBody body) override {
     btSoftBody* soft = body.soft;
@@ -149,6 +147,8 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
     ContactBodies::add(std::move(body));
     if (soft != nullptr) m_softBodies.push_back(soft);
   }
+
+  /** @endcond */
 
  private:
   /** Runs when Bullet has moved everything: rigid bodies then get what the solve found for them. */
