@@ -67,7 +67,8 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
    * For a solver of the host's own that takes Newton steps: to be called after each, with its result in the nodes' m_v.
    * One body that is stopped may be in the way of the next, which detection took to be moving on. Looks for contacts
    * where the bodies would end now, if that is further than the depth cap from where they were sought before, and takes
-   * those of pairs that had none, or less than half as many; true if there are such: another step is due.
+   * those of pairs that had none, or less than half as many. True if there are such, or if a twentieth of all force
+   * proves to be wrong then: another step is due.
    */
   bool detect_again() {
     if (!is_under_way_ || !options_.look_ahead) return false;
@@ -77,7 +78,6 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
     has_gone_elsewhere_ = has_gone_elsewhere_ || std::max(squares[0], squares[1]) > cap * cap;
     if (!has_gone_elsewhere_) return false;
     if (system_.detect_again(scene_, velocities)) return true;
-    // A twentieth of all force may be wrong.
     if (!(system_.misjudged(velocities) > 0.05)) return false;
     system_.linearise(velocities);
     return true;
