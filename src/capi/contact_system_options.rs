@@ -41,10 +41,13 @@ impl Options for rayc_contact_system_options {
 impl rayc_contact_system_options {
     /// The system that these ask for.
     pub(super) fn system<T: Scalar>(&self) -> Result<ContactSystem<T>, Failure> {
-        let kept = flag("keeps_rigid_unknowns", self.keeps_rigid_unknowns)?;
-        let system = ContactSystem::new(if kept { RigidUnknowns::Kept } else { RigidUnknowns::Eliminated })
-            .weighted_by(rayc_weighting::read(self.weighting)?);
-        Ok(if flag("look_ahead", self.look_ahead)? { system } else { system.looking_at_the_start() })
+        let unknowns = match flag("keeps_rigid_unknowns", self.keeps_rigid_unknowns)? {
+            true => RigidUnknowns::Kept,
+            false => RigidUnknowns::Eliminated,
+        };
+        let looks_ahead = flag("look_ahead", self.look_ahead)?;
+        let system = ContactSystem::new(unknowns).weighted_by(rayc_weighting::read(self.weighting)?);
+        Ok(if looks_ahead { system } else { system.looking_at_the_start() })
     }
 }
 
