@@ -366,6 +366,12 @@ void a_pair_of_its_own_material() {
     for (int step = 0; step < 200; ++step) world.step(0.02);
     depths[is_softer ? 1 : 0] = -lowest(soft);
     expect_near(double(world.contact().pair_force(soft, *support).y()), 300, 3, test, "it carries the weight");
+    rayc_material negative = material;
+    negative.stiffness = -1;
+    expect_refusal([&] { world.contact().set_pair_material(soft, *support, negative); }, test, "stiffness is -1");
+    world.contact().set_pair_material(soft, soft, material);
+    world.step(0.02);  // a material of a body with itself changes nothing for the pair
+    expect_near(-lowest(soft), depths[is_softer ? 1 : 0], 1e-4, test, "depth a step later");
     world.contact().remove_rigid_body(*support);
     expect_refusal([&] { world.contact().set_pair_material(soft, *support, material); }, test, "removed");
     world.world().removeRigidBody(support.get());

@@ -58,7 +58,8 @@ class ContactBodies {
 
   /** What contacts of two bodies, or of one with itself, are made of, in place of what the options say. */
   void set_pair_material(const btCollisionObject& a, const btCollisionObject& b, const rayc_material& material) {
-    index_of(a), index_of(b);  // refuses what was not added
+    index_of(a), index_of(b);                                                // refuses what was not added
+    ContactSystem(system_options()).add_half_space({0, 0, 1}, 0, material);  // refuses what is no material
     materials_.push_back({&a, &b, material});
     has_changed_ = true;
   }
