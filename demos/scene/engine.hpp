@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-/** A scene in Bullet, with one of seven ways to handle contact. */
+/** A scene, with one of nine ways to handle contact. */
 #ifndef RAYCONTACT_DEMOS_SCENE_ENGINE_HPP
 #define RAYCONTACT_DEMOS_SCENE_ENGINE_HPP
 

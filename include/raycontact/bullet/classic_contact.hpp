@@ -34,12 +34,12 @@ class ClassicContact : public ContactBodies {
     const btScalar dt = btScalar(time_step);
     note_start();
     begin(dt, btVector3(0, 0, 0), true, [](const ContactBody&) { return true; });
-    std::vector<double> velocities = gather_velocities();
-    points_.solve(system_, time_step, masses_, velocities);
+    solved_ = gather_velocities();
+    points_.solve(system_, time_step, masses_, solved_);
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
       btSoftBody::Node& node = *nodes_[n];
       if (!(node.m_im > 0)) continue;
-      const double* v = &velocities[3 * n];
+      const double* v = &solved_[3 * n];
       const btVector3 change = btVector3(btScalar(v[0]), btScalar(v[1]), btScalar(v[2])) - node.m_v;
       node.m_v += change;
       node.m_x += dt * change;
@@ -49,6 +49,7 @@ class ClassicContact : public ContactBodies {
 
  private:
   FreePoints points_;
+  std::vector<double> solved_;
 };
 
 }  // namespace raycontact::bullet
