@@ -41,6 +41,7 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
         let (mut samples, mut rays, mut surface) = (sampler.packet(), Rays::new(), CastSurfaceLanes::new());
         // Packets are filled by a small function and traced in one loop, because the code inlined into the loop is large.
         while sampler.fill::<L>(&mut samples) {
+            // What is left out because it lies outside the other body counts neither here.
             surface.add::<L>(&samples.lanes);
             let (statistics, crossings) = (&mut *self.statistics, &mut *self.crossings);
             let inside = &mut sampler.pieces.inside;
@@ -126,7 +127,7 @@ impl<T: Scalar> Tracing<'_, '_, T> {
         }
         let Rays { packet, hits, distances, .. } = rays;
         distances_over_depths::<T, L>(other, packet, measured, &known, hits, distances, &mut cos_alpha);
-        accept(self.kind, self.direction, samples, rays, accepted, &cos_alpha, self.contacts);
+        accept::<T, L>(self.kind, self.direction, samples, rays, accepted, &cos_alpha, self.contacts);
     }
 
     /// Which of the rays leave their own body before the other.

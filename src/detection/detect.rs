@@ -6,6 +6,7 @@ use super::pair::{Direction, Pair};
 use super::sample::Sampling;
 use super::statistics::Statistics;
 use super::weigh::shares::share_load;
+use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
 use crate::memory;
 use crate::ray::Ray;
@@ -27,7 +28,7 @@ impl<T: Scalar> Pair<'_, T> {
         self.cast_both_ways(contacts);
         let settled = contacts.len() > start || contacts.statistics.own_surface_hits > own_before;
         let mut stretches = 0;
-        if self.options.edges && !settled {
+        if self.options.edges && !settled && self.tracers[0].may_meet(self.tracers[1], self.region) {
             stretches = self.cast_edges(contacts);
             contacts.statistics.edge_contacts += (contacts.len() - start) as u64;
         }
@@ -41,10 +42,12 @@ impl<T: Scalar> Pair<'_, T> {
         }
     }
 
+    /// Adds the contacts of the rays of both directions.
     pub(crate) fn cast_both_ways(&self, contacts: &mut ContactList<T>) {
-        for (tracer, groups) in self.tracers.iter().zip(&mut contacts.workspace.groups) {
-            tracer.groups_in(self.region, groups);
-        }
+        let Workspace { groups, sides, .. } = &mut contacts.workspace;
+        let [first, second] = self.tracers;
+        first.groups_not_outside(second, self.region, &mut groups[0], sides);
+        second.groups_not_outside(first, self.region, &mut groups[1], sides);
         match self.options.sampling {
             Sampling::Tolerance(tolerance) => self.cast_to_tolerance(tolerance, contacts),
             _ => self.cast_samples(contacts),

@@ -5,7 +5,7 @@ use super::options::{ContactLaw, DetectionOptions};
 use super::sample::{Collect, Cutter, Pieces, Sample, Sampling};
 use crate::math::{Aabb, Scalar, Vector3, direction, dispatch, margins};
 use crate::mesh::Mesh;
-use crate::octree::Tracer;
+use crate::octree::{SidesScratch, Tracer};
 use crate::ray::Ray;
 
 /// The overlap box of two boxes, and the same with a margin: points on a face of one mesh that lies on the overlap box's
@@ -103,17 +103,19 @@ impl<T: Scalar> Pair<'_, T> {
         cutter.map(|cutter| cutter.with_part_of_rays(self.part_of_rays))
     }
 
-    /// All samples of one body inside the overlap box, into `samples`. The other lists are scratch memory.
+    /// All samples of one body inside the overlap box that may lie inside the other body, into `samples`. The other lists are
+    /// scratch memory.
     pub(crate) fn collect(
         &self,
         side: usize,
         groups: &mut Vec<u32>,
+        sides: &mut SidesScratch<T>,
         pieces: &mut Pieces<T>,
         vertices: &mut Vec<u32>,
         samples: &mut Vec<Sample<T>>,
     ) {
         let (own, region, cutter) = (self.tracers[side], self.region, self.cutter());
-        own.groups_in(region, groups);
+        own.groups_not_outside(self.tracers[1 - side], region, groups, sides);
         dispatch::<T, _>(Collect { own, region, cutter, groups, pieces, vertices, samples });
     }
 

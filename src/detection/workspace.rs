@@ -5,6 +5,7 @@ use super::statistics::Statistics;
 use super::weigh::shares::CastLoad;
 use crate::math::Scalar;
 use crate::memory::Room;
+use crate::octree::SidesScratch;
 use crate::ray::{Hit, Ray};
 use crate::threads::Helpers;
 
@@ -17,6 +18,8 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) chunks: Vec<Chunk<T>>,
     /// The groups of vertices or triangles in the overlap box, of either body.
     pub(crate) groups: [Vec<u32>; 2],
+    /// For which of them lie outside the other body.
+    pub(crate) sides: SidesScratch<T>,
     /// Of these the places of the triangles that cast for patches.
     pub(crate) places: [Vec<u32>; 2],
     /// Of one chunk's groups the vertices in the overlap box.

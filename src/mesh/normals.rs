@@ -10,6 +10,8 @@ pub(crate) struct NormalLanes<T: Scalar> {
     /// Outward, of unit length.
     pub(crate) normal: [[T; LANE_COUNT]; 3],
     pub(crate) area: [T; LANE_COUNT],
+    /// Where the points are vertices, the first two of those around each: with it the corners of its first triangle.
+    pub(crate) neighbours: [[u32; LANE_COUNT]; 2],
     /// Which lanes have a normal; the others hold nothing of use.
     pub(crate) found: Mask,
     /// Which normals are known to face outward from each triangle around them.
@@ -19,7 +21,8 @@ pub(crate) struct NormalLanes<T: Scalar> {
 impl<T: Scalar> NormalLanes<T> {
     pub(crate) fn empty() -> Self {
         let zeros = [T::zero(); LANE_COUNT];
-        Self { found: 0, outward: 0, position: [zeros; 3], normal: [zeros; 3], area: zeros }
+        let neighbours = [[0; LANE_COUNT]; 2];
+        Self { found: 0, outward: 0, position: [zeros; 3], normal: [zeros; 3], area: zeros, neighbours }
     }
 }
 
@@ -93,6 +96,9 @@ impl<T: Scalar> Mesh<T> {
                     // Beyond a ring's end the vertex itself: an edge of no length adds nothing.
                     *other = *self.topology().ring(vertex).get(place).unwrap_or(&vertex);
                 }
+            }
+            if let Some(neighbours) = found.neighbours.get_mut(place) {
+                *neighbours = others;
             }
             let edge = self.gather::<L>(&others).sub(base);
             let has_length = zero.is_less(edge.magnitude().largest());

@@ -1,4 +1,5 @@
 use super::MeshError;
+use crate::math::{LANE_COUNT, Lanes, Scalar};
 use crate::memory::{self, Room};
 
 /// Which vertices form which triangles, checked once: closed unless that is not asked for, manifold and consistently
@@ -79,6 +80,12 @@ impl Topology {
     pub fn triangles_around(&self, vertex: u32) -> &[u32] {
         let vertex = vertex as usize;
         &self.around[self.around_start[vertex] as usize..self.around_start[vertex + 1] as usize]
+    }
+
+    /// The first of [`triangles_around`](Self::triangles_around) of sixteen vertices.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn first_triangles<T: Scalar, L: Lanes<T>>(&self, vertices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
+        L::gather_indices(&self.around, &L::gather_indices(&self.around_start, vertices))
     }
 
     /// The vertices around `vertex` in the order of the triangles there: each two that follow one another form a triangle

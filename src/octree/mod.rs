@@ -17,7 +17,7 @@ mod winding;
 pub(crate) use closest::PointDistances;
 pub(crate) use near_triangles::{Lapse, NearParts, Reach, is_merged};
 pub use tracer::Tracer;
-pub(crate) use wide::{Candidates, PacketHits};
+pub(crate) use wide::{Candidates, PacketHits, SidesScratch};
 
 use crate::math::{Aabb, Pose, Scalar};
 use crate::memory;

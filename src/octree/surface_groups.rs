@@ -1,10 +1,24 @@
-use super::wide::Wide;
+use super::wide::{MayMeet, SidesScratch, TilesNotOutside, Wide};
 use super::{Cells, Tracer};
-use crate::math::{Aabb, LANE_COUNT, Lanes, Scalar};
+use crate::math::{Aabb, LANE_COUNT, Lanes, Scalar, dispatch};
 use crate::memory;
+use crate::mesh::Mesh;
+use crate::ray::TriangleTest;
 
 /// If more than one group in this many is wanted, sorting them takes as long as visiting all.
 const PART_TO_LIST: usize = if cfg!(test) { 2 } else { 16 };
+
+/// A region that is thinner than so many of a body's tiles has few that are not near both surfaces, and rays from those that
+/// are not are short.
+const FEWEST_TILES_ACROSS: f64 = if cfg!(test) { 0.0 } else { 4.0 };
+
+/// Whether a region is thick beside the tiles of a body.
+fn is_thick<T: Scalar>(region: &Aabb<T>, mesh: &Mesh<T>, cells: &Wide<T>) -> bool {
+    let [x, y, z]: [T; 3] = (mesh.aabb().upper - mesh.aabb().lower).into();
+    let square_of_tile = (x * y + y * z + z * x) * T::of(2.0 / f64::from(cells.tile_count()));
+    let thickness = (region.upper - region.lower).min();
+    thickness * thickness >= square_of_tile * T::of(FEWEST_TILES_ACROSS * FEWEST_TILES_ACROSS)
+}
 
 /// The surface in groups of neighbouring vertices and triangles, at most sixteen of each: where rays start, group by
 /// group. Each vertex and each triangle belongs to one of them.
@@ -19,6 +33,42 @@ impl<T: Scalar> Tracer<'_, T> {
                 let largest = topology.surface_vertices().len().max(topology.triangles().len());
                 memory::append(groups, 0..largest.div_ceil(LANE_COUNT) as u32);
             }
+        }
+    }
+
+    /// [`groups_in`](Self::groups_in) without those of which all that lies in the region is known to lie outside `other`: where
+    /// that one winds around no point of it. `scratch` is scratch memory.
+    pub(crate) fn groups_not_outside(
+        &self,
+        other: &Self,
+        region: &Aabb<T>,
+        groups: &mut Vec<u32>,
+        scratch: &mut SidesScratch<T>,
+    ) {
+        match self.cells_beside(other) {
+            Some([own, of_other]) if is_thick(region, self.mesh(), own) => {
+                groups.clear();
+                let (other, mesh, tiles) = (of_other, other.mesh(), groups);
+                dispatch::<T, _>(TilesNotOutside { own, other, mesh, region, tiles, scratch });
+            }
+            _ => self.groups_in(region, groups),
+        }
+    }
+
+    /// Whether anything of the two surfaces in the region may meet.
+    pub(crate) fn may_meet(&self, other: &Self, region: &Aabb<T>) -> bool {
+        self.cells_beside(other).is_none_or(|[own, of_other]| {
+            dispatch::<T, _>(MayMeet { own, other: of_other, mesh: other.mesh(), region })
+        })
+    }
+
+    /// The tiles of both where those tell what lies outside `other`.
+    fn cells_beside(&self, other: &Self) -> Option<[&Wide<T>; 2]> {
+        // A sheet has no outside, and another test of triangles may let rays through.
+        let tells = !other.mesh().is_open() && other.test == TriangleTest::Watertight;
+        match (self.cells, other.cells) {
+            (Cells::Wide(own), Cells::Wide(of_other)) if tells => Some([own, of_other]),
+            _ => None,
         }
     }
 

@@ -13,7 +13,7 @@ pub struct Tracer<'a, T: Scalar> {
     pub(super) cells: &'a Cells<T>,
     pub(super) levels: &'a LevelsOfDetail,
     mesh: &'a Mesh<T>,
-    test: TriangleTest,
+    pub(super) test: TriangleTest,
 }
 
 impl<'a, T: Scalar> Tracer<'a, T> {
@@ -154,7 +154,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         packet: &RayPacket<T>,
         asked: Mask,
         end: &[T; LANE_COUNT],
-        touched: &[[u32; 3]; LANE_COUNT],
+        touched: &[[u32; LANE_COUNT]; 3],
         list: &mut Candidates<T>,
     ) -> Mask {
         match (self.cells, self.test) {
@@ -170,7 +170,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         packet: &RayPacket<T>,
         asked: Mask,
         end: &[T; LANE_COUNT],
-        touched: &[[u32; 3]; LANE_COUNT],
+        touched: &[[u32; LANE_COUNT]; 3],
     ) -> Mask {
         let triangles = self.mesh.topology().triangles();
         let mut hidden = 0;
@@ -180,7 +180,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
             let mut is_hidden = false;
             self.visit(&ray, &prepared, &mut |triangle| {
                 let corners = triangles[triangle as usize];
-                is_hidden |= !touched[lane].iter().all(|vertex| corners.contains(vertex))
+                is_hidden |= !touched.iter().all(|vertices| corners.contains(&vertices[lane]))
                     && prepared
                         .intersect(&self.mesh.corners(triangle), triangle)
                         .is_some_and(|hit| hit.is_exit && hit.t < ray.t_max);
@@ -249,8 +249,11 @@ impl<T: Scalar> Kernel<T> for LeaveBeforeEnd<'_, '_, T> {
             self.rays.chunks(LANE_COUNT).zip(all_touched).zip(self.found.chunks_mut(LANE_COUNT))
         {
             packet.set(rays);
-            let mut touched = [[0; 3]; LANE_COUNT];
-            touched[..some_touched.len()].copy_from_slice(some_touched);
+            let mut touched = [[0; LANE_COUNT]; 3];
+            some_touched
+                .iter()
+                .enumerate()
+                .for_each(|(lane, of_ray)| (0..3).for_each(|k| touched[k][lane] = of_ray[k]));
             let end = packet.t_max;
             let hidden = self.tracer.hidden_of_packet::<L>(&packet, packet.present, &end, &touched, &mut list);
             for (lane, found) in found.iter_mut().enumerate() {

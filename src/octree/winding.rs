@@ -25,7 +25,7 @@ impl<T: Scalar> Tracer<'_, T> {
     pub(crate) fn windings_of_packet<L: Lanes<T>>(
         &self,
         packet: &RayPacket<T>,
-        touched: &[[u32; 3]; LANE_COUNT],
+        touched: &[[u32; LANE_COUNT]; 3],
         list: &mut Candidates<T>,
         crossings: &mut Vec<Hit<T>>,
         numbers: &mut [i32; LANE_COUNT],
@@ -39,14 +39,14 @@ impl<T: Scalar> Tracer<'_, T> {
     fn windings_one_by_one(
         &self,
         packet: &RayPacket<T>,
-        touched: &[[u32; 3]; LANE_COUNT],
+        touched: &[[u32; LANE_COUNT]; 3],
         crossings: &mut Vec<Hit<T>>,
         numbers: &mut [i32; LANE_COUNT],
     ) {
         let triangles = self.mesh().topology().triangles();
         for lane in lanes_of(packet.present) {
             self.crossings(&packet.ray(lane), crossings);
-            let is_own = |hit: &Hit<T>| touched[lane].iter().all(|v| triangles[hit.triangle as usize].contains(v));
+            let is_own = |hit: &Hit<T>| touched.iter().all(|v| triangles[hit.triangle as usize].contains(&v[lane]));
             let counted = crossings.iter().filter(|hit| !is_own(hit));
             numbers[lane] = counted.map(|crossing| if crossing.is_exit { 1 } else { -1 }).sum();
         }
@@ -78,12 +78,18 @@ mod tests {
             let (mut list, mut crossings, mut all) = (Candidates::new(), Vec::new(), Vec::new());
             for direction in self.directions {
                 for vertices in self.vertices.chunks(LANE_COUNT) {
-                    let (mut touched, mut numbers) = ([[0; 3]; LANE_COUNT], [9; LANE_COUNT]);
+                    let (mut touched, mut numbers) = ([0; LANE_COUNT], [9; LANE_COUNT]);
                     let mesh = self.tracer.mesh();
                     let rays: Vec<_> = vertices.iter().map(|&v| Ray::new(mesh.position(v), *direction)).collect();
-                    vertices.iter().zip(&mut touched).for_each(|(&vertex, touched)| *touched = [vertex; 3]);
+                    touched[..vertices.len()].copy_from_slice(vertices);
                     packet.set_rays::<L>(&rays);
-                    self.tracer.windings_of_packet::<L>(&packet, &touched, &mut list, &mut crossings, &mut numbers);
+                    self.tracer.windings_of_packet::<L>(
+                        &packet,
+                        &[touched; 3],
+                        &mut list,
+                        &mut crossings,
+                        &mut numbers,
+                    );
                     all.extend(&numbers[..vertices.len()]);
                 }
             }

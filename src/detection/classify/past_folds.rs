@@ -29,10 +29,17 @@ pub(crate) fn uncovered<T: Scalar>(
     packet: &RayPacket<T>,
     hidden: Mask,
     end: &[T; LANE_COUNT],
-    touched: &[[u32; 3]; LANE_COUNT],
+    touched: &[[u32; LANE_COUNT]; 3],
     crossings: &mut Vec<Hit<T>>,
 ) -> Mask {
     lanes_of(hidden)
-        .filter(|&lane| !leaves_body_before_end(own, &packet.ray(lane).until(end[lane]), touched[lane], crossings))
+        .filter(|&lane| {
+            !leaves_body_before_end(
+                own,
+                &packet.ray(lane).until(end[lane]),
+                touched.map(|vertices| vertices[lane]),
+                crossings,
+            )
+        })
         .fold(0, |uncovered, lane| uncovered | 1 << lane)
 }

@@ -141,7 +141,7 @@ impl<T: Scalar> Kernel<T> for CastAll<'_, '_, T> {
         let Self { cast: Cast { tracer, vertices, crossings, found }, way, starts } = self;
         let mesh = tracer.mesh();
         let (mut lanes, mut packet) = (NormalLanes::empty(), RayPacket::empty());
-        let (mut list, mut touched, mut numbers) = (Candidates::new(), [[0; 3]; LANE_COUNT], [0; LANE_COUNT]);
+        let (mut list, mut numbers) = (Candidates::new(), [0; LANE_COUNT]);
         if let Some((axis, side)) = way {
             lanes.normal[axis] = [if side == 1 { -T::one() } else { T::one() }; LANE_COUNT];
         }
@@ -149,7 +149,6 @@ impl<T: Scalar> Kernel<T> for CastAll<'_, '_, T> {
             let mut own = [0; LANE_COUNT];
             for lane in 0..LANE_COUNT {
                 own[lane] = vertices[some[lane.min(some.len() - 1)].0 as usize];
-                touched[lane] = [own[lane]; 3];
             }
             if way.is_some() {
                 mesh.gather::<L>(&own).store(&mut lanes.position);
@@ -158,7 +157,7 @@ impl<T: Scalar> Kernel<T> for CastAll<'_, '_, T> {
                 mesh.vertex_normals::<L>(&own[..some.len()], &mut lanes);
             }
             packet.set_inward::<L>(lanes.found, &lanes.position, &lanes.normal, mesh.aabb());
-            tracer.windings_of_packet::<L>(&packet, &touched, &mut list, crossings, &mut numbers);
+            tracer.windings_of_packet::<L>(&packet, &[own; 3], &mut list, crossings, &mut numbers);
             for lane in 0..some.len() {
                 let (place, is_outward) = some[lane];
                 // Its own surface lies between the two sides.

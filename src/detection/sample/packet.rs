@@ -47,15 +47,12 @@ impl<T: Scalar> SamplePacket<T> {
 
     /// The triangles at each sample are those that have all of these vertices.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn touched(&self, own: &Mesh<T>) -> [[u32; 3]; LANE_COUNT] {
-        let mut touched = [[0; 3]; LANE_COUNT];
-        for (lane, touched) in touched.iter_mut().enumerate() {
-            let index = self.indices[lane];
-            *touched = if self.are_vertices {
-                [index; 3]
-            } else {
-                touched_of(own.topology().triangles()[index as usize], [0, 1, 2].map(|k| self.weights[k][lane]))
-            };
+    pub(crate) fn touched(&self, own: &Mesh<T>) -> [[u32; LANE_COUNT]; 3] {
+        let mut touched = [self.indices; 3];
+        for lane in 0..if self.are_vertices { 0 } else { LANE_COUNT } {
+            let corners = own.topology().triangles()[self.indices[lane] as usize];
+            let of_sample = touched_of(corners, [0, 1, 2].map(|k| self.weights[k][lane]));
+            (0..3).for_each(|k| touched[k][lane] = of_sample[k]);
         }
         touched
     }
@@ -108,15 +105,26 @@ impl<T: Scalar> SamplePacket<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn point(&self, lane: usize, own: &Mesh<T>) -> SurfacePoint<T> {
         let index = self.indices[lane];
+        if self.are_vertices { vertex_point(own, index) } else { self.point_on(index, lane, own) }
+    }
+
+    /// The triangles on which the samples lie.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn triangles<L: Lanes<T>>(&self, own: &Mesh<T>) -> [u32; LANE_COUNT] {
+        if self.are_vertices { own.topology().first_triangles::<T, L>(&self.indices) } else { self.indices }
+    }
+
+    /// A lane's sample as a point of its triangle.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn point_on(&self, triangle: u32, lane: usize, own: &Mesh<T>) -> SurfacePoint<T> {
+        let position = vector_in_lane(&self.lanes.position, lane);
         if self.are_vertices {
-            return vertex_point(own, index);
+            let [second, third] = self.lanes.neighbours.each_ref().map(|neighbours| neighbours[lane]);
+            let vertices = [self.indices[lane], second, third];
+            return SurfacePoint { triangle, vertices, weights: [T::one(), T::zero(), T::zero()], position };
         }
-        SurfacePoint {
-            triangle: index,
-            vertices: own.topology().triangles()[index as usize],
-            weights: [self.weights[0][lane], self.weights[1][lane], self.weights[2][lane]],
-            position: vector_in_lane(&self.lanes.position, lane),
-        }
+        let weights = [self.weights[0][lane], self.weights[1][lane], self.weights[2][lane]];
+        SurfacePoint { triangle, vertices: own.topology().triangles()[triangle as usize], weights, position }
     }
 
     /// What a lane starts from.

@@ -14,7 +14,7 @@ use super::contact::{Contact, ContactKind, SurfacePoint};
 use super::pair::Direction;
 use super::sample::{Sample, SamplePacket};
 use super::trace::Rays;
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, cosine, vector_in_lane};
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, cosine, lanes_of, vector_in_lane};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::PacketHits;
@@ -22,26 +22,37 @@ use crate::ray::{Hit, RayPacket};
 
 /// Makes contacts of the accepted rays.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn accept<T: Scalar>(
+pub(crate) fn accept<T: Scalar, L: Lanes<T>>(
     kind: ContactKind,
     of: &Direction<'_, T>,
     samples: &SamplePacket<T>,
     rays: &Rays<T>,
-    mut accepted: Mask,
+    accepted: Mask,
     cos_alpha: &[T; LANE_COUNT],
     contacts: &mut Vec<Contact<T>>,
 ) {
+    if accepted == 0 {
+        return;
+    }
     let Direction { pair, side } = *of;
     let [own, collided] = [pair.tracers[side].mesh(), pair.tracers[1 - side].mesh()];
     let bodies = [pair.bodies[side], pair.bodies[1 - side]];
-    contacts.room_for(accepted.count_ones() as usize);
-    while accepted != 0 {
-        let lane = accepted.trailing_zeros() as usize;
-        accepted &= accepted - 1;
-        let direction = vector_in_lane(&rays.packet.direction, lane);
-        let sample = samples.sample(lane, own);
-        contacts.push(contact(kind, bodies, &sample, direction, collided, &rays.hits.hit(lane), cos_alpha[lane]));
+    let triangles = samples.triangles::<L>(own);
+    let mut lanes = [0; LANE_COUNT];
+    let mut count = 0;
+    for lane in lanes_of(accepted) {
+        lanes[count] = lane as u8;
+        count += 1;
     }
+    // A number of them known beforehand is written straight to its place.
+    contacts.room_for(count).extend((0..count).map(|place| {
+        let lane = usize::from(lanes[place]) % LANE_COUNT;
+        let direction = vector_in_lane(&rays.packet.direction, lane);
+        let point = samples.point_on(triangles[lane], lane, own);
+        let (normal, area) = (vector_in_lane(&samples.lanes.normal, lane), samples.lanes.area[lane]);
+        let sample = Sample { point, normal, area, piece: samples.pieces[lane] };
+        contact(kind, bodies, &sample, direction, collided, &rays.hits.hit(lane), cos_alpha[lane])
+    }));
 }
 
 /// The contact of a sample of one body whose ray meets the other; all contacts are made here.

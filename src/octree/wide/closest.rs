@@ -115,7 +115,7 @@ impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
         let index = node.first as usize + place;
-        if cells.outlines[index].is_loaded && !cells.cylinders[index].is_near(self.query, self.cylinder_limit) {
+        if cells.is_loaded(index) && !cells.cylinders[index].is_near(self.query, self.cylinder_limit) {
             return;
         }
         let sought = cells.sought::<L, S>(self.sought, index);
@@ -200,7 +200,7 @@ impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
         let mut near = packet.near::<L>(&node.child_box(place));
         let index = node.first as usize + place;
         let count = near.count_ones();
-        if near != 0 && cells.outlines[index].is_loaded {
+        if near != 0 && cells.is_loaded(index) {
             near &= cells.cylinders[index].near::<L>(packet);
         }
         if near == 0 {

@@ -7,6 +7,7 @@ mod exit_culling;
 mod hierarchy;
 mod near_tiles;
 mod node;
+mod outside;
 mod packet;
 mod posed;
 mod refit;
@@ -35,6 +36,8 @@ use trace::STACK_SIZE;
 use vertex_runs::VertexRuns;
 
 pub(super) use near_tiles::NearTiles;
+pub(crate) use outside::SidesScratch;
+pub(super) use outside::{MayMeet, TilesNotOutside};
 pub(crate) use packet::{Candidates, PacketHits};
 
 /// Tiles and the nodes above them, in flat arrays.
@@ -55,8 +58,8 @@ pub(super) struct Wide<T: Scalar> {
     posed: Option<Box<[Posed<T>; 1]>>,
     /// Whether all boxes are the tightest.
     is_tight: bool,
-    /// Whether all tiles are loaded: known without a look at their outlines, which would come from far in memory.
-    is_loaded: bool,
+    /// Counts the changes of positions: tiles loaded before are out of date.
+    loading: u64,
 }
 
 impl<T: Scalar> Wide<T> {
@@ -75,8 +78,8 @@ impl<T: Scalar> Wide<T> {
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
         let runs = VertexRuns::new(mesh, &nodes, &outlines);
         let cylinders = memory::filled(TileCylinder::endless(), tiles.len());
-        let (posed, is_tight, is_loaded) = (None, false, false);
-        let mut wide = Self { tiles, outlines, ascending, nodes, cylinders, runs, posed, is_tight, is_loaded };
+        let (posed, is_tight, loading) = (None, false, 0);
+        let mut wide = Self { tiles, outlines, ascending, nodes, cylinders, runs, posed, is_tight, loading };
         wide.refit(mesh, None);
         wide.load(mesh, None, true);
         wide
@@ -85,7 +88,7 @@ impl<T: Scalar> Wide<T> {
     /// Follows the mesh to its present positions; no tile is loaded then.
     /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
     pub(super) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
-        self.is_loaded = false;
+        self.loading += 1;
         self.leave_pose();
         crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions });
     }
@@ -97,7 +100,6 @@ impl<T: Scalar> Wide<T> {
     /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their cylinders too.
     pub(super) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>, for_distances: bool) {
         crate::math::dispatch::<T, _>(refit::Load { cells: self, mesh, tiles, for_distances });
-        self.is_loaded |= tiles.is_none();
     }
 
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned.

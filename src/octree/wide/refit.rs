@@ -42,7 +42,6 @@ impl<T: Scalar> Kernel<T> for Refit<'_, T> {
                 // No closures here: they would be compiled for any processor.
                 let (lower, upper) = L::bounds(positions, &outline.vertices);
                 outline.aabb = Aabb { lower, upper };
-                outline.is_loaded = false;
                 node.set_box(place, &outline.aabb);
             }
         }
@@ -71,22 +70,28 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Wide { tiles, outlines, cylinders, .. } = self.cells;
+        let Wide { tiles, outlines, cylinders, loading, .. } = self.cells;
         let count = self.tiles.map_or(tiles.len(), <[u32]>::len);
         for place in 0..count {
             let index = self.tiles.map_or(place, |chosen| chosen[place] as usize);
-            let outline = &mut outlines[index];
-            if !outline.is_loaded {
-                self.mesh.gather::<L>(&outline.vertices).store(&mut tiles[index].positions);
+            let tile = &mut tiles[index];
+            if tile.loaded_at != *loading {
+                self.mesh.gather::<L>(&outlines[index].vertices).store(&mut tile.positions);
                 cylinders[index] =
-                    if self.for_distances { TileCylinder::around::<L>(&tiles[index]) } else { TileCylinder::endless() };
-                outline.is_loaded = true;
+                    if self.for_distances { TileCylinder::around::<L>(tile) } else { TileCylinder::endless() };
+                tile.loaded_at = *loading;
             }
         }
     }
 }
 
 impl<T: Scalar> Wide<T> {
+    /// Whether the positions that a tile holds are the present ones.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn is_loaded(&self, tile: usize) -> bool {
+        self.tiles[tile].loaded_at == self.loading
+    }
+
     /// The positions of a tile's vertices, loaded or not; `room` is for those that are not.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn positions_of<'a, L: Lanes<T>>(
@@ -95,7 +100,7 @@ impl<T: Scalar> Wide<T> {
         mesh: &Mesh<T>,
         room: &'a mut [[T; LANE_COUNT]; 3],
     ) -> &'a [[T; LANE_COUNT]; 3] {
-        if self.is_loaded || self.outlines[tile].is_loaded {
+        if self.is_loaded(tile) {
             return &self.tiles[tile].positions;
         }
         // Rays that leave the region for which tiles were loaded are few.

@@ -13,12 +13,14 @@ pub(super) struct Tile<T: Scalar> {
     pub(super) positions: [[T; TILE_SIZE]; 3],
     /// The places of the triangles' first, second and third corners.
     pub(super) corners: [[u8; TILE_SIZE]; 3],
-    /// Bit i: vertex i is a corner of the triangle.
-    pub(super) vertex_sets: [Mask; TILE_SIZE],
     /// Which places hold a triangle.
     pub(super) present: Mask,
     /// Which vertices are this tile's own: each vertex is one tile's.
     pub(super) owned: Mask,
+    /// Of the last loading of positions: see [`Wide::is_loaded`](super::Wide::is_loaded).
+    pub(super) loaded_at: u64,
+    /// Bit i: vertex i is a corner of the triangle.
+    pub(super) vertex_sets: [Mask; TILE_SIZE],
     pub(super) triangles: [u32; TILE_SIZE],
 }
 
@@ -29,8 +31,6 @@ pub(super) struct Outline<T: Scalar> {
     pub(super) vertices: [u32; TILE_SIZE],
     /// The box around the vertices, or one without end.
     pub(super) aabb: Aabb<T>,
-    /// Whether the tile's `positions` are the present ones.
-    pub(super) is_loaded: bool,
 }
 
 impl<T: Scalar> Outline<T> {
@@ -39,23 +39,24 @@ impl<T: Scalar> Outline<T> {
         self.aabb.upper.x.is_finite()
     }
 
-    /// Marks positions and box as out of date.
+    /// Marks the box as out of date.
     pub(super) fn forget(&mut self) {
         let endless = Vector3::repeat(T::INFINITY);
-        (self.aabb, self.is_loaded) = (Aabb { lower: -endless, upper: endless }, false);
+        self.aabb = Aabb { lower: -endless, upper: endless };
     }
 }
 
 impl<T: Scalar> Tile<T> {
     /// The tile of some triangles; positions and box are yet to be loaded.
     pub(super) fn new(all_triangles: &[[u32; 3]], triangles: &[u32]) -> (Self, Outline<T>) {
-        let mut outline = Outline { vertices: [u32::MAX; TILE_SIZE], aabb: Aabb::empty(), is_loaded: false };
+        let mut outline = Outline { vertices: [u32::MAX; TILE_SIZE], aabb: Aabb::empty() };
         let mut tile = Self {
             positions: [[T::zero(); TILE_SIZE]; 3],
             corners: [[0; TILE_SIZE]; 3],
-            vertex_sets: [0; TILE_SIZE],
             present: ((1u32 << triangles.len()) - 1) as Mask,
             owned: 0,
+            loaded_at: 0,
+            vertex_sets: [0; TILE_SIZE],
             triangles: [u32::MAX; TILE_SIZE],
         };
         let vertices = &mut outline.vertices;

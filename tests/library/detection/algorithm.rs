@@ -197,6 +197,30 @@ fn both_layouts_give_the_same_contacts() {
     }
 }
 
+/// Deep in one another much of the surface in the overlap box lies outside the other body. The wide layout casts nothing from
+/// there but near the other surface, and loses nothing by that.
+#[test]
+fn what_lies_outside_the_other_body_casts_no_rays() {
+    let torus = shapes::torus(160, 80, 0.4);
+    for turn in [0.5, 1.1, 1.9] {
+        let (a, b) = (torus.mesh::<f32>(), torus.turned(turn, turn).moved([0.3, 0.4, 0.25]).mesh::<f32>());
+        for options in [DetectionOptions::paper(), DetectionOptions::default()] {
+            let [wide, classic] = [Layout::Wide, Layout::Classic].map(|layout| contacts(&a, &b, layout, &options));
+            let rays = [&wide, &classic].map(|list| list.statistics.rays);
+            assert!(rays[0] * 5 < rays[1] * 4, "{rays:?}");
+            assert_eq!(wide.statistics.own_surface_hits, classic.statistics.own_surface_hits);
+            crate::common::assert_every_ray_is_counted(&wide);
+            let [wide, classic] = [wide, classic].map(|list| crate::common::sorted_along_surface(list.contacts));
+            assert_eq!(wide.len(), classic.len());
+            for (wide, classic) in wide.iter().zip(&classic) {
+                // Shares of the paper's law count the surface that casts.
+                assert!((wide.area - classic.area).abs() <= 1e-2 * classic.area, "{wide:?}, {classic:?}");
+                assert_eq!(Contact { area: classic.area, ..*wide }, *classic);
+            }
+        }
+    }
+}
+
 #[test]
 fn scenes_give_the_pairs_contacts_whatever_the_number_of_threads() {
     // Enough of them to be shared between threads.

@@ -65,7 +65,7 @@ impl<T: Scalar> Answer<T> for Nearest<'_, T> {
 /// Which rays leave the mesh before their end.
 pub(super) struct Hidden<'a, T: Scalar> {
     pub(super) end: &'a [T; LANE_COUNT],
-    pub(super) touched: &'a [[u32; 3]; LANE_COUNT],
+    pub(super) touched: &'a [[u32; LANE_COUNT]; 3],
     pub(super) hidden: Mask,
 }
 
@@ -84,7 +84,7 @@ impl<T: Scalar> Answer<T> for Hidden<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask {
-        excluded_around::<T, L>(&self.touched[ray], vertices, sets)
+        excluded_around::<T, L>(self.touched.each_ref().map(|vertices| vertices[ray]), vertices, sets)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -97,11 +97,10 @@ impl<T: Scalar> Answer<T> for Hidden<'_, T> {
 /// Which of a tile's triangles have all of the touched vertices.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn excluded_around<T: Scalar, L: Lanes<T>>(
-    touched: &[u32; 3],
+    [a, b, c]: [u32; 3],
     vertices: &[u32; LANE_COUNT],
     sets: &[Mask; LANE_COUNT],
 ) -> Mask {
-    let [a, b, c] = *touched;
     let first = L::equal(vertices, a);
     if b == a && c == a {
         return if first == 0 { 0 } else { L::holding(sets, lowest(first)) };

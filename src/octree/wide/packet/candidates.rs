@@ -96,9 +96,11 @@ pub(super) fn work_off<T: Scalar, L: Lanes<T>, A: Answer<T>>(
             let tile = &search.cells.tiles[index];
             let positions = search.cells.positions_of::<L>(index, search.mesh, &mut list.room);
             let [right, left] = search.packet.sides::<L>(ray, positions, &tile.corners);
-            let mut met = !(if A::EXITS_ONLY { right } else { right & left })
-                & tile.present
-                & !answer.excluded::<L>(ray, &search.cells.outlines[index].vertices, &tile.vertex_sets);
+            let mut met = !(if A::EXITS_ONLY { right } else { right & left }) & tile.present;
+            // Rays seldom meet what they leave through, and then the tile's vertices stay unread.
+            if !A::EXITS_ONLY || met != 0 {
+                met &= !answer.excluded::<L>(ray, &search.cells.outlines[index].vertices, &tile.vertex_sets);
+            }
             // None or one, nearly always: no branch for that.
             let ray = ray as u32;
             let first = tile.triangles[met.trailing_zeros() as usize % LANE_COUNT];

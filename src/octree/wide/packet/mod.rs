@@ -93,7 +93,7 @@ impl<T: Scalar> Wide<T> {
         packet: &RayPacket<T>,
         asked: Mask,
         end: &[T; LANE_COUNT],
-        touched: &[[u32; 3]; LANE_COUNT],
+        touched: &[[u32; LANE_COUNT]; 3],
         list: &mut Candidates<T>,
     ) -> Mask {
         let mut answer = Hidden { end, touched, hidden: 0 };
@@ -108,7 +108,7 @@ impl<T: Scalar> Wide<T> {
         &self,
         mesh: &Mesh<T>,
         packet: &RayPacket<T>,
-        touched: &[[u32; 3]; LANE_COUNT],
+        touched: &[[u32; LANE_COUNT]; 3],
         list: &mut Candidates<T>,
         numbers: &mut [i32; LANE_COUNT],
     ) {

@@ -31,8 +31,8 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
             packet.set_rays::<L>(rays);
             self.cells.nearest::<L>(self.mesh, &packet, &mut list, &mut found);
             hits.extend((0..rays.len()).map(|lane| found.get(lane)));
-            let mut all_touched = [[0; 3]; LANE_COUNT];
-            all_touched[..touched.len()].copy_from_slice(touched);
+            let mut all_touched = [[0; LANE_COUNT]; 3];
+            touched.iter().enumerate().for_each(|(lane, of_ray)| (0..3).for_each(|k| all_touched[k][lane] = of_ray[k]));
             let end = packet.t_max;
             let asked = packet.present;
             let hidden = self.cells.hidden::<L>(self.mesh, &packet, asked, &end, &all_touched, &mut list);

@@ -86,22 +86,25 @@ impl<T: Scalar> Children<T> {
         let near = node.meets::<L>(&search.around);
         let (mut met, endless) = (0, L::splat(T::INFINITY));
         if rays.count_ones() < near.count_ones() {
-            self.rays = [0; CHILD_COUNT];
+            let mut met_by = [0; LANE_COUNT];
             let (corners, mut entries) = (node.corners::<L>(), endless);
             let mut left = rays;
             while left != 0 {
                 let ray = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let (enters, some) = singles.entering::<L>(ray, corners, answer.end()[ray]);
-                let mut some = some & near;
+                let some = some & near;
                 met |= some;
+                met_by[ray] = some;
                 entries = L::select(some, enters.smaller(entries), entries);
-                while some != 0 {
-                    self.rays[some.trailing_zeros() as usize] |= 1 << ray;
-                    some &= some - 1;
-                }
             }
             entries.store(&mut self.entries);
+            let mut left = met;
+            while left != 0 {
+                let child = left.trailing_zeros() as usize;
+                left &= left - 1;
+                self.rays[child] = L::holding(&met_by, 1 << child);
+            }
             return met;
         }
         let end = L::load(answer.end());

@@ -7,7 +7,7 @@ use crate::ray::{HitLanes, RayPacket, ShearedRay};
 pub(super) struct Windings<'a, T: Scalar> {
     pub(super) mesh: &'a Mesh<T>,
     pub(super) packet: &'a RayPacket<T>,
-    pub(super) touched: &'a [[u32; 3]; LANE_COUNT],
+    pub(super) touched: &'a [[u32; LANE_COUNT]; 3],
     pub(super) numbers: &'a mut [i32; LANE_COUNT],
 }
 
@@ -26,7 +26,7 @@ impl<T: Scalar> Answer<T> for Windings<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask {
-        excluded_around::<T, L>(&self.touched[ray], vertices, sets)
+        excluded_around::<T, L>(self.touched.each_ref().map(|vertices| vertices[ray]), vertices, sets)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
