@@ -71,8 +71,10 @@ impl<T: Scalar> Mesh<T> {
         fan: &mut impl Fan<T>,
     ) {
         let count = vertices.len().min(LANE_COUNT);
-        let mut own = [vertices[0]; LANE_COUNT];
-        own[..count].copy_from_slice(&vertices[..count]);
+        let own = match vertices.first_chunk::<LANE_COUNT>() {
+            Some(all) => *all,
+            None => std::array::from_fn(|lane| *vertices.get(lane).unwrap_or(&vertices[0])),
+        };
         let (rings, ring_start) = self.topology().rings();
         let starts = L::gather_indices(ring_start, &own);
         let ends = L::gather_indices(ring_start, &own.map(|vertex| vertex + 1));

@@ -130,7 +130,10 @@ impl<'a, T: Scalar> Sampler<'a, T> {
             return false;
         }
         self.next += vertices.len();
-        packet.indices[..vertices.len()].copy_from_slice(vertices);
+        match vertices.first_chunk::<LANE_COUNT>() {
+            Some(all) => packet.indices = *all,
+            None => packet.indices[..vertices.len()].copy_from_slice(vertices),
+        }
         self.own.mesh().vertex_normals::<L>(vertices, &mut packet.lanes);
         self.without_normal += u64::from(vertices.len() as u32 - packet.lanes.found.count_ones());
         true

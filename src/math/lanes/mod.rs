@@ -50,7 +50,11 @@ pub(crate) type Mask = u16;
 pub(crate) trait Lists {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        indices.map(|index| list[index as usize])
+        let mut entries = [0; LANE_COUNT];
+        for i in 0..LANE_COUNT {
+            entries[i] = list[indices[i] as usize];
+        }
+        entries
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

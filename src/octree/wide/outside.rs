@@ -52,11 +52,11 @@ impl<T: Scalar> Kernel<T> for TilesNotOutside<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let Self { own, other, mesh, region, tiles, scratch } = self;
-        let mut sides = Sides::new(scratch);
-        LeafBoxes::each::<L>(own, mesh.aabb(), region, |boxes, met, first| {
+        let (mut sides, mut leaves) = (Sides::new(scratch), LeavesIn::<T, L>::new(own, mesh.aabb(), region));
+        // No closures here: they would be compiled for any processor.
+        while let Some((boxes, met, first)) = leaves.next() {
             sides.add::<L>(boxes, met, first, other);
-            true
-        });
+        }
         scratch.ask::<L>(other, mesh, region);
         let SidesScratch { parts, is_inside, .. } = scratch;
         for of_leaf in parts.chunk_by(|a, b| a.first == b.first) {
@@ -88,9 +88,13 @@ impl<T: Scalar> Kernel<T> for MayMeet<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) -> bool {
         let Self { own, other, mesh, region } = self;
-        !LeafBoxes::each::<L>(own, mesh.aabb(), region, |boxes, met, _| {
-            boxes.touching::<L>(other, met).is_none_or(|touching| touching == 0)
-        })
+        let mut leaves = LeavesIn::<T, L>::new(own, mesh.aabb(), region);
+        while let Some((boxes, met, _)) = leaves.next() {
+            if boxes.touching::<L>(other, met).unwrap_or(0) != 0 {
+                return true;
+            }
+        }
+        false
     }
 }
 
@@ -207,6 +211,54 @@ impl<'a, T: Scalar> Sides<'a, T> {
     }
 }
 
+/// The leaves that have tiles in a region, in ascending order.
+struct LeavesIn<'a, T: Scalar, L> {
+    cells: &'a Wide<T>,
+    region: BoxLanes<T, L>,
+    clip: Aabb<T>,
+    /// By how much boxes are larger than they need be.
+    apart: T,
+    stack: [u32; STACK_SIZE],
+    waiting: usize,
+}
+
+impl<'a, T: Scalar, L: Lanes<T>> LeavesIn<'a, T, L> {
+    /// `around` is the box of the body that they are held against.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new(cells: &'a Wide<T>, around: &Aabb<T>, region: &Aabb<T>) -> Self {
+        let largest = region.lower.amax().max(region.upper.amax());
+        // One margin for each of the two surfaces.
+        let apart = (largest + around.longest_side()) * margins::margin(2.0 * margins::SEEN_POSITION);
+        let (clip, region) = (region.grown(apart), BoxLanes::new(region));
+        Self { cells, region, clip, apart, stack: [0; STACK_SIZE], waiting: 1 }
+    }
+
+    /// The boxes of the next leaf's tiles, those in the region, and the first of the leaf's.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&mut self) -> Option<(LeafBoxes<T>, Mask, u32)> {
+        while self.waiting > 0 {
+            self.waiting -= 1;
+            let mut room = None;
+            let node = self.cells.node(self.stack[self.waiting] as usize, &mut room);
+            let mut met = node.meets::<L>(&self.region);
+            if node.is_leaf {
+                if met != 0 {
+                    return Some((LeafBoxes::new::<L>(node, &self.clip, self.apart), met, node.first));
+                }
+                continue;
+            }
+            // The first child last, so that it comes next: tiles come in ascending order.
+            while met != 0 {
+                let place = met.ilog2();
+                self.stack[self.waiting] = node.first + place;
+                self.waiting += 1;
+                met &= !(1 << place);
+            }
+        }
+        None
+    }
+}
+
 /// The boxes of a leaf's tiles, as far as they lie in a region, and a little larger.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
@@ -219,43 +271,6 @@ impl<T: Scalar> LeafBoxes<T> {
     fn empty() -> Self {
         let zeros = [[T::zero(); CHILD_COUNT]; 3];
         Self { lower: zeros, upper: zeros }
-    }
-
-    /// Shows to `visitor` the boxes of each leaf that has tiles in a region, these, and the leaf's first tile, in ascending
-    /// order, until it gives false; gives whether it never did. `around` is the box of the body that they are held against.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn each<L: Lanes<T>>(
-        cells: &Wide<T>,
-        around: &Aabb<T>,
-        region: &Aabb<T>,
-        mut visitor: impl FnMut(Self, Mask, u32) -> bool,
-    ) -> bool {
-        let largest = region.lower.amax().max(region.upper.amax());
-        // One margin for each of the two surfaces.
-        let apart = (largest + around.longest_side()) * margins::margin(2.0 * margins::SEEN_POSITION);
-        let (meeting, clip) = (BoxLanes::new(region), region.grown(apart));
-        let mut stack = [0u32; STACK_SIZE];
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let mut room = None;
-            let node = cells.node(stack[waiting] as usize, &mut room);
-            let mut met = node.meets::<L>(&meeting);
-            if node.is_leaf {
-                if met != 0 && !visitor(Self::new::<L>(node, &clip, apart), met, node.first) {
-                    return false;
-                }
-                continue;
-            }
-            // The first child last, so that it comes next: tiles come in ascending order.
-            while met != 0 {
-                let place = met.ilog2();
-                stack[waiting] = node.first + place;
-                waiting += 1;
-                met &= !(1 << place);
-            }
-        }
-        true
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

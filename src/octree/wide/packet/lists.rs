@@ -13,7 +13,7 @@ pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     list: &mut Candidates<T>,
     answer: &mut A,
 ) -> bool {
-    let Search { cells, mesh, slabs, .. } = search;
+    let Search { cells, slabs, .. } = search;
     if list.most_listed == 0 || list.walks[usize::from(A::EXITS_ONLY)] {
         return false;
     }
@@ -42,7 +42,7 @@ pub(super) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
             let (tile, at) = (list.tiles[place] as usize, list.places[place] as usize);
             let aabb = cells.child_box(at / CHILD_COUNT, at % CHILD_COUNT);
             let rays = slabs.meeting(&aabb, end) & search.asked;
-            if A::EXITS_ONLY && (rays == 0 || !search.directions.may_leave(cells, tile, mesh, &mut list.room)) {
+            if A::EXITS_ONLY && (rays == 0 || !search.may_count(tile, &mut list.room)) {
                 continue;
             }
             pair_count = L::append(&mut list.pairs, pair_count, (place * LANE_COUNT) as u32, rays);

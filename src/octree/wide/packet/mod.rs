@@ -128,7 +128,19 @@ struct Search<'a, T: Scalar, L> {
     slabs: PacketSlabs<T, L>,
     /// A box that holds all of the asked rays.
     around: BoxLanes<T, L>,
-    directions: DirectionBounds<T, L>,
+    /// Where only exits count.
+    directions: Option<DirectionBounds<T, L>>,
+}
+
+impl<T: Scalar, L: Lanes<T>> Search<'_, T, L> {
+    /// Whether a hit on the tile may count: where only exits do, not if no ray can leave through it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn may_count(&self, tile: usize, room: &mut [[T; LANE_COUNT]; 3]) -> bool {
+        match &self.directions {
+            Some(directions) => directions.may_leave(self.cells, tile, self.mesh, room),
+            None => true,
+        }
+    }
 }
 
 /// The search of a packet's asked rays up to their ends.
@@ -157,7 +169,7 @@ impl<T: Scalar, A: Answer<T>> Kernel<T> for PacketSearch<'_, T, A> {
         if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
             around = slabs.box_inside(packet, end, asked, mesh.aabb());
         }
-        let directions = DirectionBounds::<T, L>::new(packet, asked, &around);
+        let directions = A::EXITS_ONLY.then(|| DirectionBounds::<T, L>::new(packet, asked, &around));
         let around = BoxLanes::new(&around);
         let search = Search { cells, mesh, packet, asked, slabs, around, directions };
         if !lists::search(&search, list, answer) {

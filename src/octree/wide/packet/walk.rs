@@ -138,7 +138,7 @@ fn list_pairs<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         let child = tiles.trailing_zeros() as usize;
         tiles &= tiles - 1;
         let tile = node.first as usize + child;
-        if A::EXITS_ONLY && !search.directions.may_leave(search.cells, tile, search.mesh, &mut list.room) {
+        if A::EXITS_ONLY && !search.may_count(tile, &mut list.room) {
             continue;
         }
         list.tiles[tile_count] = tile as u32;
