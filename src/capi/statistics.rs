@@ -11,7 +11,8 @@ pub struct rayc_statistics {
     /// Of these, pairs with an open mesh: no edges are traced for them and they do not escape; two open meshes do not even
     /// cast rays.
     pub open_pairs: u64,
-    /// Rays traced, from the surface points inside an overlap box.
+    /// Rays traced, from surface points inside an overlap box; none from parts of a surface that are known to lie outside the
+    /// other body.
     pub rays: u64,
     /// Rays that left the overlap box without meeting the other mesh; while a pair escapes, rays that left that mesh's
     /// own box. For a body with itself, rays from points that lie inside no other part of it.

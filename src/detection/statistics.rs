@@ -7,7 +7,8 @@ pub struct Statistics {
     /// Of these, pairs with an open mesh: no edges are traced for them and they do not escape; two open meshes do not even
     /// cast rays.
     pub open_pairs: u64,
-    /// Rays traced, from the surface points inside an overlap box.
+    /// Rays traced, from surface points inside an overlap box; none from parts of a surface that are known to lie outside the
+    /// other body.
     pub rays: u64,
     /// Of these, rays that stand for a patch of several triangles.
     pub patches: u64,

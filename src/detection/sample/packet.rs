@@ -49,9 +49,12 @@ impl<T: Scalar> SamplePacket<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn touched(&self, own: &Mesh<T>) -> [[u32; LANE_COUNT]; 3] {
         let mut touched = [self.indices; 3];
-        for lane in 0..if self.are_vertices { 0 } else { LANE_COUNT } {
-            let corners = own.topology().triangles()[self.indices[lane] as usize];
-            let of_sample = touched_of(corners, [0, 1, 2].map(|k| self.weights[k][lane]));
+        if self.are_vertices {
+            return touched;
+        }
+        let triangles = own.topology().triangles();
+        for (lane, &triangle) in self.indices.iter().enumerate() {
+            let of_sample = touched_of(triangles[triangle as usize], [0, 1, 2].map(|k| self.weights[k][lane]));
             (0..3).for_each(|k| touched[k][lane] = of_sample[k]);
         }
         touched
