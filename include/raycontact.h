@@ -782,7 +782,8 @@ typedef struct rayc_statistics {
    */
   uint64_t open_pairs;
   /**
-   * Rays traced, from the surface points inside an overlap box.
+   * Rays traced, from surface points inside an overlap box; none from parts of a surface that are known to lie outside the
+   * other body.
    */
   uint64_t rays;
   /**
