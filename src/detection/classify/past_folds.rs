@@ -34,12 +34,8 @@ pub(crate) fn uncovered<T: Scalar>(
 ) -> Mask {
     lanes_of(hidden)
         .filter(|&lane| {
-            !leaves_body_before_end(
-                own,
-                &packet.ray(lane).until(end[lane]),
-                touched.map(|vertices| vertices[lane]),
-                crossings,
-            )
+            let (ray, touched) = (packet.ray(lane).until(end[lane]), touched.map(|vertices| vertices[lane]));
+            !leaves_body_before_end(own, &ray, touched, crossings)
         })
         .fold(0, |uncovered, lane| uncovered | 1 << lane)
 }

@@ -169,7 +169,8 @@ impl<T: Scalar, A: Answer<T>> Kernel<T> for PacketSearch<'_, T, A> {
         if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
             around = slabs.box_inside(packet, end, asked, mesh.aabb());
         }
-        let directions = A::EXITS_ONLY.then(|| DirectionBounds::<T, L>::new(packet, asked, &around));
+        // No closure: it would be compiled for any processor.
+        let directions = if A::EXITS_ONLY { Some(DirectionBounds::<T, L>::new(packet, asked, &around)) } else { None };
         let around = BoxLanes::new(&around);
         let search = Search { cells, mesh, packet, asked, slabs, around, directions };
         if !lists::search(&search, list, answer) {
