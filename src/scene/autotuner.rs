@@ -14,9 +14,11 @@ pub(super) enum Way {
 /// A trial lasts this many queries in a row. The first does not count, since threads have to wake up and caches to fill; the
 /// median of the others does, since single ones may take long by chance.
 const QUERIES_OF_A_TRIAL: usize = 6;
-/// The slower way is tried again after so many queries, where it takes less than this many times as long, or longer.
+/// The slower way is tried again after so many queries, since in the first ones threads still make room for what they find,
+const FIRST_AGAIN_AFTER: u32 = 16;
+/// and then each time after twice as many, up to so many where it takes less than this many times as long, or longer.
 const NEARLY_AS_FAST: f64 = 1.3;
-const TRY_AGAIN_AFTER: [u32; 2] = [256, 2048];
+const AT_LAST_AGAIN_AFTER: [u32; 2] = [256, 2048];
 /// And where there is so many times as much to do, or so many times as little, as when it was tried last; but not within so
 /// many queries, since there may be more and less to do by turns.
 const OTHER_WORK: f64 = 2.0;
@@ -25,13 +27,21 @@ const NOT_WITHIN: u32 = 64;
 const STEP: f64 = 0.02;
 
 /// The measured times of the two ways.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Autotuner {
     side_by_side: Option<Known>,
     alone: Option<Known>,
     trial: Option<Trial>,
     /// Queries since the last trial.
     waited: u32,
+    /// After how many the slower way is tried again, if not at last.
+    again_after: u32,
+}
+
+impl Default for Autotuner {
+    fn default() -> Self {
+        Self { side_by_side: None, alone: None, trial: None, waited: 0, again_after: FIRST_AGAIN_AFTER }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -64,9 +74,13 @@ impl Autotuner {
                 let [faster, slower] = if is_alone_slower { ways } else { [ways[1], ways[0]] };
                 let [less, more] = if is_alone_slower { [side_by_side, alone] } else { [alone, side_by_side] };
                 let is_nearly_as_fast = more.seconds < less.seconds * NEARLY_AS_FAST;
-                let is_due = self.waited >= TRY_AGAIN_AFTER[usize::from(!is_nearly_as_fast)];
+                let at_last = AT_LAST_AGAIN_AFTER[usize::from(!is_nearly_as_fast)];
+                let is_due = self.waited >= self.again_after.min(at_last);
                 let is_other_work = rays > more.rays * OTHER_WORK || more.rays > rays * OTHER_WORK;
                 let is_asked = is_due || (is_other_work && self.waited >= NOT_WITHIN);
+                if is_asked {
+                    self.again_after = (self.again_after * 2).min(at_last);
+                }
                 if is_asked { (slower, true) } else { (faster, false) }
             }
         };
@@ -120,11 +134,14 @@ mod tests {
         let mut tuner = Autotuner::default();
         let trial = QUERIES_OF_A_TRIAL;
         assert_eq!(queries(&mut tuner, 2 * trial, 3000.0, [500.0, 400.0]), [trial; 2]);
-        assert_eq!(queries(&mut tuner, 256 + trial, 3000.0, [500.0, 400.0]), [trial, 256]);
+        for again_after in [16, 32, 64, 128, 256, 256] {
+            let expected = [trial, again_after];
+            assert_eq!(queries(&mut tuner, again_after + trial, 3000.0, [500.0, 400.0]), expected);
+        }
         // It has become much faster: after the next trial it is taken.
-        assert_eq!(queries(&mut tuner, 1000, 3000.0, [200.0, 400.0]), [744, 256]);
+        assert_eq!(queries(&mut tuner, 500, 3000.0, [200.0, 400.0]), [244, 256]);
         // By so much that the other is hardly ever tried.
-        assert!(queries(&mut tuner, 4000, 3000.0, [200.0, 400.0])[1] <= 2 * trial);
+        assert_eq!(queries(&mut tuner, 4000, 3000.0, [200.0, 400.0])[1], 4 * trial);
     }
 
     #[test]
@@ -144,18 +161,18 @@ mod tests {
             let rays = [2000.0, 9000.0][turn % 2];
             slow += queries(&mut tuner, 1, rays, [0.45 * rays, 0.15 * rays])[0];
         }
-        assert!(slow <= 5 * QUERIES_OF_A_TRIAL, "{slow}");
+        assert!(slow <= 6 * QUERIES_OF_A_TRIAL, "{slow}");
     }
 
     #[test]
     fn single_long_queries_decide_nothing() {
         let mut tuner = Autotuner::default();
+        let mut alone = 0;
         for _ in 0..50 {
-            assert_eq!(queries(&mut tuner, 1, 3000.0, [9000.0, 9000.0]), [1, 0]);
-            assert_eq!(queries(&mut tuner, 2, 3000.0, [300.0, 500.0]), [2, 0]);
-            if tuner.alone.is_none() && tuner.side_by_side.is_some() {
-                queries(&mut tuner, QUERIES_OF_A_TRIAL, 3000.0, [300.0, 500.0]);
-            }
+            alone += queries(&mut tuner, 1, 3000.0, [9000.0, 9000.0])[1];
+            alone += queries(&mut tuner, 2, 3000.0, [300.0, 500.0])[1];
         }
+        // Only in its trials.
+        assert_eq!(alone, 4 * QUERIES_OF_A_TRIAL);
     }
 }

@@ -2,11 +2,12 @@
 
 mod append;
 mod awake;
+mod cores;
 #[cfg(test)]
 pub(crate) mod faults;
 
+use cores::Seats;
 use rayon::ThreadPoolBuildError;
-use rayon::prelude::*;
 use std::fmt;
 use std::mem;
 use std::num::NonZeroUsize;
@@ -75,10 +76,7 @@ impl Helpers {
             work(place, item);
         };
         match self {
-            Self::Pool => {
-                let items = items.par_iter_mut().with_max_len(1).enumerate();
-                items.for_each(|(place, item)| awake::at_work(|| work(place, item)));
-            }
+            Self::Pool => awake::for_each(0, items, &work),
             Self::Nobody => items.iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
             Self::Host(host) => share(&**host, items.iter_mut().enumerate(), |(place, item)| work(place, item)),
         }
@@ -99,10 +97,7 @@ impl Helpers {
             work(i, j);
         };
         match self {
-            Self::Pool => {
-                let items = first.par_iter_mut().with_max_len(1).zip(second);
-                items.for_each(|items| awake::at_work(|| both(items)));
-            }
+            Self::Pool => awake::for_each_two(first, second, &|i, j| both((i, j))),
             Self::Nobody => first.iter_mut().zip(second).for_each(both),
             Self::Host(host) => share(&**host, first.iter_mut().zip(second), both),
         }
@@ -171,7 +166,9 @@ impl Threads {
             work();
         };
         match &self.pool {
-            Some(Pool { pool: Some(pool), others, .. }) => pool.install(|| awake::keep_awake(*others, work)),
+            Some(Pool { pool: Some(pool), seats, others, .. }) => {
+                pool.install(|| awake::keep_awake(*others, seats, work));
+            }
             _ => work(),
         }
     }
@@ -184,6 +181,7 @@ struct Pool {
     /// Taken on dropping.
     pool: Option<rayon::ThreadPool>,
     threads: Vec<JoinHandle<()>>,
+    seats: Arc<Seats>,
     /// How many threads beside the first have a core of their own: more would only take turns.
     others: usize,
 }
@@ -193,16 +191,23 @@ impl Pool {
         let cores = available_parallelism().map_or(1, NonZeroUsize::get);
         let count = if count == 0 { cores } else { count };
         let mut threads = Vec::with_capacity(count);
+        let seats = Arc::new(Seats::new(count));
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(count)
             .spawn_handler(|thread| {
-                let name = format!("raycontact-{}", thread.index());
-                threads.push(Builder::new().name(name).spawn(|| thread.run())?);
+                let (number, seats) = (thread.index(), seats.clone());
+                let work = move || {
+                    seats.take(number);
+                    thread.run();
+                };
+                threads.push(Builder::new().name(format!("raycontact-{number}")).spawn(work)?);
                 Ok(())
             })
             .build();
         match pool {
-            Ok(pool) => Ok(Self { process: process::id(), pool: Some(pool), threads, others: count.min(cores) - 1 }),
+            Ok(pool) => {
+                Ok(Self { process: process::id(), pool: Some(pool), threads, seats, others: count.min(cores) - 1 })
+            }
             Err(error) => {
                 // Those that had been started are told to end.
                 join(threads);
