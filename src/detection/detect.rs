@@ -10,6 +10,7 @@ use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
 use crate::memory;
 use crate::ray::Ray;
+use crate::threads::Helpers;
 
 /// What a step's contacts say of the overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,10 +45,16 @@ impl<T: Scalar> Pair<'_, T> {
 
     /// Adds the contacts of the rays of both directions.
     pub(crate) fn cast_both_ways(&self, contacts: &mut ContactList<T>) {
-        let Workspace { groups, sides, .. } = &mut contacts.workspace;
+        let Workspace { helpers, groups, sides, .. } = &mut contacts.workspace;
         let [first, second] = self.tracers;
-        first.groups_not_outside(second, self.region, &mut groups[0], sides);
-        second.groups_not_outside(first, self.region, &mut groups[1], sides);
+        // Handing over takes longer than telling that there is nothing to look for.
+        let take_long = first.leaves_out(second, self.region) && second.leaves_out(first, self.region);
+        let helpers = if take_long { helpers } else { &Helpers::Nobody };
+        let ([of_first, of_second], [first_sides, second_sides]) = (groups, sides);
+        let mut both = [(0, of_first, first_sides), (1, of_second, second_sides)];
+        helpers.for_each(&mut both, |_, (side, groups, sides)| {
+            self.tracers[*side].groups_not_outside(self.tracers[1 - *side], self.region, groups, sides);
+        });
         match self.options.sampling {
             Sampling::Tolerance(tolerance) => self.cast_to_tolerance(tolerance, contacts),
             _ => self.cast_samples(contacts),

@@ -19,7 +19,7 @@ pub(crate) struct Workspace<T: Scalar> {
     /// The groups of vertices or triangles in the overlap box, of either body.
     pub(crate) groups: [Vec<u32>; 2],
     /// For which of them lie outside the other body.
-    pub(crate) sides: SidesScratch<T>,
+    pub(crate) sides: [SidesScratch<T>; 2],
     /// Of these the places of the triangles that cast for patches.
     pub(crate) places: [Vec<u32>; 2],
     /// Of one chunk's groups the vertices in the overlap box.

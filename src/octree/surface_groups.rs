@@ -55,6 +55,11 @@ impl<T: Scalar> Tracer<'_, T> {
         }
     }
 
+    /// Whether [`groups_not_outside`](Self::groups_not_outside) looks for groups to leave out.
+    pub(crate) fn leaves_out(&self, other: &Self, region: &Aabb<T>) -> bool {
+        self.cells_beside(other).is_some_and(|[own, _]| is_thick(region, self.mesh(), own))
+    }
+
     /// Whether anything of the two surfaces in the region may meet.
     pub(crate) fn may_meet(&self, other: &Self, region: &Aabb<T>) -> bool {
         self.cells_beside(other).is_none_or(|[own, of_other]| {

@@ -152,7 +152,7 @@ fn inside_samples<T: Scalar>(
     statistics: &mut Statistics,
 ) {
     let Workspace { samples, rays, groups, sides, vertices, pieces, .. } = workspace;
-    pair.collect(side, &mut groups[side], sides, pieces, vertices, samples);
+    pair.collect(side, &mut groups[side], &mut sides[side], pieces, vertices, samples);
     memory::refill(rays, samples.iter().map(|sample| pair.ray_out(side, sample.point.position, away)));
     keep_inside(pair, side, workspace, statistics);
 }

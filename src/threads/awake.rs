@@ -20,8 +20,7 @@ pub(super) fn keep_awake(others: usize, seats: &Seats, work: impl FnOnce() + Sen
     };
     if others > 0 {
         let away = seats.send_others_away();
-        rayon::join(work, || look_for_work(others, &|| seats.come_back(&away), &is_done));
-        seats.bring_back(&away);
+        rayon::join(work, || look_for_work(others, &|| away.come_back(), &is_done));
     } else {
         work();
     }

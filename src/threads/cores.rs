@@ -37,9 +37,14 @@ mod of_linux {
             let _ = self.0[number].thread.set(thread::gettid());
         }
 
-        /// Keeps the other threads from the core of this one, and from one another's; gives which cores they may use
-        /// otherwise. Threads that the host has bound to cores of their own stay there.
-        pub(crate) fn send_others_away(&self) -> Option<CpuSet> {
+        /// Keeps the other threads from the core of this one, and from one another's, until they come back or what this gives
+        /// is dropped. Threads that the host has bound to cores of their own stay there.
+        pub(crate) fn send_others_away(&self) -> Away<'_> {
+            Away { seats: self, all: self.sent_away() }
+        }
+
+        /// Sends them away; gives which cores they may use otherwise.
+        fn sent_away(&self) -> Option<CpuSet> {
             let all = thread::sched_getaffinity(None).ok()?;
             let here = thread::sched_getcpu();
             let own = rayon::current_thread_index();
@@ -60,17 +65,27 @@ mod of_linux {
             }
             Some(all)
         }
+    }
 
+    /// Threads that have been sent away.
+    pub(crate) struct Away<'a> {
+        seats: &'a Seats,
+        all: Option<CpuSet>,
+    }
+
+    impl Away<'_> {
         /// Lets the calling thread go anywhere again.
-        pub(crate) fn come_back(&self, all: &Option<CpuSet>) {
+        pub(crate) fn come_back(&self) {
             if let Some(number) = rayon::current_thread_index() {
-                self.0[number].come_back(all);
+                self.seats.0[number].come_back(&self.all);
             }
         }
+    }
 
-        /// The same for all threads that were never woken.
-        pub(crate) fn bring_back(&self, all: &Option<CpuSet>) {
-            self.0.iter().for_each(|seat| seat.come_back(all));
+    /// Threads that were never woken come back too.
+    impl Drop for Away<'_> {
+        fn drop(&mut self) {
+            self.seats.0.iter().for_each(|seat| seat.come_back(&self.all));
         }
     }
 
@@ -98,11 +113,16 @@ mod of_others {
 
         pub(crate) fn take(&self, _: usize) {}
 
-        pub(crate) fn send_others_away(&self) {}
+        pub(crate) fn send_others_away(&self) -> Away {
+            Away
+        }
+    }
 
-        pub(crate) fn come_back(&self, (): &()) {}
+    /// Nobody is sent away.
+    pub(crate) struct Away;
 
-        pub(crate) fn bring_back(&self, (): &()) {}
+    impl Away {
+        pub(crate) fn come_back(&self) {}
     }
 }
 
@@ -153,7 +173,6 @@ mod tests {
             let stayed = sched_getcpu() == here;
             assert_eq!(last, if all.count() == 1 { all } else { bound });
             if all.count() > 1 {
-                assert_eq!(away, Some(all));
                 for set in [first, second] {
                     assert!(set.count() > 0 && set != all && cores(&set).iter().all(|&core| all.is_set(core)));
                     assert!(!stayed || !set.is_set(here));
@@ -161,9 +180,9 @@ mod tests {
                 let shared = cores(&first).into_iter().filter(|&core| second.is_set(core)).count();
                 assert_eq!(shared, if all.count() == 2 { 1 } else { 0 });
             } else {
-                assert_eq!((away, first, second), (None, all, all));
+                assert_eq!([first, second], [all; 2]);
             }
-            seats.bring_back(&away);
+            drop(away);
             assert_eq!(allowed(), [all, all, bound]);
             drop(wakes);
         });
