@@ -1,9 +1,11 @@
 //! Clusters of neighbouring triangles: what the leaves of the fast octree hold. They are found once for a mesh and are the same
 //! for its clones, so an octree is made faster for a mesh that had one before, or that was unpacked.
 
+use super::topology::NO_TRIANGLE;
 use super::{Mesh, OrderInSpace, Topology};
 use crate::math::{Aabb, LANE_COUNT, Scalar, Vector3};
 use crate::memory::{self, Room};
+use std::cmp::Ordering;
 use std::mem;
 
 /// A cluster has at most so many triangles, and as many vertices.
@@ -120,7 +122,7 @@ fn halve<T: Scalar>(places: &mut [Place<T>], capacity: usize) {
     places.iter().for_each(|(centre, _)| centres.include(centre));
     let axis = (centres.upper - centres.lower).imax();
     places.select_nth_unstable_by(middle, |(a, i), (b, j)| {
-        a[axis].partial_cmp(&b[axis]).unwrap_or(std::cmp::Ordering::Equal).then(i.cmp(j))
+        a[axis].partial_cmp(&b[axis]).unwrap_or(Ordering::Equal).then(i.cmp(j))
     });
     let (left, right) = places.split_at_mut(middle);
     halve(left, capacity);
@@ -134,22 +136,24 @@ fn halve<T: Scalar>(places: &mut [Place<T>], capacity: usize) {
 fn grow<T: Scalar>(mesh: &Mesh<T>) -> Vec<Vec<u32>> {
     let count = mesh.topology().triangles().len();
     let in_space = OrderInSpace::new(mesh);
-    // Thrice the centres: all are compared alike.
-    let centre = |triangle: u32| {
-        let [a, b, c] = in_space.corners(triangle);
-        a + b + c
+    let (neighbours, places) = (mesh.topology().neighbours(), in_space.places());
+    let cluster_of = memory::filled(NO_CLUSTER, count);
+    let (seeds, border) = (Vec::new(), Vec::new());
+    let mut growth = Growth {
+        in_space: &in_space,
+        triangles: mesh.topology().triangles(),
+        neighbours,
+        places,
+        cluster_of,
+        seeds,
+        border,
     };
-    let centres = memory::listed((0..count as u32).map(centre));
-    let (topology, places) = (mesh.topology(), in_space.places());
-    let taken = memory::filled(false, count);
-    let mut growth =
-        Growth { topology, centres, places, taken, seeds: Vec::new(), vertices: Vec::new(), border: Vec::new() };
     let mut clusters = memory::with_room(count / 12 + 1);
     for &first in &in_space.order {
         growth.seeds.room_for(1).push(first);
         while let Some(seed) = growth.seeds.pop() {
-            if !growth.taken[seed as usize] {
-                let cluster = growth.grow(seed);
+            if growth.cluster_of[seed as usize] != TAKEN {
+                let cluster = growth.grow(seed, clusters.len() as u32);
                 clusters.room_for(1).push(cluster);
             }
         }
@@ -157,76 +161,97 @@ fn grow<T: Scalar>(mesh: &Mesh<T>) -> Vec<Vec<u32>> {
     clusters
 }
 
+/// In place of a cluster's number: of a triangle that none has come to, and of one that belongs to one for good.
+const NO_CLUSTER: u32 = u32::MAX;
+const TAKEN: u32 = u32::MAX - 1;
+
 struct Growth<'a, T: Scalar> {
-    topology: &'a Topology,
-    centres: Vec<Vector3<T>>,
+    in_space: &'a OrderInSpace<'a, T>,
+    triangles: &'a [[u32; 3]],
+    neighbours: Vec<[u32; 3]>,
     /// In space.
     places: Vec<u32>,
-    taken: Vec<bool>,
+    /// The cluster that was the last to border on each triangle.
+    cluster_of: Vec<u32>,
     seeds: Vec<u32>,
-    /// Of the cluster that grows.
-    vertices: Vec<u32>,
-    /// What it may grow by.
-    border: Vec<u32>,
+    /// What the cluster that grows may grow by.
+    border: Vec<Candidate<T>>,
+}
+
+/// A triangle that a cluster may grow by.
+#[derive(Clone, Copy)]
+struct Candidate<T: Scalar> {
+    triangle: u32,
+    corners: [u32; 3],
+    /// How many of its corners the cluster does not have.
+    new: u32,
+    /// In space.
+    place: u32,
+    /// Thrice its centre: all are compared alike.
+    centre: Vector3<T>,
 }
 
 impl<T: Scalar> Growth<'_, T> {
-    fn grow(&mut self, seed: u32) -> Vec<u32> {
+    fn grow(&mut self, seed: u32, number: u32) -> Vec<u32> {
         let mut cluster = memory::with_room(CLUSTER_SIZE);
-        let (mut vertices, mut border) = (mem::take(&mut self.vertices), mem::take(&mut self.border));
-        vertices.clear();
-        border.clear();
-        border.room_for(1).push(seed);
+        let (mut vertices, mut count) = ([0; CLUSTER_SIZE], 0);
+        self.border.clear();
+        self.cluster_of[seed as usize] = number;
+        let first = self.candidate(seed, &[]);
+        self.border.room_for(1).push(first);
         let mut sum = Vector3::zeros();
         while cluster.len() < CLUSTER_SIZE {
             let centre = sum / T::of((cluster.len() as f64).max(1.0));
-            let Some(place) = self.best(&border, &vertices, &centre) else { break };
-            let triangle = border.swap_remove(place);
-            self.taken[triangle as usize] = true;
+            let Some(place) = best(&self.border, CLUSTER_SIZE - count, &centre) else { break };
+            let Candidate { triangle, corners, centre, .. } = self.border.swap_remove(place);
+            self.cluster_of[triangle as usize] = TAKEN;
             cluster.room_for(1).push(triangle);
-            sum += self.centres[triangle as usize];
-            for vertex in self.topology.triangles()[triangle as usize] {
-                if !vertices.contains(&vertex) {
-                    vertices.room_for(1).push(vertex);
+            sum += centre;
+            for vertex in corners {
+                if !vertices[..count].contains(&vertex) {
+                    vertices[count] = vertex;
+                    count += 1;
+                    for candidate in &mut self.border {
+                        candidate.new -= u32::from(candidate.corners.contains(&vertex));
+                    }
                 }
             }
-            for neighbour in neighbours(self.topology, triangle) {
-                if !self.taken[neighbour as usize] && !border.contains(&neighbour) {
-                    border.room_for(1).push(neighbour);
+            for neighbour in self.neighbours[triangle as usize] {
+                if neighbour == NO_TRIANGLE || [number, TAKEN].contains(&self.cluster_of[neighbour as usize]) {
+                    continue;
                 }
+                self.cluster_of[neighbour as usize] = number;
+                let candidate = self.candidate(neighbour, &vertices[..count]);
+                self.border.room_for(1).push(candidate);
             }
         }
-        border.sort_unstable_by_key(|&triangle| self.places[triangle as usize]);
-        memory::append(&mut self.seeds, border.iter().copied());
-        (self.vertices, self.border) = (vertices, border);
+        self.border.sort_unstable_by_key(|candidate| candidate.place);
+        memory::append(&mut self.seeds, self.border.iter().map(|candidate| candidate.triangle));
         cluster
     }
 
-    /// The place in `border` of the triangle to take next; `None` where all have too many new vertices.
-    fn best(&self, border: &[u32], vertices: &[u32], centre: &Vector3<T>) -> Option<usize> {
-        let ranked = border.iter().enumerate().filter_map(|(place, &triangle)| {
-            let corners = self.topology.triangles()[triangle as usize];
-            let new = corners.iter().filter(|corner| !vertices.contains(corner)).count();
-            let distance = (self.centres[triangle as usize] - centre).norm_squared();
-            (vertices.len() + new <= CLUSTER_SIZE).then_some((new, distance, self.places[triangle as usize], place))
-        });
-        let best = ranked.min_by(|a, b| {
-            let by_distance = a.1.partial_cmp(&b.1).unwrap_or(std::cmp::Ordering::Equal);
-            a.0.cmp(&b.0).then(by_distance).then(a.2.cmp(&b.2))
-        });
-        best.map(|(.., place)| place)
+    fn candidate(&self, triangle: u32, vertices: &[u32]) -> Candidate<T> {
+        let corners = self.triangles[triangle as usize];
+        let new = corners.iter().filter(|corner| !vertices.contains(corner)).count() as u32;
+        let [a, b, c] = self.in_space.corners(triangle);
+        Candidate { triangle, corners, new, place: self.places[triangle as usize], centre: a + b + c }
     }
 }
 
-/// The triangles across the three edges.
-fn neighbours(topology: &Topology, triangle: u32) -> impl Iterator<Item = u32> {
-    let corners = topology.triangles()[triangle as usize];
-    (0..3).filter_map(move |i| {
-        let ends = [corners[i], corners[(i + 1) % 3]].map(|vertex| (topology.triangles_around(vertex), vertex));
-        // Around the other end there may be very many: the apex of a fan.
-        let [(around, _), (_, other)] = if ends[0].0.len() <= ends[1].0.len() { ends } else { [ends[1], ends[0]] };
-        around.iter().copied().filter(|&t| t != triangle).find(|&t| topology.triangles()[t as usize].contains(&other))
-    })
+/// The place of the candidate to take next; `None` where all have more new vertices than there is room for.
+fn best<T: Scalar>(border: &[Candidate<T>], room: usize, centre: &Vector3<T>) -> Option<usize> {
+    let mut best: Option<(usize, &Candidate<T>, T)> = None;
+    for (place, candidate) in border.iter().enumerate().filter(|(_, candidate)| candidate.new as usize <= room) {
+        let distance = (candidate.centre - centre).norm_squared();
+        let is_better = best.is_none_or(|(_, best, least)| {
+            let by_distance = distance.partial_cmp(&least).unwrap_or(Ordering::Equal);
+            candidate.new.cmp(&best.new).then(by_distance).then(candidate.place.cmp(&best.place)).is_lt()
+        });
+        if is_better {
+            best = Some((place, candidate, distance));
+        }
+    }
+    best.map(|(place, ..)| place)
 }
 
 #[cfg(test)]

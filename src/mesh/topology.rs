@@ -47,7 +47,7 @@ impl Topology {
     /// inside and an outside, and rays need no more.
     pub fn new(vertex_count: usize, triangles: &[[u32; 3]], border: Border) -> Result<Self, MeshError> {
         check_indices(vertex_count, triangles)?;
-        let (edges, is_open) = find_edges(triangles, border)?;
+        let (edges, is_open) = find_edges(vertex_count, triangles, border)?;
         let (around, around_start) = triangles_around_vertices(vertex_count, triangles);
         let (rings, ring_start) = rings(triangles, &around, &around_start);
         Ok(Self {
@@ -112,6 +112,11 @@ impl Topology {
         &self.edges
     }
 
+    /// The triangles across the edges of each, in no order; [`NO_TRIANGLE`] for those that are not there.
+    pub(super) fn neighbours(&self) -> Vec<[u32; 3]> {
+        neighbours(self.triangles.len(), &self.edges)
+    }
+
     /// The first triangle of each part of the surface that is connected across edges, in ascending order.
     pub fn components(&self) -> &[u32] {
         &self.components
@@ -150,31 +155,46 @@ fn check_indices(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<(), Mesh
 
 /// Every edge must belong to two triangles that run through it in opposite directions, or to one at a border. Gives also
 /// whether there is a border.
-fn find_edges(triangles: &[[u32; 3]], border: Border) -> Result<(Vec<Edge>, bool), MeshError> {
+fn find_edges(vertex_count: usize, triangles: &[[u32; 3]], border: Border) -> Result<(Vec<Edge>, bool), MeshError> {
     let mut is_open = false;
     let mut edges = memory::with_room(triangles.len() * 3 / 2);
-    // Of each triangle's sides: the smaller end, the larger, whether the triangle runs backward, and the triangle, as one
-    // number, which sorts fastest.
-    let mut halves: Vec<u128> = memory::with_room(triangles.len() * 3);
+    // Six on average have the same smaller end: counted first, few are left to be sorted.
+    let mut ends = memory::filled(0u32, vertex_count + 1);
+    for [a, b, c] in triangles {
+        [a.min(b), b.min(c), c.min(a)].into_iter().for_each(|&lower| ends[lower as usize + 1] += 1);
+    }
+    for vertex in 0..vertex_count {
+        ends[vertex + 1] += ends[vertex];
+    }
+    // Of each triangle's sides: the larger end, whether the triangle runs backward, and the triangle, as one number, which
+    // sorts fastest. Triangles are fewer than a third of 2³².
+    let mut halves = memory::filled(0u64, triangles.len() * 3);
     for (triangle, corners) in triangles.iter().enumerate() {
         for i in 0..3 {
             let (from, to) = (corners[i], corners[(i + 1) % 3]);
-            let [lower, upper, backward] = [from.min(to), from.max(to), u32::from(from > to)].map(u128::from);
-            halves.push(lower << 96 | upper << 64 | backward << 32 | triangle as u128);
+            let end = &mut ends[from.min(to) as usize];
+            halves[*end as usize] = u64::from(from.max(to)) << 32 | u64::from(from > to) << 31 | triangle as u64;
+            *end += 1;
         }
     }
-    halves.sort_unstable();
-    let (backward, triangle) = (|half: u128| half >> 32 & 1 == 1, |half: u128| half as u32 as usize);
-    for shared in halves.chunk_by(|e, f| e >> 64 == f >> 64) {
-        let edge = [(shared[0] >> 96) as u32, (shared[0] >> 64) as u32];
-        match *shared {
-            [s, t] if backward(s) == backward(t) => {
-                return Err(MeshError::InconsistentOrientation { triangles: [triangle(s), triangle(t)], edge });
+    let (backward, triangle) = (|half: u64| half >> 31 & 1 == 1, |half: u64| half as u32 & (u32::MAX >> 1));
+    let mut start = 0;
+    for (lower, &end) in (0..).zip(&ends[..vertex_count]) {
+        let of_lower = &mut halves[start..end as usize];
+        start = end as usize;
+        of_lower.sort_unstable();
+        for shared in of_lower.chunk_by(|e, f| e >> 32 == f >> 32) {
+            let edge = [lower, (shared[0] >> 32) as u32];
+            match *shared {
+                [s, t] if backward(s) == backward(t) => {
+                    let triangles = [s, t].map(|half| triangle(half) as usize);
+                    return Err(MeshError::InconsistentOrientation { triangles, edge });
+                }
+                [s, t] => edges.room_for(1).push(Edge { vertices: edge, triangles: [s, t].map(triangle) }),
+                [_] if border == Border::Allowed => is_open = true,
+                [half] => return Err(MeshError::Open { triangle: triangle(half) as usize, edge }),
+                _ => return Err(MeshError::NonManifold { edge, triangle_count: shared.len() }),
             }
-            [s, t] => edges.room_for(1).push(Edge { vertices: edge, triangles: [s as u32, t as u32] }),
-            [_] if border == Border::Allowed => is_open = true,
-            [half] => return Err(MeshError::Open { triangle: triangle(half), edge }),
-            _ => return Err(MeshError::NonManifold { edge, triangle_count: shared.len() }),
         }
     }
     Ok((edges, is_open))
@@ -253,16 +273,31 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
     (rings, start)
 }
 
-/// The component of every triangle, and the first triangle of each component.
-fn components(triangle_count: usize, edges: &[Edge]) -> (Vec<u32>, Vec<u32>) {
-    let mut neighbours = memory::filled([u32::MAX; 3], triangle_count);
+/// In place of a neighbour where the surface ends.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+
+fn neighbours(triangle_count: usize, edges: &[Edge]) -> Vec<[u32; 3]> {
+    let mut neighbours = memory::filled([NO_TRIANGLE; 3], triangle_count);
     for [a, b] in edges.iter().map(|edge| edge.triangles) {
         for (from, to) in [(a, b), (b, a)] {
-            let of_from = &mut neighbours[from as usize];
-            let free = of_from.iter().position(|&place| place == u32::MAX).expect("a triangle has three edges");
-            of_from[free] = to;
+            let [first, second, third] = &mut neighbours[from as usize];
+            // A triangle has three edges.
+            let free = if *first == NO_TRIANGLE {
+                first
+            } else if *second == NO_TRIANGLE {
+                second
+            } else {
+                third
+            };
+            *free = to;
         }
     }
+    neighbours
+}
+
+/// The component of every triangle, and the first triangle of each component.
+fn components(triangle_count: usize, edges: &[Edge]) -> (Vec<u32>, Vec<u32>) {
+    let neighbours = neighbours(triangle_count, edges);
     let mut component_of = memory::filled(u32::MAX, triangle_count);
     let mut firsts = Vec::new();
     let mut waiting = Vec::new();
@@ -275,8 +310,7 @@ fn components(triangle_count: usize, edges: &[Edge]) -> (Vec<u32>, Vec<u32>) {
         component_of[first as usize] = component;
         waiting.room_for(1).push(first);
         while let Some(triangle) = waiting.pop() {
-            // At a border there is no neighbour.
-            for neighbour in neighbours[triangle as usize].into_iter().filter(|&neighbour| neighbour != u32::MAX) {
+            for neighbour in neighbours[triangle as usize].into_iter().filter(|&neighbour| neighbour != NO_TRIANGLE) {
                 if std::mem::replace(&mut component_of[neighbour as usize], component) == u32::MAX {
                     waiting.room_for(1).push(neighbour);
                 }
