@@ -43,7 +43,7 @@ pub fn run(bytes: &mut Bytes) {
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
     assert!(mesh.positions().iter().all(|p| p.iter().all(|x| x.is_finite())));
-    assert!(mesh.is_open() || mesh.topology().edges().len() * 2 == mesh.topology().triangles().len() * 3);
+    assert!(mesh.is_open() || mesh.topology().edges().count() * 2 == mesh.topology().triangles().len() * 3);
     for vertex in 0..mesh.positions().len() as u32 {
         let around = mesh.topology().triangles_around(vertex);
         assert!(around.iter().all(|&t| mesh.topology().triangles()[t as usize].contains(&vertex)));

@@ -13,14 +13,20 @@ impl<T: Scalar> Direction<'_, T> {
     /// such stretches there are, and the direction's load.
     pub(crate) fn cast_edges(&self, list: &mut ContactList<T>) -> (usize, CastLoad<T>) {
         let ContactList { contacts, statistics, workspace, .. } = list;
-        let Workspace { samples, groups, vertices, pieces, crossings, .. } = workspace;
+        let Workspace { samples, groups, vertices, pieces, edge_sides, crossings, .. } = workspace;
         let first = contacts.len();
         let mut load = CastLoad::default();
         let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
         samples.clear();
-        for_each_inside_stretch(tracers, self.pair.region, [&mut groups[self.side], vertices], crossings, |sample| {
-            samples.room_for(1).push(sample);
-        });
+        for_each_inside_stretch(
+            tracers,
+            self.pair.region,
+            [&mut groups[self.side], vertices],
+            (edge_sides, crossings),
+            |sample| {
+                samples.room_for(1).push(sample);
+            },
+        );
         dispatch::<T, _>(Cast {
             kind: ContactKind::Edge,
             direction: self,

@@ -5,6 +5,7 @@ use super::statistics::Statistics;
 use super::weigh::shares::CastLoad;
 use crate::math::Scalar;
 use crate::memory::Room;
+use crate::mesh::Side;
 use crate::octree::SidesScratch;
 use crate::ray::{Hit, Ray};
 use crate::threads::Helpers;
@@ -32,6 +33,8 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) touched: Vec<[u32; 3]>,
     /// Whether the ray leaves its own mesh first.
     pub(crate) hidden: Vec<bool>,
+    /// The sides from one vertex.
+    pub(crate) edge_sides: Vec<Side>,
     /// The crossings of one edge.
     pub(crate) crossings: Vec<Hit<T>>,
     /// For contacts of a body with itself.

@@ -1,7 +1,7 @@
 //! Clusters of neighbouring triangles: what the leaves of the fast octree hold. They are found once for a mesh and are the same
 //! for its clones, so an octree is made faster for a mesh that had one before, or that was unpacked.
 
-use super::topology::NO_TRIANGLE;
+use super::edges::NO_TRIANGLE;
 use super::{Mesh, OrderInSpace, Topology};
 use crate::math::{Aabb, LANE_COUNT, Scalar, Vector3};
 use crate::memory::{self, Room};

@@ -56,7 +56,7 @@ fn closed_parts<T: Scalar>(mesh: &Mesh<T>) -> (Vec<u32>, Vec<usize>) {
     // Three half-edges for each triangle; two for each edge that is no border.
     let mut border = memory::filled(0isize, topology.components().len());
     component_of.iter().for_each(|&component| border[component as usize] += 3);
-    topology.edges().iter().for_each(|edge| border[of(edge.triangles[0])] -= 2);
+    topology.edges().for_each(|edge| border[of(edge.triangles[0])] -= 2);
     let all = 0..topology.triangles().len() as u32;
     let mut triangles = memory::listed(all.filter(|&triangle| border[of(triangle)] == 0));
     triangles.sort_unstable_by_key(|&triangle| (of(triangle), triangle));

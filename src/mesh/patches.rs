@@ -169,9 +169,9 @@ impl Tree {
             memory::listed(normals.zip(&middles).map(|(normal, &middle)| Moments::of_triangle(normal, middle)));
         let mut tree = Self { moments, middles, parts: Vec::new() };
         let places = in_space.places();
-        let inner = mesh.topology().edges().iter().filter(|edge| edge.triangles[0] != edge.triangles[1]);
+        let inner = mesh.topology().edges().filter(|edge| edge.triangles[0] != edge.triangles[1]);
         let in_order = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
-        let places_of = |edge: &Edge| in_order(edge.triangles.map(|triangle| places[triangle as usize]));
+        let places_of = |edge: Edge| in_order(edge.triangles.map(|triangle| places[triangle as usize]));
         let mut neighbours: Vec<[u32; 2]> = memory::listed(inner.map(places_of));
         while !neighbours.is_empty() {
             let merged_into = tree.merge(&neighbours);
@@ -277,7 +277,7 @@ mod tests {
     fn is_connected(mesh: &Mesh<f64>, patch: &[u32]) -> bool {
         let (mut reached, mut waiting) = (vec![patch[0]], vec![patch[0]]);
         while let Some(triangle) = waiting.pop() {
-            for edge in mesh.topology().edges().iter().filter(|edge| edge.triangles.contains(&triangle)) {
+            for edge in mesh.topology().edges().filter(|edge| edge.triangles.contains(&triangle)) {
                 let fresh = edge.triangles.into_iter().filter(|t| patch.contains(t) && !reached.contains(t));
                 let fresh: Vec<u32> = fresh.collect();
                 reached.extend(&fresh);

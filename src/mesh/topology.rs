@@ -1,6 +1,8 @@
 use super::MeshError;
+use super::edges::{self, Edge, NO_TRIANGLE};
 use crate::math::{LANE_COUNT, Lanes, Scalar};
 use crate::memory::{self, Room};
+use std::sync::OnceLock;
 
 /// Which vertices form which triangles, checked once: closed unless that is not asked for, manifold and consistently
 /// oriented.
@@ -15,7 +17,8 @@ pub struct Topology {
     rings: Vec<u32>,
     ring_start: Vec<u32>,
     surface_vertices: Vec<u32>,
-    edges: Vec<Edge>,
+    /// Found when they are first asked for in one piece.
+    edges: OnceLock<Vec<Edge>>,
     components: Vec<u32>,
     is_open: bool,
 }
@@ -32,23 +35,14 @@ pub enum Border {
 /// Most vertices have six triangles around them, and so a ring of seven.
 pub(crate) const RING_LENGTH: usize = 7;
 
-/// Where two triangles meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Edge {
-    /// Its ends, the smaller number first.
-    pub vertices: [u32; 2],
-    /// Its two triangles.
-    pub triangles: [u32; 2],
-}
-
 impl Topology {
     /// Checks the triangles and finds the neighbourhoods. Vertices that no triangle uses are allowed: the inner
     /// nodes of a volume mesh need not be sorted out. So are sheets that touch in one vertex: each edge still has an
     /// inside and an outside, and rays need no more.
     pub fn new(vertex_count: usize, triangles: &[[u32; 3]], border: Border) -> Result<Self, MeshError> {
         check_indices(vertex_count, triangles)?;
-        let (edges, is_open) = find_edges(vertex_count, triangles, border)?;
         let (around, around_start) = triangles_around_vertices(vertex_count, triangles);
+        let (neighbours, is_open) = edges::check(triangles, &around, &around_start, border)?;
         let (rings, ring_start) = rings(triangles, &around, &around_start);
         Ok(Self {
             vertex_count,
@@ -60,8 +54,8 @@ impl Topology {
             ),
             around,
             around_start,
-            components: components(triangles.len(), &edges).1,
-            edges,
+            edges: OnceLock::new(),
+            components: components(&neighbours).1,
             is_open,
         })
     }
@@ -107,14 +101,13 @@ impl Topology {
         self.is_open
     }
 
-    /// Every edge between two triangles once, in ascending order of its vertices.
-    pub fn edges(&self) -> &[Edge] {
-        &self.edges
-    }
-
-    /// The triangles across the edges of each, in no order; [`NO_TRIANGLE`] for those that are not there.
-    pub(super) fn neighbours(&self) -> Vec<[u32; 3]> {
-        neighbours(self.triangles.len(), &self.edges)
+    /// [`edges`](Self::edges) as a list, which is kept from then on.
+    pub(crate) fn edge_list(&self) -> &[Edge] {
+        self.edges.get_or_init(|| {
+            let mut list = memory::with_room(self.triangles.len() * 3 / 2);
+            self.edges().for_each(|edge| list.room_for(1).push(edge));
+            list
+        })
     }
 
     /// The first triangle of each part of the surface that is connected across edges, in ascending order.
@@ -124,7 +117,7 @@ impl Topology {
 
     /// The component of every triangle, by its place in [`components`](Self::components).
     pub(crate) fn component_of_triangles(&self) -> Vec<u32> {
-        components(self.triangles.len(), &self.edges).0
+        components(&self.neighbours()).0
     }
 
     /// The vertices that at least one triangle uses, in ascending order.
@@ -151,53 +144,6 @@ fn check_indices(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<(), Mesh
         }
     }
     Ok(())
-}
-
-/// Every edge must belong to two triangles that run through it in opposite directions, or to one at a border. Gives also
-/// whether there is a border.
-fn find_edges(vertex_count: usize, triangles: &[[u32; 3]], border: Border) -> Result<(Vec<Edge>, bool), MeshError> {
-    let mut is_open = false;
-    let mut edges = memory::with_room(triangles.len() * 3 / 2);
-    // Six on average have the same smaller end: counted first, few are left to be sorted.
-    let mut ends = memory::filled(0u32, vertex_count + 1);
-    for [a, b, c] in triangles {
-        [a.min(b), b.min(c), c.min(a)].into_iter().for_each(|&lower| ends[lower as usize + 1] += 1);
-    }
-    for vertex in 0..vertex_count {
-        ends[vertex + 1] += ends[vertex];
-    }
-    // Of each triangle's sides: the larger end, whether the triangle runs backward, and the triangle, as one number, which
-    // sorts fastest. Triangles are fewer than a third of 2³².
-    let mut halves = memory::filled(0u64, triangles.len() * 3);
-    for (triangle, corners) in triangles.iter().enumerate() {
-        for i in 0..3 {
-            let (from, to) = (corners[i], corners[(i + 1) % 3]);
-            let end = &mut ends[from.min(to) as usize];
-            halves[*end as usize] = u64::from(from.max(to)) << 32 | u64::from(from > to) << 31 | triangle as u64;
-            *end += 1;
-        }
-    }
-    let (backward, triangle) = (|half: u64| half >> 31 & 1 == 1, |half: u64| half as u32 & (u32::MAX >> 1));
-    let mut start = 0;
-    for (lower, &end) in (0..).zip(&ends[..vertex_count]) {
-        let of_lower = &mut halves[start..end as usize];
-        start = end as usize;
-        of_lower.sort_unstable();
-        for shared in of_lower.chunk_by(|e, f| e >> 32 == f >> 32) {
-            let edge = [lower, (shared[0] >> 32) as u32];
-            match *shared {
-                [s, t] if backward(s) == backward(t) => {
-                    let triangles = [s, t].map(|half| triangle(half) as usize);
-                    return Err(MeshError::InconsistentOrientation { triangles, edge });
-                }
-                [s, t] => edges.room_for(1).push(Edge { vertices: edge, triangles: [s, t].map(triangle) }),
-                [_] if border == Border::Allowed => is_open = true,
-                [half] => return Err(MeshError::Open { triangle: triangle(half) as usize, edge }),
-                _ => return Err(MeshError::NonManifold { edge, triangle_count: shared.len() }),
-            }
-        }
-    }
-    Ok((edges, is_open))
 }
 
 fn triangles_around_vertices(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
@@ -270,34 +216,16 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
         rings.room_for(length - rings.len()).resize(length, vertex);
         start.push(rings.len() as u32);
     }
+    // Surfaces that touch themselves in vertices have longer ones than was reckoned, and so room to spare.
+    if rings.capacity() > rings.len() {
+        rings = memory::listed(rings.iter().copied());
+    }
     (rings, start)
 }
 
-/// In place of a neighbour where the surface ends.
-pub(super) const NO_TRIANGLE: u32 = u32::MAX;
-
-fn neighbours(triangle_count: usize, edges: &[Edge]) -> Vec<[u32; 3]> {
-    let mut neighbours = memory::filled([NO_TRIANGLE; 3], triangle_count);
-    for [a, b] in edges.iter().map(|edge| edge.triangles) {
-        for (from, to) in [(a, b), (b, a)] {
-            let [first, second, third] = &mut neighbours[from as usize];
-            // A triangle has three edges.
-            let free = if *first == NO_TRIANGLE {
-                first
-            } else if *second == NO_TRIANGLE {
-                second
-            } else {
-                third
-            };
-            *free = to;
-        }
-    }
-    neighbours
-}
-
-/// The component of every triangle, and the first triangle of each component.
-fn components(triangle_count: usize, edges: &[Edge]) -> (Vec<u32>, Vec<u32>) {
-    let neighbours = neighbours(triangle_count, edges);
+/// The component of every triangle, given those across its edges, and the first triangle of each component.
+fn components(neighbours: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
+    let triangle_count = neighbours.len();
     let mut component_of = memory::filled(u32::MAX, triangle_count);
     let mut firsts = Vec::new();
     let mut waiting = Vec::new();

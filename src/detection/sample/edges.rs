@@ -1,7 +1,7 @@
 use super::Sample;
 use crate::detection::contact::SurfacePoint;
 use crate::math::{Aabb, Scalar, direction, length};
-use crate::mesh::{Edge, Mesh};
+use crate::mesh::{Edge, Mesh, Side};
 use crate::octree::Tracer;
 use crate::ray::{Hit, Ray};
 
@@ -12,11 +12,11 @@ pub(crate) fn for_each_inside_stretch<T: Scalar>(
     tracers: [&Tracer<'_, T>; 2],
     region: &Aabb<T>,
     [groups, vertices]: [&mut Vec<u32>; 2],
-    crossings: &mut Vec<Hit<T>>,
+    (sides, crossings): (&mut Vec<Side>, &mut Vec<Hit<T>>),
     mut offer: impl FnMut(Sample<T>),
 ) {
     let mesh = tracers[0].mesh();
-    let mut look = |edge: &Edge| {
+    let mut look = |edge: Edge| {
         let [from, to] = edge.vertices.map(|vertex| mesh.position(vertex));
         let segment_box = Aabb { lower: from.inf(&to), upper: from.sup(&to) };
         if !segment_box.overlaps(region) {
@@ -25,21 +25,17 @@ pub(crate) fn for_each_inside_stretch<T: Scalar>(
         tracers[1].crossings(&Ray::new(from, to - from).until(T::one()), crossings);
         let mut number = 0;
         for_each_inside_interval(crossings, |start, end| {
-            if let Some(sample) = middle_of_stretch(mesh, edge, [start, end], number) {
+            if let Some(sample) = middle_of_stretch(mesh, &edge, [start, end], number) {
                 offer(sample);
             }
             number += 1;
         });
     };
-    let edges = mesh.topology().edges();
-    if !tracers[0].list_vertices_near(region, groups, vertices) {
-        return edges.iter().for_each(look);
-    }
-    // In the same order: edges are in that of their vertices.
-    let mut left = edges;
-    for &vertex in &*vertices {
-        left = &left[left.partition_point(|edge| edge.vertices[0] < vertex)..];
-        left.iter().take_while(|edge| edge.vertices[0] == vertex).for_each(&mut look);
+    let topology = mesh.topology();
+    if tracers[0].list_vertices_near(region, groups, vertices) {
+        vertices.iter().for_each(|&vertex| topology.edges_from(vertex, sides).for_each(&mut look));
+    } else {
+        (0..topology.vertex_count() as u32).for_each(|vertex| topology.edges_from(vertex, sides).for_each(&mut look));
     }
 }
 
@@ -131,14 +127,14 @@ mod tests {
     fn a_stretch_stands_for_its_part_of_a_third_of_both_faces() {
         let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 6.0]];
         let mesh = Mesh::<f64>::new(&corners, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).expect("it is closed");
-        let mut edges = mesh.topology().edges().iter();
+        let mut edges = mesh.topology().edges();
         let edge =
             edges.find(|edge| edge.vertices.contains(&0) && edge.vertices.contains(&1)).expect("it has that edge");
-        let sample = middle_of_stretch(&mesh, edge, [0.25, 0.75], 0).expect("its faces have normals");
+        let sample = middle_of_stretch(&mesh, &edge, [0.25, 0.75], 0).expect("its faces have normals");
         // Faces of areas 4 and 6 meet at a right angle.
         assert!((sample.area - 0.5 * 10.0 / 3.0).abs() < 1e-14);
         assert!((sample.normal + Vector3::new(0.0, 0.5f64.sqrt(), 0.5f64.sqrt())).norm() < 1e-14);
-        let sample = middle_of_stretch(&mesh, edge, [0.0, 0.5], 0).expect("its faces have normals");
+        let sample = middle_of_stretch(&mesh, &edge, [0.0, 0.5], 0).expect("its faces have normals");
         let from_first = if edge.vertices[0] == 0 { 0.5 } else { 1.5 };
         assert_eq!(
             (sample.point.position, sample.point.weights),

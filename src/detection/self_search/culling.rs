@@ -45,7 +45,7 @@ impl Culling {
         }
         let count = topology.triangles().len();
         self.regions.reset(count);
-        for edge in topology.edges() {
+        for edge in topology.edge_list() {
             let [a, b] = edge.triangles;
             if !(touching.touched[a as usize] || touching.touched[b as usize]) {
                 self.regions.join(a, b, false);

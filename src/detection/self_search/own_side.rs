@@ -45,7 +45,7 @@ impl Folds {
 
     /// Joins what lies inside along edges: for samples at vertices, which name no surface between them.
     pub(in crate::detection) fn join_along_edges(&mut self, topology: &Topology) {
-        for edge in topology.edges() {
+        for edge in topology.edge_list() {
             if edge.vertices.iter().all(|&vertex| self.is_inside[vertex as usize]) {
                 self.add([edge.vertices[0], edge.vertices[1], edge.vertices[0]]);
             }

@@ -207,7 +207,7 @@ impl<T: Scalar> Certificate<T> {
     fn is_strained_at_most(&self, mesh: &Mesh<T>) -> bool {
         let allowed = self.allowed * self.allowed;
         let moved = |vertex: u32| mesh.positions()[vertex as usize] - self.positions[vertex as usize];
-        mesh.topology().edges().iter().all(|edge| {
+        mesh.topology().edge_list().iter().all(|edge| {
             let [from, to] = edge.vertices;
             (moved(from) - moved(to)).norm_squared() <= allowed
         })

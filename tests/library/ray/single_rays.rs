@@ -125,7 +125,7 @@ fn rays_from_an_edge_pass_over_none_but_its_own_triangles() {
         let octree = Octree::with_layout(&mesh, layout);
         let tracer = octree.tracer(&mesh).expect("fresh");
         let mut leaves = Vec::new();
-        for edge in mesh.topology().edges().iter().step_by(STRIDE) {
+        for edge in mesh.topology().edges().step_by(STRIDE) {
             let [a, b] = edge.vertices;
             let start = (mesh.positions()[a as usize] + mesh.positions()[b as usize]) * 0.5;
             for (from, to) in [(a, b), (b, a)] {

@@ -76,7 +76,7 @@ fn pierces<T: Scalar>(a: &Mesh<T>, b: &Mesh<T>) -> bool {
         Coord3D { x, y, z }
     };
     let triangles: Vec<_> = b.topology().triangles().iter().map(|corners| corners.map(|v| coord(b, v))).collect();
-    a.topology().edges().iter().any(|edge| {
+    a.topology().edges().any(|edge| {
         let [from, to] = edge.vertices.map(|vertex| coord(a, vertex));
         triangles.iter().any(|&[p, q, r]| {
             let sides = [orient3d(p, q, r, from), orient3d(p, q, r, to)];

@@ -62,7 +62,7 @@ fn distortion(scene: &Scene<f64>, rest: &Field, positions: &Field) -> f64 {
     let of_body = |body: usize| {
         let mesh = scene.mesh(body as u32).expect("it was added");
         let length = |field: &Field, [a, b]: [u32; 2]| (field[body][a as usize] - field[body][b as usize]).norm();
-        let edges = mesh.topology().edges().iter();
+        let edges = mesh.topology().edges();
         edges
             .map(|edge| (length(positions, edge.vertices) / length(rest, edge.vertices) - 1.0).abs())
             .fold(0.0, f64::max)

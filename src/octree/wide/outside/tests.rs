@@ -65,9 +65,7 @@ fn judged<T: Scalar>(first: &Shape, second: &Shape) -> Found {
     }
     if !may_meet {
         for [a, b] in [[0, 1], [1, 0]] {
-            for [from, to] in
-                meshes[a].topology().edges().iter().map(|edge| edge.vertices.map(|v| meshes[a].position(v)))
-            {
+            for [from, to] in meshes[a].topology().edges().map(|edge| edge.vertices.map(|v| meshes[a].position(v))) {
                 tracers[b].crossings(&Ray { t_max: T::one(), ..Ray::new(from, to - from) }, &mut crossings);
                 assert!(crossings.is_empty(), "an edge of {a} crosses");
             }

@@ -1,0 +1,206 @@
+//! Where triangles meet. Edges are found from the triangles around their ends as they are asked for: a list of all would take a
+//! fifth of a mesh's memory.
+
+use super::MeshError;
+use super::topology::{Border, Topology};
+use crate::memory::{self, Room};
+
+/// Where two triangles meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// Its ends, the smaller number first.
+    pub vertices: [u32; 2],
+    /// Its two triangles.
+    pub triangles: [u32; 2],
+}
+
+/// In place of a neighbour where the surface ends.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+
+/// A triangle's side, seen from its smaller end: the larger end, whether the triangle runs backward through it, and the
+/// triangle, as one number, which sorts fastest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Side(u64);
+
+impl Side {
+    fn new(end: u32, is_backward: bool, triangle: u32) -> Self {
+        // Triangles are fewer than a third of 2³².
+        Self(u64::from(end) << 32 | u64::from(is_backward) << 31 | u64::from(triangle))
+    }
+
+    fn end(self) -> u32 {
+        (self.0 >> 32) as u32
+    }
+
+    fn is_backward(self) -> bool {
+        self.0 >> 31 & 1 == 1
+    }
+
+    fn triangle(self) -> u32 {
+        self.0 as u32 & (u32::MAX >> 1)
+    }
+}
+
+/// The sides of which a vertex is the smaller end, in ascending order, given the triangles around it.
+fn list_sides(vertex: u32, triangles: &[[u32; 3]], around: &[u32], sides: &mut Vec<Side>) {
+    sides.clear();
+    sides.room_for(2 * around.len());
+    for &triangle in around {
+        let [a, b, c] = triangles[triangle as usize];
+        let [next, last] = if a == vertex {
+            [b, c]
+        } else if b == vertex {
+            [c, a]
+        } else {
+            [a, b]
+        };
+        for (end, is_backward) in [(next, false), (last, true)] {
+            if end > vertex {
+                sides.push(Side::new(end, is_backward, triangle));
+            }
+        }
+    }
+    sides.sort_unstable();
+}
+
+/// Every edge must belong to two triangles that run through it in opposite directions, or to one at a border. Gives the
+/// triangles across the edges of each, as [`Topology::neighbours`], and whether there is a border.
+pub(super) fn check(
+    triangles: &[[u32; 3]],
+    around: &[u32],
+    around_start: &[u32],
+    border: Border,
+) -> Result<(Vec<[u32; 3]>, bool), MeshError> {
+    let mut is_open = false;
+    let mut neighbours = memory::filled([NO_TRIANGLE; 3], triangles.len());
+    let mut sides = Vec::new();
+    for (vertex, ends) in (0..).zip(around_start.windows(2)) {
+        list_sides(vertex, triangles, &around[ends[0] as usize..ends[1] as usize], &mut sides);
+        for shared in sides.chunk_by(|s, t| s.end() == t.end()) {
+            let edge = [vertex, shared[0].end()];
+            match *shared {
+                [s, t] if s.is_backward() == t.is_backward() => {
+                    let triangles = [s, t].map(|side| side.triangle() as usize);
+                    return Err(MeshError::InconsistentOrientation { triangles, edge });
+                }
+                [s, t] => join(&mut neighbours, [s, t].map(Side::triangle)),
+                [_] if border == Border::Allowed => is_open = true,
+                [side] => return Err(MeshError::Open { triangle: side.triangle() as usize, edge }),
+                _ => return Err(MeshError::NonManifold { edge, triangle_count: shared.len() }),
+            }
+        }
+    }
+    Ok((neighbours, is_open))
+}
+
+/// Notes that two triangles meet.
+fn join(neighbours: &mut [[u32; 3]], [a, b]: [u32; 2]) {
+    for (from, to) in [(a, b), (b, a)] {
+        let [first, second, third] = &mut neighbours[from as usize];
+        // A triangle has three edges.
+        let free = if *first == NO_TRIANGLE {
+            first
+        } else if *second == NO_TRIANGLE {
+            second
+        } else {
+            third
+        };
+        *free = to;
+    }
+}
+
+impl Topology {
+    /// Every edge between two triangles once, in ascending order of its vertices.
+    pub fn edges(&self) -> impl Iterator<Item = Edge> {
+        let mut sides = Vec::new();
+        let mut vertices = 0..self.vertex_count() as u32;
+        let (mut vertex, mut next) = (0, 0);
+        std::iter::from_fn(move || {
+            loop {
+                if let Some(edge) = next_edge(vertex, &sides, &mut next) {
+                    return Some(edge);
+                }
+                (vertex, next) = (vertices.next()?, 0);
+                list_sides(vertex, self.triangles(), self.triangles_around(vertex), &mut sides);
+            }
+        })
+    }
+
+    /// Those of them of which a vertex is the smaller end. `sides` is scratch memory.
+    pub(crate) fn edges_from(&self, vertex: u32, sides: &mut Vec<Side>) -> impl Iterator<Item = Edge> {
+        list_sides(vertex, self.triangles(), self.triangles_around(vertex), sides);
+        let (sides, mut next) = (&*sides, 0);
+        std::iter::from_fn(move || next_edge(vertex, sides, &mut next))
+    }
+
+    /// The triangles across the edges of each, in no order; [`NO_TRIANGLE`] for those that are not there.
+    pub(super) fn neighbours(&self) -> Vec<[u32; 3]> {
+        let mut neighbours = memory::filled([NO_TRIANGLE; 3], self.triangles().len());
+        self.edges().for_each(|edge| join(&mut neighbours, edge.triangles));
+        neighbours
+    }
+}
+
+/// The edge at or after `next` among a vertex's sides.
+fn next_edge(vertex: u32, sides: &[Side], next: &mut usize) -> Option<Edge> {
+    while let Some(&[s, t]) = sides[*next..].first_chunk() {
+        let is_edge = s.end() == t.end();
+        *next += if is_edge { 2 } else { 1 };
+        if is_edge {
+            return Some(Edge { vertices: [vertex, s.end()], triangles: [s, t].map(Side::triangle) });
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::shapes;
+    use std::collections::BTreeMap;
+
+    /// Closed and with a border; vertices with few and with very many triangles around them.
+    #[test]
+    fn edges_are_where_two_triangles_share_two_vertices() {
+        let torus = shapes::torus(12, 7, 0.4);
+        let sheet = &torus.triangles[..torus.triangles.len() - 5];
+        let sheet = Mesh::<f64>::open(&torus.positions, sheet).expect("it has a border");
+        for mesh in [torus.mesh(), sheet, shapes::fan(400).mesh()] {
+            let topology = mesh.topology();
+            let mut sharing: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
+            for (triangle, &[a, b, c]) in (0..).zip(topology.triangles()) {
+                for [from, to] in [[a, b], [b, c], [c, a]] {
+                    sharing.entry([from.min(to), from.max(to)]).or_default().push(triangle);
+                }
+            }
+            sharing.retain(|_, triangles| triangles.len() == 2);
+            let found: Vec<_> = topology.edges().collect();
+            assert!(found.iter().map(|edge| edge.vertices).eq(sharing.keys().copied()));
+            let sorted = |mut triangles: [u32; 2]| {
+                triangles.sort();
+                triangles
+            };
+            assert!(found.iter().map(|edge| sorted(edge.triangles)).eq(sharing.values().map(|two| [two[0], two[1]])));
+            assert_eq!(topology.edge_list(), found);
+            let mut sides = Vec::new();
+            let mut from_each = Vec::new();
+            for vertex in 0..topology.vertex_count() as u32 {
+                from_each.extend(topology.edges_from(vertex, &mut sides));
+            }
+            assert_eq!(from_each, found);
+            for (triangle, neighbours) in (0..).zip(topology.neighbours()) {
+                let mut expected: Vec<u32> = found
+                    .iter()
+                    .filter(|edge| edge.triangles.contains(&triangle))
+                    .map(|edge| edge.triangles[usize::from(edge.triangles[0] == triangle)])
+                    .collect();
+                expected.resize(3, NO_TRIANGLE);
+                let mut neighbours = neighbours.to_vec();
+                expected.sort();
+                neighbours.sort();
+                assert_eq!(neighbours, expected);
+            }
+        }
+    }
+}
