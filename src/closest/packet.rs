@@ -30,8 +30,14 @@ pub(crate) struct PointPacket<T: Scalar> {
     /// Of boxes, seen from the centre; below zero where the points have turned out not to be neighbours, so that each had
     /// better go its own way.
     pub(crate) centre_limit: T,
+    /// The box around all of them, and its limit.
+    pub(crate) around: Aabb<T>,
+    pub(crate) greatest_limit: T,
     /// How many tiles were looked at, and by how many points in all.
     looks: [u32; 2],
+    /// Scratch memory: for tiles, how near they may be to the points, and for points, how near a tile's triangles are.
+    pub(crate) rows: [[T; LANE_COUNT]; LANE_COUNT],
+    pub(crate) squares: [[T; LANE_COUNT]; LANE_COUNT],
 }
 
 /// After so many tiles it shows whether points are neighbours: whether so many of them look at each.
@@ -54,7 +60,11 @@ impl<T: Scalar> PointPacket<T> {
             found: 0,
             centre,
             centre_limit: zero,
+            around: Aabb::empty(),
+            greatest_limit: zero,
             looks: [0; 2],
+            rows: [zeros; LANE_COUNT],
+            squares: [zeros; LANE_COUNT],
         }
     }
 
@@ -116,7 +126,8 @@ impl<T: Scalar> PointPacket<T> {
         let bound = bound.mul(L::splat(factor));
         let slack = L::splat(T::one() + margins::margin(margins::SQUARE_OF_BOUND));
         bound.mul(bound).mul(slack).store(&mut self.square);
-        let middle = (position.smallest_lanes() + position.greatest_lanes()) * T::of(0.5);
+        self.around = Aabb { lower: position.smallest_lanes(), upper: position.greatest_lanes() };
+        let middle = (self.around.lower + self.around.upper) * T::of(0.5);
         self.centre = QueryPoint { position: middle, factor, inverse, margin: T::zero() };
         let from_centre = position.sub(Vectors::splat(&middle));
         from_centre.dot(from_centre).sqrt().mul(slack).store(&mut self.from_centre);
@@ -131,7 +142,9 @@ impl<T: Scalar> PointPacket<T> {
         let slack = T::one() + margins::margin(margins::SQUARE_OF_LIMIT);
         let margin = L::load(&self.margin);
         let distance = L::load(&self.square).sqrt().add(margin);
-        distance.mul(distance).mul(L::splat(slack)).store(&mut self.limit);
+        let limit = distance.mul(distance).mul(L::splat(slack));
+        limit.store(&mut self.limit);
+        self.greatest_limit = limit.greatest();
         let of_cylinders = distance.add(margin);
         of_cylinders.mul(of_cylinders).mul(L::splat(slack)).store(&mut self.cylinder_limit);
         // The centre is no farther from a box than a point is, and as far as that is from the centre.
@@ -155,11 +168,43 @@ impl<T: Scalar> PointPacket<T> {
         L::load(&self.from_centre).greatest()
     }
 
-    /// Takes note that so many points have looked at a tile.
+    /// Keeps the nearest of a tile's triangles for those of the points to which it is nearer than what is known, or as near
+    /// and before it, given the squared distances in `squares`, the smallest of them, and which triangles are sought.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn count_looks(&mut self, points: u32) {
+    pub(crate) fn keep_nearer<L: Lanes<T>>(
+        &mut self,
+        points: Mask,
+        sought: Mask,
+        smallest: &[T; LANE_COUNT],
+        triangles: &[u32; LANE_COUNT],
+    ) {
+        let (known, smallest_of_each) = (L::load(&self.square), L::load(smallest));
+        let mut nearer = smallest_of_each.is_at_most(known) & points;
+        if nearer == 0 {
+            return;
+        }
+        let as_near = known.is_at_most(smallest_of_each) & self.found;
+        L::select(nearer, smallest_of_each, known).store(&mut self.square);
+        self.found |= nearer;
+        self.renew_limits::<L>();
+        while nearer != 0 {
+            let lane = nearer.trailing_zeros() as usize;
+            nearer &= nearer - 1;
+            let mut first = if as_near >> lane & 1 == 1 { self.triangle[lane] } else { u32::MAX };
+            let mut nearest = L::load(&self.squares[lane]).is_at_most(L::splat(smallest[lane])) & sought;
+            while nearest != 0 {
+                first = first.min(triangles[nearest.trailing_zeros() as usize]);
+                nearest &= nearest - 1;
+            }
+            self.triangle[lane] = first;
+        }
+    }
+
+    /// Takes note that so many tiles were looked at, by so many points in all.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn count_looks(&mut self, of_tiles: u32, of_points: u32) {
         let [tiles, looks] = &mut self.looks;
-        (*tiles, *looks) = (*tiles + 1, *looks + points);
+        (*tiles, *looks) = (*tiles + of_tiles, *looks + of_points);
         if *tiles >= TILES_TO_TELL && *looks < POINTS_FOR_A_TILE * *tiles {
             self.centre_limit = -T::one();
         }

@@ -4,23 +4,29 @@
 use super::trace::LEVEL_COUNT;
 use super::{CHILD_COUNT, Node, Tile, Wide};
 use crate::closest::{NearTriangles, PointPacket, QueryPoint};
-use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vectors};
+use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vectors};
 use crate::mesh::Mesh;
 use crate::octree::closest::{Nearest, Sought};
 
 /// Who looks for what is near.
 trait Seeker<T: Scalar> {
-    /// The squared distance to boxes beyond which nothing counts.
+    /// The squared distance from the centre to boxes beyond which nothing counts.
     fn limit(&self) -> T;
 
-    /// Looks at a tile, a child of a node.
-    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize);
+    /// Where there are many points: the box around them, and the squared distance from it beyond which nothing counts.
+    fn around(&self) -> Option<(&Aabb<T>, T)>;
+
+    /// Looks at tiles, children of a node.
+    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, tiles: Children<T>);
 }
 
-/// The children of a node on the way down that are still to be visited.
+/// Children of a node that are still to be visited.
 #[derive(Clone, Copy)]
-struct Level<T> {
+struct Children<T> {
+    /// From the centre.
     squares: [T; CHILD_COUNT],
+    /// From the box around many points.
+    gaps: [T; CHILD_COUNT],
     left: Mask,
     node: u32,
 }
@@ -28,51 +34,72 @@ struct Level<T> {
 /// Visits the tiles near a point, the nearest child first at each node.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn walk<T: Scalar, L: Lanes<T>, S: Seeker<T>>(cells: &Wide<T>, mesh: &Mesh<T>, centre: &QueryPoint<T>, seeker: &mut S) {
-    let mut levels = [Level { squares: [T::zero(); CHILD_COUNT], left: 0, node: 0 }; LEVEL_COUNT];
-    levels[0].enter::<L>(cells, 0, centre);
+    let zeros = [T::zero(); CHILD_COUNT];
+    let mut levels = [Children { squares: zeros, gaps: zeros, left: 0, node: 0 }; LEVEL_COUNT];
+    levels[0].enter::<L, S>(cells, 0, centre, seeker);
     let mut depth = 0;
     loop {
-        let level = &mut levels[depth];
-        let squares = L::load(&level.squares);
-        level.left &= squares.is_at_most(L::splat(seeker.limit()));
-        if level.left == 0 {
+        let children = &mut levels[depth];
+        children.leave_far::<L, S>(seeker);
+        if children.left == 0 {
             if depth == 0 {
                 return;
             }
             depth -= 1;
             continue;
         }
-        let squares = L::select(level.left, squares, L::splat(T::INFINITY));
-        let nearest = squares.is_at_most(L::splat(squares.smallest())) & level.left;
-        level.left &= !(nearest & nearest.wrapping_neg());
         let mut room = None;
-        let node = cells.node(level.node as usize, &mut room);
-        let place = nearest.trailing_zeros() as usize;
+        let node = cells.node(children.node as usize, &mut room);
         if node.is_leaf {
-            seeker.look::<L>(cells, mesh, node, place);
+            seeker.look::<L>(cells, mesh, node, *children);
+            children.left = 0;
         } else {
-            let child = node.first + place as u32;
+            let child = node.first + children.take_nearest::<L>() as u32;
             depth += 1;
-            levels[depth].enter::<L>(cells, child, centre);
+            levels[depth].enter::<L, S>(cells, child, centre, seeker);
         }
     }
 }
 
-impl<T: Scalar> Level<T> {
+impl<T: Scalar> Children<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<T>>(&mut self, cells: &Wide<T>, node: u32, centre: &QueryPoint<T>) {
+    fn enter<L: Lanes<T>, S: Seeker<T>>(&mut self, cells: &Wide<T>, node: u32, centre: &QueryPoint<T>, seeker: &S) {
         self.node = node;
         let mut room = None;
         let node = cells.node(node as usize, &mut room);
         let factor = L::splat(centre.factor);
         let factor = Vectors::<T, L>::new(factor, factor, factor);
-        let centre = Vectors::splat(&centre.position);
+        let (lower, upper) = (Vectors::load(&node.lower), Vectors::load(&node.upper).negate());
         // Scaling is exact, so that it makes no difference whether it is rounded by itself.
-        let below = Vectors::load(&node.lower).times_add(factor, centre.negate());
-        let above = Vectors::load(&node.upper).negate().times_add(factor, centre);
-        let apart = below.larger(above).larger(Vectors::zeros());
+        let centre = Vectors::splat(&centre.position);
+        let apart = lower.times_add(factor, centre.negate()).larger(upper.times_add(factor, centre));
+        let apart = apart.larger(Vectors::zeros());
         apart.dot(apart).store(&mut self.squares);
+        if let Some((around, _)) = seeker.around() {
+            let below = lower.times_add(factor, Vectors::splat(&around.upper).negate());
+            let above = upper.times_add(factor, Vectors::splat(&around.lower));
+            let apart = below.larger(above).larger(Vectors::zeros());
+            apart.dot(apart).store(&mut self.gaps);
+        }
         self.left = ((1u32 << node.count) - 1) as Mask;
+    }
+
+    /// Leaves out those beyond the limits.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn leave_far<L: Lanes<T>, S: Seeker<T>>(&mut self, seeker: &S) {
+        self.left &= L::load(&self.squares).is_at_most(L::splat(seeker.limit()));
+        if let Some((_, limit)) = seeker.around() {
+            self.left &= L::load(&self.gaps).is_at_most(L::splat(limit));
+        }
+    }
+
+    /// The place of the one nearest to the centre, which is then no longer to be visited.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take_nearest<L: Lanes<T>>(&mut self) -> usize {
+        let squares = L::select(self.left, L::load(&self.squares), L::splat(T::INFINITY));
+        let nearest = squares.is_at_most(L::splat(squares.smallest())) & self.left;
+        self.left &= !(nearest & nearest.wrapping_neg());
+        nearest.trailing_zeros() as usize
     }
 }
 
@@ -113,9 +140,25 @@ impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
-        let index = node.first as usize + place;
-        if cells.is_loaded(index) && !cells.cylinders[index].is_near(self.query, self.cylinder_limit) {
+    fn around(&self) -> Option<(&Aabb<T>, T)> {
+        None
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, mut tiles: Children<T>) {
+        while tiles.left != 0 {
+            let index = node.first as usize + tiles.take_nearest::<L>();
+            self.look_at::<L>(cells, mesh, index);
+            tiles.leave_far::<L, Self>(self);
+        }
+    }
+}
+
+impl<T: Scalar, S: Sought> One<'_, T, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look_at<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, index: usize) {
+        let has_cylinder = cells.cylinders.made_from(index) & 1 == 1;
+        if has_cylinder && !cells.cylinders.of(index).is_near(self.query, self.cylinder_limit) {
             return;
         }
         let sought = cells.sought::<L, S>(self.sought, index);
@@ -195,39 +238,76 @@ impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, place: usize) {
-        let packet = &mut *self.packet;
-        let mut near = packet.near::<L>(&node.child_box(place));
+    fn around(&self) -> Option<(&Aabb<T>, T)> {
+        Some((&self.packet.around, self.packet.greatest_limit))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, node: &Node<T>, mut tiles: Children<T>) {
+        // The nearest first, whose triangles bound how near the others must be.
+        let place = tiles.take_nearest::<L>();
         let index = node.first as usize + place;
-        let count = near.count_ones();
-        if near != 0 && cells.is_loaded(index) {
-            near &= cells.cylinders[index].near::<L>(packet);
+        let near = self.packet.near::<L>(&node.child_box(place));
+        let mut looks = near.count_ones();
+        let made = cells.cylinders.made_from(node.first as usize);
+        let bounds = self.bounds_to::<L>(cells, index, made >> place);
+        self.look_at::<L>(cells, mesh, index, near, bounds);
+        tiles.leave_far::<L, Self>(self);
+        // Then all bounds without a branch, so that none has to wait for another.
+        let (mut near, mut found) = ([0; CHILD_COUNT], 0);
+        let mut left = tiles.left;
+        while left != 0 {
+            let place = left.trailing_zeros() as usize;
+            left &= left - 1;
+            near[place] = self.packet.near::<L>(&node.child_box(place));
+            self.bounds_to::<L>(cells, node.first as usize + place, made >> place).store(&mut self.packet.rows[place]);
+            looks += near[place].count_ones();
+            found |= Mask::from(near[place] != 0) << place;
         }
+        while found != 0 {
+            let place = found.trailing_zeros() as usize;
+            found &= found - 1;
+            let bounds = L::load(&self.packet.rows[place]);
+            self.look_at::<L>(cells, mesh, node.first as usize + place, near[place], bounds);
+        }
+        self.packet.count_looks(1 + tiles.left.count_ones(), looks);
+    }
+}
+
+impl<T: Scalar, S: Sought> Many<'_, T, S> {
+    /// Squared distances that nothing in a tile is nearer than, given whether it has a cylinder, in the lowest bit.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds_to<L: Lanes<T>>(&self, cells: &Wide<T>, index: usize, made: Mask) -> L {
+        let is_made = made & 1 == 1;
+        if is_made { cells.cylinders.of(index).squares::<L>(self.packet) } else { L::splat(T::zero()) }
+    }
+
+    /// Looks at a tile for those points near its box that may be nearer than by these bounds.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look_at<L: Lanes<T>>(&mut self, cells: &Wide<T>, mesh: &Mesh<T>, index: usize, near: Mask, bounds: L) {
+        let packet = &mut *self.packet;
+        let near = near & bounds.is_at_most(L::load(&packet.cylinder_limit));
         if near == 0 {
-            return packet.count_looks(count);
+            return;
         }
         let sought = cells.sought::<L, S>(self.sought, index);
         if sought == 0 {
-            return packet.count_looks(count);
+            return;
         }
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let positions = cells.positions_of::<L>(index, mesh, &mut room);
         let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], packet.centre.factor);
-        let mut is_nearer = false;
-        while near != 0 {
-            let lane = near.trailing_zeros() as usize;
-            near &= near - 1;
-            let squares = triangles.squares(&packet.point(lane));
-            let mut nearest = nearest_of(packet, lane);
-            if keep_nearest::<T, L>(cells, index, sought, squares, &mut nearest) {
-                keep(packet, lane, &nearest);
-                is_nearer = true;
-            }
+        // Here too all first, and only then which are nearer.
+        let mut smallest = [T::INFINITY; LANE_COUNT];
+        let mut left = near;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let squares = L::select(sought, triangles.squares(&packet.point(lane)), L::splat(T::INFINITY));
+            squares.store(&mut packet.squares[lane]);
+            smallest[lane] = squares.smallest();
         }
-        if is_nearer {
-            packet.renew_limits::<L>();
-        }
-        packet.count_looks(count);
+        packet.keep_nearer::<L>(near, sought, &smallest, &cells.tiles[index].triangles);
     }
 }
 

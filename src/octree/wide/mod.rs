@@ -31,7 +31,7 @@ use node::{CHILD_COUNT, Node};
 use posed::Posed;
 use single::{FEW_NODES, FEW_WAITING, NearestOfRay};
 use tile::{Outline, TILE_SIZE, Tile};
-use tile_cylinder::TileCylinder;
+use tile_cylinder::{TileCylinder, TileCylinders};
 use trace::STACK_SIZE;
 use vertex_runs::VertexRuns;
 
@@ -51,8 +51,7 @@ pub(super) struct Wide<T: Scalar> {
     ascending: Vec<[[u8; TILE_SIZE]; 3]>,
     /// Children come after their parent; the first is the root.
     nodes: Vec<Node<T>>,
-    /// Of each tile that is loaded.
-    cylinders: Vec<TileCylinder<T>>,
+    cylinders: TileCylinders<T>,
     runs: VertexRuns<T>,
     /// Where the mesh has been moved by a pose.
     posed: Option<Box<[Posed<T>; 1]>>,
@@ -77,7 +76,7 @@ impl<T: Scalar> Wide<T> {
         }
         let ascending = memory::listed(tiles.iter().zip(&outlines).map(|(tile, outline)| tile.ascending(outline)));
         let runs = VertexRuns::new(mesh, &nodes, &outlines);
-        let cylinders = memory::filled(TileCylinder::endless(), tiles.len());
+        let cylinders = TileCylinders::new(tiles.len());
         let (posed, is_tight, loading) = (None, false, 0);
         let mut wide = Self { tiles, outlines, ascending, nodes, cylinders, runs, posed, is_tight, loading };
         wide.refit(mesh, None);
@@ -89,6 +88,7 @@ impl<T: Scalar> Wide<T> {
     /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
     pub(super) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
         self.loading += 1;
+        self.cylinders.forget();
         self.leave_pose();
         crate::math::dispatch::<T, _>(refit::Refit { cells: self, mesh, regions });
     }

@@ -295,9 +295,12 @@ impl<T: Scalar> Wide<T> {
     pub(in crate::octree) fn place_in(&mut self, mesh: &mut Mesh<T>, regions: &[Aabb<T>], is_new: bool) {
         let Some(&pose) = mesh.pose() else { return };
         self.posed_of(mesh);
-        let Self { nodes, outlines, posed, is_tight, loading, .. } = self;
+        let Self { nodes, outlines, cylinders, posed, is_tight, loading, .. } = self;
         let Some([posed]) = posed.as_deref_mut() else { return };
-        *loading += u64::from(posed.pose.is_none() || is_new);
+        if posed.pose.is_none() || is_new {
+            *loading += 1;
+            cylinders.forget();
+        }
         if posed.pose.is_none() {
             nodes.iter_mut().for_each(|node| node.is_placed = false);
             outlines.iter_mut().for_each(Outline::forget);

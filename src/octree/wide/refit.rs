@@ -77,8 +77,9 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
             let tile = &mut tiles[index];
             if tile.loaded_at != *loading {
                 self.mesh.gather::<L>(&outlines[index].vertices).store(&mut tile.positions);
-                cylinders[index] =
-                    if self.for_distances { TileCylinder::around::<L>(tile) } else { TileCylinder::endless() };
+                if self.for_distances {
+                    cylinders.set(index, TileCylinder::around::<L>(tile));
+                }
                 tile.loaded_at = *loading;
             }
         }

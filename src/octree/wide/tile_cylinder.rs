@@ -4,6 +4,7 @@
 use super::tile::{TILE_SIZE, Tile};
 use crate::closest::{PointPacket, QueryPoint};
 use crate::math::{Lanes, Mask, Scalar, Vector3, Vectors, direction, margins};
+use crate::memory;
 
 /// A round cylinder around a tile, across its mean normal: a better bound for distances than the box of a tilted tile.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,44 @@ pub(super) struct TileCylinder<T: Scalar> {
     above: T,
     /// And across it.
     radius: T,
+}
+
+/// The cylinders around tiles, as far as they have been made of their present positions.
+#[derive(Clone, Debug)]
+pub(super) struct TileCylinders<T: Scalar> {
+    cylinders: Vec<TileCylinder<T>>,
+    /// Sixteen tiles after another: which have one. Beside one another, so that a look at tiles that have none costs little.
+    are_made: Vec<Mask>,
+}
+
+impl<T: Scalar> TileCylinders<T> {
+    pub(super) fn new(tile_count: usize) -> Self {
+        let are_made = memory::filled(0, tile_count / TILE_SIZE + 2);
+        Self { cylinders: memory::filled(TileCylinder::endless(), tile_count), are_made }
+    }
+
+    /// To be called where positions have changed.
+    pub(super) fn forget(&mut self) {
+        self.are_made.fill(0);
+    }
+
+    pub(super) fn set(&mut self, tile: usize, cylinder: TileCylinder<T>) {
+        self.cylinders[tile] = cylinder;
+        self.are_made[tile / TILE_SIZE] |= 1 << (tile % TILE_SIZE);
+    }
+
+    /// Which of sixteen tiles have one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn made_from(&self, first: usize) -> Mask {
+        let [here, next] = [0, 1].map(|word| u32::from(self.are_made[first / TILE_SIZE + word]));
+        ((here | next << TILE_SIZE) >> (first % TILE_SIZE)) as Mask
+    }
+
+    /// That of a tile which has one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn of(&self, tile: usize) -> &TileCylinder<T> {
+        &self.cylinders[tile]
+    }
 }
 
 impl<T: Scalar> TileCylinder<T> {
@@ -61,9 +100,9 @@ impl<T: Scalar> TileCylinder<T> {
         middle + lift + radius * (square - cosine * cosine + slack).max(0.0).sqrt() + slack * size
     }
 
-    /// Which of a packet's points may be near enough to something in the cylinder.
+    /// Squared distances of a packet's points to the cylinder, which nothing in it is nearer than.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn near<L: Lanes<T>>(&self, packet: &PointPacket<T>) -> Mask {
+    pub(super) fn squares<L: Lanes<T>>(&self, packet: &PointPacket<T>) -> L {
         let factor = packet.centre.factor;
         let normal = Vectors::<T, L>::splat(&self.normal);
         let seen = Vectors::load(&packet.position).sub(Vectors::splat(&(self.centre * factor)));
@@ -74,7 +113,7 @@ impl<T: Scalar> TileCylinder<T> {
         let below = L::splat(self.below * factor).sub(along);
         let apart = above.larger(below).larger(zero);
         let beside = across.dot(across).sqrt().sub(L::splat(self.radius * factor)).larger(zero);
-        apart.mul(apart).add(beside.mul(beside)).is_at_most(L::load(&packet.cylinder_limit))
+        apart.mul(apart).add(beside.mul(beside))
     }
 
     /// Whether a point may be nearer than by this square to something in the cylinder.
