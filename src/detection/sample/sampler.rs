@@ -3,7 +3,7 @@
 use super::{CutPiece, Cutter, FaceSource, Sample, SamplePacket};
 use crate::detection::statistics::Statistics;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Scalar};
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::Representatives;
 use crate::octree::Tracer;
 
@@ -36,6 +36,8 @@ pub(crate) struct Pieces<T: Scalar> {
     pub(crate) cut: Vec<CutPiece<T>>,
     /// The parts inside the other body of pieces that its surface crosses.
     pub(crate) inside: Vec<InsidePart<T>>,
+    /// In which order samples come: what they are ordered by, and their places.
+    order: Vec<((u32, u32), u32)>,
 }
 
 /// The part inside the other body of a piece that its surface crosses.
@@ -166,6 +168,60 @@ impl<T: Scalar> Kernel<T> for Collect<'_, T> {
             samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
         }
         // In an order that does not depend on the layout of the tree.
-        samples.sort_unstable_by_key(Sample::place);
+        memory::refill(&mut pieces.order, samples.iter().map(Sample::place).zip(0..));
+        sort(samples, &mut pieces.order);
+    }
+}
+
+/// Sorts samples by their places alone, which are much smaller, and only then moves each once.
+fn sort<T: Scalar>(samples: &mut [Sample<T>], order: &mut [((u32, u32), u32)]) {
+    order.sort_unstable();
+    for start in 0..order.len() {
+        // Around a ring of samples, each of which belongs where the next one is now.
+        let (mut place, first) = (start, samples[start]);
+        loop {
+            let from = std::mem::replace(&mut order[place].1, place as u32) as usize;
+            if from == start {
+                samples[place] = first;
+                break;
+            }
+            samples[place] = samples[from];
+            place = from;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detection::contact::SurfacePoint;
+    use crate::math::Vector3;
+
+    /// Of one triangle the first half comes before the second, and halves of halves between them.
+    #[test]
+    fn samples_come_by_triangle_and_piece() {
+        let sample = |(triangle, piece): (u32, u32)| {
+            let point = SurfacePoint {
+                triangle,
+                vertices: [0; 3],
+                weights: [0.0; 3],
+                position: Vector3::repeat(f64::from(piece)),
+            };
+            Sample { point, normal: Vector3::z(), area: 1.0, piece }
+        };
+        let expected = [(0, 1), (2, 4), (2, 5), (2, 3), (7, 2), (7, 6), (7, 7), (9, 1), (1 << 31, 1)];
+        for turn in 0..500usize {
+            let mut left = expected.to_vec();
+            let mut state = turn;
+            let mut samples = Vec::new();
+            while !left.is_empty() {
+                samples.push(sample(left.swap_remove(state % left.len())));
+                state /= 3;
+            }
+            let mut order: Vec<_> = samples.iter().map(Sample::place).zip(0..).collect();
+            sort(&mut samples, &mut order);
+            assert!(samples.iter().map(|sample| (sample.point.triangle, sample.piece)).eq(expected));
+            assert!(samples.iter().all(|sample| sample.point.position.x == f64::from(sample.piece)));
+        }
     }
 }
