@@ -37,8 +37,8 @@ git ls-files -z | xargs -0 cp --parents -t "$copy"
 (
     cd "$copy"
     # The option is not a stable one.
-    RUSTC_BOOTSTRAP=1 cargo update --quiet -Z direct-minimal-versions
-    CARGO_TARGET_DIR="$root/target/oldest" cargo check --locked --quiet "${parts[@]}"
+    RUSTC_BOOTSTRAP=1 cargo update --quiet -Z direct-minimal-versions &&
+        CARGO_TARGET_DIR="$root/target/oldest" cargo check --locked --quiet "${parts[@]}"
 ) || fail 'the oldest versions that Cargo.toml allows will not do: raise those that the errors above are about'
 
 if [[ $long == true ]]; then
