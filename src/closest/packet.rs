@@ -35,8 +35,9 @@ pub(crate) struct PointPacket<T: Scalar> {
     pub(crate) greatest_limit: T,
     /// How many tiles were looked at, and by how many points in all.
     looks: [u32; 2],
-    /// Scratch memory: for tiles, how near they may be to the points, and for points, how near a tile's triangles are.
-    pub(crate) rows: [[T; LANE_COUNT]; LANE_COUNT],
+    /// Scratch memory: by tile, squared distances that nothing in it is nearer to each point than.
+    pub(crate) tile_bounds: [[T; LANE_COUNT]; LANE_COUNT],
+    /// And by point, those of a tile's triangles.
     pub(crate) squares: [[T; LANE_COUNT]; LANE_COUNT],
 }
 
@@ -63,7 +64,7 @@ impl<T: Scalar> PointPacket<T> {
             around: Aabb::empty(),
             greatest_limit: zero,
             looks: [0; 2],
-            rows: [zeros; LANE_COUNT],
+            tile_bounds: [zeros; LANE_COUNT],
             squares: [zeros; LANE_COUNT],
         }
     }

@@ -2,7 +2,6 @@
 //! fifth of a mesh's memory.
 
 use super::MeshError;
-use super::topology::{Border, Topology};
 use crate::memory::{self, Room};
 
 /// Where two triangles meet.
@@ -12,6 +11,15 @@ pub struct Edge {
     pub vertices: [u32; 2],
     /// Its two triangles.
     pub triangles: [u32; 2],
+}
+
+/// What to do with edges that belong to one triangle only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Border {
+    /// The surface is open, and refused.
+    Refused,
+    /// The surface may end there.
+    Allowed,
 }
 
 /// In place of a neighbour where the surface ends.
@@ -41,19 +49,23 @@ impl Side {
     }
 }
 
+/// A triangle's two corners beside one of them, in its order.
+pub(super) fn others([a, b, c]: [u32; 3], vertex: u32) -> [u32; 2] {
+    if a == vertex {
+        [b, c]
+    } else if b == vertex {
+        [c, a]
+    } else {
+        [a, b]
+    }
+}
+
 /// The sides of which a vertex is the smaller end, in ascending order, given the triangles around it.
-fn list_sides(vertex: u32, triangles: &[[u32; 3]], around: &[u32], sides: &mut Vec<Side>) {
+pub(super) fn list_sides(vertex: u32, triangles: &[[u32; 3]], around: &[u32], sides: &mut Vec<Side>) {
     sides.clear();
     sides.room_for(2 * around.len());
     for &triangle in around {
-        let [a, b, c] = triangles[triangle as usize];
-        let [next, last] = if a == vertex {
-            [b, c]
-        } else if b == vertex {
-            [c, a]
-        } else {
-            [a, b]
-        };
+        let [next, last] = others(triangles[triangle as usize], vertex);
         for (end, is_backward) in [(next, false), (last, true)] {
             if end > vertex {
                 sides.push(Side::new(end, is_backward, triangle));
@@ -64,7 +76,7 @@ fn list_sides(vertex: u32, triangles: &[[u32; 3]], around: &[u32], sides: &mut V
 }
 
 /// Every edge must belong to two triangles that run through it in opposite directions, or to one at a border. Gives the
-/// triangles across the edges of each, as [`Topology::neighbours`], and whether there is a border.
+/// triangles across the edges of each, in no order, and [`NO_TRIANGLE`] for those that are not there; and whether there is a border.
 pub(super) fn check(
     triangles: &[[u32; 3]],
     around: &[u32],
@@ -94,7 +106,7 @@ pub(super) fn check(
 }
 
 /// Notes that two triangles meet.
-fn join(neighbours: &mut [[u32; 3]], [a, b]: [u32; 2]) {
+pub(super) fn join(neighbours: &mut [[u32; 3]], [a, b]: [u32; 2]) {
     for (from, to) in [(a, b), (b, a)] {
         let [first, second, third] = &mut neighbours[from as usize];
         // A triangle has three edges.
@@ -109,40 +121,8 @@ fn join(neighbours: &mut [[u32; 3]], [a, b]: [u32; 2]) {
     }
 }
 
-impl Topology {
-    /// Every edge between two triangles once, in ascending order of its vertices.
-    pub fn edges(&self) -> impl Iterator<Item = Edge> {
-        let mut sides = Vec::new();
-        let mut vertices = 0..self.vertex_count() as u32;
-        let (mut vertex, mut next) = (0, 0);
-        std::iter::from_fn(move || {
-            loop {
-                if let Some(edge) = next_edge(vertex, &sides, &mut next) {
-                    return Some(edge);
-                }
-                (vertex, next) = (vertices.next()?, 0);
-                list_sides(vertex, self.triangles(), self.triangles_around(vertex), &mut sides);
-            }
-        })
-    }
-
-    /// Those of them of which a vertex is the smaller end. `sides` is scratch memory.
-    pub(crate) fn edges_from(&self, vertex: u32, sides: &mut Vec<Side>) -> impl Iterator<Item = Edge> {
-        list_sides(vertex, self.triangles(), self.triangles_around(vertex), sides);
-        let (sides, mut next) = (&*sides, 0);
-        std::iter::from_fn(move || next_edge(vertex, sides, &mut next))
-    }
-
-    /// The triangles across the edges of each, in no order; [`NO_TRIANGLE`] for those that are not there.
-    pub(super) fn neighbours(&self) -> Vec<[u32; 3]> {
-        let mut neighbours = memory::filled([NO_TRIANGLE; 3], self.triangles().len());
-        self.edges().for_each(|edge| join(&mut neighbours, edge.triangles));
-        neighbours
-    }
-}
-
 /// The edge at or after `next` among a vertex's sides.
-fn next_edge(vertex: u32, sides: &[Side], next: &mut usize) -> Option<Edge> {
+pub(super) fn next_edge(vertex: u32, sides: &[Side], next: &mut usize) -> Option<Edge> {
     while let Some(&[s, t]) = sides[*next..].first_chunk() {
         let is_edge = s.end() == t.end();
         *next += if is_edge { 2 } else { 1 };

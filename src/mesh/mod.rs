@@ -20,8 +20,8 @@ mod winding;
 
 pub use crate::bytes::BytesError;
 pub(crate) use clusters::{CLUSTER_SIZE, Clusters, capacity_below, middle};
-pub use edges::Edge;
 pub(crate) use edges::Side;
+pub use edges::{Border, Edge};
 pub(crate) use error::InFile;
 pub use error::MeshError;
 pub(crate) use facing::Facing;
@@ -36,7 +36,7 @@ pub(crate) use positions::PositionSource;
 use positions::{FiniteBounds, Numbered};
 pub(crate) use representatives::Representatives;
 use topology::RING_LENGTH;
-pub use topology::{Border, Topology};
+pub use topology::Topology;
 
 use crate::math::{Aabb, LANE_COUNT, Pose, Scalar, Vector3, dispatch};
 use crate::memory;

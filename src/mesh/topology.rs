@@ -1,5 +1,5 @@
 use super::MeshError;
-use super::edges::{self, Edge, NO_TRIANGLE};
+use super::edges::{self, Border, Edge, NO_TRIANGLE, Side};
 use crate::math::{LANE_COUNT, Lanes, Scalar};
 use crate::memory::{self, Room};
 use std::sync::OnceLock;
@@ -21,15 +21,6 @@ pub struct Topology {
     edges: OnceLock<Vec<Edge>>,
     components: Vec<u32>,
     is_open: bool,
-}
-
-/// What to do with edges that belong to one triangle only.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Border {
-    /// The surface is open, and refused.
-    Refused,
-    /// The surface may end there.
-    Allowed,
 }
 
 /// Most vertices have six triangles around them, and so a ring of seven.
@@ -99,6 +90,36 @@ impl Topology {
     /// Whether the surface has a border.
     pub fn is_open(&self) -> bool {
         self.is_open
+    }
+
+    /// Every edge between two triangles once, in ascending order of its vertices.
+    pub fn edges(&self) -> impl Iterator<Item = Edge> {
+        let mut sides = Vec::new();
+        let mut vertices = 0..self.vertex_count() as u32;
+        let (mut vertex, mut next) = (0, 0);
+        std::iter::from_fn(move || {
+            loop {
+                if let Some(edge) = edges::next_edge(vertex, &sides, &mut next) {
+                    return Some(edge);
+                }
+                (vertex, next) = (vertices.next()?, 0);
+                edges::list_sides(vertex, self.triangles(), self.triangles_around(vertex), &mut sides);
+            }
+        })
+    }
+
+    /// Those of them of which a vertex is the smaller end. `sides` is scratch memory.
+    pub(crate) fn edges_from(&self, vertex: u32, sides: &mut Vec<Side>) -> impl Iterator<Item = Edge> {
+        edges::list_sides(vertex, self.triangles(), self.triangles_around(vertex), sides);
+        let (sides, mut next) = (&*sides, 0);
+        std::iter::from_fn(move || edges::next_edge(vertex, sides, &mut next))
+    }
+
+    /// The triangles across the edges of each, in no order; [`NO_TRIANGLE`] for those that are not there.
+    pub(super) fn neighbours(&self) -> Vec<[u32; 3]> {
+        let mut neighbours = memory::filled([NO_TRIANGLE; 3], self.triangles().len());
+        self.edges().for_each(|edge| edges::join(&mut neighbours, edge.triangles));
+        neighbours
     }
 
     /// [`edges`](Self::edges) as a list, which is kept from then on.
@@ -180,17 +201,7 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
         let own = &around[around_start[vertex] as usize..around_start[vertex + 1] as usize];
         let vertex = vertex as u32;
         sides.clear();
-        let others = |&triangle: &u32| {
-            let [a, b, c] = triangles[triangle as usize];
-            if a == vertex {
-                [b, c]
-            } else if b == vertex {
-                [c, a]
-            } else {
-                [a, b]
-            }
-        };
-        memory::append(&mut sides, own.iter().map(others));
+        memory::append(&mut sides, own.iter().map(|&triangle| edges::others(triangles[triangle as usize], vertex)));
         let ring = rings.len();
         memory::refill(&mut by_first, sides.iter().enumerate().map(|(place, &side)| (side, place)));
         by_first.sort_unstable();

@@ -80,8 +80,10 @@ impl Autotuner {
                 let is_asked = is_due || (is_other_work && self.waited >= NOT_WITHIN);
                 if is_asked {
                     self.again_after = (self.again_after * 2).min(at_last);
+                    (slower, true)
+                } else {
+                    (faster, false)
                 }
-                if is_asked { (slower, true) } else { (faster, false) }
             }
         };
         self.waited += 1;

@@ -1,7 +1,7 @@
 //! Keeps a pool's threads awake from the first phase of a step to its last: between phases they would fall asleep, and
 //! waking one takes as long as a small phase.
 
-use super::cores::Seats;
+use super::cores::Placement;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -12,15 +12,15 @@ thread_local! {
 }
 
 /// Runs the work on a thread of a pool while so many others look for parts of it.
-pub(super) fn keep_awake(others: usize, seats: &Seats, work: impl FnOnce() + Send) {
+pub(super) fn keep_awake(others: usize, placement: &Placement, work: impl FnOnce() + Send) {
     let is_done = AtomicBool::new(false);
     let work = || {
         let _done = SetAtEnd(&is_done);
         at_work(work);
     };
     if others > 0 {
-        let away = seats.send_others_away();
-        rayon::join(work, || look_for_work(others, &|| away.come_back(), &is_done));
+        let restricted = placement.keep_others_off_this_core();
+        rayon::join(work, || look_for_work(others, &|| restricted.release(), &is_done));
     } else {
         work();
     }

@@ -3,13 +3,13 @@
 //! Linux puts a thread that wakes up on a core that is idle. But in a virtual machine it takes idle cores for busy ones where
 //! the machine below has put them to rest (`available_idle_cpu` of its scheduler), and then chooses the core of the thread
 //! that wakes it. The two would take turns there until the system moves one, which may take longer than a step. So the first
-//! thread of a step sends the others to the other cores before it wakes them; as soon as they are awake they may go anywhere
+//! thread of a step restricts the others to the other cores before it wakes them; once awake they may run anywhere
 //! again. Other systems are left to themselves.
 
 #[cfg(target_os = "linux")]
-pub(super) use of_linux::Seats;
+pub(super) use of_linux::Placement;
 #[cfg(not(target_os = "linux"))]
-pub(super) use of_others::Seats;
+pub(super) use of_others::Placement;
 
 #[cfg(target_os = "linux")]
 mod of_linux {
@@ -18,33 +18,33 @@ mod of_linux {
     use std::sync::atomic::{AtomicBool, Ordering};
 
     /// Where the threads of a pool are.
-    pub(crate) struct Seats(Vec<Seat>);
+    pub(crate) struct Placement(Vec<PoolThread>);
 
     #[derive(Default)]
-    struct Seat {
+    struct PoolThread {
         thread: OnceLock<Pid>,
         /// Whether the thread is kept from some cores.
-        is_away: AtomicBool,
+        is_restricted: AtomicBool,
     }
 
-    impl Seats {
+    impl Placement {
         pub(crate) fn new(count: usize) -> Self {
-            Self((0..count).map(|_| Seat::default()).collect())
+            Self((0..count).map(|_| PoolThread::default()).collect())
         }
 
         /// To be called by the thread of this number.
-        pub(crate) fn take(&self, number: usize) {
+        pub(crate) fn register(&self, number: usize) {
             let _ = self.0[number].thread.set(thread::gettid());
         }
 
-        /// Keeps the other threads from the core of this one, and from one another's, until they come back or what this gives
-        /// is dropped. Threads that the host has bound to cores of their own stay there.
-        pub(crate) fn send_others_away(&self) -> Away<'_> {
-            Away { seats: self, all: self.sent_away() }
+        /// Keeps the other threads from the core of this one, and from one another's, until they are released or what this
+        /// gives is dropped. Threads that the host has bound to cores of their own stay there.
+        pub(crate) fn keep_others_off_this_core(&self) -> Restricted<'_> {
+            Restricted { placement: self, all: self.restrict_others() }
         }
 
-        /// Sends them away; gives which cores they may use otherwise.
-        fn sent_away(&self) -> Option<CpuSet> {
+        /// Restricts them; gives which cores they may use otherwise.
+        fn restrict_others(&self) -> Option<CpuSet> {
             let all = thread::sched_getaffinity(None).ok()?;
             let here = thread::sched_getcpu();
             let own = rayon::current_thread_index();
@@ -54,47 +54,49 @@ mod of_linux {
             if parts == 0 || !all.is_set(here) {
                 return None;
             }
-            for (place, (_, seat)) in others().enumerate() {
-                let Some(&thread) = seat.thread.get() else { continue };
+            for (place, (_, pool_thread)) in others().enumerate() {
+                let Some(&thread) = pool_thread.thread.get() else { continue };
                 let mut part = CpuSet::new();
                 let cores = (0..CpuSet::MAX_CPU).filter(|&core| core != here && all.is_set(core));
                 cores.take(free).skip(place % parts).step_by(parts).for_each(|core| part.set(core));
                 if thread::sched_getaffinity(Some(thread)).is_ok_and(|allowed| allowed == all) {
-                    seat.is_away.store(thread::sched_setaffinity(Some(thread), &part).is_ok(), Ordering::Release);
+                    pool_thread
+                        .is_restricted
+                        .store(thread::sched_setaffinity(Some(thread), &part).is_ok(), Ordering::Release);
                 }
             }
             Some(all)
         }
     }
 
-    /// Threads that have been sent away.
-    pub(crate) struct Away<'a> {
-        seats: &'a Seats,
+    /// Threads that are kept off a core.
+    pub(crate) struct Restricted<'a> {
+        placement: &'a Placement,
         all: Option<CpuSet>,
     }
 
-    impl Away<'_> {
-        /// Lets the calling thread go anywhere again.
-        pub(crate) fn come_back(&self) {
+    impl Restricted<'_> {
+        /// Lets the calling thread run anywhere again.
+        pub(crate) fn release(&self) {
             if let Some(number) = rayon::current_thread_index() {
-                self.seats.0[number].come_back(&self.all);
+                self.placement.0[number].release(&self.all);
             }
         }
     }
 
-    /// Threads that were never woken come back too.
-    impl Drop for Away<'_> {
+    /// Releases the threads that were never woken, too.
+    impl Drop for Restricted<'_> {
         fn drop(&mut self) {
-            self.seats.0.iter().for_each(|seat| seat.come_back(&self.all));
+            self.placement.0.iter().for_each(|pool_thread| pool_thread.release(&self.all));
         }
     }
 
-    impl Seat {
-        fn come_back(&self, all: &Option<CpuSet>) {
+    impl PoolThread {
+        fn release(&self, all: &Option<CpuSet>) {
             if let (Some(all), Some(&thread), true) =
-                (all, self.thread.get(), self.is_away.swap(false, Ordering::AcqRel))
+                (all, self.thread.get(), self.is_restricted.swap(false, Ordering::AcqRel))
             {
-                // It may only fail where it should not have been sent away either.
+                // It may only fail where restricting it should have failed too.
                 let _ = thread::sched_setaffinity(Some(thread), all);
             }
         }
@@ -104,31 +106,31 @@ mod of_linux {
 #[cfg(not(target_os = "linux"))]
 mod of_others {
     /// Where the threads of a pool are: only the system knows.
-    pub(crate) struct Seats;
+    pub(crate) struct Placement;
 
-    impl Seats {
+    impl Placement {
         pub(crate) fn new(_: usize) -> Self {
             Self
         }
 
-        pub(crate) fn take(&self, _: usize) {}
+        pub(crate) fn register(&self, _: usize) {}
 
-        pub(crate) fn send_others_away(&self) -> Away {
-            Away
+        pub(crate) fn keep_others_off_this_core(&self) -> Restricted {
+            Restricted
         }
     }
 
-    /// Nobody is sent away.
-    pub(crate) struct Away;
+    /// No thread is restricted.
+    pub(crate) struct Restricted;
 
-    impl Away {
-        pub(crate) fn come_back(&self) {}
+    impl Restricted {
+        pub(crate) fn release(&self) {}
     }
 }
 
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
-    use super::Seats;
+    use super::Placement;
     use rustix::thread::{CpuSet, gettid, sched_getaffinity, sched_getcpu, sched_setaffinity};
     use std::sync::mpsc::channel;
     use std::thread;
@@ -139,19 +141,19 @@ mod tests {
 
     /// Three threads, of which the host has bound the last to one core.
     #[test]
-    fn threads_are_sent_away_until_they_are_awake_and_bound_ones_stay_bound() {
+    fn threads_are_restricted_until_released_and_bound_ones_stay_bound() {
         let all = sched_getaffinity(None).expect("Linux tells");
         let mut bound = CpuSet::new();
         bound.set(cores(&all)[0]);
-        let seats = Seats::new(3);
+        let placement = Placement::new(3);
         thread::scope(|scope| {
             let (told, ids) = channel();
             let mut wakes = Vec::new();
             for number in 0..3 {
                 let (wake, woken) = channel::<()>();
-                let (told, seats, bound) = (told.clone(), &seats, &bound);
+                let (told, placement, bound) = (told.clone(), &placement, &bound);
                 scope.spawn(move || {
-                    seats.take(number);
+                    placement.register(number);
                     if number == 2 {
                         sched_setaffinity(None, bound).expect("it is one of the thread's own cores");
                     }
@@ -167,7 +169,7 @@ mod tests {
             let allowed = || threads.map(|thread| sched_getaffinity(thread).expect("it lives"));
 
             let here = sched_getcpu();
-            let away = seats.send_others_away();
+            let restricted = placement.keep_others_off_this_core();
             let [first, second, last] = allowed();
             // This thread may have moved in between.
             let stayed = sched_getcpu() == here;
@@ -182,7 +184,7 @@ mod tests {
             } else {
                 assert_eq!([first, second], [all; 2]);
             }
-            drop(away);
+            drop(restricted);
             assert_eq!(allowed(), [all, all, bound]);
             drop(wakes);
         });

@@ -6,7 +6,7 @@ mod cores;
 #[cfg(test)]
 pub(crate) mod faults;
 
-use cores::Seats;
+use cores::Placement;
 use rayon::ThreadPoolBuildError;
 use std::fmt;
 use std::mem;
@@ -166,8 +166,8 @@ impl Threads {
             work();
         };
         match &self.pool {
-            Some(Pool { pool: Some(pool), seats, others, .. }) => {
-                pool.install(|| awake::keep_awake(*others, seats, work));
+            Some(Pool { pool: Some(pool), placement, others, .. }) => {
+                pool.install(|| awake::keep_awake(*others, placement, work));
             }
             _ => work(),
         }
@@ -181,7 +181,7 @@ struct Pool {
     /// Taken on dropping.
     pool: Option<rayon::ThreadPool>,
     threads: Vec<JoinHandle<()>>,
-    seats: Arc<Seats>,
+    placement: Arc<Placement>,
     /// How many threads beside the first have a core of their own: more would only take turns.
     others: usize,
 }
@@ -191,13 +191,13 @@ impl Pool {
         let cores = available_parallelism().map_or(1, NonZeroUsize::get);
         let count = if count == 0 { cores } else { count };
         let mut threads = Vec::with_capacity(count);
-        let seats = Arc::new(Seats::new(count));
+        let placement = Arc::new(Placement::new(count));
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(count)
             .spawn_handler(|thread| {
-                let (number, seats) = (thread.index(), seats.clone());
+                let (number, placement) = (thread.index(), placement.clone());
                 let work = move || {
-                    seats.take(number);
+                    placement.register(number);
                     thread.run();
                 };
                 threads.push(Builder::new().name(format!("raycontact-{number}")).spawn(work)?);
@@ -206,7 +206,7 @@ impl Pool {
             .build();
         match pool {
             Ok(pool) => {
-                Ok(Self { process: process::id(), pool: Some(pool), threads, seats, others: count.min(cores) - 1 })
+                Ok(Self { process: process::id(), pool: Some(pool), threads, placement, others: count.min(cores) - 1 })
             }
             Err(error) => {
                 // Those that had been started are told to end.

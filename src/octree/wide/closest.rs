@@ -260,14 +260,15 @@ impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
             let place = left.trailing_zeros() as usize;
             left &= left - 1;
             near[place] = self.packet.near::<L>(&node.child_box(place));
-            self.bounds_to::<L>(cells, node.first as usize + place, made >> place).store(&mut self.packet.rows[place]);
+            self.bounds_to::<L>(cells, node.first as usize + place, made >> place)
+                .store(&mut self.packet.tile_bounds[place]);
             looks += near[place].count_ones();
             found |= Mask::from(near[place] != 0) << place;
         }
         while found != 0 {
             let place = found.trailing_zeros() as usize;
             found &= found - 1;
-            let bounds = L::load(&self.packet.rows[place]);
+            let bounds = L::load(&self.packet.tile_bounds[place]);
             self.look_at::<L>(cells, mesh, node.first as usize + place, near[place], bounds);
         }
         self.packet.count_looks(1 + tiles.left.count_ones(), looks);
