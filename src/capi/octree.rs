@@ -11,7 +11,7 @@ use crate::contact::OwnExits;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::mesh::Mesh;
-use crate::octree::Octree;
+use crate::octree::{Octree, Tracer};
 use crate::ray::{Hit, Ray};
 
 /// Stands where a triangle's number would be and there is no triangle: a ray that meets nothing, no surface within a
@@ -178,26 +178,42 @@ unsafe fn trace_into<T: Scalar>(
 ) -> Result<(), Failure> {
     rays.iter().enumerate().try_for_each(|(index, ray)| check_ray::<T>(index, ray))?;
     let tracer = octree.tracer(mesh)?;
-    let [first, ..] = rays else { return Ok(()) };
-    if rays.len() == 1 {
-        // SAFETY: by this function's contract.
-        unsafe { hits.write(hit_of(&tracer.nearest_hit(&ray_of(first)))) };
-        return Ok(());
-    }
-    let (mut chunk, mut found) = ([ray_of(first); RAYS_AT_ONCE], [None; RAYS_AT_ONCE]);
-    for (number, rays) in rays.chunks(RAYS_AT_ONCE).enumerate() {
-        let (chunk, found) = (&mut chunk[..rays.len()], &mut found[..rays.len()]);
-        chunk.iter_mut().zip(rays).for_each(|(place, ray)| *place = ray_of(ray));
-        tracer.nearest_hits_into(chunk, found);
-        // SAFETY: by this function's contract.
-        unsafe { hits.write_from(number * RAYS_AT_ONCE, found.iter().map(hit_of)) };
+    // SAFETY: by this function's contract.
+    unsafe {
+        match rays {
+            [ray] => tracer.nearest_hit_of(ray, |hit| hits.write(hit_of(&hit))),
+            _ => trace_many(&tracer, rays, hits),
+        }
     }
     Ok(())
 }
 
-fn ray_of<T: Scalar>(ray: &rayc_ray) -> Ray<T> {
-    let vector = |v: [f64; 3]| Vector3::from(v.map(T::of));
-    Ray { origin: vector(ray.origin), direction: vector(ray.direction), t_max: T::of(ray.t_max) }
+/// Apart from what a single ray needs: a large stack takes time to set up.
+///
+/// # Safety
+/// As [`trace_into`].
+#[inline(never)]
+unsafe fn trace_many<T: Scalar>(tracer: &Tracer<T>, rays: &[rayc_ray], hits: Output<rayc_hit>) {
+    let none = Ray::new(Vector3::zeros(), Vector3::zeros());
+    let (mut chunk, mut found) = ([none; RAYS_AT_ONCE], [None; RAYS_AT_ONCE]);
+    for (number, rays) in rays.chunks(RAYS_AT_ONCE).enumerate() {
+        let (chunk, found) = (&mut chunk[..rays.len()], &mut found[..rays.len()]);
+        chunk.iter_mut().zip(rays).for_each(|(place, ray)| *place = ray.into());
+        tracer.nearest_hits_into(chunk, found);
+        // SAFETY: by this function's contract.
+        unsafe { hits.write_from(number * RAYS_AT_ONCE, found.iter().map(hit_of)) };
+    }
+}
+
+impl<T: Scalar> From<&rayc_ray> for Ray<T> {
+    #[inline]
+    fn from(&rayc_ray { origin: [x, y, z], direction: [u, v, w], t_max }: &rayc_ray) -> Self {
+        Self {
+            origin: Vector3::new(T::of(x), T::of(y), T::of(z)),
+            direction: Vector3::new(T::of(u), T::of(v), T::of(w)),
+            t_max: T::of(t_max),
+        }
+    }
 }
 
 fn hit_of<T: Scalar>(hit: &Option<Hit<T>>) -> rayc_hit {
@@ -261,7 +277,7 @@ mod tests {
         }
         let numbers = |hit: &rayc_hit| (hit.triangle, hit.is_exit, hit.t.to_bits(), hit.weights.map(f64::to_bits));
         for (ray, hit) in rays.iter().zip(&hits) {
-            assert_eq!(numbers(hit), numbers(&hit_of(&tracer.nearest_hit_of_all(&ray_of::<T>(ray)))), "of {count}");
+            assert_eq!(numbers(hit), numbers(&hit_of(&tracer.nearest_hit_of_all(&Ray::from(ray)))), "of {count}");
         }
         let met = hits.iter().filter(|hit| hit.triangle != RAYC_NO_TRIANGLE).count();
         assert!(count < 9 || (count / 4..count).contains(&met), "{met} of {count} meet the torus");

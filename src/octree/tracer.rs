@@ -51,9 +51,18 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// The first hit along the ray; at equal `t` the triangle with the smallest index. With the watertight test it is
     /// the same to the bit as [`nearest_hit_of_all`](Self::nearest_hit_of_all).
     pub fn nearest_hit(&self, ray: &Ray<T>) -> Option<Hit<T>> {
+        self.nearest_hit_of(*ray, |hit| hit)
+    }
+
+    /// What `then` makes of the first hit along what is a ray in other numbers.
+    pub(crate) fn nearest_hit_of<O>(&self, ray: impl Into<Ray<T>>, then: impl FnOnce(Option<Hit<T>>) -> O) -> O {
         if let (Cells::Wide(cells), TriangleTest::Watertight) = (self.cells, self.test) {
-            return cells.nearest_of_ray(self.mesh, ray);
+            return cells.nearest_of_ray(self.mesh, ray, then);
         }
+        then(self.nearest_of_visited(&ray.into()))
+    }
+
+    fn nearest_of_visited(&self, ray: &Ray<T>) -> Option<Hit<T>> {
         let prepared = PreparedRay::new(ray, self.test);
         let mut nearest = None;
         self.visit(ray, &prepared, &mut |triangle| {
@@ -215,7 +224,7 @@ impl<T: Scalar> Kernel<T> for NearestHits<'_, '_, T> {
         let Tracer { cells, mesh, test, .. } = self.tracer;
         if let (Cells::Wide(cells), TriangleTest::Watertight, false) = (cells, test, L::PACKETS_PAY) {
             for (ray, hit) in self.rays.iter().zip(self.hits) {
-                *hit = cells.nearest_of_ray_on::<L>(mesh, ray);
+                *hit = cells.nearest_of_ray_on::<L>(mesh, *ray);
             }
             return;
         }

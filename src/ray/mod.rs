@@ -9,7 +9,7 @@ mod watertight_lanes;
 pub use moller_trumbore::moller_trumbore;
 pub(crate) use packet::RayPacket;
 pub use watertight::ShearedRay;
-pub(crate) use watertight_lanes::{HitLanes, TriangleLanes};
+pub(crate) use watertight_lanes::{HitLanes, ProjectedTriangles, TriangleLanes};
 
 use crate::math::{Aabb, Scalar, Vector3, margins};
 

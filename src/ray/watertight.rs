@@ -18,12 +18,14 @@ impl<T: Scalar> ShearedRay<T> {
     /// Shears `ray`. A direction that is zero or not finite meets nothing.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(ray: &Ray<T>) -> Self {
-        // Zero makes the shear NaN; an infinite component would make it, and all t, zero.
-        let d = if ray.direction.iter().all(|x| x.is_finite()) { ray.direction } else { Vector3::zeros() };
+        let d = &ray.direction;
         let main = d.iamax();
         let axes = if d[main] < T::zero() { main + 3 } else { main };
         let [x, y, z] = AXES[axes].map(usize::from);
-        let shear = Vector3::new(d[x] / d[z], d[y] / d[z], T::one() / d[z]);
+        // NaN, as a direction of zero makes the shear too: an infinite component would make it, and all t, zero.
+        let is_finite = d.x.is_finite() && d.y.is_finite() && d.z.is_finite();
+        let along = if is_finite { d[z] } else { T::of(f64::NAN) };
+        let shear = Vector3::new(d[x] / along, d[y] / along, T::one() / along);
         let origin = Vector3::new(ray.origin[x], ray.origin[y], ray.origin[z]);
         Self { origin, axes: axes as u8, shear }
     }
@@ -44,29 +46,34 @@ impl<T: Scalar> ShearedRay<T> {
     /// largest number (coordinates beyond about 10¹⁹ in `f32`, 10¹⁵⁴ in `f64`), there is none.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn intersect(&self, corners: &[Vector3<T>; 3], triangle: u32) -> Option<Hit<T>> {
-        let a = self.project(&corners[0]);
-        let b = self.project(&corners[1]);
-        let c = self.project(&corners[2]);
-        let edges = [(&c, &b), (&a, &c), (&b, &a)];
+        let projected = [self.project(&corners[0]), self.project(&corners[1]), self.project(&corners[2])];
+        let [a, b, c] = &projected;
         let zero = T::zero();
         // A rounded edge function that is not zero has the exact one's sign: most triangles are refused by these.
-        let [u, v, w] = edges.map(|(p, q)| p.x * q.y - p.y * q.x);
+        let [u, v, w] = [(c, b), (a, c), (b, a)].map(|(p, q)| p.x * q.y - p.y * q.x);
         if (u > zero || v > zero || w > zero) && (u < zero || v < zero || w < zero) {
             return None;
         }
-        let [u, v, w] = edges.map(|(p, q)| edge_function(p, q));
-        let all_right = u >= zero && v >= zero && w >= zero;
-        let all_left = u <= zero && v <= zero && w <= zero;
-        let determinant = u + v + w;
-        // All three zero: the triangle projects to a line, and its neighbours answer for its edges.
-        if !(all_right || all_left) || determinant == zero || !determinant.is_finite() {
-            return None;
-        }
-        // Weights first: products of lengths with edge functions, which are areas, may underflow.
-        let weights = [u / determinant, v / determinant, w / determinant];
-        let t = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
-        if t >= zero && t.is_finite() { Some(Hit { triangle, t, weights, is_exit: determinant < zero }) } else { None }
+        intersect_projected(&projected, triangle)
     }
+}
+
+/// [`ShearedRay::intersect`] of a triangle whose corners are projected.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn intersect_projected<T: Scalar>([a, b, c]: &[Vector3<T>; 3], triangle: u32) -> Option<Hit<T>> {
+    let zero = T::zero();
+    let [u, v, w] = [(c, b), (a, c), (b, a)].map(|(p, q)| edge_function(p, q));
+    let all_right = u >= zero && v >= zero && w >= zero;
+    let all_left = u <= zero && v <= zero && w <= zero;
+    let determinant = u + v + w;
+    // All three zero: the triangle projects to a line, and its neighbours answer for its edges.
+    if !(all_right || all_left) || determinant == zero || !determinant.is_finite() {
+        return None;
+    }
+    // Weights first: products of lengths with edge functions, which are areas, may underflow.
+    let weights = [u / determinant, v / determinant, w / determinant];
+    let t = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
+    if t >= zero && t.is_finite() { Some(Hit { triangle, t, weights, is_exit: determinant < zero }) } else { None }
 }
 
 impl<T: Scalar> ShearedRay<T> {

@@ -2,8 +2,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::main_axis::{AXES, MainAxes};
-use super::{RayPacket, ShearedRay};
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vectors};
+use super::watertight::intersect_projected;
+use super::{Hit, RayPacket, ShearedRay};
+use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors};
 
 /// The corners of sixteen triangles, each with the ray to be tested against it: coordinate by coordinate, in the order
 /// of the ray's own axes.
@@ -105,7 +106,10 @@ fn edge_function<T: Scalar, L: Lanes<T>>(p: Vectors<T, L>, q: Vectors<T, L>) -> 
 }
 
 impl<T: Scalar> RayPacket<T> {
-    /// [`ShearedRay::sides`] of one of the rays.
+    /// Of a group of up to sixteen triangles with up to sixteen vertices, given axis by axis and by the places of
+    /// their corners, those with any edge function above zero, and those with any below, as one of the rays sees them. It
+    /// meets none that is among both, and only enters those that are among the first. A rounded edge function that is not
+    /// zero has the exact one's sign, so none that [`ShearedRay::intersect`] accepts is left out.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn sides<L: Lanes<T>>(
         &self,
@@ -119,37 +123,68 @@ impl<T: Scalar> RayPacket<T> {
             L::splat(self.turned_origin[2][ray]),
         );
         let shear = [L::splat(self.shear[0][ray]), L::splat(self.shear[1][ray])];
-        sides(self.axes[ray], origin, shear, positions, corners)
+        L::sides(sheared(self.axes[ray], origin, shear, positions).0, corners)
     }
 }
 
 impl<T: Scalar> ShearedRay<T> {
-    /// Of a group of up to sixteen triangles with up to sixteen vertices, given axis by axis and by the places of
-    /// their corners, those with any edge function above zero, and those with any below. The ray meets none that is among
-    /// both, and only enters those that are among the first. A rounded edge function that is not zero has the exact one's
-    /// sign, so none that [`intersect`](Self::intersect) accepts is left out.
+    /// Of a group of up to sixteen triangles with up to sixteen vertices, given axis by axis and by the places of their
+    /// corners, those that the ray may meet, and the vertices as it sees them. No triangle that
+    /// [`intersect`](Self::intersect) accepts is left out: a rounded edge function that is not zero has the exact one's
+    /// sign.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn sides<L: Lanes<T>>(
+    pub(crate) fn may_meet<L: Lanes<T>>(
         &self,
         positions: &[[T; LANE_COUNT]; 3],
         corners: &[[u8; LANE_COUNT]; 3],
-    ) -> [Mask; 2] {
+    ) -> (Mask, Vectors<T, L>) {
         let shear = [L::splat(self.shear.x), L::splat(self.shear.y)];
-        sides(self.axes, Vectors::splat(&self.origin), shear, positions, corners)
+        let ([x, y], along) = sheared(self.axes, Vectors::splat(&self.origin), shear, positions);
+        let [right, left] = L::sides([x, y], corners);
+        (!(right & left), Vectors::new(x, y, L::splat(self.shear.z).mul(along)))
     }
 }
 
+/// The corners of up to sixteen triangles as one ray sees them.
+pub(crate) struct ProjectedTriangles<T> {
+    corners: [[[T; LANE_COUNT]; 3]; 3],
+}
+
+impl<T: Scalar> ProjectedTriangles<T> {
+    /// Given the vertices, and the places of the triangles' corners among them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn new<L: Lanes<T>>(vertices: Vectors<T, L>, places: &[[u8; LANE_COUNT]; 3]) -> Self {
+        let mut corners = [[[T::zero(); LANE_COUNT]; 3]; 3];
+        for corner in 0..3 {
+            vertices.permuted(&places[corner]).store(&mut corners[corner]);
+        }
+        Self { corners }
+    }
+
+    /// [`ShearedRay::intersect`] with one of them, to the bit.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn intersect(&self, place: usize, triangle: u32) -> Option<Hit<T>> {
+        let [a, b, c] = &self.corners;
+        let [a, b, c] = [
+            Vector3::new(a[0][place], a[1][place], a[2][place]),
+            Vector3::new(b[0][place], b[1][place], b[2][place]),
+            Vector3::new(c[0][place], c[1][place], c[2][place]),
+        ];
+        intersect_projected(&[a, b, c], triangle)
+    }
+}
+
+/// Where the ray sees the points: across it, and how far along its main axis.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn sides<T: Scalar, L: Lanes<T>>(
+fn sheared<T: Scalar, L: Lanes<T>>(
     axes: u8,
     origin: Vectors<T, L>,
     shear: [L; 2],
     positions: &[[T; LANE_COUNT]; 3],
-    corners: &[[u8; LANE_COUNT]; 3],
-) -> [Mask; 2] {
+) -> ([L; 2], L) {
     let [x, y, z] = AXES[usize::from(axes)].map(usize::from);
     let along = L::load(&positions[z]).sub(origin.z);
     let right = L::load(&positions[x]).sub(origin.x).sub(shear[0].mul(along));
     let up = L::load(&positions[y]).sub(origin.y).sub(shear[1].mul(along));
-    L::sides([right, up], corners)
+    ([right, up], along)
 }

@@ -113,22 +113,28 @@ impl<T: Scalar> Wide<T> {
         crate::math::dispatch::<T, _>(trace::Walk::new(self, ray, prepared, mesh, visitor));
     }
 
-    /// Where a ray first meets the mesh.
-    pub(super) fn nearest_of_ray(&self, mesh: &Mesh<T>, ray: &Ray<T>) -> Option<Hit<T>> {
+    /// What `then` makes of where a ray first meets the mesh.
+    pub(super) fn nearest_of_ray<O>(
+        &self,
+        mesh: &Mesh<T>,
+        ray: impl Into<Ray<T>>,
+        then: impl FnOnce(Option<Hit<T>>) -> O,
+    ) -> O {
         if self.nodes.len() <= FEW_NODES {
-            crate::math::dispatch::<T, _>(NearestOfRay::<T, FEW_WAITING> { cells: self, mesh, ray })
+            crate::math::dispatch::<T, _>(NearestOfRay::<T, _, _, FEW_WAITING> { cells: self, mesh, ray, then })
         } else {
-            crate::math::dispatch::<T, _>(NearestOfRay::<T, STACK_SIZE> { cells: self, mesh, ray })
+            crate::math::dispatch::<T, _>(NearestOfRay::<T, _, _, STACK_SIZE> { cells: self, mesh, ray, then })
         }
     }
 
-    /// The same on some lanes.
+    /// Where a ray first meets the mesh, on some lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn nearest_of_ray_on<L: Lanes<T>>(&self, mesh: &Mesh<T>, ray: &Ray<T>) -> Option<Hit<T>> {
+    pub(super) fn nearest_of_ray_on<L: Lanes<T>>(&self, mesh: &Mesh<T>, ray: Ray<T>) -> Option<Hit<T>> {
+        let then = |hit| hit;
         if self.nodes.len() <= FEW_NODES {
-            L::outlined(NearestOfRay::<T, FEW_WAITING> { cells: self, mesh, ray })
+            L::outlined(NearestOfRay::<T, _, _, FEW_WAITING> { cells: self, mesh, ray, then })
         } else {
-            L::outlined(NearestOfRay::<T, STACK_SIZE> { cells: self, mesh, ray })
+            L::outlined(NearestOfRay::<T, _, _, STACK_SIZE> { cells: self, mesh, ray, then })
         }
     }
 

@@ -2,20 +2,23 @@ use super::{CHILD_COUNT, Node, TILE_SIZE, Wide};
 use crate::math::margins::reaches_told_apart;
 use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, margins};
 use crate::mesh::Mesh;
-use crate::ray::{Hit, Ray, ShearedRay};
+use crate::ray::{Hit, ProjectedTriangles, Ray, ShearedRay};
 
 /// One ray's way to where it first meets the mesh: the nearest boxes first, none beyond the nearest hit known. So many nodes
 /// may wait at once.
-pub(super) struct NearestOfRay<'a, T: Scalar, const MOST_WAITING: usize> {
+pub(super) struct NearestOfRay<'a, T: Scalar, R, F, const MOST_WAITING: usize> {
     pub(super) cells: &'a Wide<T>,
     pub(super) mesh: &'a Mesh<T>,
-    pub(super) ray: &'a Ray<T>,
+    // Made a ray only here, and its hit used here: numbers that are read right after they were written in other pieces keep
+    // the processor waiting.
+    pub(super) ray: R,
+    pub(super) then: F,
 }
 
 /// A tree of no more than so many nodes has at most three levels below the root, since all but the last node of a level are
 /// full, and fifteen may wait on each: less room to clear, for every ray, than any tree may need.
 pub(super) const FEW_NODES: usize = 1 + 16 + 256 + 4096;
-pub(super) const FEW_WAITING: usize = 3 * (CHILD_COUNT - 1);
+pub(super) const FEW_WAITING: usize = 3 * (CHILD_COUNT - 1) + 1;
 
 /// A node that the ray may meet.
 #[derive(Clone, Copy)]
@@ -25,57 +28,64 @@ struct Waiting<T> {
     node: u32,
 }
 
-impl<T: Scalar, const MOST_WAITING: usize> Kernel<T> for NearestOfRay<'_, T, MOST_WAITING> {
-    type Output = Option<Hit<T>>;
+impl<T, R, F, O, const MOST_WAITING: usize> Kernel<T> for NearestOfRay<'_, T, R, F, MOST_WAITING>
+where
+    T: Scalar,
+    R: Into<Ray<T>>,
+    F: FnOnce(Option<Hit<T>>) -> O,
+{
+    type Output = O;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<L: Lanes<T>>(self) -> Option<Hit<T>> {
-        let Self { cells, mesh, ray } = self;
+    fn run<L: Lanes<T>>(self) -> O {
+        let Self { cells, mesh, ray, then } = self;
+        let ray = &ray.into();
         let slabs = RaySlabs::new(ray, mesh.aabb());
         let sheared = ShearedRay::new(ray);
         let mut nearest = Nearest { end: ray.t_max, hit: None };
         let mut room = [[T::zero(); LANE_COUNT]; 3];
-        let (mut entries, mut places) = ([T::zero(); CHILD_COUNT], [0; CHILD_COUNT]);
+        let mut entries = [T::zero(); CHILD_COUNT];
         let mut stack = [Waiting { entry: T::zero(), node: 0 }; MOST_WAITING];
         let mut moved = None;
-        let (mut waiting, mut node) = (0, cells.node(0, &mut moved));
-        loop {
-            let (enters, met) = slabs.entering::<L>(node, nearest.end);
-            // One alone, most often, needs no order.
-            let mut count = 1;
-            places[0] = met.trailing_zeros() as u8 % CHILD_COUNT as u8;
-            if met & met.wrapping_sub(1) != 0 {
-                enters.store(&mut entries);
-                count = list_farthest_first(met, &entries, &mut places);
-            }
-            if met != 0 && !node.is_leaf {
-                for &place in &places[..count - 1] {
-                    let place = usize::from(place) % CHILD_COUNT;
-                    stack[waiting] = Waiting { entry: entries[place], node: node.first + place as u32 };
-                    waiting += 1;
-                }
-                node = cells.node(node.first as usize + usize::from(places[count - 1]), &mut moved);
+        // The root.
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let Waiting { entry, node } = stack[waiting];
+            if entry > nearest.end {
                 continue;
             }
-            if met != 0 {
-                for &place in places[..count].iter().rev() {
-                    let place = usize::from(place) % CHILD_COUNT;
-                    if count == 1 || entries[place] <= nearest.end {
-                        nearest.search_tile::<L>(cells, mesh, &sheared, node.first as usize + place, &mut room);
+            let node = cells.node(node as usize, &mut moved);
+            let (enters, mut met) = slabs.entering::<L>(node, nearest.end);
+            enters.store(&mut entries);
+            if node.is_leaf {
+                // The nearest tile first, the others as they come.
+                let mut place = nearest_of(met, &entries);
+                while met != 0 {
+                    met &= !(1 << place);
+                    if nearest.search_tile::<L>(cells, mesh, &sheared, (node.first + place) as usize, &mut room) {
+                        met &= enters.is_at_most(L::splat(nearest.end));
                     }
+                    place = met.trailing_zeros();
+                }
+            } else {
+                // The nearest on top.
+                let bottom = waiting;
+                while met != 0 {
+                    let place = met.trailing_zeros();
+                    met &= met - 1;
+                    let entry = entries[place as usize % CHILD_COUNT];
+                    let mut at = waiting;
+                    while at > bottom && stack[at - 1].entry < entry {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
+                    }
+                    stack[at] = Waiting { entry, node: node.first + place };
+                    waiting += 1;
                 }
             }
-            let next = loop {
-                if waiting == 0 {
-                    return nearest.hit;
-                }
-                waiting -= 1;
-                if stack[waiting].entry <= nearest.end {
-                    break stack[waiting].node;
-                }
-            };
-            node = cells.node(next as usize, &mut moved);
         }
+        then(nearest.hit)
     }
 }
 
@@ -94,43 +104,41 @@ impl<T: Scalar> Nearest<T> {
         ray: &ShearedRay<T>,
         index: usize,
         room: &mut [[T; LANE_COUNT]; 3],
-    ) {
+    ) -> bool {
         let tile = &cells.tiles[index];
         let positions = cells.positions_of::<L>(index, mesh, room);
-        let [right, left] = ray.sides::<L>(positions, &tile.corners);
-        let mut met = !(right & left) & tile.present;
+        let (may_meet, vertices) = ray.may_meet::<L>(positions, &tile.corners);
+        let mut met = may_meet & tile.present;
+        if met == 0 {
+            return false;
+        }
+        let mut is_nearer = false;
+        let triangles = ProjectedTriangles::new::<L>(vertices, &tile.corners);
         while met != 0 {
-            let place = met.trailing_zeros() as usize;
+            let place = met.trailing_zeros() as usize % TILE_SIZE;
             met &= met - 1;
-            let corners = [0, 1, 2].map(|corner| {
-                let vertex = usize::from(tile.corners[corner][place]) % TILE_SIZE;
-                Vector3::new(positions[0][vertex], positions[1][vertex], positions[2][vertex])
-            });
-            let found = ray.intersect(&corners, tile.triangles[place]);
+            let found = triangles.intersect(place, tile.triangles[place]);
             if let Some(hit) = found.filter(|hit| hit.t <= self.end && self.hit.is_none_or(|n| hit.is_before(&n))) {
-                (self.end, self.hit) = (hit.t, Some(hit));
+                (self.end, self.hit, is_nearer) = (hit.t, Some(hit), true);
             }
         }
+        is_nearer
     }
 }
 
-/// The places of the boxes that are met, the farthest first; gives how many.
+/// The place of the box that is entered first, of those that are met.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn list_farthest_first<T: Scalar>(mut met: Mask, entries: &[T; CHILD_COUNT], places: &mut [u8; CHILD_COUNT]) -> usize {
-    let mut count = 0;
+fn nearest_of<T: Scalar>(mut met: Mask, entries: &[T; CHILD_COUNT]) -> u32 {
+    let mut nearest = met.trailing_zeros();
+    met &= met.wrapping_sub(1);
     while met != 0 {
-        let place = met.trailing_zeros() as u8;
+        let place = met.trailing_zeros();
         met &= met - 1;
-        let entry = entries[usize::from(place)];
-        let mut at = count;
-        while at > 0 && entries[usize::from(places[at - 1]) % CHILD_COUNT] < entry {
-            places[at] = places[at - 1];
-            at -= 1;
+        if entries[place as usize % CHILD_COUNT] < entries[nearest as usize % CHILD_COUNT] {
+            nearest = place;
         }
-        places[at] = place;
-        count += 1;
     }
-    count
+    nearest
 }
 
 /// The planes of boxes as one ray meets them: a face at `x` is met at t = x · inverse + offset. As those of a packet, but that

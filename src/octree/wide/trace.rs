@@ -69,8 +69,7 @@ impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
         let met = match self.prepared {
             PreparedRay::Watertight(ray) => {
                 let positions = self.cells.positions_of::<L>(index, self.mesh, &mut room);
-                let [right, left] = ray.sides::<L>(positions, &tile.corners);
-                !(right & left) & tile.present
+                ray.may_meet::<L>(positions, &tile.corners).0 & tile.present
             }
             PreparedRay::MollerTrumbore(_) => tile.present,
         };

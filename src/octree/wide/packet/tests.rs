@@ -38,9 +38,11 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
             let hidden = self.cells.hidden::<L>(self.mesh, &packet, asked, &end, &all_touched, &mut list);
             all_hidden.extend((0..rays.len()).map(|lane| hidden >> lane & 1 == 1));
         }
-        let few = |ray| L::outlined(NearestOfRay::<T, FEW_WAITING> { cells: self.cells, mesh: self.mesh, ray });
-        let many = |ray| L::outlined(NearestOfRay::<T, STACK_SIZE> { cells: self.cells, mesh: self.mesh, ray });
-        let alone = self.rays.iter().enumerate().map(|(i, ray)| if i.is_multiple_of(9) { many(ray) } else { few(ray) });
+        let (cells, mesh, then) = (self.cells, self.mesh, |hit| hit);
+        let few = |ray| L::outlined(NearestOfRay::<T, _, _, FEW_WAITING> { cells, mesh, ray, then });
+        let many = |ray| L::outlined(NearestOfRay::<T, _, _, STACK_SIZE> { cells, mesh, ray, then });
+        let alone =
+            self.rays.iter().enumerate().map(|(i, &ray)| if i.is_multiple_of(9) { many(ray) } else { few(ray) });
         (hits, alone.collect(), all_hidden)
     }
 }
