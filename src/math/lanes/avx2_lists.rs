@@ -4,6 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::one_by_one::{bounds_one_by_one, gather_one_by_one};
+use super::sse2_lists::with_corner;
 use super::{LANE_COUNT, Lists, Mask};
 use crate::math::Vector3;
 use std::arch::x86_64::*;
@@ -75,6 +76,11 @@ impl Lists for Avx2Lists {
             let narrow = _mm_packs_epi16(_mm256_castsi256_si128(holding), _mm256_extracti128_si256::<1>(holding));
             _mm_movemask_epi8(narrow) as Mask
         }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
+        with_corner(corners, place)
     }
 }
 

@@ -3,6 +3,7 @@
 //! To be reached like the methods in `avx512`, which is what every SAFETY line here leans on.
 #![allow(unsafe_code)]
 
+use super::sse2_lists::with_corner;
 use super::{LANE_COUNT, Lists, Mask};
 use std::arch::x86_64::*;
 
@@ -36,6 +37,11 @@ impl Lists for Avx512Lists {
             let shared = _mm256_and_si256(_mm256_loadu_si256(sets.as_ptr().cast()), bits);
             _mm256_cmpeq_epi16_mask(shared, bits)
         }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
+        with_corner(corners, place)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -76,6 +76,11 @@ pub(crate) trait Lists {
     fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
         (0..LANE_COUNT).fold(0, |mask, i| mask | Mask::from(sets[i] & bits == bits) << i)
     }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
+        (0..LANE_COUNT).fold(0, |mask, i| mask | Mask::from(corners.iter().any(|of_all| of_all[i] == place)) << i)
+    }
 }
 
 /// Sixteen numbers.
@@ -183,6 +188,11 @@ pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
         Self::Lists::holding(sets, bits)
+    }
+    /// Which of sixteen triangles, given by the places of their corners, have a corner at this place.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
+        Self::Lists::with_corner(corners, place)
     }
 
     /// Runs a kernel on this path as a function of its own: large code is then compiled once, however many places call it.

@@ -36,6 +36,22 @@ impl Lists for Sse2Lists {
             _mm_movemask_epi8(_mm_packs_epi16(_mm_cmpeq_epi16(low, bits), _mm_cmpeq_epi16(high, bits))) as Mask
         }
     }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
+        with_corner(corners, place)
+    }
+}
+
+/// [`Lists::with_corner`]; wider registers would be no use.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
+    // SAFETY: every x86-64 processor has SSE2; sixteen places may be read of each.
+    unsafe {
+        let place = _mm_set1_epi8(place as i8);
+        let [a, b, c] = corners.each_ref().map(|of_all| _mm_cmpeq_epi8(_mm_loadu_si128(of_all.as_ptr().cast()), place));
+        _mm_movemask_epi8(_mm_or_si128(_mm_or_si128(a, b), c)) as Mask
+    }
 }
 
 /// Whether behind each of these points there is another.

@@ -76,6 +76,7 @@ impl<T: Scalar> Kernel<T> for &Operands<T> {
             L::equal(indices, indices[7]),
             L::holding(sets, *bits),
             L::holding(sets, sets[5] & 0x11),
+            L::with_corner(corners, corners[2][3]),
         ]);
         results.note(L::gather(points, indices));
         let (lower, upper) = L::bounds(points, indices);

@@ -316,13 +316,12 @@ impl<T: Scalar> Wide<T> {
     /// Which of a tile's triangles are sought.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sought<L: Lanes<T>, S: Sought>(&self, sought: S, tile: usize) -> Mask {
-        let Tile { present, vertex_sets, .. } = &self.tiles[tile];
-        let excluded = sought.excluded::<T, L>(&self.outlines[tile].vertices);
+        let Tile { present, corners, .. } = &self.tiles[tile];
+        let mut excluded = sought.excluded::<T, L>(&self.outlines[tile].vertices);
         let mut own = 0;
-        if excluded != 0 {
-            for place in 0..LANE_COUNT {
-                own |= Mask::from(vertex_sets[place] & excluded != 0) << place;
-            }
+        while excluded != 0 {
+            own |= L::with_corner(corners, excluded.trailing_zeros() as u8);
+            excluded &= excluded - 1;
         }
         present & !own
     }

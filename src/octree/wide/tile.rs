@@ -19,8 +19,6 @@ pub(super) struct Tile<T: Scalar> {
     pub(super) owned: Mask,
     /// Of the last loading of positions: see [`Wide::is_loaded`](super::Wide::is_loaded).
     pub(super) loaded_at: u64,
-    /// Bit i: vertex i is a corner of the triangle.
-    pub(super) vertex_sets: [Mask; TILE_SIZE],
     pub(super) triangles: [u32; TILE_SIZE],
 }
 
@@ -56,7 +54,6 @@ impl<T: Scalar> Tile<T> {
             present: ((1u32 << triangles.len()) - 1) as Mask,
             owned: 0,
             loaded_at: 0,
-            vertex_sets: [0; TILE_SIZE],
             triangles: [u32::MAX; TILE_SIZE],
         };
         let vertices = &mut outline.vertices;
@@ -71,7 +68,6 @@ impl<T: Scalar> Tile<T> {
                     vertex_count - 1
                 });
                 tile.corners[corner][place] = vertex_place as u8;
-                tile.vertex_sets[place] |= 1 << vertex_place;
             }
         }
         let last = vertices[vertex_count - 1];

@@ -14,7 +14,7 @@ pub(super) trait Answer<T: Scalar> {
     fn settled(&self) -> Mask;
 
     /// Which of a tile's triangles do not count for a ray, given the tile's vertices and each triangle's set of them.
-    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask;
+    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], corners: &[[u8; LANE_COUNT]; 3]) -> Mask;
 
     /// Records the hit of one lane.
     fn add(&mut self, ray: usize, triangle: u32, hits: &HitLanes<T>, lane: usize);
@@ -41,7 +41,7 @@ impl<T: Scalar> Answer<T> for Nearest<'_, T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn excluded<L: Lanes<T>>(&self, _: usize, _: &[u32; LANE_COUNT], _: &[Mask; LANE_COUNT]) -> Mask {
+    fn excluded<L: Lanes<T>>(&self, _: usize, _: &[u32; LANE_COUNT], _: &[[u8; LANE_COUNT]; 3]) -> Mask {
         0
     }
 
@@ -83,8 +83,8 @@ impl<T: Scalar> Answer<T> for Hidden<'_, T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask {
-        excluded_around::<T, L>(self.touched.each_ref().map(|vertices| vertices[ray]), vertices, sets)
+    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], corners: &[[u8; LANE_COUNT]; 3]) -> Mask {
+        excluded_around::<T, L>(self.touched.each_ref().map(|vertices| vertices[ray]), vertices, corners)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -99,21 +99,17 @@ impl<T: Scalar> Answer<T> for Hidden<'_, T> {
 pub(super) fn excluded_around<T: Scalar, L: Lanes<T>>(
     [a, b, c]: [u32; 3],
     vertices: &[u32; LANE_COUNT],
-    sets: &[Mask; LANE_COUNT],
+    corners: &[[u8; LANE_COUNT]; 3],
 ) -> Mask {
+    // The last vertex of a tile is repeated, but triangles name its first place.
+    let with_corner = |places: Mask| L::with_corner(corners, places.trailing_zeros() as u8);
     let first = L::equal(vertices, a);
     if b == a && c == a {
-        return if first == 0 { 0 } else { L::holding(sets, lowest(first)) };
+        return if first == 0 { 0 } else { with_corner(first) };
     }
     let (second, third) = (L::equal(vertices, b), L::equal(vertices, c));
     if first == 0 || second == 0 || third == 0 {
         return 0;
     }
-    L::holding(sets, lowest(first) | lowest(second) | lowest(third))
-}
-
-/// The first of the places of a vertex: the last vertex of a tile is repeated, but triangles name its first place.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn lowest(places: Mask) -> Mask {
-    places & places.wrapping_neg()
+    with_corner(first) & with_corner(second) & with_corner(third)
 }

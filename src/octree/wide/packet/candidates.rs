@@ -99,7 +99,7 @@ pub(super) fn work_off<T: Scalar, L: Lanes<T>, A: Answer<T>>(
             let mut met = !(if A::EXITS_ONLY { right } else { right & left }) & tile.present;
             // Rays seldom meet what they leave through, and then the tile's vertices stay unread.
             if !A::EXITS_ONLY || met != 0 {
-                met &= !answer.excluded::<L>(ray, &search.cells.outlines[index].vertices, &tile.vertex_sets);
+                met &= !answer.excluded::<L>(ray, &search.cells.outlines[index].vertices, &tile.corners);
             }
             // None or one, nearly always: no branch for that.
             let ray = ray as u32;

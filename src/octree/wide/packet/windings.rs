@@ -25,8 +25,8 @@ impl<T: Scalar> Answer<T> for Windings<'_, T> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], sets: &[Mask; LANE_COUNT]) -> Mask {
-        excluded_around::<T, L>(self.touched.each_ref().map(|vertices| vertices[ray]), vertices, sets)
+    fn excluded<L: Lanes<T>>(&self, ray: usize, vertices: &[u32; LANE_COUNT], corners: &[[u8; LANE_COUNT]; 3]) -> Mask {
+        excluded_around::<T, L>(self.touched.each_ref().map(|vertices| vertices[ray]), vertices, corners)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
