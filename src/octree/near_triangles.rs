@@ -109,13 +109,14 @@ impl<T: Scalar> Octree<T> {
     }
 
     /// Offers, of what [`find_lapsed`](Self::find_lapsed) has found, each two triangles that have no vertex in common and
-    /// whose boxes are at most `distance` apart along every axis. The octree need not follow the mesh.
+    /// whose boxes are at most `distance` apart along every axis, until `offer` does not want to go on. The octree need not
+    /// follow the mesh.
     pub(crate) fn search_lapsed(
         &self,
         mesh: &Mesh<T>,
         distance: T,
         near: &mut NearParts<T>,
-        mut offer: impl FnMut(u32, u32),
+        mut offer: impl FnMut(u32, u32) -> bool,
     ) {
         if let Cells::Wide(cells) = &self.cells {
             cells.search_lapsed(mesh, self.stamp == mesh.stamp(), distance, &mut near.tiles, &mut offer);
@@ -267,7 +268,12 @@ mod tests {
             if left > 0.0 {
                 octree.update(&mesh).expect("its own");
             }
-            let offered = collect(|offer| octree.search_lapsed(&mesh, touch, &mut near, offer));
+            let offered = collect(|offer| {
+                octree.search_lapsed(&mesh, touch, &mut near, |a, b| {
+                    offer(a, b);
+                    true
+                });
+            });
             let come_near: BTreeSet<_> = pairs_within(&mesh, touch).difference(&known).copied().collect();
             assert!(!come_near.is_empty() && offered.is_superset(&come_near), "{left}");
             assert!(offered.is_subset(&pairs_within(&mesh, touch + ROUNDING)), "{left}");

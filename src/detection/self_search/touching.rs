@@ -198,7 +198,8 @@ impl<T: Scalar> Touching<T> {
         let touch = touch_distance(mesh);
         let mut any = false;
         octree.search_lapsed(mesh, touch, near, |a, b| {
-            any |= separation(&[mesh.corners(a), mesh.corners(b)], touch) < touch;
+            any = separation(&[mesh.corners(a), mesh.corners(b)], touch) < touch;
+            !any
         });
         any
     }

@@ -35,7 +35,13 @@ pub(in crate::octree) struct NearTiles<T: Scalar> {
     moves: Vec<Aabb<T>>,
     /// The pairs that have come nearer by more than they may.
     lapsed: Vec<[u32; 2]>,
+    /// The tiles of these pairs, and by tile its place among them or [`NO_BLOCK`].
+    lapsed_tiles: Vec<u32>,
+    block_places: Vec<u32>,
 }
+
+/// Of a tile in no pair that has lapsed.
+const NO_BLOCK: u32 = u32::MAX;
 
 /// A box in narrow numbers: its lower coordinates and the negatives of its upper ones, within the mesh's box and in units
 /// of its longest side, rounded outward. So two boxes are at most d apart where no lower side of either and upper side of
@@ -113,7 +119,7 @@ impl<T: Scalar> Wide<T> {
         };
         memory::append(clearances, tile_pairs.iter().map(clearance));
         let [close, far] = [reach.of_sheltered(), touch + margin].map(|distance| narrow.distance(distance));
-        let block_of = |_: usize, tile: u32| tile as usize;
+        let block_of = |tile: u32| tile as usize;
         let offer = |place: usize, a: u32, b: u32, is_steep: bool| {
             let clearance = offer(a, b, is_steep);
             if let Some(clearance) = clearance
@@ -156,26 +162,34 @@ impl<T: Scalar> Wide<T> {
         Lapse { spread, part: lapsed.len() as f64 / tile_pairs.len() as f64 }
     }
 
-    /// The search among the pairs that have lapsed; nothing is noted. `is_current`: the tiles follow the mesh.
+    /// The search among the pairs that have lapsed, until `offer` does not want to go on; nothing is noted. `is_current`: the
+    /// tiles follow the mesh.
     pub(in crate::octree) fn search_lapsed(
         &self,
         mesh: &Mesh<T>,
         is_current: bool,
         distance: T,
         near: &mut NearTiles<T>,
-        offer: &mut impl FnMut(u32, u32),
+        offer: &mut impl FnMut(u32, u32) -> bool,
     ) {
-        let NearTiles { blocks, lapsed, .. } = near;
+        let NearTiles { blocks, lapsed, lapsed_tiles, block_places, .. } = near;
+        lapsed_tiles.clear();
+        block_places.clear();
+        block_places.room_for(self.tiles.len()).resize(self.tiles.len(), NO_BLOCK);
+        lapsed_tiles.room_for(self.tiles.len());
+        for &tile in lapsed.as_flattened() {
+            let place = &mut block_places[tile as usize];
+            if *place == NO_BLOCK {
+                *place = lapsed_tiles.len() as u32;
+                lapsed_tiles.push(tile);
+            }
+        }
         let narrow = Narrow::new(mesh.aabb());
-        let tiles = lapsed.as_flattened().iter().copied();
+        let tiles = lapsed_tiles.iter().copied();
         dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current, narrow, blocks });
-        // Each pair has its own two blocks.
-        let block_of = |place: usize, tile: u32| 2 * place + usize::from(lapsed[place][0] != tile);
+        let block_of = |tile: u32| block_places[tile as usize] as usize;
         let close = narrow.distance(distance);
-        let offer = |_: usize, a: u32, b: u32, _: bool| {
-            offer(a, b);
-            true
-        };
+        let offer = |_: usize, a: u32, b: u32, _: bool| offer(a, b);
         let (tile_pairs, steep) = (&*lapsed, &[]);
         dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, close, far: close, steep, offer });
     }
@@ -219,7 +233,7 @@ impl<T: Scalar, I: Iterator<Item = u32>> Kernel<T> for MakeBlocks<'_, T, I> {
 struct TilePairs<'a, T: Scalar, B, O> {
     cells: &'a Wide<T>,
     blocks: &'a [Block],
-    /// Where a tile's block is, for the place of its pair.
+    /// Where a tile's block is.
     block_of: B,
     tile_pairs: &'a [[u32; 2]],
     /// Triangles are offered that are so near each other,
@@ -232,17 +246,15 @@ struct TilePairs<'a, T: Scalar, B, O> {
     offer: O,
 }
 
-impl<T: Scalar, B: Fn(usize, u32) -> usize, O: FnMut(usize, u32, u32, bool) -> bool> Kernel<f32>
-    for TilePairs<'_, T, B, O>
-{
+impl<T: Scalar, B: Fn(u32) -> usize, O: FnMut(usize, u32, u32, bool) -> bool> Kernel<f32> for TilePairs<'_, T, B, O> {
     /// Whether it came to the end.
     type Output = bool;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<f32>>(mut self) -> bool {
         for (pair, &[first, second]) in self.tile_pairs.iter().enumerate() {
-            let mut a = &self.blocks[(self.block_of)(pair, first)];
-            let mut b = &self.blocks[(self.block_of)(pair, second)];
+            let mut a = &self.blocks[(self.block_of)(first)];
+            let mut b = &self.blocks[(self.block_of)(second)];
             let (mut a_tile, mut b_tile) = (&self.cells.tiles[first as usize], &self.cells.tiles[second as usize]);
             let (mut a_steep, mut b_steep) = match self.steep {
                 [] => (0, 0),
