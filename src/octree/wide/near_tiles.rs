@@ -174,8 +174,7 @@ impl<T: Scalar> Wide<T> {
     ) {
         let NearTiles { blocks, lapsed, lapsed_tiles, block_places, .. } = near;
         lapsed_tiles.clear();
-        block_places.clear();
-        block_places.room_for(self.tiles.len()).resize(self.tiles.len(), NO_BLOCK);
+        memory::refill_with(block_places, NO_BLOCK, self.tiles.len());
         lapsed_tiles.room_for(self.tiles.len());
         for &tile in lapsed.as_flattened() {
             let place = &mut block_places[tile as usize];
