@@ -63,8 +63,8 @@ impl<T: Scalar> Lapse<T> {
 pub(crate) struct Lapse<T: Scalar> {
     /// How far any two vertices have moved against each other, at most.
     pub(crate) spread: T,
-    /// Which part of the near parts have come nearer than they may; all, where triangles are strained by more than they
-    /// may be, and where nothing is known.
+    /// Which part of the near parts have come nearer than they may, or lie where triangles are strained by more than they may
+    /// be; all, where nothing is known.
     pub(crate) part: f64,
 }
 
@@ -99,13 +99,23 @@ impl<T: Scalar> Octree<T> {
     }
 
     /// Finds what [`search_near`](Self::search_near) has listed and has come nearer by more than it may since positions were
-    /// kept, but not where vertices have moved against each other by more than `most`. A turn of the whole does not count.
-    /// The octree need not follow the mesh.
+    /// kept, or lies where triangles are strained by more than they may be; but not where vertices have moved against each
+    /// other by more than `most`. A turn of the whole does not count. The octree need not follow the mesh.
     pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearParts<T>) -> Lapse<T> {
         match &self.cells {
             Cells::Wide(cells) => cells.find_lapsed(mesh, most, &mut near.tiles),
             Cells::Classic(_) => Lapse::unknown(),
         }
+    }
+
+    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be: those around a common
+    /// vertex may touch.
+    pub(crate) fn strained<'a>(&'a self, near: &'a NearParts<T>) -> impl Iterator<Item = u32> + 'a {
+        let cells = match &self.cells {
+            Cells::Wide(cells) => Some(cells),
+            Cells::Classic(_) => None,
+        };
+        cells.into_iter().flat_map(|cells| cells.strained(&near.tiles))
     }
 
     /// Offers, of what [`find_lapsed`](Self::find_lapsed) has found, each two triangles that have no vertex in common and

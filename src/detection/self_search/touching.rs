@@ -106,11 +106,11 @@ impl<T: Scalar> Touching<T> {
         memory::refill(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
         let altitudes = self.facets.iter().map(|facet| facet.area / facet.longest_edge);
         let fineness = altitudes.fold(T::zero(), |sum, altitude| sum + altitude) / T::of(count as f64);
-        let least_allowed = rounding(mesh) * T::of(margins::ALTITUDE_OF_FAN);
+        let least_allowed = least_altitude(mesh);
         let mut least = T::INFINITY;
         memory::refill_with(&mut self.strains, T::zero(), mesh.topology().vertex_count());
         for &vertex in mesh.topology().surface_vertices() {
-            let (altitude, cosine) = self.altitude_of_fan(mesh, vertex);
+            let (altitude, cosine) = altitude_of_fan(mesh, vertex, |triangle| self.facets[triangle as usize]);
             self.strains[vertex as usize] = strain_of_fan(cosine, least_allowed / altitude);
             self.folds += usize::from(altitude == T::zero());
             if altitude < least_allowed {
@@ -122,36 +122,6 @@ impl<T: Scalar> Touching<T> {
         self.is_tangled |= self.folds > self.limits.folds;
         // With edges up to L strained by ε, twice the area of a triangle changes by at most 2 ε L + ε².
         Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
-    }
-
-    /// Looks along the mean normal of the triangles around a vertex. If each is seen from outside and they go around only once,
-    /// they cover a plane once, and none crosses another. Returns the least altitude of a triangle seen so, 0 if they do not,
-    /// and the least cosine between its normal and the line of sight.
-    fn altitude_of_fan(&self, mesh: &Mesh<T>, vertex: u32) -> (T, T) {
-        let around = mesh.topology().triangles_around(vertex);
-        let sum = around.iter().fold(Vector3::zeros(), |sum, &t| sum + self.facets[t as usize].scaled_normal);
-        let Some(axis) = direction(&sum) else { return (T::zero(), T::zero()) };
-        let corners = |triangle: u32| {
-            let corners = mesh.topology().triangles()[triangle as usize];
-            let first = if corners[0] == vertex { 0 } else { 1 + usize::from(corners[1] != vertex) };
-            [1, 2].map(|i| mesh.positions()[corners[(first + i) % 3] as usize] - mesh.positions()[vertex as usize])
-        };
-        // A direction within the first triangle: within how many is it?
-        let [p, q] = corners(around[0]);
-        let across = (p + q).cross(&axis);
-        let mut turns = 0;
-        let (mut least, mut least_cosine) = (T::INFINITY, T::INFINITY);
-        for &triangle in around {
-            let facet = &self.facets[triangle as usize];
-            let seen = facet.scaled_normal.dot(&axis);
-            let (altitude, cosine) = (seen / facet.longest_edge, seen / facet.area);
-            least_cosine = if cosine >= least_cosine { least_cosine } else { cosine };
-            // Written so that NaN counts as none.
-            least = if altitude >= least { least } else { altitude };
-            let [p, q] = corners(triangle);
-            turns += u32::from(p.dot(&across) >= T::zero() && q.dot(&across) < T::zero());
-        }
-        if turns == 1 && least > T::zero() { (least, least_cosine) } else { (T::zero(), T::zero()) }
     }
 
     /// Looks at the triangles without a common vertex, until more touch or are close than the limits allow; a margin of 0 is
@@ -193,10 +163,17 @@ impl<T: Scalar> Touching<T> {
         self.is_tangled = !is_done;
     }
 
-    /// Whether any triangles touch among the parts that have lapsed.
+    /// Whether any triangles touch among the parts that have lapsed, or around a vertex of a strained triangle.
     pub(in crate::detection) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearParts<T>) -> bool {
-        let touch = touch_distance(mesh);
-        let mut any = false;
+        let (touch, least_allowed) = (touch_distance(mesh), least_altitude(mesh));
+        let folds = |vertex: u32| {
+            altitude_of_fan(mesh, vertex, |triangle| Facet::new(&mesh.corners(triangle))).0 < least_allowed
+        };
+        let mut any =
+            octree.strained(near).any(|triangle| mesh.topology().triangles()[triangle as usize].into_iter().any(folds));
+        if any {
+            return true;
+        }
         octree.search_lapsed(mesh, touch, near, |a, b| {
             any = separation(&[mesh.corners(a), mesh.corners(b)], touch) < touch;
             !any
@@ -212,6 +189,41 @@ impl<T: Scalar> Facet<T> {
         let scaled_normal = (b - a).cross(&(c - a));
         Self { scaled_normal, area: length(&scaled_normal), longest_edge: longest.sqrt() }
     }
+}
+
+/// Fans seen as flatter than this touch.
+fn least_altitude<T: Scalar>(mesh: &Mesh<T>) -> T {
+    rounding(mesh) * T::of(margins::ALTITUDE_OF_FAN)
+}
+
+/// Looks along the mean normal of the triangles around a vertex. If each is seen from outside and they go around only once,
+/// they cover a plane once, and none crosses another. Returns the least altitude of a triangle seen so, 0 if they do not,
+/// and the least cosine between its normal and the line of sight.
+fn altitude_of_fan<T: Scalar>(mesh: &Mesh<T>, vertex: u32, facet: impl Fn(u32) -> Facet<T>) -> (T, T) {
+    let around = mesh.topology().triangles_around(vertex);
+    let sum = around.iter().fold(Vector3::zeros(), |sum, &t| sum + facet(t).scaled_normal);
+    let Some(axis) = direction(&sum) else { return (T::zero(), T::zero()) };
+    let corners = |triangle: u32| {
+        let corners = mesh.topology().triangles()[triangle as usize];
+        let first = if corners[0] == vertex { 0 } else { 1 + usize::from(corners[1] != vertex) };
+        [1, 2].map(|i| mesh.positions()[corners[(first + i) % 3] as usize] - mesh.positions()[vertex as usize])
+    };
+    // A direction within the first triangle: within how many is it?
+    let [p, q] = corners(around[0]);
+    let across = (p + q).cross(&axis);
+    let mut turns = 0;
+    let (mut least, mut least_cosine) = (T::INFINITY, T::INFINITY);
+    for &triangle in around {
+        let facet = facet(triangle);
+        let seen = facet.scaled_normal.dot(&axis);
+        let (altitude, cosine) = (seen / facet.longest_edge, seen / facet.area);
+        least_cosine = if cosine >= least_cosine { least_cosine } else { cosine };
+        // Written so that NaN counts as none.
+        least = if altitude >= least { least } else { altitude };
+        let [p, q] = corners(triangle);
+        turns += u32::from(p.dot(&across) >= T::zero() && q.dot(&across) < T::zero());
+    }
+    if turns == 1 && least > T::zero() { (least, least_cosine) } else { (T::zero(), T::zero()) }
 }
 
 /// How far the triangles of a fan may be strained, seen at no less than a cosine, with the least altitude that is allowed

@@ -25,6 +25,10 @@ pub(in crate::octree) struct NearTiles<T: Scalar> {
     tile_pairs: Vec<[u32; 2]>,
     /// How much nearer the triangles of each pair may come.
     clearances: Vec<T>,
+    /// The largest clearance that is due to little strain between sheltered triangles,
+    sheltered: T,
+    /// and how far from them a path between such triangles may lead.
+    surrounding: T,
     blocks: Vec<Block>,
     normals: Vec<Normals>,
     /// By tile: the triangles whose surroundings do not all face as they do, and those whose wider ones do not.
@@ -33,7 +37,11 @@ pub(in crate::octree) struct NearTiles<T: Scalar> {
     rest: Rest<T>,
     /// By tile: the box around its vertices' moves.
     moves: Vec<Aabb<T>>,
-    /// The pairs that have come nearer by more than they may.
+    /// The tiles with triangles that are strained by more than they may be, and which.
+    strained: Vec<(u32, Mask)>,
+    /// By tile, where there are any: whether one of these is near it.
+    is_by_strained: Vec<bool>,
+    /// The pairs that have come nearer by more than they may, and those whose triangles strain no longer keeps apart.
     lapsed: Vec<[u32; 2]>,
     /// The tiles of these pairs, and by tile its place among them or [`NO_BLOCK`].
     lapsed_tiles: Vec<u32>,
@@ -86,8 +94,10 @@ impl<T: Scalar> Wide<T> {
         near: &mut NearTiles<T>,
         offer: &mut impl FnMut(u32, u32, bool) -> Option<T>,
     ) -> bool {
-        let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
         let Reach { touch, margin, most_pairs, .. } = *reach;
+        near.sheltered = reach.wide_margin();
+        near.surrounding = reach.of_surroundings()[1];
+        let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
         let narrow = Narrow::new(mesh.aabb());
         let tiles = 0..self.tile_count();
         dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current: true, narrow, blocks });
@@ -137,29 +147,50 @@ impl<T: Scalar> Wide<T> {
         dispatch::<T, _>(MakeRest { cells: self, mesh, allowed, rest: &mut near.rest });
     }
 
-    /// Looks for the listed pairs of tiles that have come nearer by more than they may since positions were kept; for
-    /// none, where all may have.
+    /// Looks for the listed pairs of tiles that have come nearer by more than they may since positions were kept, or whose
+    /// surroundings are strained by more than they may be; for none, where all may have.
     pub(in crate::octree) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearTiles<T>) -> Lapse<T> {
-        let NearTiles { rest, moves, lapsed, tile_pairs, clearances, .. } = near;
+        let NearTiles { rest, moves, strained, is_by_strained, lapsed, tile_pairs, clearances, .. } = near;
+        let (sheltered, surrounding) = (near.sheltered, near.surrounding);
         lapsed.clear();
         rest.follow_turn(&self.outlines, mesh);
-        let (whole, is_held) = dispatch::<T, _>(FindMoves { cells: self, mesh, rest, moves });
+        let whole = dispatch::<T, _>(FindMoves { cells: self, mesh, rest, moves, strained });
         let spread = length(&(whole.upper - whole.lower));
-        if !is_held || spread > most {
+        // In this form NaN is too much.
+        let is_little = spread <= most;
+        if !is_little {
             return Lapse { spread, part: 1.0 };
         }
-        let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
-            if clearance > spread {
-                return false;
-            }
+        let is_any_strained = !strained.is_empty();
+        if is_any_strained {
+            rest.find_near(strained.iter().map(|&(tile, _)| tile), surrounding, is_by_strained);
+        }
+        let has_moved = |first: u32, second: u32, clearance: T| {
             let (a, b) = (&moves[first as usize], &moves[second as usize]);
             // The largest difference of two moves, one in each box.
             let farthest = (a.upper - b.lower).sup(&(b.upper - a.lower));
             farthest.norm_squared() > clearance * clearance
         };
+        // A path between two triangles that leads over a strained one is near it from end to end.
+        let is_strained = |first: u32, second: u32, clearance: T| {
+            clearance <= sheltered && is_by_strained[first as usize] && is_by_strained[second as usize]
+        };
+        let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
+            clearance <= spread && has_moved(first, second, clearance)
+                || is_any_strained && is_strained(first, second, clearance)
+        };
         let pairs = tile_pairs.iter().zip(clearances.iter());
         memory::append(lapsed, pairs.filter(has_lapsed).map(|(pair, _)| *pair));
         Lapse { spread, part: lapsed.len() as f64 / tile_pairs.len() as f64 }
+    }
+
+    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be.
+    pub(in crate::octree) fn strained<'a>(&'a self, near: &'a NearTiles<T>) -> impl Iterator<Item = u32> + 'a {
+        let triangles = |&(tile, mask): &(u32, Mask)| {
+            let triangles = &self.tiles[tile as usize].triangles;
+            lanes_of(mask).map(|place| triangles[place])
+        };
+        near.strained.iter().flat_map(triangles)
     }
 
     /// The search among the pairs that have lapsed, until `offer` does not want to go on; nothing is noted. `is_current`: the

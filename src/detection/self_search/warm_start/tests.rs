@@ -116,6 +116,33 @@ fn what_is_remembered_never_tells_other_than_a_search() {
     );
 }
 
+/// One vertex is drawn toward a neighbour and past it, and another out through the far side of the tube, while the rest
+/// hardly moves: what is strained is looked at alone, until it folds over or passes through.
+#[test]
+fn a_strained_vertex_is_searched_alone_until_it_touches() {
+    let rest = torus_positions([64, 16], 0);
+    for aim in [1, 8] {
+        let mut mesh = torus([64, 16]);
+        let (mut octree, mut memory) = (Octree::new(&mesh), SelfWarmStart::default());
+        let mut settled = Vec::new();
+        // Out and back, twice: so a strained body is what positions are kept of, too.
+        for number in 0..160 {
+            let part = [0.0, 1.0, 2.0, 1.0, 0.0][number / 40]
+                + [1.0, 1.0, -1.0, -1.0][number / 40] * (number % 40) as f64 / 40.0;
+            let mut positions: Vec<_> =
+                rest.iter().map(|&[x, y, z]| [x, y, z + 1e-3 * (2.0 * x + 0.3 * number as f64).sin()]).collect();
+            positions[0] =
+                std::array::from_fn(|axis| positions[0][axis] + part * (positions[aim][axis] - positions[0][axis]));
+            mesh.set_positions(&positions).expect("finite");
+            let how = step(&mut memory, &mut octree, &mesh);
+            settled.push((how, octree.strained(&memory.near).count()));
+        }
+        let count = |is: &dyn Fn(&(Settled, usize)) -> bool| settled.iter().filter(|&how| is(how)).count();
+        assert!(count(&|how| how.0 == Settled::PartSearched && how.1 > 0) > 20, "{aim}: {settled:?}");
+        assert!(count(&|how| matches!(how.0, Settled::Searched { any: true, .. })) > 20, "{aim}: {settled:?}");
+    }
+}
+
 /// A torus as it is, one pinched in the middle, one pressed to a sheet, and a sheet rolled up, whose layers face alike.
 fn shapes() -> [fn([f64; 3]) -> [f64; 3]; 4] {
     [

@@ -1,7 +1,7 @@
 //! How tiles have moved and been strained since a search, apart from what the body has turned as a whole.
 
-use crate::math::{Aabb, Kernel, Lanes, Scalar, Vector3, Vectors};
-use crate::memory;
+use crate::math::{Aabb, Kernel, Lanes, Mask, Scalar, Vector3, Vectors};
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::octree::wide::Wide;
 use crate::octree::wide::tile::{Outline, TILE_SIZE};
@@ -11,6 +11,8 @@ use nalgebra::{Matrix3, UnitQuaternion};
 #[derive(Clone, Debug)]
 pub(super) struct Rest<T: Scalar> {
     tiles: Vec<RestTile<T>>,
+    /// By tile, around its vertices.
+    boxes: Vec<Aabb<T>>,
     /// What the tiles' positions are seen from.
     centre: Vector3<T>,
     /// By which the present positions are turned back.
@@ -26,7 +28,7 @@ struct RestTile<T: Scalar> {
 
 impl<T: Scalar> Default for Rest<T> {
     fn default() -> Self {
-        Self { tiles: Vec::new(), centre: Vector3::zeros(), back: UnitQuaternion::identity() }
+        Self { tiles: Vec::new(), boxes: Vec::new(), centre: Vector3::zeros(), back: UnitQuaternion::identity() }
     }
 }
 
@@ -40,6 +42,15 @@ impl<T: Scalar> Rest<T> {
     #[cfg(test)]
     pub(super) fn back(&self) -> UnitQuaternion<T> {
         self.back
+    }
+
+    /// Finds, by tile, whether it was at most so far from one of some tiles.
+    pub(super) fn find_near(&self, some: impl Iterator<Item = u32> + Clone, distance: T, is_near: &mut Vec<bool>) {
+        let is_near_some = |aabb: &Aabb<T>| {
+            let around = aabb.grown(distance);
+            some.clone().any(|tile| around.overlaps(&self.boxes[tile as usize]))
+        };
+        memory::refill(is_near, self.boxes.iter().map(is_near_some));
     }
 
     /// Turns back by what fits some vertices best. Any turn will do: bounds hold, only less tightly.
@@ -94,12 +105,14 @@ impl<T: Scalar> Kernel<T> for MakeRest<'_, T> {
         let empty = RestTile { positions: [[T::zero(); TILE_SIZE]; 3], factors: [[T::zero(); TILE_SIZE]; 3] };
         (rest.centre, rest.back) = (mesh.aabb().centre(), UnitQuaternion::identity());
         memory::refill_with(&mut rest.tiles, empty, cells.tiles.len());
+        memory::refill_with(&mut rest.boxes, Aabb::empty(), cells.tiles.len());
         // In units of the body, squares of areas neither overflow nor underflow.
         let unit = L::splat(T::one() / mesh.aabb().longest_side());
         for index in 0..cells.tiles.len() {
             let (tile, outline, rest_tile) = (&cells.tiles[index], &cells.outlines[index], &mut rest.tiles[index]);
             let seen = mesh.gather::<L>(&outline.vertices).sub(Vectors::splat(&rest.centre));
             seen.store(&mut rest_tile.positions);
+            rest.boxes[index] = Aabb { lower: seen.smallest_lanes(), upper: seen.greatest_lanes() };
             let mut row = [T::zero(); TILE_SIZE];
             for place in 0..TILE_SIZE {
                 row[place] = allowed[outline.vertices[place] as usize];
@@ -127,15 +140,17 @@ pub(super) struct FindMoves<'a, T: Scalar> {
     pub(super) mesh: &'a Mesh<T>,
     pub(super) rest: &'a Rest<T>,
     pub(super) moves: &'a mut Vec<Aabb<T>>,
+    /// The tiles with triangles that are strained by more than they may be, and which.
+    pub(super) strained: &'a mut Vec<(u32, Mask)>,
 }
 
 impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
-    /// The box around all moves, and whether no triangle is strained by more than it may be.
-    type Output = (Aabb<T>, bool);
+    /// The box around all moves.
+    type Output = Aabb<T>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<L: Lanes<T>>(self) -> (Aabb<T>, bool) {
-        let Self { cells, mesh, rest, moves } = self;
+    fn run<L: Lanes<T>>(self) -> Aabb<T> {
+        let Self { cells, mesh, rest, moves, strained } = self;
         let rotation = rest.back.to_rotation_matrix();
         let rows = rotation.matrix().transpose();
         let [x, y, z]: [Vectors<T, L>; 3] = [
@@ -145,8 +160,10 @@ impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
         ];
         let centre = Vectors::splat(&mesh.aabb().centre());
         let one = L::splat(T::one());
-        let (mut whole, mut strained) = (Aabb::empty(), 0);
+        let mut whole = Aabb::empty();
         memory::refill_with(moves, whole, cells.tiles.len());
+        strained.clear();
+        strained.room_for(cells.tiles.len());
         for index in 0..cells.tiles.len() {
             let (tile, rest) = (&cells.tiles[index], &rest.tiles[index]);
             let seen = mesh.gather::<L>(&cells.outlines[index].vertices).sub(centre);
@@ -161,8 +178,11 @@ impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
             let across = q.scaled(L::load(&rest.factors[1])).sub(p.scaled(L::load(&rest.factors[2])));
             let held = along.dot(along).add(across.dot(across)).is_at_most(one);
             // In this form NaN counts as strained.
-            strained |= tile.present & !held;
+            let beyond = tile.present & !held;
+            if beyond != 0 {
+                strained.push((index as u32, beyond));
+            }
         }
-        (whole, strained == 0)
+        whole
     }
 }

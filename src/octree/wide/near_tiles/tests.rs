@@ -1,5 +1,6 @@
 use super::*;
 use crate::octree::test_mesh::torus;
+use std::collections::BTreeSet;
 
 /// A surface so large that nodes have nodes under them, and what was found near of it; `offer`
 /// as in the search.
@@ -108,14 +109,15 @@ fn pairs_lapse_where_vertices_have_moved_against_each_other() {
     }
 }
 
-/// Where the triangles around one vertex are strained by more than they may be, all has lapsed; the strain of each is found
-/// from its gradient here.
+/// Where triangles are strained by more than they may be, they are told, and two tiles have lapsed that may be sheltered and
+/// are both so near one of theirs that a path may lead over it; the strain of each is found from its gradient here.
 #[test]
-fn all_has_lapsed_where_a_triangle_is_strained_by_more_than_it_may_be() {
+fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
+    let (allowed, margin) = (0.3, 0.02);
+    let mut strained_ways = 0;
     for way in 0..40 {
-        let (mut mesh, cells, mut near) = search([0.3, 0.02], |_, _, _| 1.0);
+        let (mut mesh, cells, mut near) = search([0.3, margin], |_, _, _| 1.0);
         let (then, count) = (mesh.positions().to_vec(), mesh.positions().len());
-        let allowed = 0.3;
         cells.keep(&mesh, &vec![allowed; count], &mut near);
         let vertex = 13 * way as usize;
         let by = Vector3::from_fn(|axis, _| 0.04 * (way as f64 * (axis as f64 + 1.3)).sin());
@@ -128,9 +130,31 @@ fn all_has_lapsed_where_a_triangle_is_strained_by_more_than_it_may_be() {
             let (rest, moved) = (sides(&|v| then[v]), sides(&|v| mesh.positions()[v] - then[v]));
             (moved * rest.pseudo_inverse(1e-12).expect("it has a size")).norm()
         };
-        let around = mesh.topology().triangles_around(vertex as u32);
-        let largest = around.iter().map(|&triangle| strain(triangle)).fold(0.0, f64::max);
-        let part = cells.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
-        assert_eq!(part == 1.0, largest > allowed, "vertex {vertex}: {largest}");
+        let around = mesh.topology().triangles_around(vertex as u32).iter().copied();
+        let mut expected: Vec<u32> = around.filter(|&triangle| strain(triangle) > allowed).collect();
+        expected.sort();
+        cells.find_lapsed(&mesh, f64::INFINITY, &mut near);
+        let mut told: Vec<u32> = cells.strained(&near).collect();
+        told.sort();
+        assert_eq!(told, expected, "vertex {vertex}");
+        strained_ways += u32::from(!expected.is_empty());
+
+        // The tiles' outlines are still those of the search.
+        let tile_of = |&triangle: &u32| {
+            let tile = cells.tiles.iter().position(|tile| tile.triangles().contains(&triangle));
+            tile.expect("each triangle is in one") as u32
+        };
+        let strained: BTreeSet<u32> = expected.iter().map(tile_of).collect();
+        let is_by_one = |tile: u32| strained.iter().any(|&other| gaps(&cells, [tile, other]).max() <= 4.0 * margin);
+        let has_lapsed = |&(&[a, b], &clearance): &(&[u32; 2], &f64)| {
+            let moves = [a, b].map(|tile| cells.outlines[tile as usize].vertices.contains(&(vertex as u32)));
+            let has_moved = moves.contains(&true) && by.norm() > clearance;
+            has_moved || clearance <= 2.0 * margin && is_by_one(a) && is_by_one(b)
+        };
+        let pairs = near.tile_pairs.iter().zip(&near.clearances);
+        let expected: Vec<_> = pairs.filter(has_lapsed).map(|(pair, _)| *pair).collect();
+        assert!(near.lapsed == expected, "vertex {vertex}: {} for {}", near.lapsed.len(), expected.len());
+        assert!(expected.len() < near.tile_pairs.len() / 2);
     }
+    assert!((5..40).contains(&strained_ways), "{strained_ways}");
 }
