@@ -28,8 +28,10 @@ pub(crate) struct SelfWarmStart<T: Scalar> {
     is_clear: bool,
     /// How much of `near` has lapsed since.
     lapse: Lapse<T>,
-    /// Whether triangles touch in the lapsed parts.
+    /// Whether triangles touch in the lapsed parts, or all is to be searched.
     touches: bool,
+    /// The parts searched in the steps since nothing had lapsed, together.
+    searched: f64,
     /// The mean altitude of the triangles.
     fineness: T,
     /// Steps since triangles without a common vertex were looked at.
@@ -44,7 +46,7 @@ impl<T: Scalar> Default for SelfWarmStart<T> {
     fn default() -> Self {
         let (fans, strains, near) = (Certificate::default(), Vec::new(), NearParts::default());
         let (allowed, rounding, fineness) = (-T::one(), T::zero(), T::zero());
-        let (is_valid, is_clear, touches) = (false, false, true);
+        let (is_valid, is_clear, touches, searched) = (false, false, true, 0.0);
         let (stamp, steps, pause, failures) = (0, 0, 0, 0);
         let lapse = Lapse::unknown();
         Self {
@@ -58,6 +60,7 @@ impl<T: Scalar> Default for SelfWarmStart<T> {
             is_clear,
             lapse,
             touches,
+            searched,
             fineness,
             steps,
             pause,
@@ -87,6 +90,8 @@ const PAUSE: u32 = 30;
 const MOST_DOUBLINGS: u32 = 3;
 /// If more than this part of the near pairs have come too close, the whole surface is searched.
 const MOST_LAPSED: f64 = 0.25;
+/// Where parts have lapsed for good, positions are kept anew once looking at them has cost as much as a search of all.
+const MOST_SEARCHED: f64 = 1.0;
 /// Steep triangles may come nearer by at most this, in mean altitudes: about as far as parts of one tile and the next move
 /// against each other while strain allows it.
 const STEEP_MARGIN: f64 = 1.0;
@@ -105,7 +110,9 @@ impl<T: Scalar> SelfWarmStart<T> {
                 self.lapse = octree.find_lapsed(mesh, self.allowed, &mut self.near);
             }
             let part = self.lapse.part;
-            self.touches = part > MOST_LAPSED || part > 0.0 && Touching::any_lapsed_touch(octree, mesh, &mut self.near);
+            self.searched = if part > 0.0 { self.searched + part } else { 0.0 };
+            let is_whole = part > MOST_LAPSED || self.searched > MOST_SEARCHED;
+            self.touches = is_whole || part > 0.0 && Touching::any_lapsed_touch(octree, mesh, &mut self.near);
             // Of several components one may have come inside another meanwhile.
             self.is_clear = part == 0.0 || !self.touches && mesh.topology().components().len() == 1;
         }
@@ -135,7 +142,7 @@ impl<T: Scalar> SelfWarmStart<T> {
             std::mem::swap(&mut self.strains, &mut touching.strains);
             self.fans.set(mesh, found.strain, !touching.any);
         }
-        self.is_valid = false;
+        (self.is_valid, self.searched) = (false, 0.0);
         if touching.is_tangled {
             return;
         }

@@ -27,7 +27,7 @@ pub(in crate::octree) struct NearTiles<T: Scalar> {
     clearances: Vec<T>,
     /// The largest clearance that is due to little strain between sheltered triangles,
     sheltered: T,
-    /// and how far from them a path between such triangles may lead.
+    /// and of tiles that a path between such triangles may lead over.
     surrounding: T,
     blocks: Vec<Block>,
     normals: Vec<Normals>,
@@ -39,14 +39,24 @@ pub(in crate::octree) struct NearTiles<T: Scalar> {
     moves: Vec<Aabb<T>>,
     /// The tiles with triangles that are strained by more than they may be, and which.
     strained: Vec<(u32, Mask)>,
-    /// By tile, where there are any: whether one of these is near it.
-    is_by_strained: Vec<bool>,
+    /// By tile, where there are any.
+    surroundings: Vec<Surroundings>,
     /// The pairs that have come nearer by more than they may, and those whose triangles strain no longer keeps apart.
     lapsed: Vec<[u32; 2]>,
     /// The tiles of these pairs, and by tile its place among them or [`NO_BLOCK`].
     lapsed_tiles: Vec<u32>,
     block_places: Vec<u32>,
 }
+
+/// What is strained in and around a tile.
+#[derive(Clone, Copy, Debug, Default)]
+struct Surroundings {
+    is_strained: bool,
+    is_near_strained: bool,
+}
+
+/// If more than this part of the tiles are strained, all has lapsed.
+const MOST_STRAINED: f64 = 1.0 / 16.0;
 
 /// Of a tile in no pair that has lapsed.
 const NO_BLOCK: u32 = u32::MAX;
@@ -96,7 +106,7 @@ impl<T: Scalar> Wide<T> {
     ) -> bool {
         let Reach { touch, margin, most_pairs, .. } = *reach;
         near.sheltered = reach.wide_margin();
-        near.surrounding = reach.of_surroundings()[1];
+        near.surrounding = reach.of_surroundings()[1] - touch;
         let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
         let narrow = Narrow::new(mesh.aabb());
         let tiles = 0..self.tile_count();
@@ -150,7 +160,7 @@ impl<T: Scalar> Wide<T> {
     /// Looks for the listed pairs of tiles that have come nearer by more than they may since positions were kept, or whose
     /// surroundings are strained by more than they may be; for none, where all may have.
     pub(in crate::octree) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearTiles<T>) -> Lapse<T> {
-        let NearTiles { rest, moves, strained, is_by_strained, lapsed, tile_pairs, clearances, .. } = near;
+        let NearTiles { rest, moves, strained, surroundings, lapsed, tile_pairs, clearances, .. } = near;
         let (sheltered, surrounding) = (near.sheltered, near.surrounding);
         lapsed.clear();
         rest.follow_turn(&self.outlines, mesh);
@@ -158,12 +168,20 @@ impl<T: Scalar> Wide<T> {
         let spread = length(&(whole.upper - whole.lower));
         // In this form NaN is too much.
         let is_little = spread <= most;
-        if !is_little {
+        if !is_little || strained.len() as f64 > self.tiles.len() as f64 * MOST_STRAINED {
             return Lapse { spread, part: 1.0 };
         }
         let is_any_strained = !strained.is_empty();
         if is_any_strained {
-            rest.find_near(strained.iter().map(|&(tile, _)| tile), surrounding, is_by_strained);
+            memory::refill_with(surroundings, Surroundings::default(), self.tiles.len());
+            strained.iter().for_each(|&(tile, _)| surroundings[tile as usize].is_strained = true);
+            for (&[first, second], &clearance) in tile_pairs.iter().zip(clearances.iter()) {
+                let [first, second] = [first as usize, second as usize];
+                // Without branches: which pairs are so near is hard to foretell.
+                let is_near = clearance <= surrounding;
+                surroundings[first].is_near_strained |= is_near & surroundings[second].is_strained;
+                surroundings[second].is_near_strained |= is_near & surroundings[first].is_strained;
+            }
         }
         let has_moved = |first: u32, second: u32, clearance: T| {
             let (a, b) = (&moves[first as usize], &moves[second as usize]);
@@ -173,7 +191,8 @@ impl<T: Scalar> Wide<T> {
         };
         // A path between two triangles that leads over a strained one is near it from end to end.
         let is_strained = |first: u32, second: u32, clearance: T| {
-            clearance <= sheltered && is_by_strained[first as usize] && is_by_strained[second as usize]
+            let is_near = |tile: u32| surroundings[tile as usize].is_near_strained;
+            clearance <= sheltered && is_near(first) && is_near(second)
         };
         let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
             clearance <= spread && has_moved(first, second, clearance)

@@ -143,6 +143,31 @@ fn a_strained_vertex_is_searched_alone_until_it_touches() {
     }
 }
 
+/// A dent that stays is searched alone until that has cost as much as a search of all; then it is part of what is kept.
+#[test]
+fn what_has_lapsed_for_good_is_kept_anew() {
+    let rest = torus_positions([64, 16], 0);
+    let mut mesh = torus([64, 16]);
+    let (mut octree, mut memory) = (Octree::new(&mesh), SelfWarmStart::default());
+    let (mut settled, mut searched) = (Vec::new(), 0.0);
+    for number in 0..1000 {
+        // It ripples, is dented, and rests.
+        let (phase, dent) = (0.3 * f64::from(number.min(24)), 0.08 * f64::from((number - 20).clamp(0, 4)));
+        let mut positions: Vec<_> = rest.iter().map(|&[x, y, z]| [x, y, z + 1e-2 * (2.0 * x + phase).sin()]).collect();
+        positions[0] =
+            std::array::from_fn(|axis| positions[0][axis] + dent * (positions[1][axis] - positions[0][axis]));
+        mesh.set_positions(&positions).expect("finite");
+        settled.push(step(&mut memory, &mut octree, &mesh));
+        if settled.ends_with(&[Settled::PartSearched]) {
+            searched += memory.lapse.part;
+        }
+    }
+    let again = settled.iter().rposition(|how| matches!(how, Settled::Searched { .. })).expect("the first");
+    assert!(settled[24..again].iter().all(|&how| how == Settled::PartSearched), "{settled:?}");
+    assert!((0.9..=1.0).contains(&searched), "{searched}");
+    assert!(settled[again + 1..].iter().all(|&how| how == Settled::Remembered), "{settled:?}");
+}
+
 /// A torus as it is, one pinched in the middle, one pressed to a sheet, and a sheet rolled up, whose layers face alike.
 fn shapes() -> [fn([f64; 3]) -> [f64; 3]; 4] {
     [

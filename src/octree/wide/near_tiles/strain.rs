@@ -11,8 +11,6 @@ use nalgebra::{Matrix3, UnitQuaternion};
 #[derive(Clone, Debug)]
 pub(super) struct Rest<T: Scalar> {
     tiles: Vec<RestTile<T>>,
-    /// By tile, around its vertices.
-    boxes: Vec<Aabb<T>>,
     /// What the tiles' positions are seen from.
     centre: Vector3<T>,
     /// By which the present positions are turned back.
@@ -28,7 +26,7 @@ struct RestTile<T: Scalar> {
 
 impl<T: Scalar> Default for Rest<T> {
     fn default() -> Self {
-        Self { tiles: Vec::new(), boxes: Vec::new(), centre: Vector3::zeros(), back: UnitQuaternion::identity() }
+        Self { tiles: Vec::new(), centre: Vector3::zeros(), back: UnitQuaternion::identity() }
     }
 }
 
@@ -42,15 +40,6 @@ impl<T: Scalar> Rest<T> {
     #[cfg(test)]
     pub(super) fn back(&self) -> UnitQuaternion<T> {
         self.back
-    }
-
-    /// Finds, by tile, whether it was at most so far from one of some tiles.
-    pub(super) fn find_near(&self, some: impl Iterator<Item = u32> + Clone, distance: T, is_near: &mut Vec<bool>) {
-        let is_near_some = |aabb: &Aabb<T>| {
-            let around = aabb.grown(distance);
-            some.clone().any(|tile| around.overlaps(&self.boxes[tile as usize]))
-        };
-        memory::refill(is_near, self.boxes.iter().map(is_near_some));
     }
 
     /// Turns back by what fits some vertices best. Any turn will do: bounds hold, only less tightly.
@@ -105,14 +94,12 @@ impl<T: Scalar> Kernel<T> for MakeRest<'_, T> {
         let empty = RestTile { positions: [[T::zero(); TILE_SIZE]; 3], factors: [[T::zero(); TILE_SIZE]; 3] };
         (rest.centre, rest.back) = (mesh.aabb().centre(), UnitQuaternion::identity());
         memory::refill_with(&mut rest.tiles, empty, cells.tiles.len());
-        memory::refill_with(&mut rest.boxes, Aabb::empty(), cells.tiles.len());
         // In units of the body, squares of areas neither overflow nor underflow.
         let unit = L::splat(T::one() / mesh.aabb().longest_side());
         for index in 0..cells.tiles.len() {
             let (tile, outline, rest_tile) = (&cells.tiles[index], &cells.outlines[index], &mut rest.tiles[index]);
             let seen = mesh.gather::<L>(&outline.vertices).sub(Vectors::splat(&rest.centre));
             seen.store(&mut rest_tile.positions);
-            rest.boxes[index] = Aabb { lower: seen.smallest_lanes(), upper: seen.greatest_lanes() };
             let mut row = [T::zero(); TILE_SIZE];
             for place in 0..TILE_SIZE {
                 row[place] = allowed[outline.vertices[place] as usize];

@@ -145,7 +145,7 @@ fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
             tile.expect("each triangle is in one") as u32
         };
         let strained: BTreeSet<u32> = expected.iter().map(tile_of).collect();
-        let is_by_one = |tile: u32| strained.iter().any(|&other| gaps(&cells, [tile, other]).max() <= 4.0 * margin);
+        let is_by_one = |tile: u32| strained.iter().any(|&other| gaps(&cells, [tile, other]).norm() <= 4.0 * margin);
         let has_lapsed = |&(&[a, b], &clearance): &(&[u32; 2], &f64)| {
             let moves = [a, b].map(|tile| cells.outlines[tile as usize].vertices.contains(&(vertex as u32)));
             let has_moved = moves.contains(&true) && by.norm() > clearance;
