@@ -99,7 +99,6 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
     finish_step();
     is_due_ = true;
     note_start();
-    for (int b = 0; b < m_softBodies.size(); ++b) switch_off_continuous_collision(*m_softBodies[b]);
   }
 
   void addScaledForces(btScalar scale, TVStack& force) override {
@@ -191,14 +190,6 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
   bool is_in_world(const btSoftBody& body) const {
     const int index = body.m_nodes[0].index;
     return index >= 0 && index < m_nodes->size() && (*m_nodes)[index] == &body.m_nodes[0];
-  }
-
-  // Bullet runs its own continuous collision on any body with SDF_RD, whatever the flags say; an empty tree stops it.
-  static void switch_off_continuous_collision(btSoftBody& body) {
-    if (!body.m_bUpdateRtCst) return;
-    body.m_bUpdateRtCst = false;
-    body.updateConstants();
-    body.m_fdbvt.clear();
   }
 
   btVector3 gravity() const {
