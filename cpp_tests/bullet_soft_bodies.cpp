@@ -274,6 +274,22 @@ void refused(Spoil spoil, const char* part) {
   expect_refusal([&] { contact.add_body(*body, skin); }, "refused", part);
 }
 
+// Cloth, which is open, and a closed shell that nothing fills: the message says what either may do.
+void surfaces_are_no_solids() {
+  const char* test = "cloth";
+  btSoftBodyWorldInfo info;
+  const std::unique_ptr<btSoftBody> cloth(btSoftBodyHelpers::CreatePatch(
+      info, btVector3(0, 0, 0), btVector3(1, 0, 0), btVector3(0, 0, 1), btVector3(1, 0, 1), 5, 5, 0, true));
+  const char* advice = "leave cloth to Bullet's own contact";
+  bullet::ContactForce contact;
+  expect_refusal([&] { contact.add_body(*cloth); }, test, "cloth, an open surface");
+  expect_refusal([&] { contact.add_body(*cloth); }, test, advice);
+  bullet::ClassicContact classic;
+  expect_refusal([&] { classic.add_body(*cloth); }, test, "MESH_OPEN");
+  expect_refusal([&] { classic.add_body(*cloth); }, test, advice);
+  refused([](btSoftBody& b, bullet::Skin&) { b.m_tetras.clear(); }, "fill a closed shell with appendTetra");
+}
+
 void bad_bodies() {
   refused([](btSoftBody& b, bullet::Skin&) { std::swap(b.m_tetras[3].m_n[0], b.m_tetras[3].m_n[1]); }, "tetrahedron 3");
   refused([](btSoftBody& b, bullet::Skin&) { b.m_tetras[2].m_element_measure = 0; }, "initializeDmInverse");
@@ -327,6 +343,7 @@ int main() {
   render_mesh_as_skin();
   classic_bodies();
   classic_bodies_and_rigid_ones();
+  surfaces_are_no_solids();
   bad_bodies();
   return failures == 0 ? 0 : 1;
 }

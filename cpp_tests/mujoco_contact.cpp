@@ -262,8 +262,15 @@ void bad_input_is_refused() {
   refused(model(one + rope), {}, "flex 'rope' is of dim 1");
   ContactOptions options;
   options.pressure = 1e4;
-  refused(model(cloth), options, "MESH_OPEN");
-  refused(model(cloth), {}, "set `pressure`");
+  // Cloth is told that it is cloth, whatever the options; a solid without a stiffness, which option it lacks.
+  for (const ContactOptions& any : {options, ContactOptions()}) {
+    refused(model(one + cloth), any, "flex 'cloth': RAYC_STATUS_MESH_OPEN");
+    refused(model(one + cloth), any, "leave cloth to MuJoCo's own contact");
+  }
+  refused(
+      model("<flexcomp name=\"held\" type=\"grid\" dim=\"3\" count=\"3 3 3\" spacing=\"0.1 0.1 0.1\" radius=\"0.01\">"
+            "<edge equality=\"true\"/></flexcomp>"),
+      {}, "flex 'held' is no elastic solid from which a stiffness follows; set `pressure`");
   options.flexes = {"a", "c"};
   refused(model(one), options, "no flex 'c'");
   options.flexes = {"a", "a"};

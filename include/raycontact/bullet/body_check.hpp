@@ -42,7 +42,10 @@ inline void check_body(const btSoftBody& body) {
   const auto number = [&](const btSoftBody::Node* node) { return static_cast<int>(node - &body.m_nodes[0]); };
   const int tetra_count = body.m_tetras.size();
   if (body.m_nodes.size() == 0) refuse("it has no nodes");
-  if (tetra_count == 0) refuse("it has no tetrahedra; append them with appendTetra");
+  if (tetra_count == 0)
+    refuse(
+        "it has no tetrahedra, so it is cloth, an open surface, or an empty shell, and contact takes solids; leave "
+        "cloth to Bullet's own contact, fill a closed shell with appendTetra");
 
   std::vector<std::pair<int, int>> links;
   links.reserve(static_cast<std::size_t>(body.m_links.size()));
@@ -69,8 +72,8 @@ inline void check_body(const btSoftBody& body) {
     refuse("m_tetraScratches and m_tetraScratchesTn are shorter than m_tetras; resize both to its size");
   if ((body.m_cfg.collisions & btSoftBody::fCollision::VF_DD) != 0)
     refuse(
-        "m_cfg.collisions has VF_DD, Bullet's own contact between soft bodies; use 0, or SDF_RD | SDF_RDN for rigid "
-        "bodies");
+        "m_cfg.collisions has VF_DD, Bullet's own contact between soft bodies; use 0, or, to meet bodies that are not "
+        "added here, SDF_RD with SDF_RDN, SDF_RDF or SDF_MDF");
   if (body.getActivationState() != DISABLE_DEACTIVATION)
     refuse("it may fall asleep and then ignores forces; call setActivationState(DISABLE_DEACTIVATION)");
 }

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "raycontact.hpp"
@@ -44,19 +45,24 @@ struct ContactBody {
   }
 
   Mesh mesh() const {
-    if (soft != nullptr) {
-      std::vector<btScalar> positions;
-      skin_positions(*soft, skin, positions);
-      return Mesh(vectors(positions), skin.triangles);
-    }
+    std::vector<btScalar> positions;
+    if (soft != nullptr) skin_positions(*soft, skin, positions);
     rayc_mesh_options mesh_options = default_mesh_options();
+    const auto make = [&] {
+      return soft != nullptr ? Mesh(vectors(positions), skin.triangles)
+                             : Mesh(vectors(surface.points), surface.triangles, mesh_options);
+    };
     try {
-      return Mesh(vectors(surface.points), surface.triangles, mesh_options);
+      return make();
     } catch (const Error& error) {
-      // A triangle mesh may be a piece of terrain; a moving one must be closed to have an inside.
-      if (error.status() != RAYC_STATUS_MESH_OPEN || !rigid->isStaticOrKinematicObject()) throw;
+      if (error.status() != RAYC_STATUS_MESH_OPEN) throw;
+      // A triangle mesh may be a piece of terrain; what moves must be closed to have an inside.
+      if (soft != nullptr || !rigid->isStaticOrKinematicObject())
+        throw Error(error.status(), error.what() + std::string(". Contact takes closed solids, and open surfaces only "
+                                                               "of static and kinematic rigid bodies; leave cloth to "
+                                                               "Bullet's own contact"));
       mesh_options.open = 1;
-      return Mesh(vectors(surface.points), surface.triangles, mesh_options);
+      return make();
     }
   }
 

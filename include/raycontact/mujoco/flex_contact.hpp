@@ -43,7 +43,9 @@ class FlexContact {
     check_options(options_);
     check_model(m);
     for (const int flex : chosen_flexes(m)) {
-      Body body{flex, surface_of(m, flex), material_of(m, flex), nodes_.size(), 0};
+      FlexSurface surface = surface_of(m, flex);
+      Mesh mesh = mesh_of(m, flex, surface);
+      Body body{flex, std::move(surface), std::move(mesh), material_of(m, flex), nodes_.size(), 0};
       const FlexNodes nodes = nodes_of(m, flex);
       for (std::size_t n = 0; n < nodes.count; ++n) nodes_.add(m, nodes.bodies[n], nodes.places + 3 * n);
       body.node_count = nodes.count;
@@ -71,16 +73,11 @@ class FlexContact {
     system_ = std::make_unique<ContactSystem>();
     system_->set_node_masses(nodes_.masses());
     for (const Body& body : bodies_) {
-      try {
-        const Mesh mesh(vectors(body.surface.positions), body.surface.triangles);
-        const uint32_t number = scene_->add(mesh);
-        system_->add_deformable(
-            *scene_, number, static_cast<uint32_t>(body.first_node), static_cast<uint32_t>(body.node_count),
-            Carriers{body.surface.offsets, body.surface.nodes, body.surface.weights}, body.material);
-        if (options_.self_collision) scene_->set_self_collision(number, true);
-      } catch (const Error& error) {
-        throw Error(error.status(), "raycontact: flex number " + std::to_string(body.flex) + ": " + error.what());
-      }
+      const uint32_t number = scene_->add(body.mesh);
+      system_->add_deformable(*scene_, number, static_cast<uint32_t>(body.first_node),
+                              static_cast<uint32_t>(body.node_count),
+                              Carriers{body.surface.offsets, body.surface.nodes, body.surface.weights}, body.material);
+      if (options_.self_collision) scene_->set_self_collision(number, true);
     }
     is_known_ = has_touched_ = false;
   }
@@ -119,6 +116,7 @@ class FlexContact {
   struct Body {
     int flex;
     FlexSurface surface;
+    Mesh mesh;
     rayc_material material;
     std::size_t first_node, node_count;
   };
@@ -145,6 +143,18 @@ class FlexContact {
     if (options_.flexes.empty())
       for (int flex = 0; flex < m->nflex; ++flex) flexes.push_back(flex);
     return flexes;
+  }
+
+  static Mesh mesh_of(const mjModel* m, int flex, const FlexSurface& surface) {
+    try {
+      return Mesh(vectors(surface.positions), surface.triangles);
+    } catch (const Error& error) {
+      const char* advice = error.status() == RAYC_STATUS_MESH_OPEN
+                               ? ". Contact takes closed solids; leave cloth to MuJoCo's own contact and name the "
+                                 "other flexes in `flexes`"
+                               : "";
+      throw Error(error.status(), "raycontact: " + title_of(m, flex) + ": " + error.what() + advice);
+    }
   }
 
   /** Two answers to one contact do not add up. */
