@@ -111,6 +111,10 @@ pub enum rayc_status {
     /// The call needs the velocities of rigid bodies among the unknowns: see keeps_rigid_unknowns in
     /// rayc_contact_system_options.
     RAYC_STATUS_RIGID_ELIMINATED = 608,
+    /// Contacts are so stiff beside the mass of a rigid body that this would be lost in rounding where its velocities are
+    /// eliminated: some 1e13 times, stiffness (N/m) · dt · (dt + damping time) over mass. Use a softer material or a shorter
+    /// step, or see keeps_rigid_unknowns in rayc_contact_system_options.
+    RAYC_STATUS_TOO_STIFF = 609,
 
     /// Options that must be equal on all ranks are not. This and the next are only said by raycontact/mpi.hpp, on all ranks.
     RAYC_STATUS_RANKS_DISAGREE = 700,
@@ -251,6 +255,7 @@ impl From<SystemError> for Failure {
             SystemError::NotRemembered { .. } => RAYC_STATUS_WRONG_COUNT,
             SystemError::Memory { .. } => RAYC_STATUS_SAVED_STATE_BROKEN,
             SystemError::Eliminated => RAYC_STATUS_RIGID_ELIMINATED,
+            SystemError::TooStiff { .. } => RAYC_STATUS_TOO_STIFF,
             SystemError::Mesh { source, .. } => mesh_status(source),
         };
         Self::new(status, text!("{error}"))

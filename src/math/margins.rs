@@ -144,6 +144,15 @@ pub(crate) const SUM_AROUND_VERTEX: f64 = 64.0;
 /// The planes between a classic octree's cells; times its side: one at each of up to some tens of levels. For checks only.
 pub(crate) const CELL_PLANE: f64 = 64.0;
 
+/// What elimination leaves of a number on the diagonal of the rigid bodies' matrix; times that number: 1 for each row of
+/// contacts that was added to it and for each unknown eliminated before, which mostly cancel. Two cubes on one another lose 2.
+/// Held by `tests/library/system/momentum.rs`.
+pub(crate) const ELIMINATED_PART: f64 = 16.0;
+
+/// Which part of what rigid bodies answer may be wrong before it is corrected, so that each correction leaves no more than a
+/// sixteenth; and which part may stay. Held by `tests/library/system/momentum.rs`.
+pub(crate) const WRONG_ANSWER: [f64; 2] = [1.0 / 16.0, 1.0 / (1_u64 << 33) as f64];
+
 /// How far rotation · rotationᵀ may be from the identity: what is left of a rotation in single precision. Held by
 /// `src/math/pose.rs` and `tests/library/system/refusals.rs`.
 pub(crate) const ROTATION: f64 = 1e-6;

@@ -104,6 +104,13 @@ pub enum SystemError {
     StepUnderWay,
     /// Rigid bodies are eliminated, and the matrix is then no sum of blocks.
     Eliminated,
+    /// Eliminated, a rigid body would lose its mass to rounding beside the stiffness of its contacts.
+    TooStiff {
+        /// The body.
+        body: u32,
+        /// The length of the step.
+        dt: f64,
+    },
     /// No pair of this body and the other remembers anything.
     NotRemembered {
         /// The first body.
@@ -168,6 +175,11 @@ impl fmt::Display for SystemError {
             Self::StepUnderWay => f.write_str("a step is under way; finish it first"),
             Self::Eliminated => f.write_str(
                 "rigid bodies are eliminated, so the matrix is no sum of blocks; make the system with their unknowns kept",
+            ),
+            Self::TooStiff { body, dt } => write!(
+                f,
+                "the contacts of rigid body {body} are so stiff, in a step of {dt} seconds, that its mass is lost in rounding; \
+                 take a softer material or a shorter step, or make the system with rigid unknowns kept"
             ),
             Self::NotRemembered { body } => {
                 write!(f, "body {body} remembers nothing of the other; ask for the pairs that do")

@@ -73,9 +73,8 @@ impl<T: Scalar> ContactSystem<T> {
         unknowns.room_for(step.unknowns).extend_from_slice(velocities);
         unknowns.extend_from_slice(&self.buffers.twists);
         self.find_motions(&unknowns, step);
-        self.hold_at(step);
         self.buffers.unknowns = unknowns;
-        Ok(())
+        self.hold_at(step).map(|_| ())
     }
 
     /// Puts the scene's bodies, but ghosts, where [`begin_explicit`](Self::begin_explicit) with the same numbers would look
