@@ -41,11 +41,18 @@ impl BodyArray {
     }
 }
 
+impl BodyArray {
+    #[inline]
+    fn known(&self) -> Strided {
+        // SAFETY: only `all` makes this.
+        unsafe { Strided::known(&self.0) }
+    }
+}
+
 impl<T: Scalar> Vectors<T> for BodyArray {
     #[inline]
     fn get(&self, vertex: u32) -> Vector3<T> {
-        // SAFETY: only `all` makes this.
-        unsafe { Strided::known(&self.0) }.read(vertex as usize)
+        self.known().read(vertex as usize)
     }
 }
 
@@ -63,6 +70,13 @@ impl BodyArraysMut<'_> {
             unsafe { Strided::new_mut(vectors, format_args!("{name}[{body}]")) }?;
         }
         Ok(Self(bodies))
+    }
+}
+
+impl BodyArraysMut<'_> {
+    fn known(&self) -> impl Iterator<Item = Strided> {
+        // SAFETY: only `all` makes this.
+        self.0.iter().map(|array| unsafe { Strided::known_mut(array) })
     }
 }
 
@@ -84,9 +98,35 @@ impl<const N: usize> Arrays<'_, N> {
     /// Refuses arrays that do not reach to every body and vertex of the contacts, or that are not finite there, before
     /// anything is changed.
     pub(super) fn check<T: Scalar>(&self, list: &ContactList<T>) -> Result<(), Failure> {
+        self.check_apart()?;
         for contact in &list.contacts {
             self.check_vertices::<T, _>(contact.colliding, contact.p1.vertices)?;
             self.check_vertices::<T, _>(contact.collided, contact.p2.vertices)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses to write to what is read. Arrays may lie between one another, as those of a vertex's members do.
+    fn check_apart(&self) -> Result<(), Failure> {
+        let Some(written) = self.written else { return Ok(()) };
+        let (first, last) = written.known().fold((usize::MAX, 0), |(first, last), array| {
+            let bytes = array.bytes();
+            if bytes.is_empty() { (first, last) } else { (first.min(bytes.start), last.max(bytes.end)) }
+        });
+        for (name, arrays) in &self.read {
+            for (body, read) in arrays.iter().flat_map(|arrays| arrays.iter().enumerate()) {
+                let read = read.known();
+                let bytes = read.bytes();
+                if bytes.end <= first || last <= bytes.start {
+                    continue;
+                }
+                if let Some(other) = written.known().position(|array| array.shares_with(&read)) {
+                    let message = text!(
+                        "{name} of body {body} and forces of body {other} share memory; give forces an array of their own"
+                    );
+                    return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
+                }
+            }
         }
         Ok(())
     }
