@@ -1,3 +1,4 @@
+use crate::math::margins;
 use crate::mesh::MeshError;
 use std::fmt;
 
@@ -37,12 +38,23 @@ pub enum SystemError {
         /// The number.
         value: f64,
     },
-    /// A step's length is not finite and > 0.
+    /// A number is larger than what forces and energies can be computed of.
+    BeyondRange {
+        /// Of which array.
+        what: &'static str,
+        /// Where in it.
+        index: usize,
+        /// The number.
+        value: f64,
+        /// The largest size it may have.
+        most: f64,
+    },
+    /// A step's length is not finite and > 0, or out of range.
     StepLength {
         /// The seconds given.
         seconds: f64,
     },
-    /// A mass is not > 0.
+    /// A mass is not > 0, or out of range.
     Mass {
         /// Of which node, or `None` for a rigid body's.
         node: Option<usize>,
@@ -144,20 +156,37 @@ impl fmt::Display for SystemError {
             Self::NotFinite { what, index, value } => {
                 write!(f, "{what}[{index}] is {value}; give finite numbers")
             }
+            Self::BeyondRange { what, index, value, most } => {
+                write!(f, "{what}[{index}] is {value:e}; give numbers of at most {most:.2e} in size")
+            }
             Self::StepLength { seconds } => {
-                write!(f, "the step is {seconds} seconds long; give a finite number of seconds above 0")
+                let (least, most) = (margins::SHORTEST_STEP, margins::LARGEST_GIVEN);
+                write!(f, "the step is {seconds} seconds long; give seconds above 0, from {least:.2e} to {most:.2e}")
             }
             Self::Mass { node: Some(node), value } => {
-                write!(f, "the mass of node {node} is {value}; give kilograms above 0, infinity for a node held fast")
+                let [least, most] = margins::MASSES;
+                write!(
+                    f,
+                    "the mass of node {node} is {value}; give kilograms above 0, from {least:.2e} to {most:.2e}, or infinity \
+                     for a node held fast"
+                )
             }
             Self::Mass { node: None, value } => {
-                write!(f, "the rigid body's mass is {value}; give finite kilograms above 0")
+                let [least, most] = margins::MASSES;
+                write!(
+                    f,
+                    "the rigid body's mass is {value}; give kilograms above 0, from {least:.2e} to {most:.2e}"
+                )
             }
             Self::Inertia => f.write_str("the inertia is singular; give a symmetric, positive definite matrix"),
             Self::Rotation { body } => {
                 write!(f, "the rotation of body {body} is none; give an orthonormal matrix of determinant 1")
             }
-            Self::Material { what, value, range } => write!(f, "the material's {what} is {value}; it must be {range}"),
+            Self::Material { what, value, range } => write!(
+                f,
+                "the material's {what} is {value}; it must be {range}, and only the depth cap may be above {:.2e}",
+                margins::LARGEST_GIVEN
+            ),
             Self::WeightSum { vertex, sum } => {
                 write!(f, "the weights of surface vertex {vertex} sum to {sum}; they must sum to 1")
             }

@@ -205,7 +205,7 @@ impl Rows {
         // The part of an answer that rounding may make wrong. Each correction leaves this part of what was wrong before.
         let wrong = margins::margin::<f64>(margins::ELIMINATED_PART) / part;
         let [most, goal] = margins::WRONG_ANSWER;
-        if !(wrong <= most) {
+        if wrong > most {
             return Some(row / 6);
         }
         self.corrections = 0;
@@ -251,7 +251,9 @@ impl Rows {
 
     /// Adds the forces of the rows on rigid bodies, times dt, without the momenta that a change of their velocities takes.
     fn add_unanswered(&self, changes: &[f64], dt: f64, loads: &mut [f64], force: impl Fn(usize, &Row) -> V3) {
-        for ((load, change), (mass, inertia)) in loads.chunks_exact_mut(6).zip(changes.chunks_exact(6)).zip(&self.masses) {
+        for ((load, change), (mass, inertia)) in
+            loads.chunks_exact_mut(6).zip(changes.chunks_exact(6)).zip(&self.masses)
+        {
             let (momentum, spin) = (linear(change) * *mass, inertia * angular(change));
             (0..3).for_each(|axis| load[axis] -= momentum[axis]);
             (0..3).for_each(|axis| load[3 + axis] -= spin[axis]);

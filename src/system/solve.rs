@@ -8,7 +8,7 @@ use super::rows::Velocities;
 use super::step::{Buffers, Step};
 use super::twist::V3;
 use super::{ContactSystem, RigidUnknowns, SystemError};
-use crate::math::Scalar;
+use crate::math::{Scalar, margins};
 use crate::memory;
 
 impl<T: Scalar> ContactSystem<T> {
@@ -33,8 +33,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn add_product(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
-        let step = self.check_velocities("change", change)?;
-        super::check_finite("factor", &[factor])?;
+        let step = self.check_unknowns("change", change, margins::LARGEST_FACTOR)?;
+        super::check_range("factor", &[factor])?;
         check_count("result", result, step.unknowns)?;
         let (nodes, twists) = change.split_at(3 * self.node_masses.len());
         let (to, to_twists) = result.split_at_mut(3 * self.node_masses.len());
@@ -57,7 +57,7 @@ impl<T: Scalar> ContactSystem<T> {
         mut use_block: impl FnMut(usize, usize, [f64; 9]),
     ) -> Result<(), SystemError> {
         self.step.ok_or(SystemError::NoStep)?;
-        super::check_finite("factor", &[factor])?;
+        super::check_range("factor", &[factor])?;
         if self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty() {
             return Err(SystemError::Eliminated);
         }

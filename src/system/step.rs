@@ -2,8 +2,8 @@ use super::body::{Body, Course, Mover};
 use super::row::Row;
 use super::row_builder::RowBuilder;
 use super::rows::Velocities;
-use super::{ContactSystem, RigidUnknowns, SystemError, check_finite, mesh_of};
-use crate::math::Scalar;
+use super::{ContactSystem, RigidUnknowns, SystemError, check_range, check_within, mesh_of};
+use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
 use crate::mesh::MeshError;
 use crate::scene::Scene;
@@ -128,7 +128,7 @@ impl<T: Scalar> ContactSystem<T> {
         [positions, velocities, free_velocities]: [&[f64]; 3],
     ) -> Result<(), SystemError> {
         self.check_no_step()?;
-        if !(dt.is_finite() && dt > 0.0) {
+        if !(margins::SHORTEST_STEP..=margins::LARGEST_GIVEN).contains(&dt) {
             return Err(SystemError::StepLength { seconds: dt });
         }
         let expected = 3 * self.node_masses.len();
@@ -137,7 +137,7 @@ impl<T: Scalar> ContactSystem<T> {
             if numbers.len() != expected {
                 return Err(SystemError::WrongCount { what, given: numbers.len(), expected });
             }
-            check_finite(what, numbers)?;
+            check_range(what, numbers)?;
         }
         self.check_bodies(scene)?;
         let Self { buffers, bodies, .. } = self;
@@ -242,11 +242,16 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// The step under way, if there is one and `numbers` is a valid vector of unknowns for it.
     pub(super) fn check_velocities(&self, what: &'static str, numbers: &[f64]) -> Result<Step, SystemError> {
+        self.check_unknowns(what, numbers, margins::LARGEST_GIVEN)
+    }
+
+    /// The same for numbers up to `most`.
+    pub(super) fn check_unknowns(&self, what: &'static str, numbers: &[f64], most: f64) -> Result<Step, SystemError> {
         let step = self.step.ok_or(SystemError::NoStep)?;
         if numbers.len() != step.unknowns {
             return Err(SystemError::WrongCount { what, given: numbers.len(), expected: step.unknowns });
         }
-        check_finite(what, numbers)?;
+        check_within(what, numbers, most)?;
         Ok(step)
     }
 

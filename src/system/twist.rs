@@ -57,7 +57,7 @@ impl Factor {
                 a[i * n + j] = if i == j { sum.sqrt() } else { sum / a[j * n + j] };
                 let part = sum / whole;
                 // Not a number counts as nothing.
-                if i == j && !(part >= least.1) {
+                if i == j && (part.is_nan() || part < least.1) {
                     least = (j, part.max(0.0));
                 }
             }
