@@ -267,6 +267,51 @@ static void parts_and_memories(void) {
   free(bytes);
 }
 
+/* Two octahedra of 1 kg: a stiffness that their masses are lost beside is refused, and the host goes on with a softer one. */
+static void lost_masses_are_refused(void) {
+  rayc_contact_system* rigid = NULL;
+  CHECK_OK(rayc_contact_system_create(NULL, &rigid));
+  rayc_scene* apart = NULL;
+  CHECK_OK(rayc_scene_create(NULL, &apart));
+  rayc_material hard = fine;
+  hard.stiffness = 1e20;
+  for (uint32_t k = 0; k < 2; ++k) {
+    uint32_t body = 42;
+    rayc_mesh* mesh = octahedron_mesh(no_shift);
+    CHECK_OK(rayc_scene_add_mesh(apart, mesh, &body));
+    CHECK_OK(rayc_mesh_destroy(mesh));
+    CHECK_OK(rayc_contact_system_add_rigid(rigid, apart, k, 1, inertia, &hard));
+  }
+  rayc_motion motion = {{0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0}, {0}};
+  memcpy(motion.position, octahedron_shift, sizeof motion.position);
+  CHECK_OK(rayc_contact_system_set_motion(rigid, 1, &motion));
+  CHECK_STATUS(rayc_contact_system_begin(rigid, apart, 0.01, 0, NULL, NULL, NULL), RAYC_STATUS_TOO_STIFF,
+               "take a softer material");
+  CHECK_STATUS(rayc_contact_system_finish(rigid, 0, NULL), RAYC_STATUS_OUT_OF_ORDER, "begin");
+  CHECK_OK(rayc_contact_system_set_pair_material(rigid, 0, 1, &fine));
+  CHECK_OK(rayc_contact_system_begin(rigid, apart, 0.01, 0, NULL, NULL, NULL));
+  CHECK_OK(rayc_contact_system_finish(rigid, 0, NULL));
+  double velocities[2][6];
+  for (uint32_t k = 0; k < 2; ++k) CHECK_OK(rayc_contact_system_rigid_velocity(rigid, k, velocities[k]));
+  CHECK(velocities[0][0] < 0);
+  CHECK_NEAR(velocities[0][0] + velocities[1][0], 0, 1e-14);
+
+  hard.stiffness = 1e30;
+  CHECK_STATUS(rayc_contact_system_set_pair_material(rigid, 0, 1, &hard), RAYC_STATUS_INVALID_MATERIAL,
+               "stiffness is 1000000000000000000000000000000");
+  hard = fine;
+  hard.friction = 1e100;
+  CHECK_STATUS(rayc_contact_system_set_pair_material(rigid, 0, 1, &hard), RAYC_STATUS_INVALID_MATERIAL, "friction");
+  motion.velocity[4] = 1e100;
+  CHECK_STATUS(rayc_contact_system_set_motion(rigid, 1, &motion), RAYC_STATUS_INVALID_OPTION, "velocity[4] is 1e100");
+  CHECK_STATUS(rayc_contact_system_begin(rigid, apart, 1e-300, 0, NULL, NULL, NULL), RAYC_STATUS_INVALID_STEP,
+               "from 8.27e-25");
+  const double light = 1e-300;
+  CHECK_STATUS(rayc_contact_system_set_node_masses(rigid, 1, &light), RAYC_STATUS_INVALID_MASS, "node 0");
+  CHECK_OK(rayc_contact_system_destroy(rigid));
+  CHECK_OK(rayc_scene_destroy(apart));
+}
+
 static void precisions_do_not_mix(void) {
   rayc_contact_system_options options;
   CHECK_OK(rayc_default_contact_system_options(sizeof options, &options));
@@ -292,6 +337,7 @@ int main(void) {
   calls_out_of_order_are_refused();
   a_step_keeps_momentum();
   parts_and_memories();
+  lost_masses_are_refused();
   precisions_do_not_mix();
   CHECK_OK(rayc_contact_system_destroy(contacts));
   CHECK_OK(rayc_scene_destroy(scene));

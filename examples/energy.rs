@@ -9,7 +9,7 @@ mod closed;
 mod common;
 mod support;
 
-use closed::Closed;
+use closed::{Closed, Wanted};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::process::ExitCode;
 use support::arguments::Arguments;
@@ -27,6 +27,10 @@ springs and of contact must not rise. That of contact is an integral over what b
   --every N       steps between two integrals; between them, motion and springs are summed up (default 25)
   --seed N        of all starts (default 1)
   --start N       the first start (default 0): what is printed of a start repeats with --start N --starts 1
+  --kind KIND     any, or cubes: rigid ones in narrow rooms, without damping (default any)
+  --dt X          the length of steps, in s (default 0: 1/240, 1/60 or 0.05)
+  --solves N      how often a step may be solved (default 60)
+  --goal X        the part of the force predicted wrongly that is good enough (default 1e-7)
   --tolerance X   how far energy may rise, of the greatest (default 0.01)
   --help          this text
 
@@ -62,8 +66,17 @@ struct Outcome {
     touching: usize,
 }
 
-fn run(seed: u64, start: u64, steps: usize, every: usize) -> Outcome {
-    let mut closed = Closed::new(seed, start);
+/// How a start is run.
+struct Course {
+    steps: usize,
+    every: usize,
+    solves: usize,
+    goal: f64,
+}
+
+fn run(mut closed: Closed, start: u64, course: &Course) -> Outcome {
+    let &Course { steps, every, solves, goal } = course;
+    (closed.host.solves, closed.host.goal) = (solves, goal);
     let first = closed.energy();
     let (mut greatest, mut least) = (first, first);
     let mut outcome = Outcome { description: closed.description.clone(), ..Outcome::default() };
@@ -90,12 +103,23 @@ fn main() -> ExitCode {
     let steps: usize = arguments.value("--steps", 500);
     let every: usize = arguments.value("--every", 25);
     let seed: u64 = arguments.value("--seed", 1);
+    let kind = arguments.value("--kind", "any".to_owned());
+    let wanted = Wanted { cubes: kind == "cubes", dt: arguments.value("--dt", 0.0) };
+    let solves: usize = arguments.value("--solves", 60);
+    let goal: f64 = arguments.value("--goal", 1e-7);
     let first: u64 = arguments.value("--start", 0);
     let tolerance: f64 = arguments.value("--tolerance", 0.01);
-    if starts == 0 || steps == 0 || every == 0 || !(tolerance >= 0.0 && tolerance.is_finite()) {
-        arguments.fail("--starts, --steps and --every are at least 1, and --tolerance is finite and at least 0");
+    if starts == 0 || steps == 0 || every == 0 || solves == 0 {
+        arguments.fail("--starts, --steps, --every and --solves are at least 1");
+    }
+    if !wanted.cubes && kind != "any" {
+        arguments.fail(&format!("unknown kind '{kind}': any or cubes"));
+    }
+    if [tolerance, goal, wanted.dt].iter().any(|x| !(*x >= 0.0 && x.is_finite())) {
+        arguments.fail("--tolerance, --goal and --dt are finite and at least 0");
     }
     arguments.finish();
+    let course = Course { steps, every, solves, goal };
     // On standard error, and only where that is a terminal.
     let progress = ProgressBar::new(starts);
     let style = ProgressStyle::with_template("{wide_bar} {pos} of {len} starts, {eta} left");
@@ -103,7 +127,7 @@ fn main() -> ExitCode {
     let mut worst = [Rise::default(); 2];
     let (mut risen, mut unsolved, mut touching) = ([0; 2], 0, 0);
     for start in first..first + starts {
-        let outcome = run(seed, start, steps, every);
+        let outcome = run(Closed::wanted(seed, start, wanted), start, &course);
         for (k, rise) in outcome.rises.into_iter().enumerate() {
             worst[k].most(rise);
             risen[k] += usize::from(rise.part > tolerance);

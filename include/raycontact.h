@@ -244,7 +244,7 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_INVALID_WEIGHTS = 602,
   /**
-   * A mass is not above 0.
+   * A mass is not above 0, or not from 2^-400 kg (3.9e-121) to 2^400 kg (2.6e120).
    */
   RAYC_STATUS_INVALID_MASS = 603,
   /**
@@ -252,7 +252,8 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_INVALID_INERTIA = 604,
   /**
-   * A number of a material is out of its range: a negative stiffness, damping time or friction, a cap that is not above 0.
+   * A number of a material is out of its range: a stiffness, damping time or friction that is negative or above 2^80
+   * (1.2e24), a cap that is not above 0.
    */
   RAYC_STATUS_INVALID_MATERIAL = 605,
   /**
@@ -260,7 +261,7 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_INVALID_DIRECTION = 606,
   /**
-   * A step's length is not finite and above 0.
+   * A step's length is not finite and above 0, or not from 2^-80 s (8.3e-25) to 2^80 s (1.2e24).
    */
   RAYC_STATUS_INVALID_STEP = 607,
   /**
@@ -268,6 +269,12 @@ typedef enum rayc_status {
    * rayc_contact_system_options.
    */
   RAYC_STATUS_RIGID_ELIMINATED = 608,
+  /**
+   * Contacts are so stiff beside the mass of a rigid body that this would be lost in rounding where its velocities are
+   * eliminated: some 1e13 times, stiffness (N/m) · dt · (dt + damping time) over mass. Use a softer material or a shorter
+   * step, or see keeps_rigid_unknowns in rayc_contact_system_options.
+   */
+  RAYC_STATUS_TOO_STIFF = 609,
   /**
    * Options that must be equal on all ranks are not. This and the next are only said by raycontact/mpi.hpp, on all ranks.
    */
@@ -427,6 +434,8 @@ typedef enum rayc_weighting {
  *
  * Numbers are doubles in SI units, whatever the precision. Vectors of unknowns hold x, y, z of each node, then, where
  * rigid bodies are kept, six numbers of each in the order they were added: linear and angular velocity, or force and torque.
+ * Numbers given are at most 2^80 (1.2e24) in size, so that forces and energies stay finite; others are refused with
+ * RAYC_STATUS_INVALID_OPTION or, where they have one, with a status of their own.
  *
  * Threads: one call at a time for one system. The caller frees it with rayc_contact_system_destroy().
  */
@@ -919,15 +928,15 @@ typedef struct rayc_material {
    */
   size_t struct_size;
   /**
-   * Pressure per depth, in N/m³; finite and ≥ 0.
+   * Pressure per depth, in N/m³; from 0 to 2^80 (1.2e24).
    */
   double stiffness;
   /**
-   * Damping over stiffness, in s; finite and ≥ 0.
+   * Damping over stiffness, in s; from 0 to 2^80.
    */
   double damping_time;
   /**
-   * Coulomb's coefficient, static and kinetic; finite and ≥ 0.
+   * Coulomb's coefficient, static and kinetic; from 0 to 2^80.
    */
   double friction;
   /**
@@ -1638,7 +1647,8 @@ enum rayc_status rayc_contacts_statistics(const struct rayc_contacts *contacts,
  * in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
  * coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite.
  *
- * options: NULL for the defaults. Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+ * options: NULL for the defaults. Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end,
+ * RAYC_STATUS_INVALID_OPTION where a coefficient is beyond the largest number of the contacts' precision.
  */
 enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *contacts,
                                                  const struct rayc_response_options *options,
@@ -1658,7 +1668,8 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
  * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
- * the precision of the contacts. Numbers that no contact needs are not checked.
+ * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where a sum might go beyond its largest number,
+ * or where `forces` shares memory with what is read. Numbers that no contact needs are not checked.
  */
 enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
                                           const struct rayc_response_options *options,
@@ -1674,8 +1685,7 @@ enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
  *
  * options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
  *
- * Errors: RAYC_STATUS_WRONG_COUNT and RAYC_STATUS_NOT_FINITE as there, RAYC_STATUS_INVALID_OPTION where a factor is not
- * finite.
+ * Errors: as there, and RAYC_STATUS_INVALID_OPTION where a factor is not finite.
  */
 enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *contacts,
                                                 const struct rayc_response_options *options,
@@ -1691,7 +1701,8 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
  * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
- * the precision of the contacts. Numbers that no contact needs are not checked.
+ * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where a sum might go beyond its largest number. Numbers that no
+ * contact needs are not checked.
  */
 enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
                                       const struct rayc_response_options *options,
@@ -1859,7 +1870,8 @@ enum rayc_status rayc_contact_system_unknown_count(const struct rayc_contact_sys
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
  * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
- * scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH.
+ * scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_TOO_STIFF: all is then as if
+ * the step had been cancelled.
  */
 enum rayc_status rayc_contact_system_begin(struct rayc_contact_system *system,
                                            struct rayc_scene *scene,
@@ -1936,7 +1948,8 @@ enum rayc_status rayc_contact_system_energy(struct rayc_contact_system *system,
  * solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly. If it is above about 0.05, solve
  * again.
  *
- * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_TOO_STIFF:
+ * the rows are then as before.
  */
 enum rayc_status rayc_contact_system_linearise(struct rayc_contact_system *system,
                                                size_t count,
@@ -1950,7 +1963,7 @@ enum rayc_status rayc_contact_system_linearise(struct rayc_contact_system *syste
  * the smallest depth cap from where it was when contacts were last looked for.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
- * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH.
+ * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_TOO_STIFF: the rows are then as before.
  */
 enum rayc_status rayc_contact_system_detect_again(struct rayc_contact_system *system,
                                                   struct rayc_scene *scene,

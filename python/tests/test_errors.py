@@ -136,6 +136,11 @@ def test_arrays_of_bodies():
         contacts.energy(stiffness=-1)
     assert caught.value.status == Status.INVALID_OPTION
     assert not np.any(forces)
+    velocities = [X.copy(), X.copy()]
+    with pytest.raises(Error, match="velocities of body 1 and forces of body 0 share memory") as caught:
+        contacts.add_forces([velocities[1], forces[1]], velocities=velocities)
+    assert caught.value.status == Status.INVALID_OPTION
+    np.testing.assert_array_equal(velocities[1], X)
 
 
 def test_points_and_rays():

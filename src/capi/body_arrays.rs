@@ -4,7 +4,7 @@ use super::checks::check_numbers;
 use super::failure::{Failure, rayc_status};
 use super::pointers::slice;
 use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
-use crate::detection::ContactList;
+use crate::detection::{Contact, ContactList};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::response::{BodiesMut, Vectors, VectorsMut};
@@ -41,11 +41,18 @@ impl BodyArray {
     }
 }
 
+impl BodyArray {
+    #[inline]
+    fn known(&self) -> Strided {
+        // SAFETY: only `all` makes this.
+        unsafe { Strided::known(&self.0) }
+    }
+}
+
 impl<T: Scalar> Vectors<T> for BodyArray {
     #[inline]
     fn get(&self, vertex: u32) -> Vector3<T> {
-        // SAFETY: only `all` makes this.
-        unsafe { Strided::known(&self.0) }.read(vertex as usize)
+        self.known().read(vertex as usize)
     }
 }
 
@@ -66,6 +73,13 @@ impl BodyArraysMut<'_> {
     }
 }
 
+impl BodyArraysMut<'_> {
+    fn known(&self) -> impl Iterator<Item = Strided> {
+        // SAFETY: only `all` makes this.
+        self.0.iter().map(|array| unsafe { Strided::known_mut(array) })
+    }
+}
+
 impl<T: Scalar> BodiesMut<T> for BodyArraysMut<'_> {
     #[inline]
     fn add_to(&mut self, body: u32, vertex: u32, vector: Vector3<T>) {
@@ -81,35 +95,90 @@ pub(super) struct Arrays<'a, const N: usize> {
 }
 
 impl<const N: usize> Arrays<'_, N> {
-    /// Refuses arrays that do not reach to every body and vertex of the contacts, or that are not finite there, before
-    /// anything is changed.
-    pub(super) fn check<T: Scalar>(&self, list: &ContactList<T>) -> Result<(), Failure> {
+    /// Refuses, before anything is changed, arrays that do not reach to every body and vertex of the contacts, or that are not
+    /// finite there, and contacts of which the sum might not be. `most(contact, sizes)`: what a contact gives at most where the
+    /// numbers read for it sum up to `sizes`, array by array.
+    pub(super) fn check<T: Scalar>(
+        &self,
+        list: &ContactList<T>,
+        most: impl Fn(&Contact<T>, [T; N]) -> T,
+    ) -> Result<(), Failure> {
+        self.check_apart()?;
+        let count = T::of(list.contacts.len() as f64);
         for contact in &list.contacts {
-            self.check_vertices::<T, _>(contact.colliding, contact.p1.vertices)?;
-            self.check_vertices::<T, _>(contact.collided, contact.p2.vertices)?;
+            let first = self.check_vertices::<T, _>(contact.colliding, contact.p1.vertices)?;
+            let second = self.check_vertices::<T, _>(contact.collided, contact.p2.vertices)?;
+            let most = most(contact, std::array::from_fn(|array| first[array] + second[array]));
+            if !(most * count).is_finite() {
+                return Err(beyond_range(contact));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses to write to what is read. Arrays may lie between one another, as those of a vertex's members do.
+    fn check_apart(&self) -> Result<(), Failure> {
+        let Some(written) = self.written else { return Ok(()) };
+        let (first, last) = written.known().fold((usize::MAX, 0), |(first, last), array| {
+            let bytes = array.bytes();
+            if bytes.is_empty() { (first, last) } else { (first.min(bytes.start), last.max(bytes.end)) }
+        });
+        for (name, arrays) in &self.read {
+            for (body, read) in arrays.iter().flat_map(|arrays| arrays.iter().enumerate()) {
+                let read = read.known();
+                let bytes = read.bytes();
+                if bytes.end <= first || last <= bytes.start {
+                    continue;
+                }
+                if let Some(other) = written.known().position(|array| array.shares_with(&read)) {
+                    let message = text!(
+                        "{name} of body {body} and forces of body {other} share memory; give forces an array of their own"
+                    );
+                    return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
+                }
+            }
         }
         Ok(())
     }
 
     #[inline(always)]
-    fn check_vertices<T: Scalar, const M: usize>(&self, body: u32, vertices: [u32; M]) -> Result<(), Failure> {
-        for (name, arrays) in &self.read {
+    fn check_vertices<T: Scalar, const M: usize>(&self, body: u32, vertices: [u32; M]) -> Result<[T; N], Failure> {
+        let mut sizes = [T::zero(); N];
+        for (size, (name, arrays)) in sizes.iter_mut().zip(&self.read) {
             let Some(arrays) = arrays else { continue };
             let array = arrays.get(body as usize);
             check_reach(body, vertices, array.map(|array| array.0.count))?;
             let get = |vertex: u32| array.map_or_else(Vector3::zeros, |array| array.get(vertex));
-            // Zero times anything finite is zero: one comparison for all.
-            let zero = vertices.iter().fold(Vector3::zeros(), |sum, &vertex| sum + get(vertex) * T::zero());
-            if zero != Vector3::zeros() {
+            *size = vertices.iter().fold(T::zero(), |sum, &vertex| sum + size_of_vector(&get(vertex)));
+            if !size.is_finite() {
                 let is_finite = |vertex: &u32| get(*vertex).iter().all(|x: &T| x.is_finite());
                 let vertex = vertices.into_iter().find(|vertex| !is_finite(vertex)).unwrap_or(vertices[0]);
                 let given: Vector3<f64> = array.map_or_else(Vector3::zeros, |array| array.get(vertex));
                 check_numbers::<T>(given.as_slice(), format_args!("{name}[{body}]: vertex {vertex}"))?;
             }
         }
-        let Some(BodyArraysMut(arrays)) = self.written else { return Ok(()) };
-        check_reach(body, vertices, arrays.get(body as usize).map(|array| array.count))
+        if let Some(BodyArraysMut(arrays)) = self.written {
+            check_reach(body, vertices, arrays.get(body as usize).map(|array| array.count))?;
+        }
+        Ok(sizes)
     }
+}
+
+/// The sum of its numbers' sizes, at least its length.
+#[inline(always)]
+pub(super) fn size_of_vector<T: Scalar>(vector: &Vector3<T>) -> T {
+    vector.x.abs() + vector.y.abs() + vector.z.abs()
+}
+
+#[cold]
+pub(super) fn beyond_range<T: Scalar>(contact: &Contact<T>) -> Failure {
+    let Contact { colliding, collided, .. } = contact;
+    let largest = T::LARGEST.to_f64();
+    let message = text!(
+        "what a contact of bodies {colliding} and {collided} gives might be beyond {largest:e}, the largest number of the \
+         contacts' precision; give a smaller stiffness or damping time, or smaller vectors"
+    );
+    Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message)
 }
 
 #[inline(always)]

@@ -25,6 +25,8 @@ use crate::system::{Carriers, ContactSystem, Material, Motion, SystemError};
 ///
 /// Numbers are doubles in SI units, whatever the precision. Vectors of unknowns hold x, y, z of each node, then, where
 /// rigid bodies are kept, six numbers of each in the order they were added: linear and angular velocity, or force and torque.
+/// Numbers given are at most 2^80 (1.2e24) in size, so that forces and energies stay finite; others are refused with
+/// RAYC_STATUS_INVALID_OPTION or, where they have one, with a status of their own.
 ///
 /// Threads: one call at a time for one system. The caller frees it with rayc_contact_system_destroy().
 pub struct rayc_contact_system {

@@ -70,11 +70,11 @@ pub unsafe extern "C" fn rayc_default_contact_system_options(
 pub struct rayc_material {
     /// sizeof(rayc_material).
     pub struct_size: usize,
-    /// Pressure per depth, in N/m³; finite and ≥ 0.
+    /// Pressure per depth, in N/m³; from 0 to 2^80 (1.2e24).
     pub stiffness: f64,
-    /// Damping over stiffness, in s; finite and ≥ 0.
+    /// Damping over stiffness, in s; from 0 to 2^80.
     pub damping_time: f64,
-    /// Coulomb's coefficient, static and kinetic; finite and ≥ 0.
+    /// Coulomb's coefficient, static and kinetic; from 0 to 2^80.
     pub friction: f64,
     /// At more than this depth, in m, a contact pushes no harder in one step than at this depth; > 0, and infinity for
     /// no cap. By as much as bodies come nearer within the step they are pushed back in full.

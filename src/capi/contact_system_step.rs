@@ -14,7 +14,8 @@ use crate::memory::text;
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
 /// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
-/// scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH.
+/// scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_TOO_STIFF: all is then as if
+/// the step had been cancelled.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_begin(
     system: *mut rayc_contact_system,
@@ -162,7 +163,8 @@ pub unsafe extern "C" fn rayc_contact_system_energy(
 /// solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly. If it is above about 0.05, solve
 /// again.
 ///
-/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_TOO_STIFF:
+/// the rows are then as before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_linearise(
     system: *mut rayc_contact_system,
@@ -180,7 +182,7 @@ pub unsafe extern "C" fn rayc_contact_system_linearise(
 /// the smallest depth cap from where it was when contacts were last looked for.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
-/// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH.
+/// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_TOO_STIFF: the rows are then as before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_detect_again(
     system: *mut rayc_contact_system,

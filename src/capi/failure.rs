@@ -98,19 +98,24 @@ pub enum rayc_status {
     RAYC_STATUS_BODY_TWICE = 601,
     /// The weights of a surface vertex do not sum to 1, or name a node that its body does not have.
     RAYC_STATUS_INVALID_WEIGHTS = 602,
-    /// A mass is not above 0.
+    /// A mass is not above 0, or not from 2^-400 kg (3.9e-121) to 2^400 kg (2.6e120).
     RAYC_STATUS_INVALID_MASS = 603,
     /// An inertia is singular, or not symmetric and positive definite.
     RAYC_STATUS_INVALID_INERTIA = 604,
-    /// A number of a material is out of its range: a negative stiffness, damping time or friction, a cap that is not above 0.
+    /// A number of a material is out of its range: a stiffness, damping time or friction that is negative or above 2^80
+    /// (1.2e24), a cap that is not above 0.
     RAYC_STATUS_INVALID_MATERIAL = 605,
     /// A normal is no unit vector, or a rotation no rotation matrix.
     RAYC_STATUS_INVALID_DIRECTION = 606,
-    /// A step's length is not finite and above 0.
+    /// A step's length is not finite and above 0, or not from 2^-80 s (8.3e-25) to 2^80 s (1.2e24).
     RAYC_STATUS_INVALID_STEP = 607,
     /// The call needs the velocities of rigid bodies among the unknowns: see keeps_rigid_unknowns in
     /// rayc_contact_system_options.
     RAYC_STATUS_RIGID_ELIMINATED = 608,
+    /// Contacts are so stiff beside the mass of a rigid body that this would be lost in rounding where its velocities are
+    /// eliminated: some 1e13 times, stiffness (N/m) · dt · (dt + damping time) over mass. Use a softer material or a shorter
+    /// step, or see keeps_rigid_unknowns in rayc_contact_system_options.
+    RAYC_STATUS_TOO_STIFF = 609,
 
     /// Options that must be equal on all ranks are not. This and the next are only said by raycontact/mpi.hpp, on all ranks.
     RAYC_STATUS_RANKS_DISAGREE = 700,
@@ -239,6 +244,7 @@ impl From<SystemError> for Failure {
             SystemError::BodyTwice { .. } => RAYC_STATUS_BODY_TWICE,
             SystemError::WrongCount { .. } | SystemError::UnknownHalfSpace { .. } => RAYC_STATUS_WRONG_COUNT,
             SystemError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
+            SystemError::BeyondRange { .. } => RAYC_STATUS_INVALID_OPTION,
             SystemError::StepLength { .. } => RAYC_STATUS_INVALID_STEP,
             SystemError::Mass { .. } => RAYC_STATUS_INVALID_MASS,
             SystemError::Inertia => RAYC_STATUS_INVALID_INERTIA,
@@ -251,6 +257,7 @@ impl From<SystemError> for Failure {
             SystemError::NotRemembered { .. } => RAYC_STATUS_WRONG_COUNT,
             SystemError::Memory { .. } => RAYC_STATUS_SAVED_STATE_BROKEN,
             SystemError::Eliminated => RAYC_STATUS_RIGID_ELIMINATED,
+            SystemError::TooStiff { .. } => RAYC_STATUS_TOO_STIFF,
             SystemError::Mesh { source, .. } => mesh_status(source),
         };
         Self::new(status, text!("{error}"))

@@ -6,6 +6,7 @@ use super::handles::{changing, reading};
 use super::options::rayc_response_options;
 use super::pointers::Output;
 use super::precision::with_precision;
+use super::response::most_force;
 use super::sized_structs::read_options;
 use super::vectors::rayc_vectors;
 use crate::detection::ContactList;
@@ -80,7 +81,7 @@ fn sum<T: Scalar>(
     velocities: Option<&[BodyArray]>,
 ) -> Result<[usize; 2], Failure> {
     let read = [("positions", positions), ("velocities", velocities)];
-    Arrays { read, written: None }.check(list)?;
+    Arrays { read, written: None }.check(list, most_force(law, positions.is_some()))?;
     forces.sum(list, law, positions, velocities);
     Ok([forces.pairs().len(), forces.forces().len()])
 }

@@ -1,4 +1,4 @@
-use super::body_arrays::{Arrays, BodyArray, BodyArraysMut};
+use super::body_arrays::{Arrays, BodyArray, BodyArraysMut, beyond_range, size_of_vector};
 use super::contacts::rayc_contacts;
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
@@ -8,7 +8,7 @@ use super::pointers::Output;
 use super::precision::with_precision;
 use super::sized_structs::read_options;
 use super::vectors::{rayc_vectors, rayc_vectors_mut};
-use crate::detection::ContactList;
+use crate::detection::{Contact, ContactList};
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::response::{PenaltyLaw, add_differential, add_forces, energy};
@@ -17,7 +17,8 @@ use crate::response::{PenaltyLaw, add_differential, add_forces, energy};
 /// in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
 /// coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite.
 ///
-/// options: NULL for the defaults. Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end.
+/// options: NULL for the defaults. Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end,
+/// RAYC_STATUS_INVALID_OPTION where a coefficient is beyond the largest number of the contacts' precision.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
     contacts: *const rayc_contacts,
@@ -34,9 +35,13 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
         let range = list.range(first, count)?;
         let out = Output::array(coefficients, count, "coefficients")?;
         with_precision!(list, |list| {
-            out.write_all(list.contacts[range].iter().map(|contact| law.coefficient(contact).to_f64()));
-        });
-        Ok(())
+            let contacts = &list.contacts[range];
+            if let Some(contact) = contacts.iter().find(|contact| !law.coefficient(contact).is_finite()) {
+                return Err(beyond_range(contact));
+            }
+            out.write_all(contacts.iter().map(|contact| law.coefficient(contact).to_f64()));
+            Ok(())
+        })
     })
 }
 
@@ -51,7 +56,8 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
 /// where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
-/// the precision of the contacts. Numbers that no contact needs are not checked.
+/// the precision of the contacts, RAYC_STATUS_INVALID_OPTION where a sum might go beyond its largest number,
+/// or where `forces` shares memory with what is read. Numbers that no contact needs are not checked.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_add_forces(
     contacts: *const rayc_contacts,
@@ -79,8 +85,7 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
 ///
 /// options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
 ///
-/// Errors: RAYC_STATUS_WRONG_COUNT and RAYC_STATUS_NOT_FINITE as there, RAYC_STATUS_INVALID_OPTION where a factor is not
-/// finite.
+/// Errors: as there, and RAYC_STATUS_INVALID_OPTION where a factor is not finite.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_add_differential(
     contacts: *const rayc_contacts,
@@ -114,7 +119,8 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
 /// where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
-/// the precision of the contacts. Numbers that no contact needs are not checked.
+/// the precision of the contacts, RAYC_STATUS_INVALID_OPTION where a sum might go beyond its largest number. Numbers that no
+/// contact needs are not checked.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_energy(
     contacts: *const rayc_contacts,
@@ -135,6 +141,20 @@ pub unsafe extern "C" fn rayc_contacts_energy(
     })
 }
 
+/// What a contact exerts at most, where its vertices' positions and velocities sum up to these sizes.
+pub(super) fn most_force<T: Scalar>(law: &PenaltyLaw, is_moved: bool) -> impl Fn(&Contact<T>, [T; 2]) -> T {
+    let damping_time = T::of(law.damping_time());
+    move |contact, [positions, velocities]| {
+        law.coefficient(contact) * (most_depth(contact, positions, is_moved) + damping_time * velocities)
+    }
+}
+
+/// How deep it is at most, there or as it was found.
+fn most_depth<T: Scalar>(contact: &Contact<T>, positions: T, is_moved: bool) -> T {
+    let Contact { p1, p2, depth, .. } = contact;
+    if is_moved { *depth + positions + size_of_vector(&(p2.position - p1.position)) } else { *depth }
+}
+
 fn add_all_forces<T: Scalar>(
     list: &ContactList<T>,
     law: &PenaltyLaw,
@@ -143,7 +163,7 @@ fn add_all_forces<T: Scalar>(
     mut forces: BodyArraysMut<'_>,
 ) -> Result<(), Failure> {
     let read = [("positions", positions), ("velocities", velocities)];
-    Arrays { read, written: Some(&forces) }.check(list)?;
+    Arrays { read, written: Some(&forces) }.check(list, most_force(law, positions.is_some()))?;
     add_forces(&list.contacts, law, positions, velocities, &mut forces);
     Ok(())
 }
@@ -155,7 +175,9 @@ fn add_all_differentials<T: Scalar>(
     displacements: &[BodyArray],
     mut forces: BodyArraysMut<'_>,
 ) -> Result<(), Failure> {
-    Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list)?;
+    let factor = T::of(stiffness + damping * law.damping_time());
+    let most = |contact: &Contact<T>, [size]: [T; 1]| factor * law.coefficient(contact) * size;
+    Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list, most)?;
     add_differential(&list.contacts, law, stiffness, damping, displacements, &mut forces);
     Ok(())
 }
@@ -165,6 +187,10 @@ fn all_energy<T: Scalar>(
     law: &PenaltyLaw,
     positions: Option<&[BodyArray]>,
 ) -> Result<f64, Failure> {
-    Arrays { read: [("positions", positions)], written: None }.check(list)?;
+    let most = |contact: &Contact<T>, [size]: [T; 1]| {
+        let depth = most_depth(contact, size, positions.is_some());
+        law.coefficient(contact) * depth * depth
+    };
+    Arrays { read: [("positions", positions)], written: None }.check(list, most)?;
     Ok(energy(&list.contacts, law, positions).to_f64())
 }

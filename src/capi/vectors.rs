@@ -4,6 +4,7 @@ use crate::memory::text;
 use crate::response::VectorsMut;
 use libc::c_void;
 use std::fmt::Display;
+use std::ops::Range;
 
 /// The type of a number. In structs it stands as a uint32_t and is checked.
 #[repr(C)]
@@ -66,6 +67,10 @@ fn packed(scalar: rayc_scalar) -> usize {
         rayc_scalar::RAYC_SCALAR_F32 => size_of::<f32>(),
         rayc_scalar::RAYC_SCALAR_F64 => size_of::<f64>(),
     }
+}
+
+fn greatest_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { greatest_divisor(b, a % b) }
 }
 
 /// A checked array of the caller's, readable and, where it came from a `rayc_vectors_mut`, writable.
@@ -149,6 +154,25 @@ impl Strided {
 
     pub(super) fn stride(&self) -> usize {
         self.stride
+    }
+
+    /// From its first byte to the one after its last; none where it has no vectors.
+    pub(super) fn bytes(&self) -> Range<usize> {
+        let start = self.data.addr();
+        let length = self.count.checked_sub(1).map_or(0, |last| last * self.stride + packed(self.scalar));
+        start..start.saturating_add(length)
+    }
+
+    /// Whether a byte belongs to both. Those between vectors belong to neither.
+    pub(super) fn shares_with(&self, other: &Self) -> bool {
+        let (own, others) = (self.bytes(), other.bytes());
+        if own.start.max(others.start) >= own.end.min(others.end) {
+            return false;
+        }
+        // Vectors of both arrays are this far apart, plus multiples of what divides both strides.
+        let step = greatest_divisor(self.stride, other.stride) as isize;
+        let behind = (others.start as isize).wrapping_sub(own.start as isize).rem_euclid(step) as usize;
+        behind < packed(self.scalar) || step as usize - behind < packed(other.scalar)
     }
 
     /// Whether no bytes lie between the vectors.

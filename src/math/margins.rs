@@ -144,6 +144,28 @@ pub(crate) const SUM_AROUND_VERTEX: f64 = 64.0;
 /// The planes between a classic octree's cells; times its side: one at each of up to some tens of levels. For checks only.
 pub(crate) const CELL_PLANE: f64 = 64.0;
 
+/// What elimination leaves of a number on the diagonal of the rigid bodies' matrix; times that number: 1 for each row of
+/// contacts that was added to it and for each unknown eliminated before, which mostly cancel. Two cubes on one another lose 2.
+/// Held by `tests/library/system/range.rs`.
+pub(crate) const ELIMINATED_PART: f64 = 16.0;
+
+/// Which part of what rigid bodies answer may be wrong before it is corrected, so that each correction leaves no more than a
+/// sixty-fourth; and which part may stay. Held by `tests/library/system/range.rs`.
+pub(crate) const WRONG_ANSWER: [f64; 2] = [1.0 / 64.0, 1.0 / (1_u64 << 33) as f64];
+
+/// The largest number that a contact system takes: of a material, a position, a velocity, a step's length. Its energies are
+/// squares of forces over stiffnesses, and a force is a product of six of them, stiffness, area, friction, damping time and
+/// speed, so that a thousand million of these squares are still numbers: 2^(80 · 12) · 2³⁰ < 2¹⁰²³. Held by
+/// `tests/library/system/range.rs`.
+pub(crate) const LARGEST_GIVEN: f64 = (1_u128 << 80) as f64;
+
+/// The least length of a step, and what enters a product or a quotient only once: masses, and the vectors that a solver
+/// multiplies with the matrix, which may be forces. Held by the same test.
+pub(crate) const SHORTEST_STEP: f64 = 1.0 / LARGEST_GIVEN;
+pub(crate) const LARGEST_FACTOR: f64 =
+    (LARGEST_GIVEN * LARGEST_GIVEN) * (LARGEST_GIVEN * LARGEST_GIVEN) * LARGEST_GIVEN;
+pub(crate) const MASSES: [f64; 2] = [1.0 / LARGEST_FACTOR, LARGEST_FACTOR];
+
 /// How far rotation · rotationᵀ may be from the identity: what is left of a rotation in single precision. Held by
 /// `src/math/pose.rs` and `tests/library/system/refusals.rs`.
 pub(crate) const ROTATION: f64 = 1e-6;

@@ -89,10 +89,10 @@ impl Frame {
     }
 
     pub(super) fn place(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
-        let finite = |what, numbers: &[f64]| super::check_finite(what, numbers);
-        finite("position", &motion.position)?;
-        finite("velocity", &motion.velocity)?;
-        finite("free_velocity", &motion.free_velocity)?;
+        let check = |what, numbers: &[f64]| super::check_range(what, numbers);
+        check("position", &motion.position)?;
+        check("velocity", &motion.velocity)?;
+        check("free_velocity", &motion.free_velocity)?;
         let rotation = Matrix3::from_fn(|row, column| motion.rotation[row][column]);
         let error = (rotation * rotation.transpose() - Matrix3::identity()).norm();
         if !(error < margins::ROTATION && rotation.determinant() > 0.0) {
@@ -135,7 +135,7 @@ impl Table {
                 if offsets[0] != 0 || offsets[vertices] as usize != nodes.len() {
                     return Err(SystemError::Offsets { vertex: if offsets[0] != 0 { 0 } else { vertices } });
                 }
-                super::check_finite("weights", weights)?;
+                super::check_range("weights", weights)?;
                 for vertex in 0..vertices {
                     let own = offsets[vertex] as usize..offsets[vertex + 1] as usize;
                     if let Some(&node) = nodes[own.clone()].iter().find(|&&node| node as usize >= node_count) {

@@ -1,3 +1,4 @@
+use crate::math::margins;
 use crate::mesh::MeshError;
 use std::fmt;
 
@@ -37,12 +38,23 @@ pub enum SystemError {
         /// The number.
         value: f64,
     },
-    /// A step's length is not finite and > 0.
+    /// A number is larger than what forces and energies can be computed of.
+    BeyondRange {
+        /// Of which array.
+        what: &'static str,
+        /// Where in it.
+        index: usize,
+        /// The number.
+        value: f64,
+        /// The largest size it may have.
+        most: f64,
+    },
+    /// A step's length is not finite and > 0, or out of range.
     StepLength {
         /// The seconds given.
         seconds: f64,
     },
-    /// A mass is not > 0.
+    /// A mass is not > 0, or out of range.
     Mass {
         /// Of which node, or `None` for a rigid body's.
         node: Option<usize>,
@@ -104,6 +116,13 @@ pub enum SystemError {
     StepUnderWay,
     /// Rigid bodies are eliminated, and the matrix is then no sum of blocks.
     Eliminated,
+    /// Eliminated, a rigid body would lose its mass to rounding beside the stiffness of its contacts.
+    TooStiff {
+        /// The body.
+        body: u32,
+        /// The length of the step.
+        dt: f64,
+    },
     /// No pair of this body and the other remembers anything.
     NotRemembered {
         /// The first body.
@@ -137,20 +156,37 @@ impl fmt::Display for SystemError {
             Self::NotFinite { what, index, value } => {
                 write!(f, "{what}[{index}] is {value}; give finite numbers")
             }
+            Self::BeyondRange { what, index, value, most } => {
+                write!(f, "{what}[{index}] is {value:e}; give numbers of at most {most:.2e} in size")
+            }
             Self::StepLength { seconds } => {
-                write!(f, "the step is {seconds} seconds long; give a finite number of seconds above 0")
+                let (least, most) = (margins::SHORTEST_STEP, margins::LARGEST_GIVEN);
+                write!(f, "the step is {seconds} seconds long; give seconds above 0, from {least:.2e} to {most:.2e}")
             }
             Self::Mass { node: Some(node), value } => {
-                write!(f, "the mass of node {node} is {value}; give kilograms above 0, infinity for a node held fast")
+                let [least, most] = margins::MASSES;
+                write!(
+                    f,
+                    "the mass of node {node} is {value}; give kilograms above 0, from {least:.2e} to {most:.2e}, or infinity \
+                     for a node held fast"
+                )
             }
             Self::Mass { node: None, value } => {
-                write!(f, "the rigid body's mass is {value}; give finite kilograms above 0")
+                let [least, most] = margins::MASSES;
+                write!(
+                    f,
+                    "the rigid body's mass is {value}; give kilograms above 0, from {least:.2e} to {most:.2e}"
+                )
             }
             Self::Inertia => f.write_str("the inertia is singular; give a symmetric, positive definite matrix"),
             Self::Rotation { body } => {
                 write!(f, "the rotation of body {body} is none; give an orthonormal matrix of determinant 1")
             }
-            Self::Material { what, value, range } => write!(f, "the material's {what} is {value}; it must be {range}"),
+            Self::Material { what, value, range } => write!(
+                f,
+                "the material's {what} is {value}; it must be {range}, and only the depth cap may be above {:.2e}",
+                margins::LARGEST_GIVEN
+            ),
             Self::WeightSum { vertex, sum } => {
                 write!(f, "the weights of surface vertex {vertex} sum to {sum}; they must sum to 1")
             }
@@ -168,6 +204,11 @@ impl fmt::Display for SystemError {
             Self::StepUnderWay => f.write_str("a step is under way; finish it first"),
             Self::Eliminated => f.write_str(
                 "rigid bodies are eliminated, so the matrix is no sum of blocks; make the system with their unknowns kept",
+            ),
+            Self::TooStiff { body, dt } => write!(
+                f,
+                "the contacts of rigid body {body} are so stiff, in a step of {dt} seconds, that its mass is lost in rounding; \
+                 take a softer material or a shorter step, or make the system with rigid unknowns kept"
             ),
             Self::NotRemembered { body } => {
                 write!(f, "body {body} remembers nothing of the other; ask for the pairs that do")

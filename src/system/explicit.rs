@@ -1,7 +1,7 @@
 use super::rows::Coupled;
 use super::solve::check_count;
 use super::{ContactSystem, RigidUnknowns, SystemError};
-use crate::math::Scalar;
+use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
 use crate::scene::Scene;
 
@@ -73,9 +73,8 @@ impl<T: Scalar> ContactSystem<T> {
         unknowns.room_for(step.unknowns).extend_from_slice(velocities);
         unknowns.extend_from_slice(&self.buffers.twists);
         self.find_motions(&unknowns, step);
-        self.hold_at(step);
         self.buffers.unknowns = unknowns;
-        Ok(())
+        self.hold_at(step).map(|_| ())
     }
 
     /// Puts the scene's bodies, but ghosts, where [`begin_explicit`](Self::begin_explicit) with the same numbers would look
@@ -104,7 +103,7 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn largest_coupling(&self, sums: &[f64]) -> Result<[f64; 2], SystemError> {
         self.step.ok_or(SystemError::NoStep)?;
         check_count("sums", sums, self.node_masses.len() + 2 * self.rigid_count)?;
-        super::check_finite("sums", sums)?;
+        super::check_within("sums", sums, margins::LARGEST_FACTOR)?;
         Ok(self.largest_with(sums))
     }
 

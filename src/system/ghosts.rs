@@ -77,7 +77,7 @@ impl<T: Scalar> ContactSystem<T> {
         let step = self.check_velocities("velocities", velocities)?;
         for (what, numbers) in [("positions", positions), ("start_velocities", start_velocities)] {
             check_count(what, numbers, 3 * self.node_masses.len())?;
-            super::check_finite(what, numbers)?;
+            super::check_range(what, numbers)?;
         }
         self.check_bodies(scene)?;
         copy(&mut self.buffers.positions, positions);

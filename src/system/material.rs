@@ -1,13 +1,14 @@
 use super::SystemError;
+use crate::math::margins;
 
 /// How a body's surface bears load, damps and rubs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Pressure per depth, in N/m³; finite and ≥ 0.
+    /// Pressure per depth, in N/m³; from 0 to 2⁸⁰ (1.2e24).
     pub stiffness: f64,
-    /// Damping over stiffness, in s; finite and ≥ 0.
+    /// Damping over stiffness, in s; from 0 to 2⁸⁰.
     pub damping_time: f64,
-    /// Coulomb's coefficient, static and kinetic; finite and ≥ 0.
+    /// Coulomb's coefficient, static and kinetic; from 0 to 2⁸⁰.
     pub friction: f64,
     /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
     /// bodies close within the step is met in full.
@@ -53,7 +54,7 @@ impl Material {
     pub(super) fn check(&self) -> Result<(), SystemError> {
         let Self { stiffness, damping_time, friction, depth_cap } = *self;
         for (what, value) in [("stiffness", stiffness), ("damping_time", damping_time), ("friction", friction)] {
-            if !(value.is_finite() && value >= 0.0) {
+            if !(0.0..=margins::LARGEST_GIVEN).contains(&value) {
                 return Err(SystemError::Material { what, value, range: "finite and at least 0" });
             }
         }

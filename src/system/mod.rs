@@ -129,7 +129,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::Mass`], [`SystemError::StepUnderWay`], [`SystemError::WrongCount`] where a body's nodes lie beyond.
     pub fn set_node_masses(&mut self, masses: &[f64]) -> Result<(), SystemError> {
         self.check_only_joined_change(masses)?;
-        if let Some(node) = masses.iter().position(|&mass| mass.is_nan() || mass <= 0.0) {
+        let is_mass = |mass: f64| is_mass(mass) || mass == f64::INFINITY;
+        if let Some(node) = masses.iter().position(|&mass| !is_mass(mass)) {
             return Err(SystemError::Mass { node: Some(node), value: masses[node] });
         }
         let needed = self.bodies.iter().filter_map(|body| body.nodes()).map(|nodes| nodes.end as usize).max();
@@ -187,7 +188,7 @@ impl<T: Scalar> ContactSystem<T> {
         material: Material,
     ) -> Result<(), SystemError> {
         let (place, mesh) = self.place_for(scene, body, &material)?;
-        if !(mass.is_finite() && mass > 0.0) {
+        if !is_mass(mass) {
             return Err(SystemError::Mass { node: None, value: mass });
         }
         let inertia = Matrix3::from_fn(|row, column| inertia[row][column]);
@@ -225,8 +226,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::StepUnderWay`].
     pub fn add_half_space(&mut self, normal: [f64; 3], offset: f64, material: Material) -> Result<u32, SystemError> {
         self.check_no_step()?;
-        check_finite("normal", &normal)?;
-        check_finite("offset", &[offset])?;
+        check_range("normal", &normal)?;
+        check_range("offset", &[offset])?;
         let normal = V3::from(normal);
         if (normal.norm() - 1.0).abs() > margins::UNIT_NORMAL {
             return Err(SystemError::Normal { length: normal.norm() });
@@ -328,19 +329,34 @@ fn mass_of(masses: &[f64], nodes: Range<u32>) -> f64 {
     if sum > 0.0 { sum } else { f64::INFINITY }
 }
 
-fn check_finite(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
+fn is_mass(mass: f64) -> bool {
+    let [least, most] = margins::MASSES;
+    (least..=most).contains(&mass)
+}
+
+fn check_range(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
+    check_within(what, numbers, margins::LARGEST_GIVEN)
+}
+
+/// `most`: a power of two.
+fn check_within(what: &'static str, numbers: &[f64], most: f64) -> Result<(), SystemError> {
+    let to_largest = f64::MAX / most;
     // Only NaN and infinity give something else than 0 when multiplied by 0. Without a branch, the loop checks several at once.
     let (eights, rest) = numbers.as_chunks::<8>();
     let mut sums = [0.0; 8];
     for eight in eights {
         for k in 0..8 {
-            sums[k] += eight[k] * 0.0;
+            sums[k] += eight[k] * to_largest * 0.0;
         }
     }
-    if sums.iter().chain(rest).all(|number| number.is_finite()) {
+    let is_within = |number: &f64| (number * to_largest).is_finite();
+    if sums.iter().chain(rest).all(is_within) {
         return Ok(());
     }
-    match numbers.iter().position(|number| !number.is_finite()) {
+    match numbers.iter().position(|number| !is_within(number)) {
+        Some(index) if numbers[index].is_finite() => {
+            Err(SystemError::BeyondRange { what, index, value: numbers[index], most })
+        }
         Some(index) => Err(SystemError::NotFinite { what, index, value: numbers[index] }),
         None => Ok(()),
     }

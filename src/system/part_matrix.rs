@@ -32,7 +32,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// Those of [`parts`](Self::parts), [`SystemError::NotFinite`].
     pub fn part_blocks(&mut self, factor: f64) -> Result<&[PartBlock], SystemError> {
-        super::check_finite("factor", &[factor])?;
+        super::check_range("factor", &[factor])?;
         self.parts()?;
         let Self { parts, rows, node_masses, .. } = self;
         let mut matrix = std::mem::take(&mut parts.matrix);

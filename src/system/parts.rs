@@ -6,7 +6,7 @@ use super::part_matrix::Matrix;
 use super::row::RigidEnd;
 use super::rows::{RowForce, Rows, Velocities};
 use super::{ContactSystem, RigidUnknowns, SystemError};
-use crate::math::Scalar;
+use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
 
 /// What a pair does to one of its bodies: where its blocks lie among those of all parts.
@@ -167,8 +167,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// As there, and those of [`parts`](Self::parts).
     pub fn part_products(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
-        self.check_velocities("change", change)?;
-        super::check_finite("factor", &[factor])?;
+        self.check_unknowns("change", change, margins::LARGEST_FACTOR)?;
+        super::check_range("factor", &[factor])?;
         let blocks = self.parts()?.1.len();
         super::solve::check_count("result", result, 3 * blocks)?;
         result.fill(0.0);

@@ -89,7 +89,7 @@ impl Rows {
         let mut loads = std::mem::take(&mut self.loads);
         memory::refill_with(&mut loads, 0.0, count);
         self.add_to_rigid(-dt, &mut loads);
-        self.finish_response(loads, None);
+        self.answer(loads, dt);
         let twists = std::mem::take(&mut self.response);
         self.finish_product(&twists, scale, result);
         self.response = twists;

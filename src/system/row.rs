@@ -195,6 +195,13 @@ impl Row {
         self.held.force_at(&self.direction, slip)
     }
 
+    /// What a change of its rigid bodies' velocities adds to the force on the first body.
+    pub(super) fn force_by_rigid(&self, changes: &[f64]) -> V3 {
+        let change = self.rigid.iter().flatten().fold(V3::zeros(), |sum, end| sum + end.velocity(changes));
+        let Held { normal, tangential, .. } = self.held;
+        self.direction * (normal * self.direction.dot(&change)) + self.across(&change) * tangential
+    }
+
     /// Adds the potential where it exerts a force.
     pub(super) fn add_energy(&self, force: &V3, dt: f64, energy: &mut f64) {
         let (along, across) = (self.direction.dot(force), self.across(force));

@@ -8,7 +8,8 @@ use super::motions::Motions;
 use super::products::ProductCount;
 use super::row::{Entry, RigidEnd, Row, Slip, Spring};
 use super::row_by_row::RowByRow;
-use super::twist::{Factor, V3};
+use super::twist::{Factor, V3, angular, linear};
+use crate::math::margins;
 use crate::memory::{self, Room};
 use nalgebra::Matrix3;
 
@@ -41,8 +42,11 @@ pub(super) struct Rows {
     pub(super) masses: Vec<(f64, Matrix3<f64>)>,
     /// Of the rigid bodies, where they are eliminated.
     system: Factor,
+    /// How often an answer of theirs is corrected.
+    corrections: usize,
     /// Work arrays, one twist for each rigid body.
     pub(super) loads: Vec<f64>,
+    changes: Vec<f64>,
     pub(super) response: Vec<f64>,
 }
 
@@ -182,8 +186,9 @@ impl Rows {
         });
     }
 
-    /// Factors M + dt · Jᵀ D J of the rigid bodies.
-    pub(super) fn factor_rigid(&mut self, dt: f64) {
+    /// Factors M + dt · Jᵀ D J of the rigid bodies. Gives the place of a body that would lose its mass to rounding, if there is
+    /// one.
+    pub(super) fn factor_rigid(&mut self, dt: f64) -> Option<usize> {
         let count = self.masses.len();
         self.system.reset(6 * count);
         for (place, (mass, inertia)) in self.masses.iter().enumerate() {
@@ -196,29 +201,68 @@ impl Rows {
         }
         let system = &mut self.system;
         self.coupling.for_each_number(|row, column, number| system.add(row, column, number * dt));
-        self.system.factor();
+        let (row, part) = self.system.factor();
+        // The part of an answer that rounding may make wrong. Each correction leaves this part of what was wrong before.
+        let wrong = margins::margin::<f64>(margins::ELIMINATED_PART) / part;
+        let [most, goal] = margins::WRONG_ANSWER;
+        if wrong > most {
+            return Some(row / 6);
+        }
+        self.corrections = 0;
+        let mut left = wrong;
+        while left > goal {
+            left *= wrong;
+            self.corrections += 1;
+        }
+        None
     }
 
     /// Where rigid bodies are eliminated: the twists with which they answer the nodes' motions, into `response`.
     pub(super) fn respond(&mut self, free: &[f64], dt: f64) {
-        let mut loads = std::mem::take(&mut self.loads);
-        memory::refill_with(&mut loads, 0.0, free.len());
-        for place in 0..self.rows.len() {
-            let row = &self.rows[place];
-            if row.held.pushes && row.rigid.iter().any(Option::is_some) {
-                let force = row.force_at(&self.slip_at(place, free)) * dt;
-                Self::scatter_rigid(&row.rigid, &force, &mut loads);
-            }
+        let [mut loads, mut changes, mut twists] =
+            [&mut self.loads, &mut self.changes, &mut self.response].map(std::mem::take);
+        memory::refill_with(&mut changes, 0.0, free.len());
+        memory::refill(&mut twists, free.iter().copied());
+        for _ in 0..=self.corrections {
+            memory::refill_with(&mut loads, 0.0, free.len());
+            // Added up row by row at the answer so far, forces on two bodies are opposite to the last bit.
+            self.add_unanswered(&changes, dt, &mut loads, |place, row| row.force_at(&self.slip_at(place, &twists)));
+            self.system.solve(&mut loads);
+            changes.iter_mut().zip(&loads).for_each(|(change, load)| *change += load);
+            memory::refill(&mut twists, changes.iter().zip(free).map(|(change, free)| change + free));
         }
-        self.finish_response(loads, Some(free));
+        (self.loads, self.changes, self.response) = (loads, changes, twists);
     }
 
-    pub(super) fn finish_response(&mut self, mut loads: Vec<f64>, free: Option<&[f64]>) {
-        self.system.solve(&mut loads);
-        if let Some(free) = free {
-            loads.iter_mut().zip(free).for_each(|(load, free)| *load += free);
+    /// The twists with which they answer loads, into `response`.
+    pub(super) fn answer(&mut self, mut loads: Vec<f64>, dt: f64) {
+        let [mut left, mut changes] = [&mut self.changes, &mut self.response].map(std::mem::take);
+        memory::refill(&mut changes, loads.iter().copied());
+        self.system.solve(&mut changes);
+        for _ in 0..self.corrections {
+            memory::refill(&mut left, loads.iter().copied());
+            self.add_unanswered(&changes, dt, &mut left, |_, row| row.force_by_rigid(&changes));
+            self.system.solve(&mut left);
+            changes.iter_mut().zip(&left).for_each(|(change, left)| *change += left);
         }
-        self.loads = std::mem::replace(&mut self.response, loads);
+        loads.clear();
+        (self.loads, self.changes, self.response) = (loads, left, changes);
+    }
+
+    /// Adds the forces of the rows on rigid bodies, times dt, without the momenta that a change of their velocities takes.
+    fn add_unanswered(&self, changes: &[f64], dt: f64, loads: &mut [f64], force: impl Fn(usize, &Row) -> V3) {
+        for ((load, change), (mass, inertia)) in
+            loads.chunks_exact_mut(6).zip(changes.chunks_exact(6)).zip(&self.masses)
+        {
+            let (momentum, spin) = (linear(change) * *mass, inertia * angular(change));
+            (0..3).for_each(|axis| load[axis] -= momentum[axis]);
+            (0..3).for_each(|axis| load[3 + axis] -= spin[axis]);
+        }
+        for (place, row) in self.rows.iter().enumerate() {
+            if row.held.pushes && row.rigid.iter().any(Option::is_some) {
+                Self::scatter_rigid(&row.rigid, &(force(place, row) * dt), loads);
+            }
+        }
     }
 
     /// Calls `use_coupling(place, with what, coupling)` for all that the rows that push act on, in N/m and, with angular

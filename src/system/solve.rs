@@ -1,14 +1,15 @@
 //! What a solver asks of a step under way, and how rows are held.
 
 use super::anchors::{Hold, seen_from};
-use super::body::Course;
+use super::body::{Body, Course, Mover};
 use super::loads::Surface;
 use super::row::{Held, Row};
 use super::rows::Velocities;
 use super::step::{Buffers, Step};
 use super::twist::V3;
 use super::{ContactSystem, RigidUnknowns, SystemError};
-use crate::math::Scalar;
+use crate::math::{Scalar, margins};
+use crate::memory;
 
 impl<T: Scalar> ContactSystem<T> {
     /// Adds to `forces` the forces on the unknowns, in N (and N m), where these are the velocities at the end of the step, as
@@ -32,8 +33,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn add_product(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
-        let step = self.check_velocities("change", change)?;
-        super::check_finite("factor", &[factor])?;
+        let step = self.check_unknowns("change", change, margins::LARGEST_FACTOR)?;
+        super::check_range("factor", &[factor])?;
         check_count("result", result, step.unknowns)?;
         let (nodes, twists) = change.split_at(3 * self.node_masses.len());
         let (to, to_twists) = result.split_at_mut(3 * self.node_masses.len());
@@ -56,7 +57,7 @@ impl<T: Scalar> ContactSystem<T> {
         mut use_block: impl FnMut(usize, usize, [f64; 9]),
     ) -> Result<(), SystemError> {
         self.step.ok_or(SystemError::NoStep)?;
-        super::check_finite("factor", &[factor])?;
+        super::check_range("factor", &[factor])?;
         if self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty() {
             return Err(SystemError::Eliminated);
         }
@@ -109,8 +110,8 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Holds the rows by what bodies would do without contact: none pulls, and friction goes by what its pair bore.
-    pub(super) fn hold_predicted(&mut self) {
-        let Some(Step { dt, .. }) = self.step else { return };
+    pub(super) fn hold_predicted(&mut self) -> Result<(), SystemError> {
+        let Step { dt, .. } = self.step.ok_or(SystemError::NoStep)?;
         let pairs = &mut self.loads.now;
         let free = Velocities { nodes: &self.buffers.ahead, twists: &self.buffers.free_twists };
         if !self.looks_ahead {
@@ -142,17 +143,17 @@ impl<T: Scalar> ContactSystem<T> {
             row.add_friction(&mut held, load, expected, dt);
             row.held = held;
         }
-        self.factor(dt);
+        self.factor(dt)
     }
 
     /// Holds the rows at the motions and twists last found; gives the part of the force that was predicted wrongly.
-    pub(super) fn hold_at(&mut self, step: Step) -> f64 {
+    pub(super) fn hold_at(&mut self, step: Step) -> Result<f64, SystemError> {
         let mut sums = [0.0; 2];
         for place in 0..self.rows.rows.len() {
             self.rows.rows[place].held = self.held_anew(place, step, &mut sums);
         }
-        self.factor(step.dt);
-        part_of(sums)
+        self.factor(step.dt)?;
+        Ok(part_of(sums))
     }
 
     /// The part of the force that was predicted wrongly, at the motions and twists last found.
@@ -185,11 +186,35 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Makes ready for products and for the answer of eliminated rigid bodies.
-    fn factor(&mut self, dt: f64) {
+    fn factor(&mut self, dt: f64) -> Result<(), SystemError> {
         self.rows.forget_products();
-        if self.rigid_unknowns == RigidUnknowns::Eliminated {
-            self.rows.factor_rigid(dt);
+        if self.rigid_unknowns == RigidUnknowns::Kept {
+            return Ok(());
         }
+        let Some(lost) = self.rows.factor_rigid(dt) else { return Ok(()) };
+        let is_lost = |body: &&Body<T>| matches!(body.mover, Mover::Rigid { place, .. } if place == lost);
+        let body = self.bodies.iter().find(is_lost).map_or(0, |body| body.number);
+        Err(SystemError::TooStiff { body, dt })
+    }
+
+    /// Does what holds rows anew. Where a rigid body then cannot be eliminated, rows are as before.
+    pub(super) fn or_as_before<V>(
+        &mut self,
+        step: Step,
+        hold_anew: impl FnOnce(&mut Self) -> Result<V, SystemError>,
+    ) -> Result<V, SystemError> {
+        let Self { rows, buffers, .. } = self;
+        let is_asked = !rows.masses.is_empty() && self.rigid_unknowns == RigidUnknowns::Eliminated;
+        memory::refill(&mut buffers.rows, rows.rows.iter().filter(|_| is_asked).copied());
+        let result = hold_anew(self);
+        if let Err(SystemError::TooStiff { .. }) = &result {
+            let rows = &mut self.rows;
+            rows.entries.truncate(self.buffers.rows.last().map_or(0, |row| row.end));
+            std::mem::swap(&mut rows.rows, &mut self.buffers.rows);
+            rows.motions.clear();
+            self.factor(step.dt)?;
+        }
+        result
     }
 
     /// What the next step is told: loads, and where contacts hold on to one another at the end of this one.

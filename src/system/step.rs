@@ -1,8 +1,9 @@
 use super::body::{Body, Course, Mover};
+use super::row::Row;
 use super::row_builder::RowBuilder;
 use super::rows::Velocities;
-use super::{ContactSystem, RigidUnknowns, SystemError, check_finite, mesh_of};
-use crate::math::Scalar;
+use super::{ContactSystem, RigidUnknowns, SystemError, check_range, check_within, mesh_of};
+use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
 use crate::mesh::MeshError;
 use crate::scene::Scene;
@@ -35,6 +36,8 @@ pub(super) struct Buffers {
     pub(super) pressed: Vec<[f64; 2]>,
     pub(super) sums: Vec<f64>,
     pub(super) unknowns: Vec<f64>,
+    /// Rows before they are held anew.
+    pub(super) rows: Vec<Row>,
     /// Each pair with the number of contacts that a later detection found, and the number of its rows.
     pub(super) pairs: Vec<([u32; 2], usize, usize)>,
 }
@@ -63,7 +66,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// [`SystemError::StepUnderWay`], [`SystemError::StepLength`], [`SystemError::WrongCount`], [`SystemError::NotFinite`],
     /// [`SystemError::UnknownBody`] where the scene has a body that the system does not know, [`SystemError::NotInScene`]
-    /// where it is the other way round, [`SystemError::Mesh`] where a position is beyond the scene's precision.
+    /// where it is the other way round, [`SystemError::Mesh`] where a position is beyond the scene's precision,
+    /// [`SystemError::TooStiff`].
     pub fn begin(
         &mut self,
         scene: &mut Scene<T>,
@@ -74,8 +78,8 @@ impl<T: Scalar> ContactSystem<T> {
     ) -> Result<(), SystemError> {
         let ahead = if self.looks_ahead { dt } else { 0.0 };
         self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
-        self.hold_predicted();
-        Ok(())
+        // As if it had not begun.
+        self.hold_predicted().inspect_err(|_| self.cancel())
     }
 
     /// [`begin`](Self::begin) with separate times for the step, the prediction and the rows; `given` are its three arrays.
@@ -124,7 +128,7 @@ impl<T: Scalar> ContactSystem<T> {
         [positions, velocities, free_velocities]: [&[f64]; 3],
     ) -> Result<(), SystemError> {
         self.check_no_step()?;
-        if !(dt.is_finite() && dt > 0.0) {
+        if !(margins::SHORTEST_STEP..=margins::LARGEST_GIVEN).contains(&dt) {
             return Err(SystemError::StepLength { seconds: dt });
         }
         let expected = 3 * self.node_masses.len();
@@ -133,7 +137,7 @@ impl<T: Scalar> ContactSystem<T> {
             if numbers.len() != expected {
                 return Err(SystemError::WrongCount { what, given: numbers.len(), expected });
             }
-            check_finite(what, numbers)?;
+            check_range(what, numbers)?;
         }
         self.check_bodies(scene)?;
         let Self { buffers, bodies, .. } = self;
@@ -238,11 +242,16 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// The step under way, if there is one and `numbers` is a valid vector of unknowns for it.
     pub(super) fn check_velocities(&self, what: &'static str, numbers: &[f64]) -> Result<Step, SystemError> {
+        self.check_unknowns(what, numbers, margins::LARGEST_GIVEN)
+    }
+
+    /// The same for numbers up to `most`.
+    pub(super) fn check_unknowns(&self, what: &'static str, numbers: &[f64], most: f64) -> Result<Step, SystemError> {
         let step = self.step.ok_or(SystemError::NoStep)?;
         if numbers.len() != step.unknowns {
             return Err(SystemError::WrongCount { what, given: numbers.len(), expected: step.unknowns });
         }
-        check_finite(what, numbers)?;
+        check_within(what, numbers, most)?;
         Ok(step)
     }
 
@@ -262,11 +271,11 @@ impl<T: Scalar> ContactSystem<T> {
     /// 0.05 or so another solve is due.
     ///
     /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::TooStiff`].
     pub fn linearise(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
         self.find_motions(velocities, step);
-        Ok(self.hold_at(step))
+        self.or_as_before(step, |system| system.hold_at(step))
     }
 
     /// Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next,

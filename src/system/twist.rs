@@ -44,15 +44,25 @@ impl Factor {
         self.numbers[row * self.size + column] += value;
     }
 
-    pub(super) fn factor(&mut self) {
+    /// Gives the row of which elimination leaves the smallest part of its number on the diagonal, and that part: of rows
+    /// that depend on one another it leaves nothing but rounding.
+    pub(super) fn factor(&mut self) -> (usize, f64) {
         let n = self.size;
         let a = &mut self.numbers;
+        let mut least = (0, 1.0);
         for j in 0..n {
+            let whole = a[j * n + j];
             for i in j..n {
                 let sum = (0..j).fold(a[i * n + j], |sum, k| sum - a[i * n + k] * a[j * n + k]);
                 a[i * n + j] = if i == j { sum.sqrt() } else { sum / a[j * n + j] };
+                let part = sum / whole;
+                // Not a number counts as nothing.
+                if i == j && (part.is_nan() || part < least.1) {
+                    least = (j, part.max(0.0));
+                }
             }
         }
+        least
     }
 
     pub(super) fn solve(&self, x: &mut [f64]) {

@@ -23,19 +23,34 @@ pub struct Closed {
     shares: Vec<f64>,
 }
 
+/// What starts are to have, whatever their numbers say.
+#[derive(Clone, Copy, Default)]
+pub struct Wanted {
+    /// Rigid cubes in a narrow room, and no damping.
+    pub cubes: bool,
+    /// The length of steps, in s; 0 for any.
+    pub dt: f64,
+}
+
 impl Closed {
+    /// Any.
+    pub fn new(seed: u64, start: u64) -> Self {
+        Self::wanted(seed, start, Wanted::default())
+    }
+
     /// Two to four bodies of any kind, in any pose, inside one another or some way apart, at rest or not; every second start
     /// in a room that is hardly wide enough.
-    pub fn new(seed: u64, start: u64) -> Self {
+    pub fn wanted(seed: u64, start: u64, wanted: Wanted) -> Self {
         let mut random = Random::new(seed.wrapping_mul(1_000_003).wrapping_add(start));
         let mut choice = |count: usize| ((random.signed() + 1.0) * 0.5 * count as f64) as usize;
-        let (count, has_walls) = (2 + choice(3), choice(2) == 1);
+        let (count, has_walls) = (2 + choice(3), choice(2) == 1 || wanted.cubes);
         let (is_deep, is_fast, rubs) = (choice(3) > 0, choice(2) == 1, choice(2) == 1);
         let is_fast = is_fast || !is_deep;
         let dt = [1.0 / 240.0, 1.0 / 60.0, 0.05][choice(3)];
-        let damping_time = [0.0, 0.0, 0.01][choice(3)];
+        let dt = if wanted.dt > 0.0 { wanted.dt } else { dt };
+        let damping_time = [0.0, 0.0, 0.01][choice(3)] * f64::from(u8::from(!wanted.cubes));
         let depth_cap = [f64::INFINITY, f64::INFINITY, 0.03][choice(3)];
-        let kinds: Vec<usize> = (0..count).map(|_| choice(5)).collect();
+        let kinds: Vec<usize> = (0..count).map(|_| choice(5) * usize::from(!wanted.cubes)).collect();
         let mut host = Host::new(RigidUnknowns::Eliminated);
         // An escape is a push from outside.
         host.scene.set_options(DetectionOptions { escape: false, ..DetectionOptions::default() });

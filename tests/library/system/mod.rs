@@ -9,5 +9,6 @@ mod ghosts;
 mod laws;
 mod pairs;
 mod parts;
+mod range;
 mod refusals;
 mod steps;

@@ -228,14 +228,16 @@ fn velocities_of_rigid_bodies_are_not_mistaken_after_a_removal() {
 }
 
 #[test]
-fn positions_beyond_single_precision_are_refused() {
+fn positions_beyond_range_are_refused() {
     let mut scene = Scene::<f32>::new(1).expect("no thread is started");
     let mut system = ContactSystem::<f32>::new(RigidUnknowns::Eliminated);
     let body = scene.add(shapes::cube(1).mesh());
     system.set_node_masses(&[1.0; 8]).expect("masses");
     system.add_deformable(&scene, body, 0..8, Carriers::Nodes, FINE).expect("a body");
-    let (mut x, v) = (vec![0.0; 24], vec![0.0; 24]);
+    let (mut x, mut v) = (vec![0.0; 24], vec![0.0; 24]);
+    v[7] = 1e24;
+    refuses!(system.begin(&mut scene, 1e20, &x, &v, &v), SystemError::Mesh { body: 0, .. }, "body 0");
     x[7] = 1e300;
-    refuses!(system.begin(&mut scene, 0.01, &x, &v, &v), SystemError::Mesh { body: 0, .. }, "body 0");
+    refuses!(system.begin(&mut scene, 0.01, &x, &v, &v), SystemError::BeyondRange { index: 7, .. }, "positions[7]");
     refuses!(system.finish(&v), SystemError::NoStep, "begin one first");
 }
