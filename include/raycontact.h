@@ -10,6 +10,10 @@
  * RAYC_STATUS_INVALID_OPTION, and one that takes rayc_vectors RAYC_STATUS_INVALID_STRIDE and RAYC_STATUS_UNKNOWN_ENUM.
  * Lengths are in the caller's unit, metres in this text.
  *
+ * The caller's threads may be in any floating-point mode: on x86-64 and AArch64 every call computes in the default mode
+ * (rounding to nearest, with subnormal numbers, no exception trapped) and leaves the thread's mode and its exception flags as
+ * they were. On other processors the caller's mode must be the default.
+ *
  * Handles are freed by the caller, by the rayc_…_destroy() of their type. Arrays stay the caller's; the library copies what
  * it needs and keeps no pointer to them. A call with a const handle only reads it and may run beside others that do.
  *
@@ -588,7 +592,8 @@ typedef void (*rayc_task)(void *data, size_t index);
  * The library calls it only from the thread that called rayc_scene_query(), and never from within a task, so a pool
  * that cannot nest is enough. It must not call the scene or use the contacts of the query: both return
  * RAYC_STATUS_BUSY. An exception that leaves it ends the process; lend_threads() of raycontact.hpp carries
- * exceptions past the library instead. Indices that it leaves out or calls twice do no harm.
+ * exceptions past the library instead. Indices that it leaves out or calls twice do no harm. It is called in the
+ * default floating-point mode; its threads may be in any.
  */
 typedef void (*rayc_parallel_for)(void *context, size_t count, rayc_task task, void *data);
 

@@ -5,6 +5,8 @@
 //! force weighted by cos α pulls the two points together (Hermann, Faure, Raffin 2008, "Ray-traced collision
 //! detection for deformable bodies"). Nothing is precomputed that deformation would spoil, and deep overlap is fine.
 //!
+//! Threads must be in the default floating-point mode, as Rust demands of all its code; the C interface sees to that itself.
+//!
 //! The modules are layers, each of which uses only those below it: `docs/architecture.md` lists them.
 //!
 //! # Example

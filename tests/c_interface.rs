@@ -62,10 +62,11 @@ fn header_is_what_cbindgen_generates() {
 
 /// What a host needs first comes first: what all calls share, meshes, the scene and its contacts, the forces they give, the
 /// contact system; then what few hosts need: pairs' memories, bodies of several processes, a tree of one's own.
-const HEADER_ORDER: [&str; 33] = [
+const HEADER_ORDER: [&str; 34] = [
     "version",
     "failure",
     "guard",
+    "float_mode",
     "handles",
     "pointers",
     "precision",

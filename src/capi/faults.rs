@@ -1,13 +1,14 @@
 //! Faults on purpose, for tests of this crate alone: a panic within every export, and on every thread that works.
 
+use super::float_mode::Mode;
 use super::sized_structs::Options;
 use super::*;
-use crate::cuboid::CUBOID_FACES;
+use crate::shapes::{self, Shape};
 use crate::threads::faults;
 use std::cell::Cell;
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 /// Held by tests that panic on purpose, one at a time.
 static QUIET: Mutex<()> = Mutex::new(());
@@ -19,15 +20,27 @@ thread_local! {
 /// Called by the guard within each call.
 pub(super) fn strike() {
     if STRIKES.get() {
+        assert!(Mode::now().is_default(), "the call works in its caller's mode");
         panic!("on purpose");
     }
 }
 
-/// The result of a call that panics.
+/// The result of a call that panics, made in another mode than the default.
 fn struck<V>(call: impl FnOnce() -> V) -> V {
     STRIKES.set(true);
-    let result = call();
+    let result = in_other_mode(call);
     STRIKES.set(false);
+    result
+}
+
+/// Holds the call to giving the mode back.
+fn in_other_mode<V>(call: impl FnOnce() -> V) -> V {
+    let before = Mode::now();
+    Mode::OTHER.set();
+    let result = call();
+    let left = Mode::now();
+    before.set();
+    assert_eq!(left, Mode::OTHER);
     result
 }
 
@@ -36,17 +49,15 @@ fn last_error() -> String {
     unsafe { CStr::from_ptr(rayc_last_error_message()) }.to_str().expect("UTF-8").to_owned()
 }
 
-/// The names of all exports, by the sources.
+/// The names of all functions that the header declares, each from the start of a line.
 fn exports() -> Vec<String> {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/capi");
-    let files = std::fs::read_dir(folder).expect("the sources are there").map(|file| file.expect("readable").path());
-    let texts = files.map(|path| std::fs::read_to_string(path).expect("a readable source"));
-    let name = |after: &str| {
-        let (_, function) = after.split_once(" fn ")?;
-        function.split_once('(').map(|(name, _)| name.to_owned())
+    let header = include_str!("../../include/raycontact.h");
+    let name = |line: &str| {
+        let declared = line.split_once('(')?.0.rsplit([' ', '*']).next()?;
+        let is_declaration = !line.starts_with([' ', '/', '#']) && !line.starts_with("typedef");
+        (is_declaration && declared.starts_with("rayc_")).then(|| declared.to_owned())
     };
-    let of_text = |text: String| text.split("\n#[unsafe(no_mangle)]\n").skip(1).filter_map(name).collect::<Vec<_>>();
-    let mut names: Vec<String> = texts.flat_map(of_text).collect();
+    let mut names: Vec<String> = header.lines().filter_map(name).collect();
     names.sort();
     names
 }
@@ -199,8 +210,12 @@ fn a_panic_in_any_export_becomes_a_status() {
     assert_eq!(count + 4, called.len());
 }
 
-/// Four cubes that all overlap, the k-th at 0.3 k along the diagonal.
+/// Four cubes that overlap, the k-th at 0.6 k along the diagonal, so fine that threads share the work.
 fn cubes(options: *const rayc_scene_options) -> *mut rayc_scene {
+    static CUBES: LazyLock<[Shape; 4]> = LazyLock::new(|| {
+        let cube = shapes::cube(10);
+        std::array::from_fn(|k| cube.moved([0.6 * k as f64; 3]))
+    });
     let (mut scene, mut body) = (null_mut(), 0);
     // SAFETY: all arrays are as they say.
     unsafe {
@@ -211,13 +226,11 @@ fn cubes(options: *const rayc_scene_options) -> *mut rayc_scene {
             ..rayc_detection_options::defaults()
         };
         assert_eq!(rayc_scene_set_detection_options(scene, &few), rayc_status::RAYC_STATUS_OK);
-        for k in 0..4 {
-            let corners: [[f64; 3]; 8] =
-                std::array::from_fn(|i| [i & 1, i >> 1 & 1, i >> 2].map(|x| x as f64 + 0.3 * k as f64));
-            let scalar = rayc_scalar::RAYC_SCALAR_F64 as u32;
-            let positions = rayc_vectors { data: corners.as_ptr().cast(), count: 8, stride: 0, scalar };
-            let mut mesh = null_mut();
-            let status = rayc_mesh_create(null(), &positions, CUBOID_FACES.as_ptr().cast(), 12, &mut mesh);
+        for Shape { positions, triangles, .. } in &*CUBES {
+            let (data, count) = (positions.as_ptr().cast(), positions.len());
+            let vectors = rayc_vectors { data, count, stride: 0, scalar: rayc_scalar::RAYC_SCALAR_F64 as u32 };
+            let (corners, mut mesh) = (triangles.as_ptr().cast(), null_mut());
+            let status = rayc_mesh_create(null(), &vectors, corners, triangles.len(), &mut mesh);
             assert_eq!(status, rayc_status::RAYC_STATUS_OK);
             assert_eq!(rayc_scene_add_mesh(scene, mesh, &mut body), rayc_status::RAYC_STATUS_OK);
             assert_eq!(rayc_mesh_destroy(mesh), rayc_status::RAYC_STATUS_OK);
@@ -242,7 +255,7 @@ fn query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> (rayc_status, 
 unsafe extern "C-unwind" fn one_by_one(_: *mut libc::c_void, count: usize, task: rayc_task, data: *mut libc::c_void) {
     for index in 0..count {
         // SAFETY: as rayc_parallel_for says.
-        unsafe { task(data, index) };
+        in_other_mode(|| unsafe { task(data, index) });
     }
 }
 

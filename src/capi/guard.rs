@@ -1,10 +1,12 @@
 use super::failure::{Failure, rayc_status};
+use super::float_mode::DefaultMode;
 use crate::memory::{self, OutOfMemory, text};
 use libc::c_char;
 use std::any::Any;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread;
 
 thread_local! {
     /// Ends with its only zero byte.
@@ -34,12 +36,7 @@ fn record((status, message): Outcome) -> rayc_status {
 const OK: Outcome = (rayc_status::RAYC_STATUS_OK, Cow::Borrowed(b"\0"));
 
 fn outcome(call: impl FnOnce() -> Result<(), Failure>) -> Outcome {
-    let call = || {
-        #[cfg(test)]
-        super::faults::strike();
-        call()
-    };
-    let outcome = catch_unwind(AssertUnwindSafe(call));
+    let outcome = caught(call);
     if matches!(outcome, Ok(Ok(()))) {
         return OK;
     }
@@ -69,12 +66,17 @@ fn ended(message: &str) -> Cow<'static, [u8]> {
 
 /// The door for exports that return a plain value: `otherwise` stands in for it after a panic.
 pub(super) fn guard_value<V>(otherwise: V, call: impl FnOnce() -> V) -> V {
-    let call = || {
+    caught(call).unwrap_or(otherwise)
+}
+
+/// Makes the call in the default floating-point mode, and gives the caller its own back even after a panic.
+fn caught<V>(call: impl FnOnce() -> V) -> thread::Result<V> {
+    let _mode = DefaultMode::enter();
+    catch_unwind(AssertUnwindSafe(|| {
         #[cfg(test)]
         super::faults::strike();
         call()
-    };
-    catch_unwind(AssertUnwindSafe(call)).unwrap_or(otherwise)
+    }))
 }
 
 fn description(panic: &(dyn Any + Send)) -> String {

@@ -1,3 +1,4 @@
+use super::float_mode::DefaultMode;
 use crate::memory;
 use crate::threads::ParallelFor;
 use libc::c_void;
@@ -14,7 +15,8 @@ pub type rayc_task = unsafe extern "C" fn(data: *mut c_void, index: usize);
 /// The library calls it only from the thread that called rayc_scene_query(), and never from within a task, so a pool
 /// that cannot nest is enough. It must not call the scene or use the contacts of the query: both return
 /// RAYC_STATUS_BUSY. An exception that leaves it ends the process; lend_threads() of raycontact.hpp carries
-/// exceptions past the library instead. Indices that it leaves out or calls twice do no harm.
+/// exceptions past the library instead. Indices that it leaves out or calls twice do no harm. It is called in the
+/// default floating-point mode; its threads may be in any.
 // "C-unwind": so that the exception meets guard(), which ends the process, and no undefined behaviour on the way.
 pub type rayc_parallel_for =
     Option<unsafe extern "C-unwind" fn(context: *mut c_void, count: usize, task: rayc_task, data: *mut c_void)>;
@@ -49,6 +51,7 @@ impl ParallelFor for HostThreads {
 
 /// No panic passes into the host's threads; it goes on where the library was called. What comes after it is left out.
 unsafe extern "C" fn run_task(data: *mut c_void, index: usize) {
+    let _mode = DefaultMode::enter();
     // SAFETY: `data` is what `run` handed over.
     let call = unsafe { &*data.cast_const().cast::<Call>() };
     let panic = || call.panic.lock().unwrap_or_else(PoisonError::into_inner);

@@ -17,6 +17,7 @@ mod escape_push;
 mod failure;
 #[cfg(test)]
 mod faults;
+mod float_mode;
 mod guard;
 mod handles;
 mod host_positions;

@@ -6,11 +6,11 @@ use crate::mesh::Mesh;
 use crate::ray::TriangleTest;
 
 /// If more than one group in this many is wanted, sorting them takes as long as visiting all.
-const PART_TO_LIST: usize = if cfg!(test) { 2 } else { 16 };
+const PART_TO_LIST: usize = 16;
 
 /// A region that is thinner than so many of a body's tiles has few that are not near both surfaces, and rays from those that
 /// are not are short.
-const FEWEST_TILES_ACROSS: f64 = if cfg!(test) { 0.0 } else { 4.0 };
+const FEWEST_TILES_ACROSS: f64 = 4.0;
 
 /// Whether a region is thick beside the tiles of a body.
 fn is_thick<T: Scalar>(region: &Aabb<T>, mesh: &Mesh<T>, cells: &Wide<T>) -> bool {

@@ -15,7 +15,7 @@ use std::time::Instant;
 // What chose these numbers: docs/architecture.md, *Tuned constants*.
 
 /// Below this many rays one thread is faster than two, which would have to fetch each other's results.
-const FEWEST_RAYS_TO_SHARE: f64 = if cfg!(test) { 0.0 } else { 1000.0 };
+const FEWEST_RAYS_TO_SHARE: f64 = 1000.0;
 /// Reading this many triangles anew takes as long as one ray.
 const TRIANGLES_READ_PER_RAY: f64 = 50.0;
 /// The same where a body is searched for contacts with itself.
@@ -74,10 +74,9 @@ impl<T: Scalar> Scene<T> {
         self.pairs.history.is_queried = true;
     }
 
-    /// In the way that has proved faster, where the pool is the scene's own: a host that lends its threads has decided. The
-    /// crate's own tests are of threads.
+    /// In the way that has proved faster, where the pool is the scene's own: a host that lends its threads has decided.
     fn detect_as_fast(&mut self, rays: f64, contacts: &mut ContactList<T>) {
-        let is_free = matches!(self.threads.helpers(), Helpers::Pool) && !cfg!(test);
+        let is_free = matches!(self.threads.helpers(), Helpers::Pool);
         let way = if is_free { self.autotuner.way(rays) } else { Way::SideBySide };
         let start = Instant::now();
         match way {

@@ -3,7 +3,7 @@ use crate::memory::Room;
 use rayon::prelude::*;
 
 /// One thread copies fewer values than this faster than several.
-const FEWEST_FOR_ONE: usize = if cfg!(test) { 4 } else { 256 };
+const FEWEST_FOR_ONE: usize = 256;
 
 impl Helpers {
     /// Adds the values of `count` lists, each as `change` makes it of the list's number and the value. `list` gives how many

@@ -134,6 +134,7 @@ pub(crate) fn share_load<T: Scalar>(loads: &[CastLoad<T>; 2], contacts: &mut [Co
 mod tests {
     use super::*;
     use crate::detection::test_contact::contact;
+    use std::f64::consts::TAU;
 
     fn turning(parts: &[([f64; 3], f64)]) -> Turning<f64> {
         let mut turning = Turning::default();
@@ -162,34 +163,62 @@ mod tests {
         }
     }
 
-    /// Shares go by the load, times how much it turns, and a little of how much the surface does.
-    #[test]
-    fn shares_follow_what_turns() {
-        let load = |pressure: &[([f64; 3], f64)], surface: &[([f64; 3], f64)]| CastLoad {
-            pressure: turning(pressure),
-            surface: turning(surface),
-        };
-        let little = 1.0 / 256.0;
-        let flat = load(&[(X, 2.0)], &[(X, 5.0)]);
-        let curved = load(&[(X, 1.5), (Y, 2.0)], &[(X, 1.0), (MINUS_X, 1.0)]);
-        let edged = load(&[(X, 2.0)], &[(X, 3.0), (MINUS_X, 1.0)]);
-        let nothing = CastLoad::default();
-        let claims = [
-            (flat, 2.0 * little * little),
-            (curved, 3.5 * (1.0 - 2.5 / 3.5 + little + little * little)),
-            (edged, 2.0 * (0.5 * little + little * little)),
-            (nothing, 0.0),
-        ];
-        for (first, claim) in claims {
-            for (second, other) in claims {
-                let expected = if claim + other > 0.0 { claim / (claim + other) } else { 0.5 };
-                let [share, rest] = shares(&[first, second]);
-                assert!((share - expected).abs() < 1e-12 && (share + rest - 1.0).abs() < 1e-15, "{first:?} {second:?}");
-            }
+    /// What a direction's rays carry, each from a sample by its normal, area, depth and cos α; and how much of that is along x.
+    fn cast(samples: &[([f64; 3], [f64; 3])]) -> (CastLoad<f64>, f64) {
+        let (mut load, mut along) = (CastLoad::default(), 0.0);
+        for &(normal, [area, depth, cos_alpha]) in samples {
+            load.surface.add(&Vector3::from(normal), area);
+            load.add_contacts(&[contact(0, [0.0; 3], normal, [area, depth, cos_alpha])], ContactLaw::RayLength);
+            along += area * depth * cos_alpha * normal[0];
         }
-        let mut twice = flat;
-        twice.merge(&edged);
-        assert!((twice.claim() - 4.0 * little * (1.0 - 7.0 / 9.0 + little)).abs() < 1e-15);
+        (load, along)
+    }
+
+    /// The force of both directions, as they share it, is that of Archimedes, the volume below the face of a half space,
+    /// though the rays of one direction alone miss it: of a ball, into which those of the face lead at an angle; and of a box
+    /// with its sides, beneath which those of a coarse face count points.
+    #[test]
+    fn shared_loads_push_as_archimedes_says() {
+        for half_angle in [0.1, 0.5, 1.0, 1.5f64] {
+            let (rings, around, lowest) = (200, 16, half_angle.cos());
+            let (mut of_ball, mut of_face) = (Vec::new(), Vec::new());
+            for (ring, turn) in (0..rings).flat_map(|ring| (0..around).map(move |turn| (ring, turn))) {
+                // Rings of equal areas.
+                let x = 1.0 - (1.0 - lowest) * (f64::from(ring) + 0.5) / f64::from(rings);
+                let (sin, cos) = (TAU * f64::from(turn) / f64::from(around)).sin_cos();
+                let (area, beside) = (TAU * (1.0 - lowest) / f64::from(rings * around), (1.0 - x * x).sqrt());
+                of_ball.push(([x, beside * cos, beside * sin], [area, (x - lowest) / x, x]));
+                of_face.push((MINUS_X, [area * x, x - lowest, x]));
+            }
+            let [(ball, by_ball), (face, by_face)] = [cast(&of_ball), cast(&of_face)];
+            let volume = TAU / 6.0 * (1.0 - lowest).powi(2) * (2.0 + lowest);
+            let [share, rest] = shares(&[ball, face]);
+            let force = share * by_ball - rest * by_face;
+            assert!((force / volume - 1.0).abs() < 1e-3, "{half_angle}: {force} for {volume}");
+            assert!(half_angle < 1.0 || -by_face < 0.9 * volume, "{half_angle}: {by_face} for {volume}");
+        }
+        for depth in [0.1, 0.5] {
+            let sides = [Y, [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]].map(|side| (side, [depth, 0.0, 0.0]));
+            let (bottom, point) = ([(X, [1.0, depth, 1.0])], (MINUS_X, [0.16, depth, 1.0]));
+            let [(edged, by_box), (face, by_face)] = [cast(&[&bottom[..], &sides].concat()), cast(&[point; 9])];
+            let [share, rest] = shares(&[edged, face]);
+            assert!(
+                ((share * by_box - rest * by_face) / depth - 1.0).abs() < 1e-2 && by_face < -1.4 * depth,
+                "{depth}"
+            );
+        }
+    }
+
+    #[test]
+    fn equal_loads_are_shared_equally_and_none_carries_nothing() {
+        let turned = [(X, [1.5, 1.0, 0.5]), (Y, [2.0, 0.5, 1.0])];
+        let loads = [cast(&turned).0, cast(&turned[..1]).0, CastLoad::default()];
+        assert!(loads.iter().all(|&load| shares(&[load, load]) == [0.5; 2]));
+        for load in &loads[..2] {
+            assert_eq!(shares(&[*load, loads[2]]), [1.0, 0.0]);
+        }
+        let [share, rest] = shares(&[loads[0], loads[1]]);
+        assert!((share + rest - 1.0).abs() < 1e-15);
     }
 
     /// Rays count by area · depth, whatever the angle, and pressure by area · distance.

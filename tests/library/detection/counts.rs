@@ -1,7 +1,9 @@
 //! What a query says it did, where the number is known beforehand.
 
+use crate::common::random::Random;
 use crate::common::shapes::{self, Point, Shape};
 use raycontact::contact::{ContactList, DetectionOptions, Sampling, Statistics, query_pair};
+use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
 use raycontact::octree::{Layout, Octree};
 
@@ -138,4 +140,31 @@ fn own_surfaces_settle_what_rays_tell_and_hidden_points_give_no_direction() {
         let found = detect([&plate, &body], Layout::Wide, &DetectionOptions { escape: true, ..options });
         assert_eq!([found.statistics.escapes_started, found.pushes().len() as u64], [escapes; 2]);
     }
+}
+
+/// A cube swallowed by another: the overlap box is its own box, on whose faces all its samples lie but for rounding. None is
+/// lost: the contacts of each of its six faces have the same area.
+fn every_face_casts<T: Scalar>(random: &mut Random) {
+    let (cells, outer) = (2, shapes::cube(1).scaled(5.0).mesh::<T>());
+    for _ in 0..100 {
+        let inner = shapes::cube(cells).scaled(0.3).moved(random.point(2.0)).mesh::<T>();
+        let octrees = [&inner, &outer].map(Octree::new);
+        for sampling in [Sampling::Automatic, Sampling::Spacing(T::of(0.07)), Sampling::Tolerance(T::of(0.1))] {
+            let (mut list, mut areas) = (ContactList::default(), [0.0; 6]);
+            let options = DetectionOptions { sampling, escape: false, ..DetectionOptions::default() };
+            query_pair(&inner, &octrees[0], &outer, &octrees[1], &options, &mut list).expect("the octrees are new");
+            for contact in &list.contacts {
+                areas[contact.p1.triangle as usize / (2 * cells * cells)] += contact.area.to_f64();
+            }
+            let [least, most] = [f64::min, f64::max].map(|of| areas.into_iter().reduce(of).expect("six"));
+            assert!(least > 0.0 && most / least < 1.0 + 1e-4, "{sampling:?} at {:?}: {areas:?}", inner.positions()[0]);
+        }
+    }
+}
+
+#[test]
+fn samples_on_faces_of_the_overlap_box_are_not_lost_by_rounding() {
+    let mut random = Random::new(11);
+    every_face_casts::<f32>(&mut random);
+    every_face_casts::<f64>(&mut random);
 }

@@ -344,6 +344,32 @@ fn fast_growth_is_not_taken_for_a_tangle() {
     }
 }
 
+/// Two halves with a gap, moved so far that rounding is as large as the gap: a scene that knows them from where they were
+/// apart finds the same as one that sees them there first. All coordinates are exact.
+#[test]
+fn a_gap_is_not_remembered_where_rounding_is_as_large() {
+    let rest = shapes::cube(2).joined(&shapes::cube(2).moved([2.0 + f64::exp2(-20.0), 0.0, 0.0]));
+    let scene_at = |by: f64| {
+        let mut scene = Scene::new(1).expect("no threads are needed");
+        let body = scene.add(rest.moved([by; 3]).mesh::<f64>());
+        scene.set_self_collision(body, true).expect("it was added");
+        scene
+    };
+    let look = |scene: &mut Scene<f64>| {
+        let mut list = ContactList::default();
+        scene.query(&mut list);
+        (scene.overlaps_itself(0).expect("it was added"), list.contacts)
+    };
+    let mut scene = scene_at(0.0);
+    assert!(!look(&mut scene).0);
+    for (exponent, touches) in [(20.0, false), (27.0, true)] {
+        let by = f64::exp2(exponent);
+        scene.mesh_mut(0).expect("it was added").set_positions(&rest.moved([by; 3]).positions).expect("finite");
+        let (found, first) = (look(&mut scene), look(&mut scene_at(by)));
+        assert_eq!((found.0, &found), (touches, &first), "2^{exponent}");
+    }
+}
+
 /// Scaled by a power of two, the contacts are scaled to the bit.
 #[test]
 fn scaling_by_a_power_of_two_scales_contacts() {

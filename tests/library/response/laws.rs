@@ -1,11 +1,13 @@
 //! The penalty law against finite differences and the laws of motion: force = −∂energy/∂position and differential =
 //! ∂force/∂position with the contacts held, momentum and angular momentum conserved.
 
-use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, query_pair};
+use crate::common::shapes;
+use raycontact::contact::{Contact, ContactKind, ContactList, DetectionOptions, Sampling, query_pair};
 use raycontact::math::Vector3;
 use raycontact::mesh::Mesh;
 use raycontact::octree::Octree;
 use raycontact::response::{PenaltyLaw, Weighting, add_differential, add_forces, energy};
+use raycontact::scene::Scene;
 
 type Field = [Vec<Vector3<f64>>; 2];
 
@@ -45,6 +47,23 @@ fn overlap(sampling: Sampling<f64>) -> Overlap {
 
 fn overlaps() -> Vec<Overlap> {
     [Sampling::Vertices, Sampling::Automatic, Sampling::Spacing(0.1)].map(overlap).into()
+}
+
+/// A ball that escapes from a block which has swallowed it: its contacts are all as deep as the deepest of them, however far
+/// apart their points are.
+fn escape() -> Overlap {
+    let mut scene = Scene::new(1).expect("no threads are needed");
+    let bodies = [shapes::cube(4), shapes::sphere(1).scaled(0.4).moved([0.1, 0.2, 0.3])];
+    let positions = bodies.map(|body| {
+        let mesh = body.mesh();
+        let positions = mesh.positions().to_vec();
+        scene.add(mesh);
+        positions
+    });
+    let mut list = ContactList::default();
+    scene.query(&mut list);
+    assert!(list.len() > 20 && list.contacts.iter().all(|contact| contact.kind == ContactKind::Escape));
+    Overlap { positions, contacts: list.contacts }
 }
 
 /// Numbers between −1 and 1 without a pattern, the same in every run.
@@ -167,7 +186,7 @@ fn laws_that_mean_nothing_are_refused_by_name() {
 #[test]
 fn springs_are_as_long_as_bodies_have_moved_apart() {
     let law = PenaltyLaw::new(70.0, 0.0, Weighting::Area).expect("a valid law");
-    for Overlap { positions, contacts } in overlaps() {
+    for Overlap { positions, contacts } in overlaps().into_iter().chain([escape()]) {
         for by in [[0.0; 3], [0.02, -0.05, 0.04]].map(Vector3::from) {
             let mut moved = positions.clone();
             moved[0].iter_mut().for_each(|position| *position -= by);

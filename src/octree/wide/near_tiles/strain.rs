@@ -36,12 +36,6 @@ const LEAST_TURN: f64 = 1e-3;
 const VERTICES_OF_TURN: usize = 64;
 
 impl<T: Scalar> Rest<T> {
-    /// What turns the present positions back.
-    #[cfg(test)]
-    pub(super) fn back(&self) -> UnitQuaternion<T> {
-        self.back
-    }
-
     /// Turns back by what fits some vertices best. Any turn will do: bounds hold, only less tightly.
     pub(super) fn follow_turn(&mut self, outlines: &[Outline<T>], mesh: &Mesh<T>) {
         let stride = outlines.len().div_ceil(VERTICES_OF_TURN);

@@ -74,43 +74,49 @@ fn a_pair_of_tiles_may_come_nearer_by_what_its_triangles_may() {
     }
 }
 
-/// A pair has lapsed where the box around all differences of two vertices' moves, one of either tile, reaches beyond what
-/// is allowed. A turn of the whole does not count.
+/// By how much the distance of two vertices, one of either tile, has changed at most.
+fn change_of_distances(cells: &Wide<f64>, [a, b]: [u32; 2], [then, now]: [&[Vector3<f64>]; 2]) -> f64 {
+    let [a, b] = [a, b].map(|tile| &cells.outlines[tile as usize].vertices);
+    let pairs = a.iter().flat_map(|&a| b.iter().map(move |&b| [a as usize, b as usize]));
+    pairs.map(|[a, b]| ((now[a] - now[b]).norm() - (then[a] - then[b]).norm()).abs()).fold(0.0, f64::max)
+}
+
+/// A pair has lapsed where the distance of two vertices, one of either tile, has changed by more than allowed, and has not where
+/// no two have moved against each other by half of it. A turn of the whole does not count.
 #[test]
 fn pairs_lapse_where_vertices_have_moved_against_each_other() {
     let (mut mesh, cells, mut near) = search([0.3, 0.02], |a, b, _| clearance(a, b));
     let (then, count) = (mesh.positions().to_vec(), mesh.positions().len());
     cells.keep(&mesh, &vec![1e3; count], &mut near);
+    let wave =
+        |p: &Vector3<f64>| Vector3::new(0.03 * (3.0 * p.y).sin(), 0.02 * (4.0 * p.z + p.x).cos(), 0.05 * p.x * p.y);
     for turn in [0.0, 0.4, 2.0f64] {
         let moved = |p: &Vector3<f64>| {
-            let wave = Vector3::new(0.03 * (3.0 * p.y).sin(), 0.02 * (4.0 * p.z + p.x).cos(), 0.05 * p.x * p.y);
-            let [x, y, z] = (p + wave).into();
+            let [x, y, z] = (p + wave(p)).into();
             Vector3::new(5.0 + turn.cos() * x - turn.sin() * y, turn.sin() * x + turn.cos() * y - 7.0, z)
         };
         mesh.set_positions_with(count, |vertex| moved(&then[vertex])).expect("finite");
         // A large turn takes some steps to be followed.
         (0..4).for_each(|_| assert!(cells.find_lapsed(&mesh, f64::INFINITY, &mut near).part > 0.0));
         let part = cells.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
-        let (back, centre) = (near.rest.back(), mesh.aabb().centre());
-        let move_of = |v: u32| back * (mesh.positions()[v as usize] - centre) - then[v as usize];
-        let moves = |tile: u32| cells.outlines[tile as usize].vertices.map(move_of);
-        let has_lapsed = |&(&[a, b], &allowed): &(&[u32; 2], &f64)| {
-            let (mut farthest, moves_of_b) = (Vector3::zeros(), moves(b));
-            for of_a in moves(a) {
-                moves_of_b.iter().for_each(|of_b| farthest = farthest.sup(&(of_a - of_b).abs()));
-            }
-            farthest.norm() > allowed
-        };
-        let expected: Vec<_> =
-            near.tile_pairs.iter().zip(&near.clearances).filter(has_lapsed).map(|(pair, _)| *pair).collect();
-        assert!(expected.len() > 50 && expected.len() < near.tile_pairs.len() / 2, "{turn}: {}", expected.len());
-        assert!(near.lapsed == expected, "{turn}");
-        assert_eq!(part, expected.len() as f64 / near.tile_pairs.len() as f64);
+        assert_eq!(part, near.lapsed.len() as f64 / near.tile_pairs.len() as f64);
+        let waves = |tile: u32| cells.outlines[tile as usize].vertices.map(|v| wave(&then[v as usize]));
+        let (mut far, mut calm) = (0, 0);
+        for (&[a, b], &allowed) in near.tile_pairs.iter().zip(&near.clearances) {
+            let has_lapsed = near.lapsed.contains(&[a, b]);
+            let is_far = change_of_distances(&cells, [a, b], [&then, mesh.positions()]) > allowed;
+            let (of_a, of_b) = (waves(a), waves(b));
+            let is_calm = of_a.iter().all(|a| of_b.iter().all(|b| (a - b).norm() <= 0.5 * allowed));
+            assert!(if has_lapsed { !is_calm } else { !is_far }, "{turn}: {a}, {b}, {allowed}");
+            (far, calm) = (far + u32::from(is_far), calm + u32::from(is_calm));
+        }
+        assert!(far > 50 && calm > 50, "{turn}: {far} far, {calm} calm");
     }
 }
 
-/// Where triangles are strained by more than they may be, they are told, and two tiles have lapsed that may be sheltered and
-/// are both so near one of theirs that a path may lead over it; the strain of each is found from its gradient here.
+/// Where triangles are strained by more than they may be, they are told; the strain of each is found from its gradient here.
+/// Two tiles have lapsed that may be sheltered and between which a short path leads over one of those, and none that the
+/// vertex does not belong to and between which only long ones do.
 #[test]
 fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
     let (allowed, margin) = (0.3, 0.02);
@@ -145,16 +151,20 @@ fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
             tile.expect("each triangle is in one") as u32
         };
         let strained: BTreeSet<u32> = expected.iter().map(tile_of).collect();
-        let is_by_one = |tile: u32| strained.iter().any(|&other| gaps(&cells, [tile, other]).norm() <= 4.0 * margin);
-        let has_lapsed = |&(&[a, b], &clearance): &(&[u32; 2], &f64)| {
-            let moves = [a, b].map(|tile| cells.outlines[tile as usize].vertices.contains(&(vertex as u32)));
-            let has_moved = moves.contains(&true) && by.norm() > clearance;
-            has_moved || clearance <= 2.0 * margin && is_by_one(a) && is_by_one(b)
+        let to_strained = |tile: u32| {
+            let gaps_to = strained.iter().map(|&other| gaps(&cells, [tile, other]).norm());
+            gaps_to.fold(f64::INFINITY, f64::min)
         };
-        let pairs = near.tile_pairs.iter().zip(&near.clearances);
-        let expected: Vec<_> = pairs.filter(has_lapsed).map(|(pair, _)| *pair).collect();
-        assert!(near.lapsed == expected, "vertex {vertex}: {} for {}", near.lapsed.len(), expected.len());
-        assert!(expected.len() < near.tile_pairs.len() / 2);
+        let path = |[a, b]: [u32; 2]| to_strained(a) + to_strained(b);
+        for (&pair, &clearance) in near.tile_pairs.iter().zip(&near.clearances) {
+            let is_moved = pair.iter().any(|&tile| cells.outlines[tile as usize].vertices.contains(&(vertex as u32)));
+            let is_far = change_of_distances(&cells, pair, [&then, mesh.positions()]) > clearance;
+            let must = is_far || clearance <= 2.0 * margin && path(pair) <= 4.0 * margin;
+            let may = is_moved || path(pair) <= 8.0 * margin;
+            let has_lapsed = near.lapsed.contains(&pair);
+            assert!(if has_lapsed { may } else { !must }, "vertex {vertex}: {pair:?}, {clearance}");
+        }
+        assert!(near.lapsed.len() < near.tile_pairs.len() / 2);
     }
     assert!((5..40).contains(&strained_ways), "{strained_ways}");
 }
