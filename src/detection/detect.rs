@@ -1,10 +1,10 @@
 //! All contacts of a pair in one step: by rays both ways, or by edges where rays find none; and what is still unsettled then.
 
+use super::classify::winding::way_out_past_folds;
 use super::contact::Contact;
 use super::list::ContactList;
 use super::pair::{Direction, Pair};
 use super::sample::Sampling;
-use super::statistics::Statistics;
 use super::weigh::shares::share_load;
 use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
@@ -36,7 +36,7 @@ impl<T: Scalar> Pair<'_, T> {
         let targetless =
             contacts.statistics.own_surface_hits > own_before || (stretches > 0 && contacts.len() == start);
         let nothing = contacts.len() == start && !targetless;
-        if targetless || (self.options.escape && nothing && self.one_contains_the_other(&mut contacts.statistics)) {
+        if targetless || (self.options.escape && nothing && self.one_contains_the_other(contacts)) {
             Outcome::Targetless
         } else {
             Outcome::Settled
@@ -75,14 +75,15 @@ impl<T: Scalar> Pair<'_, T> {
 
     /// Where no surface crosses the other, either body lies inside or outside the other as a whole, and one point of it
     /// tells which.
-    fn one_contains_the_other(&self, statistics: &mut Statistics) -> bool {
+    fn one_contains_the_other(&self, contacts: &mut ContactList<T>) -> bool {
+        let ContactList { statistics, workspace, .. } = contacts;
         [0, 1].into_iter().any(|side| {
             let (inner, outer) = (self.tracers[side].mesh(), self.tracers[1 - side].mesh());
             let vertex = inner.topology().surface_vertices()[0];
             let ray = Ray::new(inner.position(vertex), Vector3::z());
             let may_contain = outer.aabb().intersection(inner.aabb()) == *inner.aabb();
             statistics.estimate_rays += u64::from(may_contain);
-            may_contain && self.tracers[1 - side].nearest_hit(&ray).is_some_and(|hit| hit.is_exit)
+            may_contain && way_out_past_folds(self.tracers[1 - side], &ray, &mut workspace.crossings).is_some()
         })
     }
 

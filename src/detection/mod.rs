@@ -24,6 +24,7 @@ mod trace;
 mod weigh;
 mod workspace;
 
+pub(crate) use classify::winding::way_out_past_folds;
 pub use contact::{Contact, ContactKind, SurfacePoint};
 pub(crate) use detect::Outcome;
 pub use escape_push::EscapePush;

@@ -3,7 +3,7 @@
 //! back to the middle; what frees them is that one direction is kept.
 
 use crate::detection::{Contact, ContactKind, ContactList, EscapePush, Pair, Sample, Statistics, Workspace};
-use crate::detection::{contact, for_each_inside_stretch};
+use crate::detection::{contact, for_each_inside_stretch, way_out_past_folds};
 use crate::math::{Scalar, Vector3, direction};
 use crate::memory::{self, Room};
 use crate::ray::Ray;
@@ -88,7 +88,8 @@ impl<T: Scalar> Judges<T> {
         for find in [inside_samples, inside_stretches] {
             for (side, points) in judges.0.iter_mut().enumerate() {
                 let mut counts = Statistics::default();
-                find(pair, side, &Vector3::z(), workspace, &mut counts);
+                // Along one axis in space, whichever body comes first: of points on the surface rounding decides.
+                find(pair, side, &pair.of_first(Vector3::z()), workspace, &mut counts);
                 statistics.estimate_rays += counts.rays;
                 memory::append(points, workspace.samples.iter().map(|sample| sample.point.position));
             }
@@ -116,7 +117,7 @@ impl<T: Scalar> Judges<T> {
                 let rays = points[start..end].iter().map(|&point| pair.ray_out(side, point, away));
                 memory::append(&mut workspace.rays, rays);
                 statistics.estimate_rays += workspace.rays.len() as u64;
-                pair.tracers[1 - side].nearest_hits(&workspace.rays, &mut workspace.hits);
+                trace_out(pair, side, workspace);
                 for (place, hit) in workspace.hits.iter().enumerate() {
                     let way_out = hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t);
                     if way_out >= limit {
@@ -177,11 +178,22 @@ fn inside_stretches<T: Scalar>(
     keep_inside(pair, side, workspace, statistics);
 }
 
-/// A point is inside where its way out first meets the surface from inside.
+/// A point is inside where its way out meets the surface from inside.
 fn keep_inside<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &mut Workspace<T>, statistics: &mut Statistics) {
     statistics.rays += workspace.rays.len() as u64;
-    pair.tracers[1 - side].nearest_hits(&workspace.rays, &mut workspace.hits);
+    trace_out(pair, side, workspace);
     workspace.keep_exits(statistics);
+}
+
+/// Finds where the rays of one body leave the other. Parts of a body may overlap, so a ray from inside may enter another part
+/// first; whether a point is inside must not depend on the direction.
+fn trace_out<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &mut Workspace<T>) {
+    let Workspace { rays, hits, crossings, .. } = workspace;
+    let other = pair.tracers[1 - side];
+    other.nearest_hits(rays, hits);
+    for (ray, hit) in rays.iter().zip(hits).filter(|(_, hit)| hit.is_some_and(|hit| !hit.is_exit)) {
+        *hit = way_out_past_folds(other, ray, crossings).or(*hit);
+    }
 }
 
 fn add_contacts<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &Workspace<T>, contacts: &mut Vec<Contact<T>>) {

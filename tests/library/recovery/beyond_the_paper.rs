@@ -282,6 +282,37 @@ fn an_escape_takes_the_shortest_way() {
     }
 }
 
+/// A box within two others that overlap: some rays out of them enter the second before they leave the first. The box is inside
+/// all the same, and leaves the same way whichever body comes first and wherever the second lies.
+#[test]
+fn what_parts_that_overlap_have_swallowed_escapes_in_any_order() {
+    let joined = |second: [f64; 3]| {
+        let mut positions = cuboid([1.0, 1.1, 1.2], [0.0; 3]);
+        positions.extend(cuboid([0.6; 3], second));
+        let faces = CUBOID_FACES.into_iter().chain(CUBOID_FACES.map(|face| face.map(|vertex| vertex + 8)));
+        Mesh::new(&positions, &faces.collect::<Vec<_>>()).expect("two boxes are closed")
+    };
+    let options = DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() };
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut second = [0.0; 3];
+            second[axis] = sign;
+            let inner = Mesh::new(&cuboid([0.2; 3], [0.01, 0.02, 0.03]), &CUBOID_FACES).expect("a box is closed");
+            let meshes = [inner, joined(second)];
+            let octrees = meshes.each_ref().map(Octree::new);
+            let [way, back] = [[0, 1], [1, 0]].map(|[a, b]| {
+                let mut found = ContactList::default();
+                let [a, b] = [a, b].map(|body: usize| (&meshes[body], &octrees[body]));
+                query_pair(a.0, a.1, b.0, b.1, &options, &mut found).expect("octrees are new");
+                let [push] = found.pushes() else { panic!("{} pushes, second at {second:?}", found.pushes().len()) };
+                assert_every_ray_is_counted(&found);
+                *push
+            });
+            assert_eq!((way.direction, way.depth), (-back.direction, back.depth), "second at {second:?}");
+        }
+    }
+}
+
 /// Bars through each other's middles hold each other; they part across, as far as both are thick, by rays from their edges
 /// alone, as no vertex lies inside.
 #[test]
