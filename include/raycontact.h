@@ -1652,11 +1652,11 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
  *
  * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
  * order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
- * detection. velocities NULL: no damping. Contacts stay as they were found: each keeps its two points of the surfaces
- * and its direction, whatever the positions. Where the points have moved apart, the force pulls, because an implicit
- * integrator's linear step needs that.
+ * detection. velocities NULL: no damping; damping_time must then be 0. Contacts stay as they were found: each keeps its two
+ * points of the surfaces and its direction, whatever the positions. Where the points have moved apart, the force pulls,
+ * because an implicit integrator's linear step needs that.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
+ * Errors: RAYC_STATUS_INVALID_OPTION where damping_time has no velocities, RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
  * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
  * the precision of the contacts. Numbers that no contact needs are not checked.
  */
