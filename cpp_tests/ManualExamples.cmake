@@ -54,6 +54,16 @@ macro(raycontact_take_block page language block)
     string(SUBSTRING "${rest}" ${length} -1 rest)
 endmacro()
 
+# Pages that tell of the presets name what these build with.
+file(READ "${PROJECT_SOURCE_DIR}/CMakePresets.json" presets)
+string(JSON generator GET "${presets}" configurePresets 0 generator)
+foreach(page IN ITEMS README.md CONTRIBUTING.md docs/tutorial.md)
+    file(READ "${PROJECT_SOURCE_DIR}/${page}" text)
+    if(NOT text MATCHES "${generator}")
+        message(FATAL_ERROR "${page} does not say that the presets need ${generator}")
+    endif()
+endforeach()
+
 raycontact_add_listings(README.md)
 raycontact_add_listings(docs/tutorial.md m)
 raycontact_add_listings(docs/recipes.md)

@@ -59,9 +59,15 @@ int main(int argc, char** argv) {
   check_broken("zero.obj", TETRAHEDRON_VERTICES "f 0 3 2\n", "line 5");
   check_broken("face.obj", TETRAHEDRON_VERTICES "f 1 3\n", "fewer than three");
   check_broken("huge.obj", TETRAHEDRON_VERTICES "f 4294967297 3 2\n", "4294967297");
-  check_broken("no_faces.obj", TETRAHEDRON_VERTICES, NULL);
-  check_broken("empty.obj", "", NULL);
+  check_broken("no_faces.obj", TETRAHEDRON_VERTICES, "no line of a face");
+  check_broken("empty.obj", "", "no line of a face");
   check_broken("binary.obj", "\x01\x02\xff\xfe\x80", NULL);
+
+  /* In text and, with bytes that look like a line of a vertex, in binary. */
+  const char* others = "only .obj files are read: convert other formats";
+  check_broken("text.stl", "solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n", others);
+  check_broken("binary.stl", "\x01\x01\nv \x02\n\x03", others);
+  check_broken("text.ply", "ply\nformat ascii 1.0\nelement vertex 3\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", others);
 
   check_broken("continued.obj", "v 0 0 \\\n0\nv 1 0 \\\n zero\n" TETRAHEDRON_FACES, "line 3: 'zero'");
 

@@ -134,6 +134,15 @@ static void bad_arguments_change_nothing(void) {
                  "damping_time");
   }
 
+  bad = options;
+  bad.damping_time = 0.25;
+  size_t pairs = 7, summed = 7;
+  const char* without = "damping_time is 0.25, but there are no velocities to damp";
+  CHECK_STATUS(rayc_contacts_add_forces(contacts, &bad, 2, NULL, NULL, out), RAYC_STATUS_INVALID_OPTION, without);
+  CHECK_STATUS(rayc_contacts_sum_pair_forces(contacts, &bad, 0, NULL, NULL, &pairs, &summed),
+               RAYC_STATUS_INVALID_OPTION, without);
+  CHECK(pairs == 7 && summed == 7);
+
   CHECK_STATUS(rayc_contacts_add_forces(NULL, &options, 2, NULL, NULL, out), RAYC_STATUS_NULL_POINTER, "contacts");
   CHECK_STATUS(rayc_contacts_add_forces(contacts, &options, 2, NULL, NULL, NULL), RAYC_STATUS_NULL_POINTER, "forces");
   CHECK_STATUS(rayc_contacts_add_forces(contacts, &options, 1, NULL, NULL, out), RAYC_STATUS_WRONG_COUNT, "1");

@@ -383,10 +383,11 @@ typedef enum rayc_sampling {
    */
   RAYC_SAMPLING_SPACING = 1,
   /**
-   * As automatic, but with triangles joined to patches, as large as the error allowed lets them be. sampling_value,
-   * above 0 and at most 1, is that error of the net force of each pair, as a part of the force that all rays would give;
-   * smaller until two tries agree clearly better than that. Where two tries would take more than a third of the
-   * triangles, or cannot be expected to agree, all triangles cast rays.
+   * As automatic, but with fewer rays: as many as the error allowed takes. sampling_value is that error: by how much each
+   * pair's net force may differ from the one that all rays would give, as a part of it. Triangles are joined to patches,
+   * and one ray starts from each patch. Smaller patches are tried until two tries agree clearly better than the error
+   * allowed. All triangles cast rays where two tries would take more than a third of them, or where tries cannot be
+   * expected to agree.
    */
   RAYC_SAMPLING_TOLERANCE = 2,
   /**
@@ -520,8 +521,9 @@ typedef struct rayc_detection_options {
    */
   size_t struct_size;
   /**
-   * What `sampling` is told: with RAYC_SAMPLING_SPACING the length, with RAYC_SAMPLING_TOLERANCE the part of the force;
-   * else 0. Default 0.
+   * With RAYC_SAMPLING_SPACING it is the distance between rays, a length above 0. With RAYC_SAMPLING_TOLERANCE it is the
+   * error allowed of each pair's net force, as a part of that force: above 0 and at most 1. With all others it is 0.
+   * Default 0.
    */
   double sampling_value;
   /**
@@ -1667,11 +1669,11 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
  *
  * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
  * order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
- * detection. velocities NULL: no damping. Contacts stay as they were found: each keeps its two points of the surfaces
- * and its direction, whatever the positions. Where the points have moved apart, the force pulls, because an implicit
- * integrator's linear step needs that.
+ * detection. velocities NULL: no damping; damping_time must then be 0. Contacts stay as they were found: each keeps its two
+ * points of the surfaces and its direction, whatever the positions. Where the points have moved apart, the force pulls,
+ * because an implicit integrator's linear step needs that.
  *
- * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
+ * Errors: RAYC_STATUS_INVALID_OPTION where damping_time has no velocities, RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
  * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
  * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where a sum might go beyond its largest number,
  * or where `forces` shares memory with what is read. Numbers that no contact needs are not checked.

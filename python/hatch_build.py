@@ -7,6 +7,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import sysconfig
 import textwrap
 
@@ -24,7 +25,7 @@ class LibraryHook(BuildHookInterface):
 
     def initialize(self, version, build_data):
         if version == "editable":
-            raise NotImplementedError("a part of the package is made with the wheel: use 'pip install .' without -e")
+            sys.exit("a part of the package is made with the wheel: use 'pip install .' without -e")
         root = pathlib.Path(self.root)
         library = build_library(root)
         header = (root / "include/raycontact.h").read_text(encoding="utf-8")
@@ -46,9 +47,11 @@ def build_library(root):
     """The shared library that cargo makes, or has made: the release build of every other part of the repository."""
     command = "cargo build --release --lib --locked --message-format=json-render-diagnostics".split()
     if not shutil.which("cargo"):
-        raise FileNotFoundError("cargo is missing: install a Rust toolchain (https://rustup.rs) and put it on the PATH")
-    told = subprocess.run(command, cwd=root, check=True, stdout=subprocess.PIPE, encoding="utf-8").stdout
-    for message in map(json.loads, told.splitlines()):
+        sys.exit("cargo is missing: install a Rust toolchain (https://rustup.rs) and put it on the PATH")
+    told = subprocess.run(command, cwd=root, stdout=subprocess.PIPE, encoding="utf-8")
+    if told.returncode:
+        sys.exit("cargo could not build the library: what it says stands above")
+    for message in map(json.loads, told.stdout.splitlines()):
         if message["reason"] == "compiler-artifact" and message["target"]["name"] == "raycontact":
             files = map(pathlib.Path, message["filenames"])
             return next(file for file in files if file.suffix in (".so", ".dylib", ".dll"))

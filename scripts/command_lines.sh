@@ -66,6 +66,8 @@ printf '%b' "${corners}f 1 2 3\nf 1 3 2\n" >"$out/flat.obj"
 printf '%b' "${corners}f 1 3 9\n" >"$out/broken.obj"
 printf '%b' "${corners/0 0 1/0 0 nan}f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n" >"$out/nan.obj"
 : >"$out/empty.obj"
+printf '%b' 'solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n' >"$out/stl.obj"
+printf '%b' 'ply\nformat ascii 1.0\nelement vertex 3\nelement face 1\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >"$out/ply.obj"
 mkdir "$out/folder.obj"
 
 # fault <expected status> <what standard error says> <argument>...
@@ -90,7 +92,9 @@ while read -r file said; do
 done <<END
 missing No such file
 folder directory
-empty no faces
+empty no line of a face
+stl only .obj files are read: convert
+ply only .obj files are read: convert
 broken line 5
 open open
 inward inside out

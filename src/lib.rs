@@ -1,17 +1,23 @@
 //! Contact between deformable bodies, found by tracing rays.
 //!
-//! Each body is a closed triangle surface. From every surface vertex inside the overlap of two bodies' boxes a ray
-//! runs along the inward normal; where it leaves the *other* body before its own, a contact is found, and a penalty
-//! force weighted by cos α pulls the two points together (Hermann, Faure, Raffin 2008, "Ray-traced collision
-//! detection for deformable bodies"). Nothing is precomputed that deformation would spoil, and deep overlap is fine.
+//! Each body is a closed triangle surface. Rays start from the middle of its triangles, of which large ones are cut first,
+//! where these lie inside another body. They run along the inward normal and end where they leave that body. Each such ray
+//! is a contact between its two ends (Hermann, Faure, Raffin 2008, "Ray-traced collision detection for deformable bodies").
+//! Its force is a pressure that grows with the distance from the ray's start to the other body's surface, times the area
+//! that the ray stands for. A [`Scene`](scene::Scene) also lets pairs *escape* that contacts cannot part: it pushes them
+//! along one direction until they are apart. Nothing is precomputed that deformation would spoil, however deep bodies
+//! overlap.
+//!
+//! [`DetectionOptions::paper`](contact::DetectionOptions::paper) does just what the paper does: rays from the vertices, its
+//! law of forces, and no escapes.
 //!
 //! Threads must be in the default floating-point mode, as Rust demands of all its code; the C interface sees to that itself.
 //!
 //! The modules are layers, each of which uses only those below it: `docs/architecture.md` lists them.
 //!
 //! # Example
-//! Two unit cubes, one shifted by (0.8, 0.1, 0.2): with rays from the vertices alone, as in the paper, the corner of each
-//! that lies inside the other is pulled out.
+//! Two unit cubes, one shifted by (0.8, 0.1, 0.2). With rays from the vertices, as in the paper, each has one contact: at the
+//! corner that lies inside the other. By default there are hundreds, so that forces hardly depend on the triangulation.
 //! ```
 //! use raycontact::contact::{ContactList, DetectionOptions, query_pair};
 //! use raycontact::{mesh::Mesh, octree::Octree};
@@ -30,6 +36,8 @@
 //! let mut contacts = ContactList::default();
 //! query_pair(&a, &octree_a, &b, &octree_b, &DetectionOptions::paper(), &mut contacts)?;
 //! assert_eq!(contacts.len(), 2);
+//! query_pair(&a, &octree_a, &b, &octree_b, &DetectionOptions::default(), &mut contacts)?;
+//! assert!(contacts.len() > 200);
 //! # Ok(())
 //! # }
 //! ```

@@ -16,6 +16,8 @@ endfunction()
 
 raycontact_add_package_test(package_install install)
 set_tests_properties(package_install PROPERTIES FIXTURES_SETUP installed_package)
+raycontact_add_package_test(package_manual_commands manual_commands)
+set_tests_properties(package_manual_commands PROPERTIES FIXTURES_REQUIRED installed_package)
 foreach(library IN ITEMS raycontact static)
     if(library STREQUAL "static")
         set(kind static)

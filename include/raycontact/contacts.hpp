@@ -85,7 +85,7 @@ class Contacts {
 
   /**
    * Adds the forces at the positions of detection, without damping: rayc_contacts_add_forces(). One array for each
-   * body, in the order of their numbers.
+   * body, in the order of their numbers. The options' damping_time must be 0.
    */
   Outcome<void> add_forces(const rayc_response_options& options, Span<const rayc_vectors_mut> forces) const {
     return check(rayc_contacts_add_forces(get(), &options, forces.size(), nullptr, nullptr, forces.data()));

@@ -78,12 +78,11 @@ def packed(**fields: tuple[Array, int]) -> Doubles:
     return np.concatenate([numbers(given, name, count).ravel() for name, (given, count) in fields.items()])
 
 
-def corners(given: Array) -> NDArray[np.uint32]:
-    """Vertex numbers of triangles; a packed array of uint32 is used where it lies."""
-    array = rows(given, "triangles", "m")
+def indices(given: Array, name: str) -> NDArray[np.uint32]:
+    """Numbers of vertices or nodes in any shape; a packed array of uint32 is used where it lies."""
+    array = np.asarray(given)
     if array.dtype.kind not in "iu" and array.size:
-        raise TypeError(f"triangles has the dtype {array.dtype}; give whole numbers")
-    wrong = np.flatnonzero(((array < 0) | (array > 2**32 - 1)).any(axis=1))
-    if len(wrong):
-        raise ValueError(f"triangle {wrong[0]} names the vertices {array[wrong[0]].tolist()}; give numbers from 0")
+        raise TypeError(f"{name} has the dtype {array.dtype}; give whole numbers")
+    for wrong in np.argwhere((array < 0) | (array > 2**32 - 1)):
+        raise ValueError(f"{name}{wrong.tolist()} is {array[tuple(wrong)]}; give a whole number from 0 to 2**32 - 1")
     return np.ascontiguousarray(array, np.uint32)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Array, Doubles, counted, numbers, packed, to_write
+from ._arrays import Array, Doubles, counted, indices, numbers, packed, to_write
 from ._ffi import ffi
 from ._header import ContactSystemOptions
 from ._library import NULL, answer, call, copied, create, library, options
@@ -68,7 +68,7 @@ class ContactSystem:
         offsets, nodes and weights of a table in compressed rows, a row for each surface vertex."""
         table: Any = (NULL, 0, NULL, NULL)
         if weights is not None:
-            offsets, nodes = (np.ascontiguousarray(part, np.uint32) for part in weights[:2])
+            offsets, nodes = indices(weights[0], "offsets"), indices(weights[1], "nodes")
             entries, shares = counted(weights[2], "weights")
             if entries != nodes.size:
                 raise ValueError(f"{nodes.size} nodes have {entries} weights; give one for each")

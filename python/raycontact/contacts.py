@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from ._arrays import Array, Doubles, of_bodies, to_write
 from ._ffi import ffi
@@ -43,6 +43,12 @@ class Contacts:
         cos_alpha; area in m²."""
         return copied(library.rayc_contacts_copy, len(self), self._handle, 0, len(self))
 
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        if copy is False:
+            raise ValueError("contacts can only be copied; use np.asarray(contacts)")
+        contacts = self.to_array()
+        return contacts if dtype is None else contacts.astype(dtype)
+
     def statistics(self) -> dict[str, int]:
         """What the query did, by the names of rayc_statistics."""
         found = answer(library.rayc_contacts_statistics, self._handle, ffi.sizeof("rayc_statistics"))
@@ -57,8 +63,8 @@ class Contacts:
     def add_forces(
         self, forces: Targets, positions: Arrays = None, velocities: Arrays = None, **response: Unpack[ResponseOptions]
     ) -> None:
-        """Adds the contact forces to `forces`, in N, with damping by `velocities` in m/s (without: none). Each contact
-        stays at its two surface points and along its direction."""
+        """Adds the contact forces to `forces`, in N, with damping by `velocities` in m/s; without them damping_time must
+        be 0, its default. Each contact stays at its two surface points and along its direction."""
         f, law = of_bodies(forces, "forces", prepare=to_write), options("response", response)
         x, v = of_bodies(positions, "positions", len(f)), of_bodies(velocities, "velocities", len(f))
         call(library.rayc_contacts_add_forces, self._handle, law, len(f), x, v, f)

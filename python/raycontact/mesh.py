@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Array, Doubles, corners, numbers, to_read
+from ._arrays import Array, Doubles, indices, numbers, rows, to_read
 from ._ffi import ffi
 from ._header import MeshOptions, OctreeOptions
 from ._library import NULL, answer, call, copied, create, dtype_of, library, options
@@ -29,14 +29,16 @@ class Mesh:
     """
 
     def __init__(self, positions: Array, triangles: Array, **mesh_options: Unpack[MeshOptions]) -> None:
-        x, faces = to_read(positions, "positions"), corners(triangles)
+        x, faces = to_read(positions, "positions"), indices(rows(triangles, "triangles", "m"), "triangles")
         self._adopt(create("mesh", options("mesh", mesh_options), [x], faces, len(faces)))
 
     @classmethod
     def from_obj(cls, path: str | os.PathLike[str], **mesh_options: Unpack[MeshOptions]) -> Mesh:
         """Reads a Wavefront .obj file: vertices in the file's order, faces of all its objects together."""
-        mesh = cls.__new__(cls)
-        mesh._adopt(create("mesh", options("mesh", mesh_options), os.fsencode(path), way="create_from_obj"))
+        mesh, name = cls.__new__(cls), os.fsencode(path)
+        if b"\0" in name:  # where C would end it
+            raise ValueError(f"path is {path!r}; give one without a null character")
+        mesh._adopt(create("mesh", options("mesh", mesh_options), name, way="create_from_obj"))
         return mesh
 
     def _adopt(self, handle: Any) -> None:

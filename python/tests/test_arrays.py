@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from raycontact import Mesh, Scene, query_pair
-from raycontact._arrays import corners, lies_well, to_read
+from raycontact._arrays import indices, lies_well, to_read
 from shapes import TETRAHEDRON, tetrahedron
 
 X = tetrahedron()[0]
@@ -119,7 +119,7 @@ def test_forces_that_would_be_lost_are_refused(forces, error, text):
 
 
 def test_triangles_of_any_whole_numbers():
-    assert np.shares_memory(corners(TETRAHEDRON), TETRAHEDRON)
+    assert np.shares_memory(indices(TETRAHEDRON, "triangles"), TETRAHEDRON)
     for given in (TETRAHEDRON.astype(np.int64), TETRAHEDRON.tolist(), np.asfortranarray(TETRAHEDRON)):
         np.testing.assert_array_equal(Mesh(X, given).triangles(), TETRAHEDRON)
 

@@ -98,12 +98,29 @@ def test_a_skin_follows_its_nodes_by_weights():
     body = scene.add(Mesh(corners, faces))
     # One node carries all eight corners.
     system.set_node_masses([2.0])
-    system.add_deformable(scene, body, 0, 1, MATERIAL, (np.arange(9), np.zeros(8), np.ones(8)))
+    system.add_deformable(scene, body, 0, 1, MATERIAL, (np.arange(9), np.zeros(8, int), np.ones(8)))
     with pytest.raises(raycontact.Error) as refused:
         system.add_half_space([0, 0, 2], 0.0, MATERIAL)
     assert refused.value.status == Status.INVALID_DIRECTION
     with pytest.raises(ValueError, match="8 nodes have 7 weights"):
-        system.add_deformable(scene, body, 0, 1, MATERIAL, (np.arange(9), np.zeros(8), np.ones(7)))
+        system.add_deformable(scene, body, 0, 1, MATERIAL, (np.arange(9), np.zeros(8, int), np.ones(7)))
+
+
+@pytest.mark.parametrize(
+    "offsets, nodes, error, text",
+    [
+        (np.arange(9) + 2**32, np.zeros(8, int), ValueError, r"offsets\[0\] is 4294967296"),
+        (np.arange(9), np.full(8, 2**32), ValueError, r"nodes\[0\] is 4294967296"),
+        (np.arange(9), [0, 0, -1, 0, 0, 0, 0, 0], ValueError, r"nodes\[2\] is -1"),
+        (np.arange(9), np.full(8, 0.7), TypeError, "nodes has the dtype float64"),
+    ],
+)
+def test_a_skin_of_numbers_that_would_wrap_is_refused(offsets, nodes, error, text):
+    scene, system = Scene(), ContactSystem()
+    body = scene.add(Mesh(*box([-0.5] * 3, [0.5] * 3)))
+    system.set_node_masses([2.0])
+    with pytest.raises(error, match=text):
+        system.add_deformable(scene, body, 0, 1, MATERIAL, (offsets, nodes, np.ones(8)))
 
 
 def test_refusals():

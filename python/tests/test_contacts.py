@@ -105,7 +105,7 @@ def test_the_differential_is_that_of_the_forces():
 
     damped, still = ([np.zeros_like(p) for p in x] for _ in range(2))
     contacts.add_forces(damped, velocities=d, **options)
-    contacts.add_forces(still, **options)
+    contacts.add_forces(still, stiffness=2.0)
     by_velocity = [np.zeros_like(p) for p in x]
     contacts.add_differential(d, by_velocity, stiffness_factor=0, damping_factor=1, **options)
     for a, b, c in zip(damped, still, by_velocity):
@@ -137,6 +137,16 @@ def test_a_body_that_overlaps_itself_touches_itself():
     force = np.zeros((2 * len(a), 3))
     contacts.add_forces([force])
     assert force[: len(a), 0].sum() < 0 < force[len(a) :, 0].sum()
+
+
+def test_numpy_makes_of_contacts_what_they_hold():
+    contacts, _ = overlapping()
+    array = contacts.to_array()
+    for found in (np.asarray(contacts), np.array(contacts), np.array(contacts, copy=True), np.asarray(contacts, array.dtype)):
+        assert found.dtype == array.dtype
+        np.testing.assert_array_equal(found, array)
+    with pytest.raises(ValueError, match="only be copied"):
+        np.asarray(contacts, copy=False)
 
 
 def test_a_list_without_contacts_is_an_empty_array():

@@ -48,8 +48,8 @@ def test_faults_of_a_surface(positions, triangles, status, text):
         (X, TETRAHEDRON.ravel(), ValueError, r"triangles has the shape \(12,\); give \(m, 3\)"),
         (X, TETRAHEDRON.astype(float), TypeError, "float64"),
         (X, TETRAHEDRON.astype(bool), TypeError, "bool"),
-        (X, TETRAHEDRON.astype(int) - 1, ValueError, r"triangle 0 names the vertices \[-1, 1, 0\]"),
-        (X, TETRAHEDRON.astype(int) + [[0], [0], [2**32], [0]], ValueError, "triangle 2"),
+        (X, TETRAHEDRON.astype(int) - 1, ValueError, r"triangles\[0, 0\] is -1; give a whole number from 0"),
+        (X, TETRAHEDRON + [[0, 0, 0], [0, 0, 0], [0, 2**32, 0], [0, 0, 0]], ValueError, r"triangles\[2, 1\] is 4294967299"),
     ],
 )
 def test_arrays_that_are_none(positions, triangles, error, text):
@@ -101,8 +101,8 @@ def test_numbers_of_bodies():
     with pytest.raises(Error) as caught:
         scene.remove(0)
     assert caught.value.status == Status.UNKNOWN_BODY
-    for wrong in (-1, 2**32):
-        with pytest.raises(OverflowError):
+    for wrong, text in ((-1, "negative"), (2**32, "4294967296"), (np.int64(2**32), "4294967296")):
+        with pytest.raises(OverflowError, match=text):
             scene.remove(wrong)
     with pytest.raises(TypeError):
         scene.remove(0.5)
@@ -134,6 +134,9 @@ def test_arrays_of_bodies():
     assert caught.value.status == Status.NOT_FINITE
     with pytest.raises(Error) as caught:
         contacts.energy(stiffness=-1)
+    assert caught.value.status == Status.INVALID_OPTION
+    with pytest.raises(Error, match="damping_time is 0.1, but there are no velocities to damp") as caught:
+        contacts.add_forces(forces, damping_time=0.1)
     assert caught.value.status == Status.INVALID_OPTION
     assert not np.any(forces)
     velocities = [X.copy(), X.copy()]
@@ -168,6 +171,9 @@ def test_files(tmp_path):
     with pytest.raises(Error, match="missing.obj") as caught:
         Mesh.from_obj(tmp_path / "missing.obj")
     assert caught.value.status == Status.FILE_NOT_READABLE
+    (tmp_path / "cut").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    with pytest.raises(ValueError, match="cut.*give one without a null character"):
+        Mesh.from_obj(f"{tmp_path}/cut\0.obj")
     (tmp_path / "broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
     with pytest.raises(Error, match="line 2") as caught:
         Mesh.from_obj(tmp_path / "broken.obj")

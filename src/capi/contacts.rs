@@ -55,7 +55,7 @@ as_precision!(AnyForcesByPair, F32(ForcesByPair<f32>));
 as_precision!(AnyForcesByPair, F64(ForcesByPair<f64>));
 
 impl AnyContacts {
-    fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         with_precision!(self, |list| list.len())
     }
 

@@ -33,8 +33,9 @@ pub struct rayc_mesh_options {
 pub struct rayc_detection_options {
     /// sizeof(rayc_detection_options).
     pub struct_size: usize,
-    /// What `sampling` is told: with RAYC_SAMPLING_SPACING the length, with RAYC_SAMPLING_TOLERANCE the part of the force;
-    /// else 0. Default 0.
+    /// With RAYC_SAMPLING_SPACING it is the distance between rays, a length above 0. With RAYC_SAMPLING_TOLERANCE it is the
+    /// error allowed of each pair's net force, as a part of that force: above 0 and at most 1. With all others it is 0.
+    /// Default 0.
     pub sampling_value: f64,
     /// Where rays start, a rayc_sampling. Default RAYC_SAMPLING_AUTOMATIC.
     pub sampling: u32,
@@ -84,10 +85,11 @@ pub enum rayc_sampling {
     /// from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
     /// and one ray starts from one triangle of each patch.
     RAYC_SAMPLING_SPACING = 1,
-    /// As automatic, but with triangles joined to patches, as large as the error allowed lets them be. sampling_value,
-    /// above 0 and at most 1, is that error of the net force of each pair, as a part of the force that all rays would give;
-    /// smaller until two tries agree clearly better than that. Where two tries would take more than a third of the
-    /// triangles, or cannot be expected to agree, all triangles cast rays.
+    /// As automatic, but with fewer rays: as many as the error allowed takes. sampling_value is that error: by how much each
+    /// pair's net force may differ from the one that all rays would give, as a part of it. Triangles are joined to patches,
+    /// and one ray starts from each patch. Smaller patches are tried until two tries agree clearly better than the error
+    /// allowed. All triangles cast rays where two tries would take more than a third of them, or where tries cannot be
+    /// expected to agree.
     RAYC_SAMPLING_TOLERANCE = 2,
     /// At the vertices, as in the paper.
     RAYC_SAMPLING_VERTICES = 3,

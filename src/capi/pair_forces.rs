@@ -6,7 +6,7 @@ use super::handles::{changing, reading};
 use super::options::rayc_response_options;
 use super::pointers::Output;
 use super::precision::with_precision;
-use super::response::most_force;
+use super::response::{most_force, velocities_for};
 use super::sized_structs::read_options;
 use super::vectors::rayc_vectors;
 use crate::detection::ContactList;
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn rayc_contacts_sum_pair_forces(
         let rayc_contacts { list, pair_forces } = &mut *contacts;
         let law = read_options(options)?.law()?;
         let positions = BodyArray::if_any(positions, body_count, "positions")?;
-        let velocities = BodyArray::if_any(velocities, body_count, "velocities")?;
+        let velocities = velocities_for(&law, list, velocities, body_count)?;
         let places = [Output::new(pair_count, "pair_count")?, Output::new(force_count, "force_count")?];
         let counts = with_precision!(&*list, |list| sum(list, pair_forces.as_mut(), &law, positions, velocities)?);
         for (place, count) in places.into_iter().zip(counts) {

@@ -1,5 +1,5 @@
 use super::body_arrays::{Arrays, BodyArray, BodyArraysMut, beyond_range, size_of_vector};
-use super::contacts::rayc_contacts;
+use super::contacts::{AnyContacts, rayc_contacts};
 use super::failure::{Failure, rayc_status};
 use super::guard::guard;
 use super::handles::reading;
@@ -50,14 +50,15 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 ///
 /// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
 /// order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
-/// detection. velocities NULL: no damping. Contacts stay as they were found: each keeps its two points of the surfaces
-/// and its direction, whatever the positions. Where the points have moved apart, the force pulls, because an implicit
-/// integrator's linear step needs that.
+/// detection. velocities NULL: no damping; damping_time must then be 0. Contacts stay as they were found: each keeps its two
+/// points of the surfaces and its direction, whatever the positions. Where the points have moved apart, the force pulls,
+/// because an implicit integrator's linear step needs that.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
 /// where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
-/// the precision of the contacts, RAYC_STATUS_INVALID_OPTION where a sum might go beyond its largest number,
-/// or where `forces` shares memory with what is read. Numbers that no contact needs are not checked.
+/// the precision of the contacts, RAYC_STATUS_INVALID_OPTION where damping_time has no velocities, where a sum might go
+/// beyond its largest number, or where `forces` shares memory with what is read. Numbers that no contact needs are not
+/// checked.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_add_forces(
     contacts: *const rayc_contacts,
@@ -73,7 +74,7 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
         let list = &contacts.list;
         let law = read_options(options)?.law()?;
         let positions = BodyArray::if_any(positions, body_count, "positions")?;
-        let velocities = BodyArray::if_any(velocities, body_count, "velocities")?;
+        let velocities = velocities_for(&law, list, velocities, body_count)?;
         let forces = BodyArraysMut::all(forces, body_count, "forces")?;
         with_precision!(list, |list| add_all_forces(list, &law, positions, velocities, forces))
     })
@@ -153,6 +154,29 @@ pub(super) fn most_force<T: Scalar>(law: &PenaltyLaw, is_moved: bool) -> impl Fn
 fn most_depth<T: Scalar>(contact: &Contact<T>, positions: T, is_moved: bool) -> T {
     let Contact { p1, p2, depth, .. } = contact;
     if is_moved { *depth + positions + size_of_vector(&(p2.position - p1.position)) } else { *depth }
+}
+
+/// NULL for none, where there is something to damp, is refused: the damping would be lost.
+///
+/// # Safety
+/// As [`BodyArray::if_any`].
+pub(super) unsafe fn velocities_for<'a>(
+    law: &PenaltyLaw,
+    list: &AnyContacts,
+    velocities: *const rayc_vectors,
+    body_count: usize,
+) -> Result<Option<&'a [BodyArray]>, Failure> {
+    let time = law.damping_time();
+    if velocities.is_null() && time > 0.0 && body_count.max(list.len()) > 0 {
+        return Err(Failure::new(
+            rayc_status::RAYC_STATUS_INVALID_OPTION,
+            text!(
+                "damping_time is {time}, but there are no velocities to damp; give velocities, or a damping_time of 0"
+            ),
+        ));
+    }
+    // SAFETY: by this function's contract.
+    unsafe { BodyArray::if_any(velocities, body_count, "velocities") }
 }
 
 fn add_all_forces<T: Scalar>(

@@ -34,7 +34,8 @@ impl fmt::Display for ObjFileError {
                 write!(f, "cannot read {}: {source}; check the path and its permissions", path.display())
             }
             Self::Broken { path, reason } => {
-                write!(f, "{} is not a usable .obj file: {reason}; export it again as a triangle mesh", path.display())
+                let advice = "only .obj files are read: convert other formats, or export it again as a triangle mesh";
+                write!(f, "{} is not a usable .obj file: {reason}; {advice}", path.display())
             }
         }
     }

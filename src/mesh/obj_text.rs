@@ -124,7 +124,7 @@ impl ObjSurface {
     /// A face may name vertices that come after it, so this is known only at the end.
     fn check(&self) -> Result<(), Fault> {
         if self.triangles.is_empty() {
-            return Err(text!("it holds no faces"));
+            return Err(text!("it has no line of a face, such as 'f 1 2 3'"));
         }
         let count = self.positions.len();
         for (corners, line) in self.triangles.iter().zip(&self.lines) {

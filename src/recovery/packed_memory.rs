@@ -10,10 +10,10 @@ pub(crate) const PACKED: usize = 3 * 4 + 9 * 8;
 impl<T: Scalar> PairMemory<T> {
     /// Numbers little-endian on every machine.
     pub(crate) fn packed(&self) -> [u8; PACKED] {
-        let Self { escape, lowest, halved, net_push, mean_overlap } = self;
+        let Self { escape, lowest, halved, net_push, mean_depth } = self;
         let (away, overlaps) = (escape.unwrap_or_default(), [lowest.value, halved.value]);
         let whole = [u32::from(escape.is_some()), lowest.steps, halved.steps];
-        let numbers = away.iter().chain(&overlaps).chain(net_push.iter()).chain([mean_overlap]);
+        let numbers = away.iter().chain(&overlaps).chain(net_push.iter()).chain([mean_depth]);
         let (mut bytes, mut count) = ([0; PACKED], 0);
         let mut put = |number: &[u8]| {
             bytes[count..count + number.len()].copy_from_slice(number);
@@ -32,9 +32,9 @@ impl<T: Scalar> PairMemory<T> {
         let lowest = Record { value: bytes.number()?, steps: steps[0] };
         let halved = Record { value: bytes.number()?, steps: steps[1] };
         let net_push = Vector3::new(bytes.number()?, bytes.number()?, bytes.number()?);
-        let mean_overlap = bytes.number()?;
+        let mean_depth = bytes.number()?;
         let escape = (escaping == 1).then_some(away);
-        let memory = Self { escape, lowest, halved, net_push, mean_overlap };
+        let memory = Self { escape, lowest, halved, net_push, mean_depth };
         (escaping <= 1 && memory.is_possible()).then_some(memory)
     }
 
@@ -46,7 +46,7 @@ impl<T: Scalar> PairMemory<T> {
             && self.lowest.value >= T::zero()
             && self.halved.value >= T::zero()
             && self.net_push.norm_squared() < T::of(1.0 + margins::UNIT_SQUARE)
-            && self.mean_overlap >= T::zero()
-            && self.mean_overlap.is_finite()
+            && self.mean_depth >= T::zero()
+            && self.mean_depth.is_finite()
     }
 }

@@ -14,11 +14,11 @@ pub struct PairMemory<T: Scalar> {
     /// The same, renewed where one is smaller by half. Not updated during an escape.
     pub halved: Record<T>,
     /// The net push on the first body over the sum of all pushes, averaged over about eight steps that are weighted by their
-    /// overlap. Its length is 1 where all contacts have pushed one way, and near 0 where they push against each other or
+    /// depth. Its length is 1 where all contacts have pushed one way, and near 0 where they push against each other or
     /// to and fro. Not updated during an escape.
     pub net_push: Vector3<T>,
-    /// The overlap averaged over the same steps. Not updated during an escape.
-    pub mean_overlap: T,
+    /// The distance of the deepest contact averaged over the same steps. Not updated during an escape.
+    pub mean_depth: T,
 }
 
 /// The lowest value so far of a number that should fall.
@@ -49,7 +49,7 @@ impl<T: Scalar> Default for PairMemory<T> {
             lowest: Record::NONE,
             halved: Record::NONE,
             net_push: Vector3::zeros(),
-            mean_overlap: T::zero(),
+            mean_depth: T::zero(),
         }
     }
 }
@@ -86,20 +86,23 @@ const NEWEST: f64 = 1.0 / 8.0;
 impl<T: Scalar> PairMemory<T> {
     /// Updates the memory with a step's contacts; `first` is the number of the pair's first body.
     pub(crate) fn observe(&mut self, first: u32, contacts: &[Contact<T>]) -> Progress {
-        let mut overlap = T::zero();
+        let (mut overlap, mut deepest) = (T::zero(), T::zero());
         let mut net = Vector3::zeros();
         for contact in contacts {
-            let pressure = contact.area * contact.depth * contact.cos_alpha;
+            let distance = contact.depth * contact.cos_alpha;
+            let pressure = contact.area * distance;
             overlap += pressure;
+            deepest = deepest.max(distance);
             let on_first = if contact.colliding == first { pressure } else { -pressure };
             net += contact.direction * on_first;
         }
         if overlap > T::zero() {
             // The first step stands for those before it. Bodies set down face on face overlap by a rounding at first, and
-            // such a step must not count as much as one that bears their weight.
+            // such a step must not count as much as one that bears their weight. Nor may the areas count: bodies thrown to and fro
+            // between a broad contact and a narrow one are as deep in either.
             let newest = if self.lowest.value.is_finite() { T::of(NEWEST) } else { T::one() };
-            self.mean_overlap += (overlap - self.mean_overlap) * newest;
-            self.net_push += (net / overlap - self.net_push) * (newest * overlap / self.mean_overlap).min(T::one());
+            self.mean_depth += (deepest - self.mean_depth) * newest;
+            self.net_push += (net / overlap - self.net_push) * (newest * deepest / self.mean_depth).min(T::one());
         }
         self.lowest.follow(overlap, T::of(0.9));
         self.halved.follow(overlap, T::of(0.5));
@@ -196,7 +199,17 @@ mod tests {
         let load = [contact(0, AT, [0.0, 0.0, 1.0], [1.0, 1e-3, 1.0])];
         assert_eq!(memory.observe(0, &load), Progress::OneWay);
         assert!((memory.net_push - Vector3::z()).norm() < 1e-12, "{}", memory.net_push);
-        assert!((memory.mean_overlap - 1e-3 / 8.0).abs() < 1e-15);
+        assert!((memory.mean_depth - 1e-3 / 8.0).abs() < 1e-15);
+    }
+
+    /// A c-clamp and a helix, to and fro between eight contacts and four with a twentieth of their overlap.
+    #[test]
+    fn bodies_thrown_to_and_fro_jam_whatever_the_areas() {
+        let [broad, narrow] = [[1.0, 1.4e-4, 20.0], [-1.0, 0.95e-4, 1.0]]
+            .map(|[x, depth, area]| [contact(0, AT, [x, 0.0, 0.0], [area, depth, 1.0])]);
+        let mut memory = PairMemory::default();
+        let found = (0..40).map(|step| memory.observe(0, if step % 2 == 0 { &broad } else { &narrow }));
+        assert_eq!(found.last(), Some(Progress::Jammed));
     }
 
     /// Two that push against each other.

@@ -5,9 +5,10 @@ use crate::mesh::{Edge, Mesh, Side};
 use crate::octree::Tracer;
 use crate::ray::{Hit, Ray};
 
-/// Offers a sample in the middle of each stretch of an edge that lies inside the other mesh, where the edge pierces
-/// its surface: two surfaces cross if and only if an edge of one pierces a triangle of the other. Its normal is the
-/// mean of the two faces', its area their third, as far as the edge is inside. The lists are scratch memory.
+/// Offers a sample in the middle of each stretch of an edge that lies inside the other mesh. That is for overlaps which no
+/// ray from a triangle or vertex finds: two surfaces cross if and only if an edge of one pierces a triangle of the other.
+/// The sample's normal is the mean of the two faces'. Its area is a third of theirs, times the part of the edge that is
+/// inside. The lists are scratch memory.
 pub(crate) fn for_each_inside_stretch<T: Scalar>(
     tracers: [&Tracer<'_, T>; 2],
     region: &Aabb<T>,

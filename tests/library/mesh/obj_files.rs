@@ -128,9 +128,9 @@ fn broken_lines_are_named_from_1() {
     check(&format!("{VERTICES}f 1 2 -9223372036854775808\n"), &["line 5", "-9223372036854775808"]);
     check(&format!("{VERTICES}f 1 2\n"), &["line 5", "fewer than three"]);
     check("v 1e400 0 0\n", &["line 1", "1e400", "largest double"]);
-    check(VERTICES, &["no faces"]);
+    check(VERTICES, &["no line of a face", "only .obj files are read: convert other formats"]);
     check_refused(b"v 0 0 0\nv \xff\xfe 0 0\n", RAYC_STATUS_FILE_BROKEN, &["line 2", "not a number"]);
-    check_refused(b"\xff\xfev\0 \x000\0", RAYC_STATUS_FILE_BROKEN, &["no faces"]);
+    check_refused(b"\xff\xfev\0 \x000\0", RAYC_STATUS_FILE_BROKEN, &["no line of a face"]);
     let long = [b"v ", "9x".repeat(5000).as_bytes(), b" 0 0\n"].concat();
     assert!(refusal(64, &long).1.len() < 300);
 }

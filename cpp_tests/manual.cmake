@@ -1,0 +1,20 @@
+# The manual, made in a clone where nothing has been built, has every picture of its pages. DOXYGEN: the program; SOURCE: the
+# repository; CLONE: a folder for the copy.
+file(REMOVE_RECURSE "${CLONE}")
+file(COPY "${SOURCE}/include" "${SOURCE}/docs" "${SOURCE}/README.md" "${SOURCE}/CHANGELOG.md" "${SOURCE}/CONTRIBUTING.md"
+     DESTINATION "${CLONE}")
+execute_process(COMMAND "${DOXYGEN}" docs/Doxyfile WORKING_DIRECTORY "${CLONE}" RESULT_VARIABLE ended ERROR_VARIABLE complaint)
+if(NOT ended EQUAL 0)
+    message(FATAL_ERROR "doxygen ended with ${ended}: ${complaint}")
+endif()
+file(GLOB pages "${CLONE}/README.md" "${CLONE}/docs/*.md")
+foreach(page IN LISTS pages)
+    file(READ "${page}" rest)
+    while(rest MATCHES "!\\[[^]]*\\]\\(([^)]*)\\)(.*)")
+        set(rest "${CMAKE_MATCH_2}")
+        cmake_path(GET CMAKE_MATCH_1 FILENAME picture)
+        if(NOT EXISTS "${CLONE}/build/manual/${picture}")
+            message(SEND_ERROR "${page}: the manual lacks ${CMAKE_MATCH_1}; name its folder in IMAGE_PATH of docs/Doxyfile")
+        endif()
+    endwhile()
+endforeach()
