@@ -3,12 +3,14 @@
 
 use super::part::{Cut, Part};
 use crate::closest::ClosestPoint;
+use crate::detection::classify::winding::crosses_border;
 use crate::detection::pair::Direction;
 use crate::detection::sample::{CutPiece, InsidePart, KnownDistances, Sample, SamplePacket};
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, direction, vector_in_lane};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::PointDistances;
+use crate::ray::{Hit, Ray};
 
 /// A piece is cut by at most this many planes: three faces meet at a simple corner of the other body.
 const MOST_PLANES: usize = 3;
@@ -22,6 +24,8 @@ pub(crate) struct CutAtSurface<'a, 'b, T: Scalar> {
     /// Of the samples that are left as they are.
     pub(crate) known: &'a mut KnownDistances<T>,
     pub(crate) distances: &'a mut PointDistances<T>,
+    /// Scratch memory for the crossings of a ray.
+    pub(crate) crossings: &'a mut Vec<Hit<T>>,
     pub(crate) inside: &'a mut Vec<InsidePart<T>>,
 }
 
@@ -32,7 +36,7 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
     fn run<L: Lanes<T>>(self) -> Mask {
         let Direction { pair, side } = *self.direction;
         let (own, other) = (pair.tracers[side].mesh(), pair.tracers[1 - side]);
-        let Self { samples, exits, known, distances, inside, .. } = self;
+        let Self { samples, exits, known, distances, crossings, inside, .. } = self;
         let lanes = |mask: Mask| (0..LANE_COUNT).filter(move |lane| mask >> lane & 1 == 1);
         let mut parts = [Part::none(); LANE_COUNT];
         let (mut middles, mut reaches) = (samples.lanes.position, [T::zero(); LANE_COUNT]);
@@ -59,6 +63,11 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                 let bit = 1 << lane;
                 let (middle, corners) = (vector_in_lane(&middles, lane), own.corners(samples.indices[lane]));
                 let nearest = other.closest_of_packet(&middle, reaches[lane], lane, distances);
+                // Between folds of one body there is no border.
+                let nearest = nearest.filter(|nearest| {
+                    let towards = Ray::new(middle, nearest.position - middle);
+                    !pair.options.past_folds || crosses_border(&other, &towards, crossings)
+                });
                 // After the first cut it is not known on which side the new middle lies; a triangle tells only within its face.
                 let is_inside = (round == 0).then_some(exits & bit != 0);
                 let inward = nearest.and_then(|nearest| inward(other.mesh(), &middle, &nearest, is_inside));
