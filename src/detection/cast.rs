@@ -105,9 +105,9 @@ impl<T: Scalar> Tracing<'_, '_, T> {
         self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
         self.statistics.entry_hits += u64::from((hits.found & !exits).count_ones());
         let crossed = if samples.cut != 0 && pair.measures_distances() {
-            let (direction, exits) = (self.direction, exits & !followed);
-            let (known, distances) = (&mut known, &mut rays.distances);
-            L::outlined(CutAtSurface { direction, samples, exits, known, distances, inside: self.inside })
+            let (direction, known, distances) = (self.direction, &mut known, &mut rays.distances);
+            let (crossings, inside) = (&mut *self.crossings, &mut *self.inside);
+            L::outlined(CutAtSurface { direction, samples, exits, known, distances, crossings, inside })
         } else {
             0
         };

@@ -104,7 +104,7 @@ impl<T: Scalar> Pair<'_, T> {
     }
 
     /// Whether a direction carries any of the load.
-    fn casts(&self, side: usize) -> bool {
+    pub(crate) fn casts(&self, side: usize) -> bool {
         self.fixed_shares.is_none_or(|shares| shares[side] > T::zero())
     }
 

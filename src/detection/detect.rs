@@ -5,7 +5,7 @@ use super::contact::Contact;
 use super::list::ContactList;
 use super::pair::{Direction, Pair};
 use super::sample::Sampling;
-use super::weigh::shares::share_load;
+use super::weigh::shares::{scale_contacts, shares};
 use super::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
 use crate::memory;
@@ -61,16 +61,25 @@ impl<T: Scalar> Pair<'_, T> {
         }
     }
 
-    /// Adds the contacts of the edges of both bodies; gives how many stretches of edges lie inside.
+    /// Adds the contacts of the edges of both bodies; gives how many stretches of edges lie inside. Where the body that carries
+    /// all of the load has none, the other's edges carry it.
     fn cast_edges(&self, contacts: &mut ContactList<T>) -> usize {
         let start = contacts.len();
-        let mut middle = start;
-        let [first, second] = [0, 1].map(|side| {
-            middle = contacts.len();
-            Direction { pair: self, side }.cast_edges(contacts)
-        });
-        share_load(&[first.1, second.1], &mut contacts.contacts[start..], middle - start);
-        first.0 + second.0
+        for carries in [true, false] {
+            let mut middle = start;
+            let [first, second] = [0, 1].map(|side| {
+                middle = contacts.len();
+                let casts = self.casts(side) == carries;
+                if casts { Direction { pair: self, side }.cast_edges(contacts) } else { Default::default() }
+            });
+            if first.0 + second.0 > 0 {
+                let fixed = self.fixed_shares.filter(|_| carries);
+                let shares = fixed.unwrap_or_else(|| shares(&[first.1, second.1]));
+                scale_contacts(shares, &mut contacts.contacts[start..], middle - start);
+                return first.0 + second.0;
+            }
+        }
+        0
     }
 
     /// Where no surface crosses the other, either body lies inside or outside the other as a whole, and one point of it
@@ -122,13 +131,13 @@ mod tests {
         test_contact::with_pair(meshes, &DetectionOptions { edges: true, ..DetectionOptions::paper() }, ask)
     }
 
-    /// Of either bar the two long edges that lie in the other, and the diagonal between them.
+    /// Of either bar the two long edges that lie in the other; the diagonal between them is no edge.
     #[test]
     fn stretches_of_edges_of_both_bodies_are_counted() {
         let bars = [[[-1.0, -0.1, -0.1], [1.0, 0.1, 0.1]], [[-0.09, -1.0, 0.03], [0.13, 1.0, 0.27]]];
         let [first, second] = bars.map(|bar| boxes(&[bar]));
         let stretches = with_pair([&first, &second], |pair| pair.cast_edges(&mut ContactList::default()));
-        assert_eq!(stretches, 6);
+        assert_eq!(stretches, 4);
         // The contacts of all pairs in the list.
         let mut contacts = ContactList::default();
         for found in 1..=3 {

@@ -171,7 +171,7 @@ fn inside_stretches<T: Scalar>(
     rays.clear();
     let tracers = [pair.tracers[side], pair.tracers[1 - side]];
     let scratch = (edge_sides, crossings);
-    for_each_inside_stretch(tracers, pair.region, [&mut groups[side], vertices], scratch, |sample: Sample<T>| {
+    for_each_inside_stretch(tracers, pair.region, [&mut groups[side], vertices], scratch, |sample: Sample<T>, _| {
         rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
         samples.room_for(1).push(sample);
     });

@@ -1,20 +1,21 @@
 use super::Sample;
 use crate::detection::contact::SurfacePoint;
-use crate::math::{Aabb, Scalar, direction, length};
+use crate::detection::self_search::rounding;
+use crate::math::{Aabb, Scalar, Vector3, direction, length};
 use crate::mesh::{Edge, Mesh, Side};
 use crate::octree::Tracer;
 use crate::ray::{Hit, Ray};
 
-/// Offers a sample in the middle of each stretch of an edge that lies inside the other mesh. That is for overlaps which no
-/// ray from a triangle or vertex finds: two surfaces cross if and only if an edge of one pierces a triangle of the other.
-/// The sample's normal is the mean of the two faces'. Its area is a third of theirs, times the part of the edge that is
-/// inside. The lists are scratch memory.
+/// Offers a sample in the middle of each stretch of an edge that lies inside the other mesh, where the edge pierces
+/// its surface: two surfaces cross if and only if an edge of one pierces a triangle of the other, and the edge need not lie
+/// between triangles of one plane. Its normal is the mean of the two faces', its area their third, as far as the edge is
+/// inside; with it goes the length of the stretch. The lists are scratch memory.
 pub(crate) fn for_each_inside_stretch<T: Scalar>(
     tracers: [&Tracer<'_, T>; 2],
     region: &Aabb<T>,
     [groups, vertices]: [&mut Vec<u32>; 2],
     (sides, crossings): (&mut Vec<Side>, &mut Vec<Hit<T>>),
-    mut offer: impl FnMut(Sample<T>),
+    mut offer: impl FnMut(Sample<T>, T),
 ) {
     let mesh = tracers[0].mesh();
     let mut look = |edge: Edge| {
@@ -27,7 +28,7 @@ pub(crate) fn for_each_inside_stretch<T: Scalar>(
         let mut number = 0;
         for_each_inside_interval(crossings, |start, end| {
             if let Some(sample) = middle_of_stretch(mesh, &edge, [start, end], number) {
-                offer(sample);
+                offer(sample, length(&(to - from)) * (end - start));
             }
             number += 1;
         });
@@ -64,13 +65,21 @@ fn for_each_inside_interval<T: Scalar>(crossings: &[Hit<T>], mut offer: impl FnM
     }
 }
 
+/// `None` too where the two triangles lie in one plane, as far as positions tell: where the corner of one that is not on the
+/// edge is that near to the other's plane.
 fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, [start, end]: [T; 2], number: u32) -> Option<Sample<T>> {
     let half = T::of(0.5);
     let along = (start + end) * half;
     let [from, to] = edge.vertices.map(|vertex| mesh.position(vertex));
     let scaled_normals = edge.triangles.map(|triangle| mesh.scaled_normal(triangle));
     let doubled_area = length(&scaled_normals[0]) + length(&scaled_normals[1]);
-    let normal = direction(&(direction(&scaled_normals[0])? + direction(&scaled_normals[1])?))?;
+    let normals = [direction(&scaled_normals[0])?, direction(&scaled_normals[1])?];
+    let normal = direction(&(normals[0] + normals[1]))?;
+    let reach = |corner: Vector3<T>| normals[0].dot(&(corner - from)).abs();
+    let height = mesh.corners(edge.triangles[1]).map(reach).into_iter().fold(T::zero(), |most, reach| most.max(reach));
+    if height <= rounding(mesh) && normals[0].dot(&normals[1]) > T::zero() {
+        return None;
+    }
     let triangle = edge.triangles[0];
     let corners = mesh.topology().triangles()[triangle as usize];
     let side = corners.iter().position(|corner| !edge.vertices.contains(corner))?;
@@ -87,7 +96,6 @@ fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, [start, end]: [T; 2
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vector3;
 
     /// The parts of [0, 1] inside, for crossings at these t: +1 enters, −1 leaves.
     fn inside(crossings: &[(f64, i32)]) -> Vec<[f64; 2]> {

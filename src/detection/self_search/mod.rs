@@ -10,6 +10,7 @@ mod union_find;
 mod warm_start;
 mod workspace;
 
+pub(in crate::detection) use nearness::rounding;
 pub(in crate::detection) use tangled::is_collapsed;
 pub(crate) use warm_start::SelfWarmStart;
 pub(in crate::detection) use workspace::SelfWorkspace;

@@ -1,14 +1,18 @@
 //! Pieces of triangles that the other body's surface crosses. Only the part inside casts, from its own middle. So a thin strip
 //! counts with the part that is inside, and forces do not jump when a piece's middle passes the surface.
 
-use super::part::{Cut, Part};
+use super::part::{Cut, Part, Plane};
 use crate::closest::ClosestPoint;
+use crate::detection::classify::winding::crosses_border;
+use crate::detection::contact::touched_of;
 use crate::detection::pair::Direction;
 use crate::detection::sample::{CutPiece, InsidePart, KnownDistances, Sample, SamplePacket};
+use crate::detection::self_search::rounding;
 use crate::math::{Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3, direction, vector_in_lane};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::octree::PointDistances;
+use crate::ray::{Hit, Ray};
 
 /// A piece is cut by at most this many planes: three faces meet at a simple corner of the other body.
 const MOST_PLANES: usize = 3;
@@ -22,6 +26,8 @@ pub(crate) struct CutAtSurface<'a, 'b, T: Scalar> {
     /// Of the samples that are left as they are.
     pub(crate) known: &'a mut KnownDistances<T>,
     pub(crate) distances: &'a mut PointDistances<T>,
+    /// Scratch memory for the crossings of a ray.
+    pub(crate) crossings: &'a mut Vec<Hit<T>>,
     pub(crate) inside: &'a mut Vec<InsidePart<T>>,
 }
 
@@ -32,9 +38,12 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
     fn run<L: Lanes<T>>(self) -> Mask {
         let Direction { pair, side } = *self.direction;
         let (own, other) = (pair.tracers[side].mesh(), pair.tracers[1 - side]);
-        let Self { samples, exits, known, distances, inside, .. } = self;
+        let Self { samples, exits, known, distances, crossings, inside, .. } = self;
         let lanes = |mask: Mask| (0..LANE_COUNT).filter(move |lane| mask >> lane & 1 == 1);
         let mut parts = [Part::none(); LANE_COUNT];
+        let no_plane = Plane { point: Vector3::zeros(), inward: Vector3::zeros() };
+        let (mut planes, mut plane_counts) = ([[no_plane; MOST_PLANES]; LANE_COUNT], [0; LANE_COUNT]);
+        let rounding = rounding(other.mesh());
         let (mut middles, mut reaches) = (samples.lanes.position, [T::zero(); LANE_COUNT]);
         for lane in lanes(samples.cut) {
             parts[lane] = Part::whole(&samples.corner_weights[lane]);
@@ -59,11 +68,17 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                 let bit = 1 << lane;
                 let (middle, corners) = (vector_in_lane(&middles, lane), own.corners(samples.indices[lane]));
                 let nearest = other.closest_of_packet(&middle, reaches[lane], lane, distances);
-                // After the first cut it is not known on which side the new middle lies; a triangle tells only within its face.
+                // Between folds of one body there is no border.
+                let nearest = nearest.filter(|nearest| {
+                    let towards = Ray::new(middle, nearest.position - middle);
+                    !pair.options.past_folds || crosses_border(&other, &towards, crossings)
+                });
+                // After the first cut it is not known on which side the new middle lies.
                 let is_inside = (round == 0).then_some(exits & bit != 0);
-                let inward = nearest.and_then(|nearest| inward(other.mesh(), &middle, &nearest, is_inside));
-                let plane = nearest.zip(inward);
-                match plane.map(|(nearest, inward)| parts[lane].beyond(&corners, &nearest.position, &inward)) {
+                let plane = nearest.and_then(|nearest| plane(other.mesh(), &middle, &nearest, is_inside));
+                // What a plane has cut lies on it as far as rounding lets it, and is not to be cut by it again.
+                let plane = plane.filter(|plane| parts[lane].is_above(&corners, plane, -rounding));
+                match plane.map(|plane| parts[lane].beyond(&corners, |at| plane.depth(at))) {
                     None | Some(Cut::All) => open &= !bit,
                     Some(Cut::Nothing) => (open, cut) = (open & !bit, cut & !bit),
                     Some(Cut::Some(part)) => {
@@ -71,14 +86,24 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                         (parts[lane], reaches[lane]) = (part, part.reach(&corners, &middle));
                         (0..3).for_each(|axis| middles[axis][lane] = middle[axis]);
                         (cut, ever_cut, known.lanes) = (cut | bit, ever_cut | bit, known.lanes & !bit);
+                        planes[lane][plane_counts[lane]] = plane.unwrap_or(no_plane);
+                        plane_counts[lane] += 1;
                     }
                 }
             }
         }
         let mut crossed = 0;
         for lane in lanes(cut) {
-            if let Some(sample) = sample_of_part(&samples.piece(lane, own), own, &parts[lane]) {
-                let distance = (known.lanes >> lane & 1 == 1).then(|| known.distances[lane]);
+            let (piece, planes) = (samples.piece(lane, own), &planes[lane][..plane_counts[lane]]);
+            let corners = own.corners(piece.sample.point.triangle);
+            // Where the nearest face changes, the depth bends, and one middle would not do for all.
+            for place in 0..planes.len() {
+                let part = parts[lane].nearest_to(planes, place, &corners);
+                let Some(mut sample) = part.and_then(|part| sample_of_part(&piece, own, &part)) else { continue };
+                if planes.len() > 1 {
+                    sample.piece = sample.piece.wrapping_mul(4).wrapping_add(place as u32);
+                }
+                let distance = (planes.len() == 1 && known.lanes >> lane & 1 == 1).then(|| known.distances[lane]);
                 inside.room_for(1).push(InsidePart { sample, distance });
                 crossed |= exits & 1 << lane;
             }
@@ -101,23 +126,30 @@ fn sample_of_part<T: Scalar>(piece: &CutPiece<T>, own: &Mesh<T>, part: &Part<T>)
     })
 }
 
-/// The direction in which the depth below the surface grows at the point, given on which side of it that is; where that is not
-/// known, a triangle tells if the nearest point lies within its face. `None` where nothing tells.
-fn inward<T: Scalar>(
+/// The plane beyond which the depth below the surface grows at the point, given on which side of it that is, or else as the
+/// surface tells. Of the triangles at the nearest point the one whose plane is the farthest does: that is the one to be cut
+/// at first, and the one that knows the side. `None` where nothing tells.
+fn plane<T: Scalar>(
     other: &Mesh<T>,
-    point: &Vector3<T>,
+    at: &Vector3<T>,
     nearest: &ClosestPoint<T>,
     is_inside: Option<bool>,
-) -> Option<Vector3<T>> {
+) -> Option<Plane<T>> {
+    let (point, triangles) = (nearest.position, other.topology().triangles());
+    let touched = touched_of(triangles[nearest.triangle as usize], nearest.weights);
+    let around = other.topology().triangles_around(touched[0]).iter();
+    let meeting =
+        around.filter(|&&triangle| touched.iter().all(|vertex| triangles[triangle as usize].contains(vertex)));
+    let planes =
+        meeting.filter_map(|&triangle| Some(Plane { point, inward: direction(&-other.scaled_normal(triangle))? }));
+    let farther =
+        |best: Plane<T>, plane: Plane<T>| if plane.depth(at).abs() > best.depth(at).abs() { plane } else { best };
+    let plane = planes.reduce(farther)?;
     let within_face = nearest.weights.iter().all(|&weight| weight > T::zero());
-    let (away, outward) = (point - nearest.position, other.scaled_normal(nearest.triangle));
-    let is_inside = match is_inside {
-        Some(is_inside) => is_inside,
-        None if within_face => away.dot(&outward) < T::zero(),
-        None => return None,
-    };
-    match direction(&away) {
-        Some(away) if !within_face => Some(if is_inside { away } else { -away }),
-        _ => direction(&-outward),
+    match direction(&(at - point)) {
+        Some(away) if !within_face && is_inside.unwrap_or(plane.depth(at) > T::zero()) => {
+            Some(Plane { point, inward: away })
+        }
+        _ => Some(plane),
     }
 }

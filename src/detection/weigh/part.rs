@@ -2,15 +2,28 @@
 
 use crate::math::{Scalar, Vector3, length};
 
-/// A triangle cut by three planes has six corners. Where rounding decides on which side each corner lies, a cut may leave up
-/// to half as many again: 3, 4, 6, 9.
-const MOST_CORNERS: usize = 9;
+/// A triangle cut by five planes has eight corners. Where rounding decides on which side each corner lies, a cut may leave up
+/// to half as many again: 3, 4, 6, 9, 13, 19.
+const MOST_CORNERS: usize = 19;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part<T: Scalar> {
     /// The weights of each corner, in order around the part.
     pub(crate) weights: [Vector3<T>; MOST_CORNERS],
     pub(crate) count: usize,
+}
+
+/// A plane, with the unit vector into what it leaves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane<T: Scalar> {
+    pub(crate) point: Vector3<T>,
+    pub(crate) inward: Vector3<T>,
+}
+
+impl<T: Scalar> Plane<T> {
+    pub(crate) fn depth(&self, at: &Vector3<T>) -> T {
+        (at - self.point).dot(&self.inward)
+    }
 }
 
 /// What a plane leaves of a part.
@@ -65,9 +78,14 @@ impl<T: Scalar> Part<T> {
         self.weights[..self.count].iter().map(distance).fold(T::zero(), |most, distance| most.max(distance))
     }
 
-    /// What lies beyond the plane through `point`, in the direction `inward`.
-    pub(crate) fn beyond(&self, corners: &[Vector3<T>; 3], point: &Vector3<T>, inward: &Vector3<T>) -> Cut<T> {
-        let depth = |weights: &Vector3<T>| (position(corners, weights) - point).dot(inward);
+    /// Whether any corner is less than so deep.
+    pub(crate) fn is_above(&self, corners: &[Vector3<T>; 3], plane: &Plane<T>, depth: T) -> bool {
+        self.weights[..self.count].iter().any(|weights| plane.depth(&position(corners, weights)) < depth)
+    }
+
+    /// What lies where a depth that grows evenly is more than zero.
+    pub(crate) fn beyond(&self, corners: &[Vector3<T>; 3], depth: impl Fn(&Vector3<T>) -> T) -> Cut<T> {
+        let depth = |weights: &Vector3<T>| depth(&position(corners, weights));
         let mut part = Self { count: 0, ..*self };
         let mut keep = |weights| {
             part.weights[part.count] = weights;
@@ -93,6 +111,18 @@ impl<T: Scalar> Part<T> {
             _ => Cut::Some(part),
         }
     }
+
+    /// What is nearer to one of the planes than to the others; `None` where that is nothing.
+    pub(crate) fn nearest_to(&self, planes: &[Plane<T>], place: usize, corners: &[Vector3<T>; 3]) -> Option<Self> {
+        let mut others = planes.iter().enumerate().filter(|&(other, _)| other != place);
+        others.try_fold(*self, |part, (_, other)| {
+            match part.beyond(corners, |at| other.depth(at) - planes[place].depth(at)) {
+                Cut::All => Some(part),
+                Cut::Some(part) => Some(part),
+                Cut::Nothing => None,
+            }
+        })
+    }
 }
 
 #[cfg(test)]
@@ -116,7 +146,9 @@ mod tests {
         let mut part = Part::whole(&WHOLE);
         for number in 0..planes.len() {
             let (point, inward) = planes[number];
-            let Cut::Some(left) = part.beyond(&CORNERS, &point, &inward) else { panic!("plane {number} cuts") };
+            let Cut::Some(left) = part.beyond(&CORNERS, |at| Plane { point, inward }.depth(at)) else {
+                panic!("plane {number} cuts")
+            };
             part = left;
             let mut held = 0.0;
             let mut sum = Vector3::zeros();
@@ -148,8 +180,7 @@ mod tests {
     #[test]
     fn planes_beside_a_part_leave_all_or_nothing() {
         let part = Part::whole(&WHOLE);
-        let beside = Vector3::new(0.0, 0.0, 0.0);
-        assert!(matches!(part.beyond(&CORNERS, &beside, &Vector3::x()), Cut::All));
-        assert!(matches!(part.beyond(&CORNERS, &beside, &-Vector3::x()), Cut::Nothing));
+        assert!(matches!(part.beyond(&CORNERS, |at| at.x), Cut::All));
+        assert!(matches!(part.beyond(&CORNERS, |at| -at.x), Cut::Nothing));
     }
 }

@@ -117,17 +117,12 @@ pub(crate) fn shares<T: Scalar>(loads: &[CastLoad<T>; 2]) -> [T; 2] {
     claims.map(|claim| if sum > T::zero() { claim / sum } else { T::of(0.5) })
 }
 
-/// Scales the contacts of both directions by what each carries.
+/// Scales the contacts of both directions by what each carries; the second's begin at `middle`.
 pub(crate) fn scale_contacts<T: Scalar>(shares: [T; 2], contacts: &mut [Contact<T>], middle: usize) {
     let (first, second) = contacts.split_at_mut(middle);
     for (share, contacts) in shares.into_iter().zip([first, second]) {
         contacts.iter_mut().for_each(|contact| contact.area *= share);
     }
-}
-
-/// Scales the contacts of both directions, of which the second's begin at `middle`.
-pub(crate) fn share_load<T: Scalar>(loads: &[CastLoad<T>; 2], contacts: &mut [Contact<T>], middle: usize) {
-    scale_contacts(shares(loads), contacts, middle);
 }
 
 #[cfg(test)]
@@ -233,7 +228,7 @@ mod tests {
         load.add_contacts(&contacts, ContactLaw::RayLength);
         assert_eq!((load.pressure.whole, load.pressure.vector), (3.5, Vector3::new(1.5, 2.0, 0.0)));
         let mut contacts = [contact(0, X, X, [3.0, 0.5, 0.1]), contact(1, Y, Y, [2.0, 4.0, 0.9])];
-        share_load(&[load, CastLoad::default()], &mut contacts, 1);
+        scale_contacts(shares(&[load, CastLoad::default()]), &mut contacts, 1);
         assert_eq!(contacts.map(|contact| contact.area), [3.0, 0.0]);
     }
 }

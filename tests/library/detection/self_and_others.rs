@@ -5,8 +5,8 @@ use crate::common::STRIDE;
 use crate::common::assert_every_ray_is_counted;
 use crate::common::ends::{Ends, Offset, ends};
 use crate::common::random::Random;
-use crate::common::shapes::{self, Shape};
-use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, query_pair, query_self};
+use crate::common::shapes::{self, Point, Shape, cross, dot};
+use raycontact::contact::{Contact, ContactLaw, ContactList, DetectionOptions, Sampling, query_pair, query_self};
 use raycontact::octree::Octree;
 use raycontact::scene::{Scene, SceneError};
 
@@ -123,10 +123,84 @@ fn unknown_bodies_are_refused() {
 fn bodies_without_folds_are_as_before() {
     for seed in 0..8 {
         let ([first, second], _) = lobes_and_body(seed);
-        for sampling in [Sampling::Vertices, Sampling::Automatic] {
-            let with = pair(&first, &second, &DetectionOptions { sampling, ..options(true) });
-            let without = pair(&first, &second, &DetectionOptions { sampling, ..options(false) });
-            assert_eq!(with, without);
+        for law in [ContactLaw::RayLength, ContactLaw::Pressure] {
+            for sampling in [Sampling::Vertices, Sampling::Automatic] {
+                let with = pair(&first, &second, &DetectionOptions { law, sampling, ..options(true) });
+                let without = pair(&first, &second, &DetectionOptions { law, sampling, ..options(false) });
+                assert_eq!(with, without);
+            }
+        }
+    }
+}
+
+/// Whether a point lies inside a convex shape.
+fn is_inside(shape: &Shape, point: Point) -> bool {
+    let from = |a: Point, b: Point| -> Point { std::array::from_fn(|axis| b[axis] - a[axis]) };
+    shape.triangles.iter().all(|corners| {
+        let [a, b, c] = corners.map(|vertex| shape.positions[vertex as usize]);
+        dot(cross(from(a, b), from(a, c)), from(a, point)) < 0.0
+    })
+}
+
+/// The judge: how much of the surfaces of the first shapes lies inside any of the others, all convex, by many points.
+fn area_inside(shapes: &[&Shape], others: &[&Shape]) -> f64 {
+    const CUTS: u32 = 30;
+    let triangles = shapes.iter().flat_map(|shape| shape.triangles.iter().map(move |corners| (shape, corners)));
+    let area = |(shape, corners): (&&Shape, &[u32; 3])| {
+        let [a, b, c] = corners.map(|vertex| shape.positions[vertex as usize]);
+        let point = |i: f64, j: f64| -> Point {
+            std::array::from_fn(|axis| a[axis] + ((b[axis] - a[axis]) * i + (c[axis] - a[axis]) * j) / f64::from(CUTS))
+        };
+        let cells = (0..CUTS).flat_map(|i| (0..CUTS - i).map(move |j| (f64::from(i), f64::from(j))));
+        let up = cells.clone().map(|(i, j)| point(i + 1.0 / 3.0, j + 1.0 / 3.0));
+        let down = cells.filter(|(i, j)| i + j < f64::from(CUTS - 1)).map(|(i, j)| point(i + 2.0 / 3.0, j + 2.0 / 3.0));
+        let inside = up.chain(down).filter(|&at| others.iter().any(|other| is_inside(other, at))).count();
+        let [u, v]: [Point; 2] = [b, c].map(|corner| std::array::from_fn(|axis| corner[axis] - a[axis]));
+        let across = cross(u, v);
+        dot(across, across).sqrt() / 2.0 * inside as f64 / f64::from(CUTS * CUTS)
+    };
+    triangles.map(area).sum()
+}
+
+/// Two shapes that overlap, as one body, and another body: what lies inside counts once, piece by piece. The two directions'
+/// areas are all that lies inside, each times its share.
+#[test]
+fn a_piece_counts_as_a_whole_or_with_its_part_inside() {
+    let ball = |levels: usize, by: Point| shapes::sphere(levels).moved(by);
+    let bar =
+        |half: Point, by: Point| shapes::cube(1).map(|p| std::array::from_fn(|axis| half[axis] * p[axis])).moved(by);
+    let bars = [bar([0.4, 0.8, 0.3], [-0.1, 0.0, 0.0]).turned(0.3, 0.2), bar([0.9, 0.35, 0.5], [0.2, 0.1, 0.1])];
+    let mut cases = vec![(bars, ball(2, [0.2, 0.9, 0.3]), 0.01)];
+    for (levels, tolerance) in [(1, 0.01), (2, 0.01), (3, 0.02)] {
+        let lobes = [ball(levels, [-0.45, 0.0, 0.0]), ball(levels, [0.45, 0.0, 0.0])];
+        cases.push((lobes, ball(levels, [0.13, 1.1, 0.21]), tolerance));
+    }
+    for (number, ([first, second], body, tolerance)) in cases.iter().enumerate() {
+        let folded = first.joined(second);
+        let inside = [area_inside(&[first, second], &[body]), area_inside(&[body], &[first, second])];
+        for has_self_collision in [false, true] {
+            let mut scene = Scene::<f64>::new(1).expect("no thread is started");
+            scene.set_options(DetectionOptions { past_folds: !has_self_collision, ..DetectionOptions::default() });
+            let bodies = [scene.add(folded.mesh()), scene.add(body.mesh())];
+            scene.set_self_collision(bodies[0], has_self_collision).expect("it was added");
+            let mut found = ContactList::default();
+            scene.query(&mut found);
+            assert_every_ray_is_counted(&found);
+            assert_eq!(found.statistics.escaping_pairs, 0);
+            let mut ids: Vec<u64> = found.contacts.iter().map(Contact::id).collect();
+            ids.sort_unstable();
+            ids.dedup();
+            assert_eq!(ids.len(), found.len(), "{number}, self-collision {has_self_collision}");
+            let part = |side: usize| {
+                let of_pair = found.contacts.iter().filter(|contact| contact.colliding != contact.collided);
+                let cast = of_pair.filter(|contact| contact.colliding == bodies[side]);
+                cast.map(|contact| contact.area).sum::<f64>() / inside[side]
+            };
+            let parts = [part(0), part(1)];
+            assert!(
+                (parts[0] + parts[1] - 1.0).abs() < *tolerance,
+                "{number}, self-collision {has_self_collision}: {parts:?}"
+            );
         }
     }
 }

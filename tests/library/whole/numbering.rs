@@ -171,7 +171,8 @@ fn check_pairs(pairs: Vec<(String, [Shape; 2])>, sampling: Sampling<f64>, escapi
                 let (found, _) = load(&found_contacts, u32::from(swapped));
                 let error = (0..2).fold(0.0f64, |worst, i| worst.max((found[i] - expected[i]).norm()));
                 worst = worst.max(error / sum.max(f64::MIN_POSITIVE));
-                if error > 1e-6 * sum {
+                // Edges that lie in the other's faces push by rounding alone.
+                if error > 1e-6 * sum && sum > 1e-20 {
                     wrong.push(format!("{name}, {steps} steps, {number}: {} of {sum}", error));
                 }
             }
