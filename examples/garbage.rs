@@ -1,5 +1,5 @@
-//! What garbage and crowds cost: bodies in which everything touches everything, and bodies that all overlap many others,
-//! beside the ordinary step of as many triangles.
+//! What garbage and crowds cost: bodies in which everything touches everything, alone and in pairs, and bodies that all overlap
+//! many others, beside the ordinary step of as many triangles.
 
 mod support;
 
@@ -18,8 +18,8 @@ use support::{Vector, random};
 const HELP: &str = "\
 usage: cargo run --release --example garbage -- [options]
 
-Measures what self-collision costs bodies of garbage, beside a torus of as many triangles that touches nothing of itself; and what
-a crowd of tetrahedra costs that all overlap many others, beside as many that overlap four.
+Measures what self-collision costs bodies of garbage, beside a torus of as many triangles that touches nothing of itself; what a
+pair costs of which both bodies or one are garbage, beside two such tori that overlap; and what a crowd of tetrahedra costs that all overlap many others, beside as many that overlap four.
 
   --size N      quads around the torus, half as many across (default 110: 12 100 triangles)
   --bodies N    tetrahedra in the crowd (default 10000)
@@ -28,7 +28,8 @@ a crowd of tetrahedra costs that all overlap many others, beside as many that ov
 
 Garbage: the torus with all vertices in one point, on a line, in a plane or anywhere in a box, with some of them anywhere, or
 each or those of one half thrown about; all grow a little before every step. Prints for each the median time of a step, also as a
-multiple of that of the torus moving by a ripple and of the torus at rest, and what its statistics count. Times are those of
+multiple of that of the torus moving by a ripple and of the torus at rest, and what its statistics count. Pairs are without
+self-collision, with the default options and the paper's, and also beside the two tori at rest. Times are those of
 the thread, so that other work on the machine does not count.
 The crowd: tetrahedra of one size anywhere in a cube, so that the boxes of each overlap those of about 110 others. Its ordinary
 step: as many in a larger cube, so that each meets about four others. Both with the default options and the paper's.
@@ -84,7 +85,16 @@ fn main() -> ExitCode {
     arguments.finish();
     let torus = shapes::torus(size, size / 2, 0.4, false);
     println!("{} triangles", torus.triangles.len());
-    let mut worst = measure(garbage(&torus, TAU / size as f64), 2, runs);
+    let edge = TAU / size as f64;
+    let mut worst = measure(garbage(one_body, &torus, edge), 2, runs);
+    for (name, options) in
+        [("default options", DetectionOptions::default()), ("the paper's", DetectionOptions::paper())]
+    {
+        for whole in [None, Some(&torus)] {
+            println!("pairs, {} garbage, {name}", if whole.is_some() { "one of them" } else { "both" });
+            worst = worst.max(measure(garbage(pair(options, whole), &torus, edge), 2, runs));
+        }
+    }
     println!("{bodies} tetrahedra");
     worst = worst.max(measure(crowds(bodies), 1, runs));
     net_forces();
@@ -113,10 +123,11 @@ fn measure(mut timed: Vec<Timed>, ordinary: usize, runs: usize) -> f64 {
     for one in &timed {
         let time = one.median();
         let multiples: Vec<f64> = timed[..ordinary].iter().map(|ordinary| time / ordinary.median()).collect();
-        let Statistics { pairs, rays, tangled_bodies, crowded_pairs, .. } = one.contacts.statistics;
+        let Statistics { pairs, rays, tangled_bodies, tangled_pairs, crowded_pairs, .. } = one.contacts.statistics;
+        let tangled = tangled_bodies + tangled_pairs;
         let shown: Vec<String> = multiples.iter().map(|multiple| format!("{multiple:9.2}")).collect();
         println!(
-            "{:28} {:10.3} ms {} {rays:10} rays {:9} contacts, {tangled_bodies} tangled, {crowded_pairs} of {pairs} crowded",
+            "{:28} {:10.3} ms {} {rays:10} rays {:9} contacts, {tangled} tangled, {crowded_pairs} of {pairs} crowded",
             one.name,
             time * 1e3,
             shown.join(""),
@@ -130,14 +141,14 @@ fn measure(mut timed: Vec<Timed>, ordinary: usize, runs: usize) -> f64 {
 /// Where a vertex of the torus goes, with numbers from -1 to 1.
 type Place<'a> = &'a dyn Fn(&Vector, &mut dyn FnMut() -> f64) -> Vector;
 
-/// The torus, moving and at rest, then garbage. `edge` is how long its edges are.
-fn garbage(torus: &Shape, edge: f64) -> Vec<Timed> {
+/// The torus, moving and at rest, then garbage, as `made` puts it into a scene. `edge` is how long its edges are.
+fn garbage(made: impl Fn(&str, &Shape, Step) -> Timed, torus: &Shape, edge: f64) -> Vec<Timed> {
     let in_place = |name: &str, place: Place| {
         let mut next = random(1);
         let points: Vec<Vector> = torus.points.iter().map(|point| place(point, &mut next)).collect();
-        one_body(name, torus, move |number| {
-            points.iter().map(|p| (p * (1.0 + 1e-3 * (number % 2) as f64)).into()).collect()
-        })
+        let grown =
+            move |number: usize| points.iter().map(|p| (p * (1.0 + 1e-3 * (number % 2) as f64)).into()).collect();
+        made(name, torus, Box::new(grown))
     };
     let anywhere = |next: &mut dyn FnMut() -> f64| Vector::new(next(), next(), next());
     let rest = torus.points.clone();
@@ -150,8 +161,8 @@ fn garbage(torus: &Shape, edge: f64) -> Vec<Timed> {
     };
     let still = torus.points.clone();
     let mut all = vec![
-        one_body("torus, moving", torus, rippled),
-        one_body("torus, at rest", torus, move |_| still.iter().map(|p| (*p).into()).collect()),
+        made("torus, moving", torus, Box::new(rippled)),
+        made("torus, at rest", torus, Box::new(move |_| still.iter().map(|p| (*p).into()).collect())),
         in_place("all in one point *", &|_, _| Vector::new(1.0, 2.0, 3.0)),
         in_place("all nearly in one point *", &|p, _| Vector::new(1.0, 2.0, 3.0) + p * 1e-14),
         in_place("a tenth in one point *", &|p, next| if next() < -0.8 { Vector::new(1.0, 0.0, 0.0) } else { *p }),
@@ -172,12 +183,35 @@ fn garbage(torus: &Shape, edge: f64) -> Vec<Timed> {
     all
 }
 
-fn one_body(name: &str, shape: &Shape, mut step: impl FnMut(usize) -> Vec<[f64; 3]> + 'static) -> Timed {
+/// Where a body's vertices are in a step.
+type Step = Box<dyn FnMut(usize) -> Vec<[f64; 3]>>;
+
+fn one_body(name: &str, shape: &Shape, mut step: Step) -> Timed {
     let mut scene = Scene::new(1).expect("no threads are needed");
     let body = scene.add(shape.mesh(|point| *point));
     scene.set_self_collision(body, true).expect("it was added");
     let step = Box::new(move |number| vec![step(number)]);
     Timed { name: name.into(), scene, step, contacts: ContactList::default(), times: Vec::new() }
+}
+
+/// Two bodies beside one another, of which the second is whole where a shape is given.
+fn pair(options: DetectionOptions<f64>, whole: Option<&Shape>) -> impl Fn(&str, &Shape, Step) -> Timed {
+    const BESIDE: Vector = Vector::new(0.9, 0.2, 0.1);
+    let moved =
+        |points: &[[f64; 3]]| points.iter().map(|&p| (Vector::from(p) + BESIDE).into()).collect::<Vec<[f64; 3]>>();
+    let whole: Option<Vec<[f64; 3]>> = whole.map(|whole| whole.points.iter().map(|p| (p + BESIDE).into()).collect());
+    move |name, shape, mut step| {
+        let mut scene = Scene::new(1).expect("no threads are needed");
+        scene.set_options(options);
+        [Vector::zeros(), BESIDE].map(|by| scene.add(shape.mesh(|point| point + by)));
+        let whole = whole.clone();
+        let step = Box::new(move |number| {
+            let first = step(number);
+            let second = whole.clone().unwrap_or_else(|| moved(&first));
+            vec![first, second]
+        });
+        Timed { name: name.into(), scene, step, contacts: ContactList::default(), times: Vec::new() }
+    }
 }
 
 /// Tetrahedra that meet four others each, and a crowd of them.

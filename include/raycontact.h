@@ -894,6 +894,11 @@ typedef struct rayc_statistics {
    * own middle. Only under RAYC_LAW_PRESSURE between closed bodies.
    */
   uint64_t border_pieces;
+  /**
+   * Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
+   * left to tell. docs/architecture.md says how they are known.
+   */
+  uint64_t tangled_pairs;
 } rayc_statistics;
 
 /**

@@ -63,6 +63,9 @@ pub struct rayc_statistics {
     /// Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead, from its
     /// own middle. Only under RAYC_LAW_PRESSURE between closed bodies.
     pub border_pieces: u64,
+    /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
+    /// left to tell. docs/architecture.md says how they are known.
+    pub tangled_pairs: u64,
 }
 
 growing!(rayc_statistics, escapes_forbidden: u64);

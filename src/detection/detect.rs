@@ -5,12 +5,17 @@ use super::contact::Contact;
 use super::list::ContactList;
 use super::pair::{Direction, Pair};
 use super::sample::Sampling;
+use super::self_search::is_tangled_for_rays;
 use super::weigh::shares::{scale_contacts, shares};
 use super::workspace::Workspace;
-use crate::math::{Scalar, Vector3};
+use crate::math::{LANE_COUNT, Scalar, Vector3};
 use crate::memory;
 use crate::ray::Ray;
 use crate::threads::Helpers;
+
+/// A ray has two to three tiles of a body in order on its way. If it has no more than this many, the body is not held to be
+/// tangled. What chose the number: docs/architecture.md, *Tuned constants*.
+const FEW_TILES: usize = 3;
 
 /// What a step's contacts say of the overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +27,18 @@ pub(crate) enum Outcome {
 }
 
 impl<T: Scalar> Pair<'_, T> {
+    /// Whether rays would meet a large part of a body that is tangled. The work would grow with the square of the triangles, and
+    /// no inside is left to tell.
+    pub(crate) fn is_tangled(&self, workspace: &mut Workspace<T>) -> bool {
+        [0, 1].into_iter().any(|side| {
+            let ([groups, met], other) = (&mut workspace.groups, self.tracers[1 - side]);
+            other.mesh().topology().triangles().len() > FEW_TILES * LANE_COUNT && {
+                let tiles = self.tracers[side].tiles_on_the_way(other, self.region, [groups, met]);
+                tiles > FEW_TILES && is_tangled_for_rays(other.mesh(), tiles)
+            }
+        })
+    }
+
     /// Adds the contacts of the rays of both directions, or else those of the edges.
     pub(crate) fn detect(&self, contacts: &mut ContactList<T>) -> Outcome {
         let start = contacts.len();

@@ -58,6 +58,9 @@ pub struct Statistics {
     pub crowded_pairs: u64,
     /// Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead.
     pub border_pieces: u64,
+    /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
+    /// left to tell. docs/architecture.md says how they are known.
+    pub tangled_pairs: u64,
 }
 
 /// Calls a macro with the names of all counters.
@@ -67,7 +70,8 @@ macro_rules! with_counters {
             pairs, open_pairs, rays, patches, estimate_rays, misses, entry_hits, own_surface_hits,
             replaced, without_normal, uncut_pieces, edge_contacts, self_contacts, open_bodies,
             past_folds, escapes_started, escaping_pairs, escape_contacts, escapes_turned,
-            escapes_forbidden, tangled_bodies, crowded_pairs, border_pieces
+            escapes_forbidden, tangled_bodies, crowded_pairs, border_pieces,
+            tangled_pairs
         }
     };
 }

@@ -12,6 +12,9 @@ const PART_TO_LIST: usize = 16;
 /// are not are short.
 const FEWEST_TILES_ACROSS: f64 = 4.0;
 
+/// How many lines tell what a body's rays meet.
+const MOST_LINES: usize = 16;
+
 /// Whether a region is thick beside the tiles of a body.
 fn is_thick<T: Scalar>(region: &Aabb<T>, mesh: &Mesh<T>, cells: &Wide<T>) -> bool {
     let [x, y, z]: [T; 3] = (mesh.aabb().upper - mesh.aabb().lower).into();
@@ -53,6 +56,27 @@ impl<T: Scalar> Tracer<'_, T> {
             }
             _ => self.groups_in(region, groups),
         }
+    }
+
+    /// About how many of another's tiles this body's rays have on their way in a region, judged by a few lines through where
+    /// rays start; 0 where it has no tiles. The lists are scratch memory.
+    pub(crate) fn tiles_on_the_way(&self, other: &Self, region: &Aabb<T>, lists: [&mut Vec<u32>; 2]) -> usize {
+        let (Cells::Wide(cells), [groups, met]) = (other.cells, lists) else { return 0 };
+        self.groups_in(region, groups);
+        // Across a flat region: along it a line through a floor would meet many.
+        let axis = (region.upper - region.lower).imin();
+        let (lines, mut met_in_all) = (groups.len().div_ceil(2).min(MOST_LINES), 0);
+        for line in 0..lines {
+            let mut first = None;
+            self.triangles_of(groups[line * groups.len() / lines], |triangle| first = first.or(Some(triangle)));
+            let start = first.map_or(*region, |first| Aabb::of_triangle(&self.mesh().corners(first)));
+            let middle = start.intersection(region).centre();
+            let mut along = Aabb { lower: middle, upper: middle };
+            (along.lower[axis], along.upper[axis]) = (region.lower[axis], region.upper[axis]);
+            cells.tiles_in(&along, met);
+            met_in_all += met.len();
+        }
+        met_in_all / lines.max(1)
     }
 
     /// Whether [`groups_not_outside`](Self::groups_not_outside) looks for groups to leave out.

@@ -68,6 +68,11 @@ pub(crate) fn detect_pair<T: Scalar>(
     contacts.statistics.crowded_pairs += u64::from(part_of_rays < T::one());
     let (overlap, region) = (&overlap, &region);
     let pair = Pair { may_escape, part_of_rays, ..Pair::new(bodies, tracers, [overlap, region], options) };
+    if pair.is_tangled(&mut contacts.workspace) {
+        contacts.statistics.tangled_pairs += 1;
+        memory.into_iter().for_each(|memory| *memory = PairMemory::default());
+        return;
+    }
     match memory {
         _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
         Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),

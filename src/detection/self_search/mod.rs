@@ -11,6 +11,6 @@ mod warm_start;
 mod workspace;
 
 pub(in crate::detection) use nearness::rounding;
-pub(in crate::detection) use tangled::is_collapsed;
+pub(in crate::detection) use tangled::{is_collapsed, is_tangled_for_rays};
 pub(crate) use warm_start::SelfWarmStart;
 pub(in crate::detection) use workspace::SelfWorkspace;

@@ -25,6 +25,13 @@ const FIRST_PART: usize = 4;
 /// A body whose triangles each have boxes that overlap those of fewer others than this is in order.
 const FEWEST_CLOSE: usize = 12;
 
+/// For the rays of other bodies, a body is tangled if the tiles on their way times the triangles that each touches are this many,
+const TILES_TIMES_TOUCHING: usize = 8;
+/// and at least one triangle in so many touches another on average.
+const TOUCHING_FOR_RAYS: usize = 2;
+/// How many random pairs are tried for each triangle then: those are dear rays, and few pairs touch where few tiles are large.
+const PAIRS_TRIED_FOR_RAYS: usize = 8;
+
 /// The surface folds over around more than one vertex in this many: it has no side.
 const VERTICES_WITHOUT_SIDE: usize = 4;
 /// Around fewer than one in this many it is merely crumpled here and there.
@@ -75,19 +82,42 @@ impl Default for Limits {
     }
 }
 
-/// Whether a body is tangled, judged by random pairs of its triangles. The pairs depend on nothing but the mesh, and not on its
-/// numbering. A body in order takes one pair for every two triangles, a wholly tangled one few pairs in all.
+/// Whether a body is tangled, judged by random pairs of its triangles. A body in order takes one pair for every two triangles,
+/// a wholly tangled one few pairs in all.
 pub(in crate::detection) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
     let count = mesh.topology().triangles().len();
-    if count < FEWEST_TRIANGLES {
-        return false;
-    }
-    let (triangles, most_tried) = (mesh.triangles_in_space(), count * PAIRS_TRIED);
+    let first = count * PAIRS_TRIED / FIRST_PART;
+    count >= FEWEST_TRIANGLES
+        && judge_by_random_pairs(mesh, PAIRS_TRIED, |tried, close, touching| {
+            let are_close = close >= CLOSE * PAIRS_TRIED && touching >= TOUCHING_OF_CLOSE * PAIRS_TRIED;
+            let is_in_order = tried == first && close * FIRST_PART < FEWEST_CLOSE * PAIRS_TRIED;
+            if are_close || touching >= TOUCHING * PAIRS_TRIED { Some(true) } else { is_in_order.then_some(false) }
+        })
+}
+
+/// Whether a body is tangled for rays that have so many of its tiles on their way, judged by random pairs of its triangles. One
+/// that touches itself nowhere is known after half of them.
+pub(in crate::detection) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
+    let half = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / 2;
+    let enough = (TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / tiles).max(PAIRS_TRIED_FOR_RAYS / TOUCHING_FOR_RAYS);
+    judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
+        if touching >= enough { Some(true) } else { (tried == half && touching == 0).then_some(false) }
+    })
+}
+
+/// Tries random pairs of a body's triangles, so many for each, until the judge can tell by how many were tried, are close and
+/// touch. The pairs depend on nothing but the mesh, and not on its numbering.
+fn judge_by_random_pairs<T: Scalar>(
+    mesh: &Mesh<T>,
+    for_each: usize,
+    judge: impl Fn(usize, usize, usize) -> Option<bool>,
+) -> bool {
+    let (count, triangles) = (mesh.topology().triangles().len(), mesh.triangles_in_space());
     let (mut close, mut touching) = (0, 0);
     let mut state = 0u64;
-    for tried in 0..most_tried {
-        if tried == most_tried / FIRST_PART && close * FIRST_PART < FEWEST_CLOSE * PAIRS_TRIED {
-            return false;
+    for tried in 0..count * for_each {
+        if let Some(is_tangled) = judge(tried, close, touching) {
+            return is_tangled;
         }
         // The first triangle goes through all of them, every second one first; the other is random, by Knuth's linear
         // congruential generator.
@@ -97,12 +127,8 @@ pub(in crate::detection) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
         let found = nearness(mesh, [triangles[one], triangles[other as usize]]);
         close += usize::from(found != Nearness::Apart);
         touching += usize::from(found == Nearness::Touching);
-        let are_close = close >= CLOSE * PAIRS_TRIED && touching >= TOUCHING_OF_CLOSE * PAIRS_TRIED;
-        if are_close || touching >= TOUCHING * PAIRS_TRIED {
-            return true;
-        }
     }
-    false
+    judge(count * for_each, close, touching).unwrap_or(false)
 }
 
 /// Whether no triangle is left that casts a ray or is met by one.

@@ -36,6 +36,7 @@ fn counts(first: u64, step: u64) -> Statistics {
         tangled_bodies: count(),
         crowded_pairs: count(),
         border_pieces: count(),
+        tangled_pairs: count(),
     }
 }
 

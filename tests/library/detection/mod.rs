@@ -9,4 +9,5 @@ mod own_exits;
 mod pressure;
 mod self_and_others;
 mod self_collision;
+mod tangled_pairs;
 mod tolerance;
