@@ -122,10 +122,10 @@ fn patches_cast_one_ray_each_whatever_the_shape_of_their_triangles() {
 /// vertices inside, the two above cast rays that leave it before the body, the two below rays that meet nothing. Where
 /// any ray leaves its own body first, no edges are traced.
 ///
-/// The pair escapes in the direction that leads all points inside out; where another fold of the body hides the way out of each,
-/// none is known to lie inside, and there is no direction.
+/// The pair escapes in the direction that leads all points inside out, also where another part of the body lies on the way out of
+/// each.
 #[test]
-fn own_surfaces_settle_what_rays_tell_and_hidden_points_give_no_direction() {
+fn own_surfaces_settle_what_rays_tell_and_points_behind_other_parts_escape() {
     let half = 0.5f64.sqrt();
     let plate = cuboid([-1.0, -1.0, -0.02], [1.0, 1.0, 0.02]);
     let plate = plate.map(|[x, y, z]| [x + 4.5, half * (y - z) - 1.0, half * (y + z)]);
@@ -134,11 +134,11 @@ fn own_surfaces_settle_what_rays_tell_and_hidden_points_give_no_direction() {
     let body = cuboid([-8.0, -8.0, 0.0], [8.0, 8.0, 9.0]);
     let fold = cuboid([-7.0, -7.0, 1.0], [7.0, 7.0, 2.0]);
     let options = DetectionOptions { edges: true, ..DetectionOptions::paper() };
-    for (body, escapes) in [(body.mesh(), 1), (body.joined(&fold).mesh(), 0)] {
+    for body in [body.mesh(), body.joined(&fold).mesh()] {
         let counts = detect([&plate, &body], Layout::Wide, &options).statistics;
         assert_eq!([counts.rays, counts.misses, counts.own_surface_hits, counts.edge_contacts], [4, 2, 2, 0]);
         let found = detect([&plate, &body], Layout::Wide, &DetectionOptions { escape: true, ..options });
-        assert_eq!([found.statistics.escapes_started, found.pushes().len() as u64], [escapes; 2]);
+        assert_eq!([found.statistics.escapes_started, found.pushes().len() as u64], [1; 2]);
     }
 }
 

@@ -273,7 +273,9 @@ proptest! {
         let contacts = [1, cells].map(|cells| {
             let pair = Pair([sphere.clone(), shapes::cube(cells)]);
             let contacts = pair.contacts(Layout::Wide, &DetectionOptions::paper());
-            contacts.into_iter().filter(|contact| contact.colliding == 0).collect::<Vec<_>>()
+            // A vertex on the face itself (depth 0.5211790940472248, aside 0.00276975319157331) is inside or outside by rounding.
+            let is_inside = |contact: &Contact<f64>| contact.colliding == 0 && contact.depth > 1e-14;
+            contacts.into_iter().filter(is_inside).collect::<Vec<_>>()
         });
         let [coarse, fine] = contacts;
         prop_assert_eq!(coarse.len(), fine.len());
