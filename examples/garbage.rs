@@ -203,7 +203,9 @@ fn pair(options: DetectionOptions<f64>, whole: Option<&Shape>) -> impl Fn(&str, 
     move |name, shape, mut step| {
         let mut scene = Scene::new(1).expect("no threads are needed");
         scene.set_options(options);
-        [Vector::zeros(), BESIDE].map(|by| scene.add(shape.mesh(|point| point + by)));
+        for by in [Vector::zeros(), BESIDE] {
+            scene.add(shape.mesh(|point| point + by));
+        }
         let whole = whole.clone();
         let step = Box::new(move |number| {
             let first = step(number);
