@@ -13,7 +13,7 @@ const PART_TO_LIST: usize = 16;
 const FEWEST_TILES_ACROSS: f64 = 4.0;
 
 /// How many lines tell what a body's rays meet.
-const MOST_LINES: usize = 16;
+const MOST_LINES: usize = 6;
 
 /// Whether a region is thick beside the tiles of a body.
 fn is_thick<T: Scalar>(region: &Aabb<T>, mesh: &Mesh<T>, cells: &Wide<T>) -> bool {

@@ -25,12 +25,12 @@ const FIRST_PART: usize = 4;
 /// A body whose triangles each have boxes that overlap those of fewer others than this is in order.
 const FEWEST_CLOSE: usize = 12;
 
-/// For the rays of other bodies, a body is tangled if the tiles on their way times the triangles that each touches are this many,
+/// For the rays of other bodies, a body is tangled if the tiles on their way times the triangles that each touches are this many.
 const TILES_TIMES_TOUCHING: usize = 8;
-/// and at least one triangle in so many touches another on average.
-const TOUCHING_FOR_RAYS: usize = 2;
-/// How many random pairs are tried for each triangle then: those are dear rays, and few pairs touch where few tiles are large.
-const PAIRS_TRIED_FOR_RAYS: usize = 8;
+/// How many random pairs are tried for each triangle then, since few touch where few triangles are large,
+const PAIRS_TRIED_FOR_RAYS: usize = 16;
+/// and how many must touch at least: fewer may be chance in a body that passes through itself in one place.
+const FEWEST_TOUCHING: usize = 12;
 
 /// The surface folds over around more than one vertex in this many: it has no side.
 const VERTICES_WITHOUT_SIDE: usize = 4;
@@ -96,12 +96,12 @@ pub(in crate::detection) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
 }
 
 /// Whether a body is tangled for rays that have so many of its tiles on their way, judged by random pairs of its triangles. One
-/// that touches itself nowhere is known after half of them.
+/// that touches itself nowhere is known after the first part of them.
 pub(in crate::detection) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
-    let half = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / 2;
-    let enough = (TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / tiles).max(PAIRS_TRIED_FOR_RAYS / TOUCHING_FOR_RAYS);
+    let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART;
+    let enough = (TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / tiles).max(FEWEST_TOUCHING);
     judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
-        if touching >= enough { Some(true) } else { (tried == half && touching == 0).then_some(false) }
+        if touching >= enough { Some(true) } else { (tried == first && touching == 0).then_some(false) }
     })
 }
 
