@@ -71,7 +71,7 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                 // Between folds of one body there is no border.
                 let nearest = nearest.filter(|nearest| {
                     let towards = Ray::new(middle, nearest.position - middle);
-                    !pair.options.past_folds || crosses_border(&other, &towards, crossings)
+                    !pair.options.past_folds || crosses_border(other, &towards, crossings)
                 });
                 // After the first cut it is not known on which side the new middle lies.
                 let is_inside = (round == 0).then_some(exits & bit != 0);
