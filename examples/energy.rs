@@ -24,7 +24,8 @@ springs and of contact must not rise. That of contact is an integral over what b
 
   --starts N      how many (default 20); the full run is --starts 1000 --steps 10000
   --steps N       of each (default 500)
-  --every N       steps between two integrals; between them, motion and springs are summed up (default 25)
+  --every N       steps between two integrals; between them, motion and springs are summed up (default 25). With more than
+                  there are steps, only the start's energy has contact's in it, which is quicker
   --seed N        of all starts (default 1)
   --start N       the first start (default 0): what is printed of a start repeats with --start N --starts 1
   --kind KIND     any, or cubes: rigid ones in narrow rooms, without damping (default any)
@@ -34,8 +35,9 @@ springs and of contact must not rise. That of contact is an integral over what b
   --tolerance X   how far energy may rise, of the greatest (default 0.01)
   --help          this text
 
-Prints starts that rise above the tolerance, how many there are, the greatest rise above the start and above the least energy
-before, over the greatest energy, and where it was.
+Prints starts that rise above the tolerance, how many there are, the greatest rise above the start and, where there were
+integrals, above the least energy before, over the greatest energy, and where it was. A step of cubes takes some 7 ms, of
+any bodies more.
 Exit status: 0; 1 when energy rises above the start by more than the tolerance; 2 for a wrong command line.";
 
 /// The greatest rise of energy, over the greatest energy.
@@ -153,7 +155,10 @@ fn main() -> ExitCode {
         progress.inc(1);
     }
     progress.finish_and_clear();
-    for (name, rise, count) in [("start", worst[0], risen[0]), ("least before", worst[1], risen[1])] {
+    let judged = if every <= steps { 2 } else { 1 };
+    for (name, rise, count) in
+        [("start", worst[0], risen[0]), ("least before", worst[1], risen[1])].into_iter().take(judged)
+    {
         let Rise { part, start, step } = rise;
         println!(
             "above the {name}: {count} of {starts} starts by more than {}, at most {part:.3e} of the greatest energy, \

@@ -275,7 +275,7 @@ typedef enum rayc_status {
   RAYC_STATUS_RIGID_ELIMINATED = 608,
   /**
    * Contacts are so stiff beside the mass of a rigid body that this would be lost in rounding where its velocities are
-   * eliminated: some 1e13 times, stiffness (N/m) · dt · (dt + damping time) over mass. Use a softer material or a shorter
+   * eliminated: some 1e12 times, stiffness (N/m) · dt · (dt + damping time) over mass. Use a softer material or a shorter
    * step, or see keeps_rigid_unknowns in rayc_contact_system_options.
    */
   RAYC_STATUS_TOO_STIFF = 609,
@@ -1679,10 +1679,11 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
  * points of the surfaces and its direction, whatever the positions. Where the points have moved apart, the force pulls,
  * because an implicit integrator's linear step needs that.
  *
- * Errors: RAYC_STATUS_INVALID_OPTION where damping_time has no velocities, RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
+ * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
  * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
- * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where a sum might go beyond its largest number,
- * or where `forces` shares memory with what is read. Numbers that no contact needs are not checked.
+ * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where damping_time has no velocities, where a sum might go
+ * beyond its largest number, or where `forces` shares memory with what is read. Numbers that no contact needs are not
+ * checked.
  */
 enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
                                           const struct rayc_response_options *options,
@@ -1883,8 +1884,8 @@ enum rayc_status rayc_contact_system_unknown_count(const struct rayc_contact_sys
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
  * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
- * scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_TOO_STIFF: all is then as if
- * the step had been cancelled.
+ * scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH; RAYC_STATUS_TOO_STIFF: the step is then
+ * cancelled, as by rayc_contact_system_cancel().
  */
 enum rayc_status rayc_contact_system_begin(struct rayc_contact_system *system,
                                            struct rayc_scene *scene,
@@ -1959,10 +1960,12 @@ enum rayc_status rayc_contact_system_energy(struct rayc_contact_system *system,
 /**
  * Holds the rows anew at these velocities: this decides which rows push and how much they rub. Call it after a
  * solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly. If it is above about 0.05, solve
- * again.
+ * again. Eliminated rigid bodies answer by the rows as they are held: of what these exchange with nodes that part of the
+ * momentum is kept only where a step ends right after a solve.
  *
- * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_TOO_STIFF:
- * the rows are then as before.
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; RAYC_STATUS_TOO_STIFF:
+ * the step is then cancelled, as by rayc_contact_system_cancel(), and can begin again with a softer material or a shorter
+ * length.
  */
 enum rayc_status rayc_contact_system_linearise(struct rayc_contact_system *system,
                                                size_t count,
@@ -1976,7 +1979,8 @@ enum rayc_status rayc_contact_system_linearise(struct rayc_contact_system *syste
  * the smallest depth cap from where it was when contacts were last looked for.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
- * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_TOO_STIFF: the rows are then as before.
+ * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH; RAYC_STATUS_TOO_STIFF: the step is then cancelled, as by
+ * rayc_contact_system_cancel(), and can begin again with a softer material or a shorter length.
  */
 enum rayc_status rayc_contact_system_detect_again(struct rayc_contact_system *system,
                                                   struct rayc_scene *scene,
@@ -1996,8 +2000,8 @@ enum rayc_status rayc_contact_system_finish(struct rayc_contact_system *system,
                                             const double *velocities);
 
 /**
- * Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies. Does nothing where
- * no step is under way.
+ * Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies, and that pairs which escape
+ * count the step (rayc_scene_advance()). Does nothing where no step is under way.
  */
 enum rayc_status rayc_contact_system_cancel(struct rayc_contact_system *system);
 

@@ -14,8 +14,8 @@ use crate::memory::text;
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
 /// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
-/// scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_TOO_STIFF: all is then as if
-/// the step had been cancelled.
+/// scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH; RAYC_STATUS_TOO_STIFF: the step is then
+/// cancelled, as by rayc_contact_system_cancel().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_begin(
     system: *mut rayc_contact_system,
@@ -161,10 +161,12 @@ pub unsafe extern "C" fn rayc_contact_system_energy(
 
 /// Holds the rows anew at these velocities: this decides which rows push and how much they rub. Call it after a
 /// solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly. If it is above about 0.05, solve
-/// again.
+/// again. Eliminated rigid bodies answer by the rows as they are held: of what these exchange with nodes that part of the
+/// momentum is kept only where a step ends right after a solve.
 ///
-/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_TOO_STIFF:
-/// the rows are then as before.
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; RAYC_STATUS_TOO_STIFF:
+/// the step is then cancelled, as by rayc_contact_system_cancel(), and can begin again with a softer material or a shorter
+/// length.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_linearise(
     system: *mut rayc_contact_system,
@@ -182,7 +184,8 @@ pub unsafe extern "C" fn rayc_contact_system_linearise(
 /// the smallest depth cap from where it was when contacts were last looked for.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
-/// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH, RAYC_STATUS_TOO_STIFF: the rows are then as before.
+/// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH; RAYC_STATUS_TOO_STIFF: the step is then cancelled, as by
+/// rayc_contact_system_cancel(), and can begin again with a softer material or a shorter length.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_detect_again(
     system: *mut rayc_contact_system,
@@ -222,8 +225,8 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
     })
 }
 
-/// Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies. Does nothing where
-/// no step is under way.
+/// Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies, and that pairs which escape
+/// count the step (rayc_scene_advance()). Does nothing where no step is under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_cancel(system: *mut rayc_contact_system) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.

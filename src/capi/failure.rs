@@ -113,7 +113,7 @@ pub enum rayc_status {
     /// rayc_contact_system_options.
     RAYC_STATUS_RIGID_ELIMINATED = 608,
     /// Contacts are so stiff beside the mass of a rigid body that this would be lost in rounding where its velocities are
-    /// eliminated: some 1e13 times, stiffness (N/m) · dt · (dt + damping time) over mass. Use a softer material or a shorter
+    /// eliminated: some 1e12 times, stiffness (N/m) · dt · (dt + damping time) over mass. Use a softer material or a shorter
     /// step, or see keeps_rigid_unknowns in rayc_contact_system_options.
     RAYC_STATUS_TOO_STIFF = 609,
 

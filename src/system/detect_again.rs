@@ -17,7 +17,7 @@ impl<T: Scalar> ContactSystem<T> {
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::Mesh`],
-    /// [`SystemError::TooStiff`].
+    /// [`SystemError::TooStiff`], which cancels the step.
     pub fn detect_again(&mut self, scene: &mut Scene<T>, velocities: &[f64]) -> Result<bool, SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
         self.check_bodies(scene)?;
@@ -29,15 +29,13 @@ impl<T: Scalar> ContactSystem<T> {
         self.go_on_with(velocities);
         self.detect(scene, step.dt)?;
         scene.disregard_query();
-        self.or_as_before(step, |system| {
-            let has_news = system.add_new_rows(step);
-            if has_news {
-                // The twists are those of the rows that there were.
-                system.rows.find_motions(&velocities[..3 * system.node_masses.len()]);
-                system.hold_at(step)?;
-            }
-            Ok(has_news)
-        })
+        let has_news = self.add_new_rows(step);
+        if has_news {
+            // The twists are those of the rows that there were.
+            self.rows.find_motions(&velocities[..3 * self.node_masses.len()]);
+            self.hold_at(step)?;
+        }
+        Ok(has_news)
     }
 
     /// Makes new rows for pairs of which the last detection found more contacts; true if there are any.

@@ -9,7 +9,6 @@ use super::step::{Buffers, Step};
 use super::twist::V3;
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::{Scalar, margins};
-use crate::memory;
 
 impl<T: Scalar> ContactSystem<T> {
     /// Adds to `forces` the forces on the unknowns, in N (and N m), where these are the velocities at the end of the step, as
@@ -185,7 +184,8 @@ impl<T: Scalar> ContactSystem<T> {
         held
     }
 
-    /// Makes ready for products and for the answer of eliminated rigid bodies.
+    /// Makes ready for products and for the answer of eliminated rigid bodies. Where one cannot be eliminated, the step is
+    /// cancelled.
     fn factor(&mut self, dt: f64) -> Result<(), SystemError> {
         self.rows.forget_products();
         if self.rigid_unknowns == RigidUnknowns::Kept {
@@ -194,27 +194,8 @@ impl<T: Scalar> ContactSystem<T> {
         let Some(lost) = self.rows.factor_rigid(dt) else { return Ok(()) };
         let is_lost = |body: &&Body<T>| matches!(body.mover, Mover::Rigid { place, .. } if place == lost);
         let body = self.bodies.iter().find(is_lost).map_or(0, |body| body.number);
+        self.cancel();
         Err(SystemError::TooStiff { body, dt })
-    }
-
-    /// Does what holds rows anew. Where a rigid body then cannot be eliminated, rows are as before.
-    pub(super) fn or_as_before<V>(
-        &mut self,
-        step: Step,
-        hold_anew: impl FnOnce(&mut Self) -> Result<V, SystemError>,
-    ) -> Result<V, SystemError> {
-        let Self { rows, buffers, .. } = self;
-        let is_asked = !rows.masses.is_empty() && self.rigid_unknowns == RigidUnknowns::Eliminated;
-        memory::refill(&mut buffers.rows, rows.rows.iter().filter(|_| is_asked).copied());
-        let result = hold_anew(self);
-        if let Err(SystemError::TooStiff { .. }) = &result {
-            let rows = &mut self.rows;
-            rows.entries.truncate(self.buffers.rows.last().map_or(0, |row| row.end));
-            std::mem::swap(&mut rows.rows, &mut self.buffers.rows);
-            rows.motions.clear();
-            self.factor(step.dt)?;
-        }
-        result
     }
 
     /// What the next step is told: loads, and where contacts hold on to one another at the end of this one.

@@ -1,5 +1,4 @@
 use super::body::{Body, Course, Mover};
-use super::row::Row;
 use super::row_builder::RowBuilder;
 use super::rows::Velocities;
 use super::{ContactSystem, RigidUnknowns, SystemError, check_range, check_within, mesh_of};
@@ -36,8 +35,6 @@ pub(super) struct Buffers {
     pub(super) pressed: Vec<[f64; 2]>,
     pub(super) sums: Vec<f64>,
     pub(super) unknowns: Vec<f64>,
-    /// Rows before they are held anew.
-    pub(super) rows: Vec<Row>,
     /// Each pair with the number of contacts that a later detection found, and the number of its rows.
     pub(super) pairs: Vec<([u32; 2], usize, usize)>,
 }
@@ -78,8 +75,7 @@ impl<T: Scalar> ContactSystem<T> {
     ) -> Result<(), SystemError> {
         let ahead = if self.looks_ahead { dt } else { 0.0 };
         self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
-        // As if it had not begun.
-        self.hold_predicted().inspect_err(|_| self.cancel())
+        self.hold_predicted()
     }
 
     /// [`begin`](Self::begin) with separate times for the step, the prediction and the rows; `given` are its three arrays.
@@ -271,11 +267,12 @@ impl<T: Scalar> ContactSystem<T> {
     /// 0.05 or so another solve is due.
     ///
     /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::TooStiff`].
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::TooStiff`], which
+    /// cancels the step.
     pub fn linearise(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
         self.find_motions(velocities, step);
-        self.or_as_before(step, |system| system.hold_at(step))
+        self.hold_at(step)
     }
 
     /// Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next,
