@@ -2,10 +2,10 @@
 
 mod support;
 
-use raycontact::closest::ClosestPoint;
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::{Mesh, read_obj_file};
-use raycontact::octree::{Octree, Tracer};
+use raycontact::query::{Octree, Tracer};
+use raycontact::triangle::ClosestPoint;
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::process::ExitCode;

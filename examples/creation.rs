@@ -5,7 +5,7 @@ mod support;
 use allocation_counter::measure;
 use raycontact::math::Scalar;
 use raycontact::mesh::{Mesh, read_obj_file};
-use raycontact::octree::Octree;
+use raycontact::query::Octree;
 use std::hint::black_box;
 use std::path::Path;
 use std::process::ExitCode;

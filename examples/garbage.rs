@@ -4,8 +4,9 @@
 mod support;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use raycontact::contact::{ContactList, DetectionOptions, Sampling, Statistics, query_pair};
-use raycontact::octree::Octree;
+use raycontact::contact::{ContactList, DetectionOptions, Sampling, Statistics};
+use raycontact::escape::query_pair;
+use raycontact::query::Octree;
 use raycontact::scene::Scene;
 use std::f64::consts::TAU;
 use std::process::ExitCode;

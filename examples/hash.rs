@@ -6,9 +6,9 @@
 mod support;
 
 use raycontact::contact::{ContactList, DetectionOptions, Sampling};
+use raycontact::force::{PenaltyLaw, Weighting, add_forces};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
-use raycontact::response::{PenaltyLaw, Weighting, add_forces};
 use raycontact::scene::Scene;
 use raycontact::threads::ParallelFor;
 use std::sync::Arc;

@@ -6,7 +6,7 @@ mod support;
 use indicatif::{ProgressBar, ProgressStyle};
 use raycontact::contact::{ContactList, DetectionOptions, query_self_with_all_rays};
 use raycontact::mesh::{Mesh, read_obj_file};
-use raycontact::octree::Octree;
+use raycontact::query::Octree;
 use raycontact::scene::Scene;
 use std::path::Path;
 use std::process::ExitCode;

@@ -19,8 +19,10 @@
 //! Two unit cubes, one shifted by (0.8, 0.1, 0.2). With rays from the vertices, as in the paper, each has one contact: at the
 //! corner that lies inside the other. By default there are hundreds, so that forces hardly depend on the triangulation.
 //! ```
-//! use raycontact::contact::{ContactList, DetectionOptions, query_pair};
-//! use raycontact::{mesh::Mesh, octree::Octree};
+//! use raycontact::contact::{ContactList, DetectionOptions};
+//! use raycontact::escape::query_pair;
+//! use raycontact::mesh::Mesh;
+//! use raycontact::query::Octree;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let corner = |i: usize| [(i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64];
@@ -42,30 +44,24 @@
 //! # }
 //! ```
 
+mod bvh;
 mod bytes;
 pub mod capi;
-pub mod closest;
-mod detection;
+pub mod contact;
+pub mod escape;
+pub mod force;
 pub mod math;
 pub mod memory;
 pub mod mesh;
-pub mod octree;
-pub mod ray;
-mod recovery;
-pub mod response;
+pub mod own_exits;
+mod paper_octree;
+pub mod query;
 pub mod scene;
-mod surface;
+mod self_contact;
+mod simd;
 pub mod system;
 pub mod threads;
-
-/// Contacts of two bodies, or of a body with itself, and how they are found.
-pub mod contact {
-    pub use crate::detection::{
-        Contact, ContactKind, ContactLaw, ContactList, DetectionOptions, EscapePush, OwnExit, OwnExits, OwnExitsError,
-        Sampling, Statistics, SurfacePoint, query_self, query_self_with_all_rays,
-    };
-    pub use crate::recovery::{PairMemory, Record, query_pair};
-}
+pub mod triangle;
 
 // What unit tests share with the integration tests.
 #[cfg(test)]

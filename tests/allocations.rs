@@ -6,9 +6,11 @@ use allocation_counter::measure;
 use common::c::RAYC_STATUS_OK;
 use common::shapes::{self, Shape};
 use raycontact::capi::*;
-use raycontact::contact::{ContactList, DetectionOptions, OwnExits, Sampling, query_pair};
+use raycontact::contact::{ContactList, DetectionOptions, Sampling};
+use raycontact::escape::query_pair;
 use raycontact::math::Pose;
-use raycontact::octree::{Layout, Octree};
+use raycontact::own_exits::OwnExits;
+use raycontact::query::{Layout, Octree};
 use raycontact::scene::Scene;
 use raycontact::system::{Carriers, ContactSystem, Material, Motion, RigidUnknowns};
 use raycontact::threads::ParallelFor;
@@ -24,7 +26,7 @@ fn moved(torus: &Shape, step: usize) -> Vec<[f64; 3]> {
 
 #[test]
 fn a_steady_step_allocates_nothing() {
-    for layout in [Layout::Wide, Layout::Classic] {
+    for layout in [Layout::Bvh, Layout::PaperOctree] {
         let mut a = shapes::torus(16, 8, 0.4).mesh::<f64>();
         let b = shapes::torus(16, 8, 0.4).turned(0.4, 0.9).moved([0.25, 0.1, 0.3]).mesh::<f64>();
         let (mut octree_a, octree_b) = (Octree::with_layout(&a, layout), Octree::with_layout(&b, layout));
@@ -59,7 +61,7 @@ fn asking_for_closest_points_again_allocates_nothing() {
     let mut points: Vec<_> = mesh.positions().iter().map(|position| position * 0.95).collect();
     points.extend(mesh.positions().iter().step_by(37).map(|position| position * 1e9));
     let bounds = vec![f64::INFINITY; points.len()];
-    for layout in [Layout::Wide, Layout::Classic] {
+    for layout in [Layout::Bvh, Layout::PaperOctree] {
         let octree = Octree::with_layout(&mesh, layout);
         let tracer = octree.tracer(&mesh).expect("it is new");
         let mut found = Vec::new();
@@ -74,7 +76,7 @@ fn asking_for_closest_points_again_allocates_nothing() {
 fn asking_for_own_exits_again_allocates_nothing() {
     let a = shapes::torus(32, 16, 0.4);
     let mut mesh = a.joined(&a.turned(0.4, 0.9).moved([0.25, 0.1, 0.3])).mesh::<f64>();
-    for layout in [Layout::Wide, Layout::Classic] {
+    for layout in [Layout::Bvh, Layout::PaperOctree] {
         let (mut octree, mut own_exits) = (Octree::with_layout(&mesh, layout), OwnExits::default());
         for step in 0..12 {
             let other = a.turned(0.4, 0.9 + 0.1 * f64::from(step % 3)).moved([0.25, 0.1, 0.3]);

@@ -3,10 +3,11 @@
 use crate::host::{Host, HostBody};
 use crate::method::{Key, Method, Push, Stages};
 use crate::workload::Workload;
-use raycontact::contact::{Contact, ContactList, DetectionOptions, query_pair};
+use raycontact::contact::{Contact, ContactList, DetectionOptions};
+use raycontact::escape::query_pair;
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
-use raycontact::octree::{Layout, Octree};
+use raycontact::query::{Layout, Octree};
 use raycontact::scene::Scene;
 
 pub trait HostScalar: Scalar {
@@ -97,7 +98,7 @@ pub struct Classic<T: Scalar> {
 impl<T: HostScalar> Classic<T> {
     pub fn new(workload: &Workload, host: &Host, options: DetectionOptions<T>) -> Result<Self, String> {
         let with_octree = |mesh| {
-            let octree = Octree::with_layout(&mesh, Layout::Classic);
+            let octree = Octree::with_layout(&mesh, Layout::PaperOctree);
             (mesh, octree)
         };
         let bodies = meshes(workload, host)?.into_iter().map(with_octree).collect();

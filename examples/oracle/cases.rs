@@ -4,7 +4,7 @@ use crate::random::Random;
 use crate::shapes::{self, Point, Shape};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
-use raycontact::ray::Ray;
+use raycontact::triangle::Ray;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Case {

@@ -8,11 +8,11 @@ use crate::cases::Target;
 use crate::distance::{Error, is_weighted, least, to_triangle, to_weighted};
 use crate::random::Random;
 use crate::tally::{Failure, Tally};
-use raycontact::closest::ClosestPoint;
 use raycontact::math::{Scalar, Vector3};
-use raycontact::octree::Tracer;
+use raycontact::query::Tracer;
+use raycontact::triangle::ClosestPoint;
 
-/// What the library promises (`src/closest/`).
+/// What the library promises (`src/triangle/closest_point/`).
 pub const DISTANCE_ERROR: f64 = 64.0;
 
 /// One point for so many rays.

@@ -3,7 +3,7 @@
 
 use crate::cases::Case;
 use lexopt::prelude::*;
-use raycontact::ray::TriangleTest;
+use raycontact::triangle::TriangleTest;
 
 pub const HELP: &str = "\
 usage: cargo run --release --example oracle -- [options]

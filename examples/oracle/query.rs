@@ -9,8 +9,8 @@ use crate::tally::{Failure, Tally};
 use crate::verdict::Verdict;
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
-use raycontact::octree::{Layout, Octree, Tracer};
-use raycontact::ray::{Hit, PreparedRay, Ray, TriangleTest};
+use raycontact::query::{Layout, Octree, Tracer};
+use raycontact::triangle::{Hit, PreparedRay, Ray, TriangleTest};
 
 /// Rays to one mesh.
 pub const BATCH_SIZE: u64 = 256;
@@ -45,7 +45,7 @@ pub fn run_batch<T: Scalar>(case: Case, seed: u64, batch: u64, count: u64, test:
     let rays = target.rays(BATCH_SIZE as usize, &mut random);
     let rays = &rays[..count as usize];
     let mesh = &target.mesh;
-    let octrees = [Layout::Classic, Layout::Wide].map(|layout| Octree::with_layout(mesh, layout));
+    let octrees = [Layout::PaperOctree, Layout::Bvh].map(|layout| Octree::with_layout(mesh, layout));
     let tracers = octrees.each_ref().map(|octree| octree.tracer(mesh).expect("the octree is fresh").with_test(test));
     let packets = ask_packets(&tracers, rays, &mut random);
 

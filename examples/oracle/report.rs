@@ -3,7 +3,7 @@
 use crate::cases::{Case, Target};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
-use raycontact::ray::{Hit, Ray};
+use raycontact::triangle::{Hit, Ray};
 use std::fmt::Write;
 
 /// Where a ray comes from.

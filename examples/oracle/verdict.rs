@@ -4,7 +4,7 @@ use crate::judge::{Crossing, Judge};
 use crate::query::Answers;
 use crate::tally::{Failure, Tally};
 use raycontact::math::Scalar;
-use raycontact::ray::{Hit, Ray};
+use raycontact::triangle::{Hit, Ray};
 
 /// A hit's `t` and weights must name one point to within so many rounding units of the triangle's reach, axis by axis.
 ///

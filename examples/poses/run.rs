@@ -7,9 +7,9 @@ use crate::options::Mode;
 use crate::proximity::{self, Repulsion};
 use nalgebra::Vector3;
 use raycontact::contact::{ContactList, DetectionOptions, Statistics};
+use raycontact::force::{PenaltyLaw, Weighting};
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
-use raycontact::response::{PenaltyLaw, Weighting};
 use raycontact::scene::Scene;
 
 /// After so many steps a pose counts as stuck.

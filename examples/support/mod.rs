@@ -7,10 +7,11 @@ pub mod limits;
 pub mod shapes;
 
 use nalgebra::Vector3;
-use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, query_pair};
+use raycontact::contact::{ContactLaw, ContactList, DetectionOptions};
+use raycontact::escape::query_pair;
+use raycontact::force::{PenaltyLaw, Weighting, add_forces};
 use raycontact::mesh::Mesh;
-use raycontact::octree::Octree;
-use raycontact::response::{PenaltyLaw, Weighting, add_forces};
+use raycontact::query::Octree;
 
 /// A vector of measured quantities.
 pub type Vector = Vector3<f64>;

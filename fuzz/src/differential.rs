@@ -6,12 +6,12 @@ use crate::surface;
 use raycontact::contact::{ContactList, DetectionOptions, query_self, query_self_with_all_rays};
 use raycontact::math::Vector3;
 use raycontact::mesh::Mesh;
-use raycontact::octree::{Layout, Octree};
-use raycontact::ray::Ray;
+use raycontact::query::{Layout, Octree};
+use raycontact::triangle::Ray;
 
 pub fn run(bytes: &mut Bytes) {
     let Ok(mut mesh) = surface::mesh(bytes) else { return };
-    let mut octrees = [Layout::Wide, Layout::Classic].map(|layout| Octree::with_layout(&mesh, layout));
+    let mut octrees = [Layout::Bvh, Layout::PaperOctree].map(|layout| Octree::with_layout(&mesh, layout));
     // A step, so that octrees are refitted too; where numbers are not finite nothing has changed.
     let moved: Vec<[f64; 3]> = mesh.positions().iter().map(|p| [p.x + bytes.number(), p.y, p.z]).collect();
     if mesh.set_positions(&moved).is_ok() {

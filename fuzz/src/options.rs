@@ -3,9 +3,10 @@
 
 use crate::Bytes;
 use crate::surface;
-use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling, query_pair, query_self};
+use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling, query_self};
+use raycontact::escape::query_pair;
 use raycontact::mesh::Mesh;
-use raycontact::octree::Octree;
+use raycontact::query::Octree;
 use raycontact::scene::Scene;
 
 /// A ball of few triangles, or a surface from bytes.

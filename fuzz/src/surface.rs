@@ -3,7 +3,7 @@
 use crate::Bytes;
 use crate::cuboid::CUBOID_FACES;
 use raycontact::mesh::{Mesh, MeshError};
-use raycontact::octree::{Layout, Octree};
+use raycontact::query::{Layout, Octree};
 
 pub fn cube_corner(i: usize) -> [f64; 3] {
     [i & 1, i >> 1 & 1, i >> 2 & 1].map(|x| x as f64)
@@ -48,7 +48,7 @@ pub fn run(bytes: &mut Bytes) {
         let around = mesh.topology().triangles_around(vertex);
         assert!(around.iter().all(|&t| mesh.topology().triangles()[t as usize].contains(&vertex)));
     }
-    for layout in [Layout::Wide, Layout::Classic] {
+    for layout in [Layout::Bvh, Layout::PaperOctree] {
         Octree::with_layout(&mesh, layout).validate(&mesh).expect("the octree is whole");
     }
 }

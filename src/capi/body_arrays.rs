@@ -4,10 +4,10 @@ use super::checks::check_numbers;
 use super::failure::{Failure, rayc_status};
 use super::pointers::slice;
 use super::vectors::{Strided, rayc_vectors, rayc_vectors_mut};
-use crate::detection::{Contact, ContactList};
+use crate::contact::{Contact, ContactList};
+use crate::force::{BodiesMut, Vectors, VectorsMut};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
-use crate::response::{BodiesMut, Vectors, VectorsMut};
 
 /// One body's array, known to be as it should.
 #[repr(transparent)]

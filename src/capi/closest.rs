@@ -7,11 +7,12 @@ use super::octree::{RAYC_NO_TRIANGLE, rayc_octree};
 use super::pointers::{Output, reference, slice};
 use super::precision::with_precision;
 use super::vectors::{Strided, rayc_vectors};
-use crate::closest::ClosestPoint;
 use crate::math::{Scalar, Vector3};
-use crate::memory::{self, text};
+use crate::memory;
+use crate::memory::text;
 use crate::mesh::Mesh;
-use crate::octree::Octree;
+use crate::query::Octree;
+use crate::triangle::ClosestPoint;
 
 /// The point of a surface that is nearest to a given one.
 #[repr(C)]

@@ -8,7 +8,7 @@ use super::guard::guard;
 use super::handles::{changing, reading};
 use super::pointers::{Output, slice};
 use super::precision::with_precision;
-use crate::detection::ContactList;
+use crate::contact::ContactList;
 use crate::math::Scalar;
 use crate::system::Surface;
 

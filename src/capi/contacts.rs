@@ -8,10 +8,10 @@ use super::pointers::{Output, range_of};
 use super::precision::{InPrecision, with_precision};
 use super::sized_structs::{read_options, write_known};
 use super::statistics::rayc_statistics;
-use crate::detection::{Contact, ContactKind, ContactList, SurfacePoint, query_self};
+use crate::contact::{Contact, ContactKind, ContactList, SurfacePoint, query_self};
+use crate::escape::query_pair;
+use crate::force::ForcesByPair;
 use crate::math::Scalar;
-use crate::recovery::query_pair;
-use crate::response::ForcesByPair;
 use std::ops::Range;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.

@@ -5,7 +5,7 @@ use super::handles::reading;
 use super::pointers::{Output, range_of};
 use super::precision::with_precision;
 use super::sized_structs::{Known, growing};
-use crate::detection::EscapePush;
+use crate::contact::EscapePush;
 use crate::math::Scalar;
 
 /// Which way an escaping pair goes, and how far: the sum of the pair's contacts of kind RAYC_CONTACT_KIND_ESCAPE. It

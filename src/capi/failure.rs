@@ -1,9 +1,10 @@
+use crate::bytes::BytesError;
+use crate::force::LawError;
 use crate::math::PoseError;
 use crate::memory::text;
 use crate::mesh::{MeshError, ObjFileError, PackedMeshError};
-use crate::octree::OctreeError;
-use crate::response::LawError;
-use crate::scene::{BytesError, SceneError};
+use crate::query::OctreeError;
+use crate::scene::SceneError;
 use crate::system::SystemError;
 use std::borrow::Cow;
 use std::fmt::Display;

@@ -1,6 +1,7 @@
 use super::failure::{Failure, rayc_status};
 use super::float_mode::DefaultMode;
-use crate::memory::{self, OutOfMemory, text};
+use crate::memory;
+use crate::memory::{OutOfMemory, text};
 use libc::c_char;
 use std::any::Any;
 use std::borrow::Cow;

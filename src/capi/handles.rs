@@ -3,7 +3,8 @@
 
 use super::failure::{Failure, rayc_status};
 use super::pointers::{Output, null};
-use crate::memory::{self, text};
+use crate::memory;
+use crate::memory::text;
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;

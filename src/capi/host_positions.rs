@@ -2,8 +2,9 @@
 //! type are copied as they are, and others in one conversion.
 
 use super::vectors::{Strided, rayc_scalar};
-use crate::math::{LANE_COUNT, Scalar};
+use crate::math::Scalar;
 use crate::mesh::{Mesh, MeshError, PositionSource};
+use crate::simd::LANE_COUNT;
 use std::marker::PhantomData;
 
 pub(super) fn set_positions<T: Scalar>(mesh: &mut Mesh<T>, positions: &Strided) -> Result<(), MeshError> {
@@ -61,7 +62,7 @@ mod tests {
     use super::super::vectors::rayc_vectors;
     use super::*;
     use crate::math::{Aabb, Vector3};
-    use crate::octree::test_mesh::{torus_at, torus_positions};
+    use crate::mesh::test_mesh::{torus_at, torus_positions};
 
     /// So many bytes lie before each vector, none of them a finite number's.
     fn bytes<S: Scalar>(positions: &[[f64; 3]], gap: usize, write: impl Fn(S, &mut Vec<u8>)) -> Vec<u8> {

@@ -7,12 +7,12 @@ use super::octree_options::rayc_octree_options;
 use super::pointers::{Output, slice};
 use super::precision::{InPrecision, with_precision};
 use super::sized_structs::read_options;
-use crate::contact::OwnExits;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 use crate::mesh::Mesh;
-use crate::octree::{Octree, Tracer};
-use crate::ray::{Hit, Ray};
+use crate::own_exits::OwnExits;
+use crate::query::{Octree, Tracer};
+use crate::triangle::{Hit, Ray};
 
 /// Stands where a triangle's number would be and there is no triangle: a ray that meets nothing, no surface within a
 /// bound.
@@ -248,7 +248,7 @@ fn check_ray<T: Scalar>(index: usize, ray: &rayc_ray) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::octree::test_mesh::{torus_at, torus_positions};
+    use crate::mesh::test_mesh::{torus_at, torus_positions};
 
     const SIDES: [u32; 2] = [40, 16];
 

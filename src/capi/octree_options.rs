@@ -2,7 +2,7 @@ use super::checks::check_reserved;
 use super::failure::{Failure, rayc_status, unknown_enum};
 use super::guard::guard;
 use super::sized_structs::{Growing, Options, growing, write_defaults};
-use crate::octree::Layout;
+use crate::query::Layout;
 
 /// How an octree is built. Fill with rayc_default_octree_options(), then change what you need.
 #[repr(C)]
@@ -41,8 +41,8 @@ impl rayc_octree_options {
     pub(super) fn layout(&self) -> Result<Layout, Failure> {
         check_reserved(Self::NAME, self.reserved)?;
         match self.layout {
-            layout if layout == rayc_octree_layout::RAYC_OCTREE_LAYOUT_WIDE as u32 => Ok(Layout::Wide),
-            layout if layout == rayc_octree_layout::RAYC_OCTREE_LAYOUT_CLASSIC as u32 => Ok(Layout::Classic),
+            layout if layout == rayc_octree_layout::RAYC_OCTREE_LAYOUT_WIDE as u32 => Ok(Layout::Bvh),
+            layout if layout == rayc_octree_layout::RAYC_OCTREE_LAYOUT_CLASSIC as u32 => Ok(Layout::PaperOctree),
             other => Err(unknown_enum("layout", other, "rayc_octree_layout")),
         }
     }

@@ -4,10 +4,10 @@ use super::guard::guard;
 use super::host_threads::rayc_parallel_for;
 use super::sized_structs::{Options, growing, write_defaults, write_options};
 use super::vectors::rayc_scalar;
-use crate::detection::{ContactLaw, DetectionOptions, Sampling};
+use crate::contact::{ContactLaw, DetectionOptions, Sampling};
+use crate::force::{PenaltyLaw, Weighting};
 use crate::math::Scalar;
 use crate::memory::text;
-use crate::response::{PenaltyLaw, Weighting};
 use libc::c_void;
 
 /// How a mesh is kept. Fill with rayc_default_mesh_options(), then change what you need.

@@ -6,11 +6,11 @@ use super::mesh::rayc_mesh;
 use super::octree::rayc_octree;
 use super::pointers::Output;
 use super::precision::with_precision;
-use crate::contact::{OwnExit, OwnExits, OwnExitsError};
 use crate::math::Scalar;
 use crate::memory::text;
 use crate::mesh::Mesh;
-use crate::octree::Octree;
+use crate::own_exits::{OwnExit, OwnExits, OwnExitsError};
+use crate::query::Octree;
 
 /// A vertex inside another part of its own body, and where its shortest way out of that part ends.
 #[repr(C)]

@@ -9,9 +9,9 @@ use super::precision::with_precision;
 use super::response::{most_force, velocities_for};
 use super::sized_structs::read_options;
 use super::vectors::rayc_vectors;
-use crate::detection::ContactList;
+use crate::contact::ContactList;
+use crate::force::{ForcesByPair, PairForces, PenaltyLaw};
 use crate::math::{Scalar, Vector3};
-use crate::response::{ForcesByPair, PairForces, PenaltyLaw};
 
 /// The forces of one pair of bodies, or of a body with itself: where they lie among those of all pairs.
 #[repr(C)]

@@ -6,8 +6,8 @@ use super::pointers::{Output, range_of, slice};
 use super::precision::with_precision;
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::{Known, growing};
+use crate::escape::PairMemory;
 use crate::math::Scalar;
-use crate::recovery::PairMemory;
 
 /// What a pair of bodies of a scene remembers from step to step while their boxes overlap; rayc_scene_advance() ends a
 /// step. Later versions may tell more, at the end.

@@ -8,10 +8,10 @@ use super::pointers::Output;
 use super::precision::with_precision;
 use super::sized_structs::read_options;
 use super::vectors::{rayc_vectors, rayc_vectors_mut};
-use crate::detection::{Contact, ContactList};
+use crate::contact::{Contact, ContactList};
+use crate::force::{PenaltyLaw, add_differential, add_forces, energy};
 use crate::math::Scalar;
 use crate::memory::text;
-use crate::response::{PenaltyLaw, add_differential, add_forces, energy};
 
 /// Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
 /// in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is

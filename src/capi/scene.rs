@@ -11,7 +11,8 @@ use super::precision::{InPrecision, with_precision};
 use super::sized_structs::read_options;
 use super::vectors::{Strided, rayc_scalar, rayc_vectors, scalar_from};
 use crate::math::{Pose, Scalar};
-use crate::memory::{self, text};
+use crate::memory;
+use crate::memory::text;
 use crate::scene::Scene;
 use std::sync::Arc;
 

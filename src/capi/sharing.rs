@@ -8,9 +8,9 @@ use super::precision::with_precision;
 use super::scene::{AnyScene, rayc_scene};
 use super::sized_structs::{Known, check_size, growing, write_known};
 use crate::bytes::Reader;
+use crate::escape::PairMemory;
 use crate::math::Scalar;
 use crate::memory::text;
-use crate::recovery::PairMemory;
 use crate::scene::{PairCost, Scene, SceneError, Sharing, finds_pair};
 
 /// For rayc_scene_share_body(): the neighbours of a body are counted in this scene alone.

@@ -1,5 +1,5 @@
 use super::sized_structs::growing;
-use crate::detection::{Statistics, with_counters};
+use crate::contact::{Statistics, with_counters};
 
 /// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
 /// reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced + border_pieces.

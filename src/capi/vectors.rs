@@ -1,7 +1,7 @@
 use super::failure::{Failure, rayc_status, unknown_enum};
+use crate::force::VectorsMut;
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
-use crate::response::VectorsMut;
 use libc::c_void;
 use std::fmt::Display;
 use std::ops::Range;

@@ -29,7 +29,7 @@ pub(crate) const BOX_FACE: f64 = 16.0;
 /// `tests/library/whole/metamorphic.rs` and `tests/library/recovery/completeness.rs`.
 pub(crate) const RAY_END: f64 = 64.0;
 
-/// A ray's end as a point; times the largest coordinate: one product and one sum. Held by `src/octree/wide/packet/tests.rs`.
+/// A ray's end as a point; times the largest coordinate: one product and one sum. Held by `src/bvh/rays/packet/tests.rs`.
 pub(crate) const END_POINT: f64 = 4.0;
 
 /// The faces of the overlap box; times its largest coordinate. A sample on such a face is a sum of three corners by weights
@@ -57,7 +57,7 @@ pub(crate) const TILE_CYLINDER: f64 = 32.0;
 
 /// Whether rays may leave a tile at all; times its side plus the reach, squared in effect. A normal takes 7 (differences,
 /// products, their difference) on each axis, its product with a direction 5, the corners as the triangle test sees them 8.5;
-/// vectors are up to 2 √3 times as long as a side. Held by `src/octree/wide/packet/tests.rs`.
+/// vectors are up to 2 √3 times as long as a side. Held by `src/bvh/rays/packet/tests.rs`.
 pub(crate) const LEAVING: f64 = 256.0;
 
 /// How far a ray may have to go, at least and at most, in lengths of its direction, for boxes to be told apart by the `t` of
@@ -76,17 +76,17 @@ pub(crate) const CELL_FACE: f64 = 3.0;
 
 /// How far the cylinder around a tile reaches along a row of a rotation; times its size, and as a part of a square of the row.
 /// Normals are as long as 1 to 4 units, their product with a row takes 5 more, and squares double that: 18. Held by
-/// `src/octree/wide/posed/tests.rs`.
+/// `src/bvh/posed/tests.rs`.
 pub(crate) const CYLINDER_REACH: f64 = 64.0;
 
 /// Boxes in narrow numbers, in units of the mesh's longest side: 16 rounding units of `f32`. A number takes 1 each for the
 /// difference, the inverse, the product, the conversion and this margin itself, the sum of two that is held against a distance
-/// 2 more, and the distance 3: 10. Held by `src/octree/near_triangles.rs`.
+/// 2 more, and the distance 3: 10. Held by `src/self_contact/near_triangles.rs`.
 pub(crate) const NARROW_BOX: f32 = 1.0 / (1 << 20) as f32;
 
 /// The least cosine of the angle between normals that face alike, in single precision: one half, and 0.01 for normals of
 /// slivers, of which rounding may turn those that are 2⁻¹⁷ times as high as long by so much. Held by
-/// `src/octree/near_triangles.rs`.
+/// `src/self_contact/near_triangles.rs`.
 pub(crate) const FACING_ALIKE: f32 = 0.51;
 
 /// The least part of a normal along an axis that it faces along, squared. A normal whose triangle passes [`LEAST_SINE`] is
@@ -115,26 +115,26 @@ pub(crate) const FLAT_TETRAHEDRON: f64 = 128.0;
 pub(crate) const VOLUME: f64 = 1.0;
 
 /// Positions as rays see them; times the largest coordinate: projections 8.5, hits 32, the rays' origins 8. Held by
-/// `src/detection/self_search/touching/tests.rs`.
+/// `src/self_contact/touching/tests.rs`.
 pub(crate) const SEEN_POSITION: f64 = 64.0;
 
 /// Triangles of one body closer than this touch; in [`SEEN_POSITION`]s: one for each of the two, and the distance found between
-/// them is rounded by less than a third. Held by `src/detection/self_search/touching/tests.rs`.
+/// them is rounded by less than a third. Held by `src/self_contact/touching/tests.rs`.
 pub(crate) const TOUCH: f64 = 4.0;
 
 /// The least altitude of the triangles around a vertex, as seen along their mean normal; in [`SEEN_POSITION`]s. A ray from a
 /// triangle's middle stays a third of it away from the others, 21, where 2 would be told apart from touching. Held by
-/// `src/detection/self_search/touching/tests.rs`.
+/// `src/self_contact/touching/tests.rs`.
 pub(crate) const ALTITUDE_OF_FAN: f64 = 64.0;
 
 /// What is left of the strain that the triangles around a vertex may take: one part in fifty for the rounding of its sines and
 /// lengths, which is a few units over the sine, and of the bound's own 1.665 to 1.67. Held by
-/// `src/detection/self_search/touching/tests.rs`.
+/// `src/self_contact/touching/tests.rs`.
 pub(crate) const STRAIN: f64 = 0.98;
 
 /// The square of a gap between triangles, held against the square of a distance; its factor. Beyond all rounding: squares and
 /// their quotient take 10 units. Triangles between the two are looked at closely. Held by
-/// `src/detection/self_search/touching/tests.rs`.
+/// `src/self_contact/touching/tests.rs`.
 pub(crate) const CLEAR_GAP: f64 = 1.5;
 
 /// The lengths of the normals around a vertex, summed; times the sum: one for each triangle and 5 for each length. Held by
@@ -182,7 +182,7 @@ pub(crate) const WEIGHT_SUM: f64 = 1e-5;
 /// to rounding is no inertia. Held by `tests/library/system/refusals.rs`.
 pub(crate) const INERTIA: [f64; 2] = [1e-9, 1e-14];
 
-/// How far the square of a remembered direction may be from 1, in either precision. Held by `src/recovery/packed_memory.rs`.
+/// How far the square of a remembered direction may be from 1, in either precision. Held by `src/escape/packed_memory.rs`.
 pub(crate) const UNIT_SQUARE: f64 = 1e-3;
 
 /// The square of an angle below which two terms of a rotation's series are all: the next is 1/120 of its square, half a unit.

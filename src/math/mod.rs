@@ -1,15 +1,11 @@
 //! Scalars, vectors and boxes.
 
 mod aabb;
-mod lanes;
 pub(crate) mod margins;
 mod pose;
 mod scalar;
 
 pub use aabb::Aabb;
-#[cfg(all(test, target_arch = "x86_64"))]
-pub(crate) use lanes::on_every_path;
-pub(crate) use lanes::{Kernel, LANE_COUNT, Lanes, Mask, Vectors, dispatch, lanes_of, set_lane, vector_in_lane};
 pub use pose::{Pose, PoseError};
 pub use scalar::Scalar;
 

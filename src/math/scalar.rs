@@ -1,5 +1,5 @@
 /// The floating-point types the library works in: `f32` and `f64`.
-pub trait Scalar: nalgebra::RealField + Copy + Default + Send + Sync + super::lanes::HasLanes {
+pub trait Scalar: nalgebra::RealField + Copy + Default + Send + Sync + crate::simd::HasLanes {
     /// Half the distance from 1 to the next larger number: the largest relative error of one rounded operation.
     const ROUNDING_UNIT: Self;
     /// The largest finite number.

@@ -3,8 +3,10 @@
 
 use super::edges::NO_TRIANGLE;
 use super::{Mesh, OrderInSpace, Topology};
-use crate::math::{Aabb, LANE_COUNT, Scalar, Vector3};
-use crate::memory::{self, Room};
+use crate::math::{Aabb, Scalar, Vector3};
+use crate::memory;
+use crate::memory::Room;
+use crate::simd::LANE_COUNT;
 use std::cmp::Ordering;
 use std::mem;
 
@@ -24,7 +26,7 @@ pub(crate) struct Clusters {
 
 impl Clusters {
     /// Of a mesh, by its reference positions.
-    pub(super) fn new<T: Scalar>(mesh: &Mesh<T>) -> Self {
+    pub(crate) fn new<T: Scalar>(mesh: &Mesh<T>) -> Self {
         let mut clusters = grow(mesh);
         let mut places =
             memory::listed(clusters.iter().zip(0..).map(|(cluster, number)| (centre(mesh, cluster), number)));
@@ -37,7 +39,7 @@ impl Clusters {
     }
 
     /// As they were found before, for a mesh with this topology; `None` where they cannot be its clusters.
-    pub(super) fn known(topology: &Topology, triangles: Vec<u32>, sizes: Vec<u8>) -> Option<Self> {
+    pub(crate) fn known(topology: &Topology, triangles: Vec<u32>, sizes: Vec<u8>) -> Option<Self> {
         let count = topology.triangles().len();
         let mut is_free = memory::filled(true, count);
         let is_whole = triangles.len() == count
@@ -63,11 +65,11 @@ impl Clusters {
         })
     }
 
-    pub(super) fn triangles(&self) -> &[u32] {
+    pub(crate) fn triangles(&self) -> &[u32] {
         &self.triangles
     }
 
-    pub(super) fn sizes(&self) -> &[u8] {
+    pub(crate) fn sizes(&self) -> &[u8] {
         &self.sizes
     }
 }

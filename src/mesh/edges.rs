@@ -2,7 +2,8 @@
 //! fifth of a mesh's memory.
 
 use super::MeshError;
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 
 /// Where two triangles meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +24,7 @@ pub enum Border {
 }
 
 /// In place of a neighbour where the surface ends.
-pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
 
 /// A triangle's side, seen from its smaller end: the larger end, whether the triangle runs backward through it, and the
 /// triangle, as one number, which sorts fastest.
@@ -50,7 +51,7 @@ impl Side {
 }
 
 /// A triangle's two corners beside one of them, in its order.
-pub(super) fn others([a, b, c]: [u32; 3], vertex: u32) -> [u32; 2] {
+pub(crate) fn others([a, b, c]: [u32; 3], vertex: u32) -> [u32; 2] {
     if a == vertex {
         [b, c]
     } else if b == vertex {
@@ -61,7 +62,7 @@ pub(super) fn others([a, b, c]: [u32; 3], vertex: u32) -> [u32; 2] {
 }
 
 /// The sides of which a vertex is the smaller end, in ascending order, given the triangles around it.
-pub(super) fn list_sides(vertex: u32, triangles: &[[u32; 3]], around: &[u32], sides: &mut Vec<Side>) {
+pub(crate) fn list_sides(vertex: u32, triangles: &[[u32; 3]], around: &[u32], sides: &mut Vec<Side>) {
     sides.clear();
     sides.room_for(2 * around.len());
     for &triangle in around {
@@ -77,7 +78,7 @@ pub(super) fn list_sides(vertex: u32, triangles: &[[u32; 3]], around: &[u32], si
 
 /// Every edge must belong to two triangles that run through it in opposite directions, or to one at a border. Gives the
 /// triangles across the edges of each, in no order, and [`NO_TRIANGLE`] for those that are not there; and whether there is a border.
-pub(super) fn check(
+pub(crate) fn check(
     triangles: &[[u32; 3]],
     around: &[u32],
     around_start: &[u32],
@@ -106,7 +107,7 @@ pub(super) fn check(
 }
 
 /// Notes that two triangles meet.
-pub(super) fn join(neighbours: &mut [[u32; 3]], [a, b]: [u32; 2]) {
+pub(crate) fn join(neighbours: &mut [[u32; 3]], [a, b]: [u32; 2]) {
     for (from, to) in [(a, b), (b, a)] {
         let [first, second, third] = &mut neighbours[from as usize];
         // A triangle has three edges.
@@ -122,7 +123,7 @@ pub(super) fn join(neighbours: &mut [[u32; 3]], [a, b]: [u32; 2]) {
 }
 
 /// The edge at or after `next` among a vertex's sides.
-pub(super) fn next_edge(vertex: u32, sides: &[Side], next: &mut usize) -> Option<Edge> {
+pub(crate) fn next_edge(vertex: u32, sides: &[Side], next: &mut usize) -> Option<Edge> {
     while let Some(&[s, t]) = sides[*next..].first_chunk() {
         let is_edge = s.end() == t.end();
         *next += if is_edge { 2 } else { 1 };

@@ -3,8 +3,9 @@
 
 use super::Mesh;
 use super::normals::{Fan, NormalLanes};
+use crate::math::Scalar;
 use crate::math::margins::{LEAST_PART, LEAST_SINE};
-use crate::math::{Lanes, Mask, Scalar, Vectors};
+use crate::simd::{Lanes, Mask, Vectors};
 
 /// Vertices around which all triangles face along an axis, or all against it, and go around once: seen along the axis they
 /// cover a neighbourhood of the vertex once, so that the points just before and behind it lie on either side of the surface.
@@ -72,8 +73,8 @@ impl<T: Scalar> Fan<T> for FacingFan {
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
-    use crate::math::{Kernel, LANE_COUNT, on_every_path};
-    use crate::octree::test_mesh::torus_at;
+    use crate::mesh::test_mesh::torus_at;
+    use crate::simd::{Kernel, LANE_COUNT, on_every_path};
 
     #[derive(Clone, Copy)]
     struct Asked<'a, T: Scalar>(&'a Mesh<T>);

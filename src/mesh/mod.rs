@@ -15,6 +15,8 @@ mod posed;
 mod positions;
 mod representatives;
 mod roundness;
+#[cfg(test)]
+pub(crate) mod test_mesh;
 mod topology;
 mod winding;
 
@@ -38,8 +40,9 @@ pub(crate) use representatives::Representatives;
 use topology::RING_LENGTH;
 pub use topology::Topology;
 
-use crate::math::{Aabb, LANE_COUNT, Pose, Scalar, Vector3, dispatch};
+use crate::math::{Aabb, Pose, Scalar, Vector3};
 use crate::memory;
+use crate::simd::{LANE_COUNT, dispatch};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 

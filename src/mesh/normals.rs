@@ -1,5 +1,6 @@
 use super::{Mesh, RING_LENGTH, VertexNormal};
-use crate::math::{LANE_COUNT, Lanes, Mask, Scalar, Vector3, Vectors, direction, lanes_of, length, margins};
+use crate::math::{Scalar, Vector3, direction, length, margins};
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, lanes_of};
 
 /// Sixteen points with their normals, coordinate by coordinate.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +28,7 @@ impl<T: Scalar> NormalLanes<T> {
 }
 
 /// A visitor of the triangles around sixteen vertices side by side, in their order around each vertex.
-pub(super) trait Fan<T: Scalar> {
+pub(crate) trait Fan<T: Scalar> {
     /// The next triangle of each vertex, between two edges; `is_triangle` where there is one, `is_safe` where the square of
     /// its normal has lost nothing.
     fn add<L: Lanes<T>>(&mut self, edges: [Vectors<T, L>; 2], normal: Vectors<T, L>, is_safe: Mask, is_triangle: Mask);
@@ -64,7 +65,7 @@ impl<T: Scalar> Mesh<T> {
 
     /// The same, and shows the triangles around each vertex to `fan`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn vertex_normals_and<L: Lanes<T>>(
+    pub(crate) fn vertex_normals_and<L: Lanes<T>>(
         &self,
         vertices: &[u32],
         found: &mut NormalLanes<T>,

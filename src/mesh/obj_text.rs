@@ -19,7 +19,7 @@ pub(crate) struct ObjSurface {
 }
 
 /// The surface, or why the text holds none.
-pub(super) fn read(text: &[u8]) -> Result<ObjSurface, Fault> {
+pub(crate) fn read(text: &[u8]) -> Result<ObjSurface, Fault> {
     let mut surface = ObjSurface::default();
     let mut rest = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let (mut words, mut corners) = (Vec::new(), Vec::new());

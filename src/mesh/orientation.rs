@@ -4,7 +4,8 @@
 use super::winding::{self, Corners, WindingTree};
 use super::{Mesh, MeshError};
 use crate::math::{Aabb, Scalar, Vector3, margins};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 
 /// A surface flush with the wall of another part has a winding number of a half in it, or a quarter at an edge; both count as
 /// inside.
@@ -26,7 +27,7 @@ struct InwardPart<'a> {
     volume: Volume,
 }
 
-pub(super) fn check<T: Scalar>(mesh: &Mesh<T>) -> Result<(), MeshError> {
+pub(crate) fn check<T: Scalar>(mesh: &Mesh<T>) -> Result<(), MeshError> {
     if mesh.topology().components().len() == 1 {
         if mesh.is_open() {
             return Ok(());

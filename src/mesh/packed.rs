@@ -2,9 +2,11 @@
 
 use super::clusters::Clusters;
 use super::{Mesh, MeshError};
-use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
+use crate::bytes;
+use crate::bytes::{BytesError, CHECKSUM, Reader, checksum};
 use crate::math::Scalar;
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use std::fmt;
 
 /// Why packed bytes were refused.

@@ -3,7 +3,8 @@
 
 use super::{Edge, Mesh, OrderInSpace};
 use crate::math::{Aabb, Scalar, Vector3};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 
 /// The patches of a mesh, from its triangles up to the largest that are nearly flat. Each patch has one of its triangles
 /// stand for it; of the two that it was merged from, one has the same. So the triangles that stand for large patches are
@@ -46,7 +47,7 @@ fn level_of<T: Scalar>(area: T) -> u64 {
 impl<T: Scalar> Patches<T> {
     /// Those of the mesh at its reference positions. Triangles go by their places in space, so that ties do not depend on
     /// their numbers.
-    pub(super) fn new(mesh: &Mesh<T>) -> Self {
+    pub(crate) fn new(mesh: &Mesh<T>) -> Self {
         let in_space = OrderInSpace::new(mesh);
         let tree = Tree::grow(mesh, &in_space);
         let count = mesh.topology().triangles().len();
@@ -272,7 +273,7 @@ impl Tree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::octree::test_mesh::torus;
+    use crate::mesh::test_mesh::torus;
 
     fn is_connected(mesh: &Mesh<f64>, patch: &[u32]) -> bool {
         let (mut reached, mut waiting) = (vec![patch[0]], vec![patch[0]]);

@@ -1,8 +1,10 @@
 //! A mesh moved by a pose: its vertices are placed where they are needed.
 
 use super::{Mesh, next_stamp};
-use crate::math::{Aabb, LANE_COUNT, Lanes, Mask, Pose, Scalar, Vector3, Vectors};
-use crate::memory::{self, Room};
+use crate::math::{Aabb, Pose, Scalar, Vector3};
+use crate::memory;
+use crate::memory::Room;
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};
 
 impl<T: Scalar> Mesh<T> {
     /// The pose that its reference positions are moved by, where it is; none after other positions.
@@ -30,7 +32,7 @@ impl<T: Scalar> Mesh<T> {
     }
 
     /// The mesh has positions of its own from here on.
-    pub(super) fn leave_pose(&mut self) {
+    pub(crate) fn leave_pose(&mut self) {
         self.pose = None;
         self.placed.clear();
         self.all.take();
@@ -77,7 +79,7 @@ impl<T: Scalar> Mesh<T> {
     }
 
     #[cold]
-    pub(super) fn corners_by(&self, pose: &Pose, corners: [u32; 3]) -> [Vector3<T>; 3] {
+    pub(crate) fn corners_by(&self, pose: &Pose, corners: [u32; 3]) -> [Vector3<T>; 3] {
         corners.map(|vertex| self.position_by(pose, vertex))
     }
 

@@ -1,4 +1,5 @@
-use crate::math::{Aabb, Kernel, LANE_COUNT, Lanes, Mask, Scalar, Vector3};
+use crate::math::{Aabb, Scalar, Vector3};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
 
 /// The positions of a mesh's vertices, wherever and however they lie.
 pub(crate) trait PositionSource<T: Scalar> {
@@ -27,9 +28,9 @@ impl<T: Scalar> PositionSource<T> for [[T; 3]] {
 }
 
 /// Positions that a function gives by number.
-pub(super) struct Numbered<F> {
-    pub(super) count: usize,
-    pub(super) position: F,
+pub(crate) struct Numbered<F> {
+    pub(crate) count: usize,
+    pub(crate) position: F,
 }
 
 impl<T: Scalar, F: Fn(usize) -> Vector3<T>> PositionSource<T> for Numbered<F> {
@@ -49,8 +50,8 @@ impl<T: Scalar, F: Fn(usize) -> Vector3<T>> PositionSource<T> for Numbered<F> {
 }
 
 /// Whether all positions are finite, and the box around them.
-pub(super) struct FiniteBounds<'a, P: ?Sized> {
-    pub(super) positions: &'a P,
+pub(crate) struct FiniteBounds<'a, P: ?Sized> {
+    pub(crate) positions: &'a P,
 }
 
 impl<T: Scalar, P: PositionSource<T> + ?Sized> Kernel<T> for FiniteBounds<'_, P> {

@@ -1,6 +1,7 @@
 use super::{Mesh, Patches};
 use crate::math::Scalar;
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 
 /// The triangles that stand for the patches of at most one area, group by group, so that what casts fewer rays than there
 /// are triangles looks at fewer too.
@@ -110,7 +111,8 @@ fn inner_sides<T: Scalar>(mesh: &Mesh<T>, patches: &Patches<T>, area: T) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Kernel, Lanes, Vector3, dispatch};
+    use crate::math::Vector3;
+    use crate::simd::{Kernel, Lanes, dispatch};
 
     /// A bent sheet of 2 · 12 · 9 triangles, open at its border.
     fn sheet() -> Mesh<f64> {

@@ -8,7 +8,7 @@ const CREASES: [f64; 2] = [50.0, 70.0];
 /// How round a surface is, whatever its size and its triangulation: its mean curvature, averaged over the area and without
 /// what is bent in edges between faces, times the radius of the ball with the same area. 1 for a ball, 0 for a body with flat
 /// faces; bulges and dents cancel out.
-pub(super) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> f64 {
+pub(crate) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> f64 {
     // In a scale in which nothing overflows.
     let largest = positions.iter().fold(T::zero(), |largest, position| largest.max(position.amax()));
     let (factor, _) = normalising_factor(largest);
@@ -38,7 +38,7 @@ pub(super) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]
 mod tests {
     use crate::cuboid::CUBOID_FACES;
     use crate::mesh::Mesh;
-    use crate::octree::test_mesh::torus;
+    use crate::mesh::test_mesh::torus;
     use crate::shapes;
 
     #[test]

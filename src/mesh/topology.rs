@@ -1,7 +1,9 @@
 use super::MeshError;
 use super::edges::{self, Border, Edge, NO_TRIANGLE, Side};
-use crate::math::{LANE_COUNT, Lanes, Scalar};
-use crate::memory::{self, Room};
+use crate::math::Scalar;
+use crate::memory;
+use crate::memory::Room;
+use crate::simd::{LANE_COUNT, Lanes};
 use std::sync::OnceLock;
 
 /// Which vertices form which triangles, checked once: closed unless that is not asked for, manifold and consistently
@@ -116,7 +118,7 @@ impl Topology {
     }
 
     /// The triangles across the edges of each, in no order; [`NO_TRIANGLE`] for those that are not there.
-    pub(super) fn neighbours(&self) -> Vec<[u32; 3]> {
+    pub(crate) fn neighbours(&self) -> Vec<[u32; 3]> {
         let mut neighbours = memory::filled([NO_TRIANGLE; 3], self.triangles().len());
         self.edges().for_each(|edge| edges::join(&mut neighbours, edge.triangles));
         neighbours

@@ -3,18 +3,19 @@
 //! Schmidt, Levin and Jacobson 2018), so that a point among n triangles does not take n steps.
 
 use crate::math::{Vector3, direction, length, margins};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 
 /// A group this many of its radii away counts as one dipole. The error of the winding number stays far below one half.
 const FAR: f64 = 6.0;
 
 const LEAF_LENGTH: usize = 8;
 
-pub(super) type Corners = [Vector3<f64>; 3];
+pub(crate) type Corners = [Vector3<f64>; 3];
 
 /// What part of the full solid angle a triangle covers as seen from `point`; positive where it is seen from behind. Zero
 /// for a triangle that the point lies on, so that a surface winds half around its own points.
-pub(super) fn of_triangle(corners: &Corners, point: &Vector3<f64>) -> f64 {
+pub(crate) fn of_triangle(corners: &Corners, point: &Vector3<f64>) -> f64 {
     let [Some(a), Some(b), Some(c)] = corners.map(|corner| direction(&(corner - point))) else { return 0.0 };
     let volume = a.dot(&b.cross(&c));
     if volume.abs() <= margins::margin(margins::FLAT_TETRAHEDRON) {
@@ -24,7 +25,7 @@ pub(super) fn of_triangle(corners: &Corners, point: &Vector3<f64>) -> f64 {
 }
 
 /// Triangles in groups of groups.
-pub(super) struct WindingTree {
+pub(crate) struct WindingTree {
     triangles: Vec<Corners>,
     /// Each before those within it.
     groups: Vec<Group>,
@@ -42,7 +43,7 @@ struct Group {
 }
 
 impl WindingTree {
-    pub(super) fn new(triangles: Vec<Corners>) -> Self {
+    pub(crate) fn new(triangles: Vec<Corners>) -> Self {
         let mut tree = Self { groups: memory::with_room(triangles.len() / 2), triangles };
         tree.group(0, tree.triangles.len());
         tree
@@ -78,7 +79,7 @@ impl WindingTree {
     }
 
     /// How often the triangles wind around `point`.
-    pub(super) fn winding_number(&self, point: &Vector3<f64>) -> f64 {
+    pub(crate) fn winding_number(&self, point: &Vector3<f64>) -> f64 {
         let (mut sum, mut place) = (0.0, 0);
         while let Some(group) = self.groups.get(place) {
             let way = group.centre - point;

@@ -1,9 +1,10 @@
 use super::OwnContacts;
 use super::shared_body::Sharing;
 use crate::math::{Aabb, Scalar};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::surface::Surface;
+use crate::query::Surface;
 
 #[derive(Debug)]
 pub(super) struct Body<T: Scalar> {

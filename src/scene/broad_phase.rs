@@ -1,5 +1,6 @@
 use crate::math::{Aabb, Scalar};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 
 /// Finds the pairs of bodies whose boxes overlap: sorts the boxes along one axis and compares those whose intervals
 /// meet.

@@ -15,11 +15,12 @@ pub use crate::bytes::BytesError;
 pub use error::SceneError;
 pub use shared_body::{PairCost, Sharing, finds_pair};
 
-use crate::detection::{ContactList, DetectionOptions, SelfWarmStart};
+use crate::contact::{ContactList, DetectionOptions};
+use crate::escape::PairMemory;
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::recovery::PairMemory;
+use crate::self_contact::SelfWarmStart;
 use crate::threads::{ParallelFor, Threads};
 use bodies::{Bodies, Body};
 use broad_phase::BroadPhase;

@@ -1,6 +1,6 @@
+use crate::escape::PairMemory;
 use crate::math::Scalar;
 use crate::memory::Room;
-use crate::recovery::PairMemory;
 use std::collections::HashSet;
 
 /// A pair, its bodies in their order, and what it remembers.

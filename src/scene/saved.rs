@@ -1,10 +1,12 @@
 //! What the pairs of a scene remember, as bytes that a host saves with its own state.
 
 use super::pairs::{History, Remembered};
-use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
+use crate::bytes;
+use crate::bytes::{BytesError, CHECKSUM, Reader, checksum};
+use crate::escape::{PACKED, PairMemory};
 use crate::math::Scalar;
-use crate::memory::{self, Room};
-use crate::recovery::{PACKED, PairMemory};
+use crate::memory;
+use crate::memory::Room;
 
 const MARK: [u8; 8] = *b"raycpair";
 /// The form of the bytes.

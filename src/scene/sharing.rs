@@ -3,8 +3,8 @@
 use super::bodies::Body;
 use super::shared_body::{PairCost, Sharing};
 use super::{Scene, SceneError};
+use crate::escape::PairMemory;
 use crate::math::{Aabb, Scalar};
-use crate::recovery::PairMemory;
 
 impl<T: Scalar> Scene<T> {
     /// Sets how a body is shared with other scenes, from the next query on. A new body is not shared.

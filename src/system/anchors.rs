@@ -3,7 +3,8 @@
 use super::loads::Key;
 use super::twist::V3;
 use crate::math::direction;
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use nalgebra::Matrix3;
 use std::cmp::Ordering;
 use std::ops::Range;

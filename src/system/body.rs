@@ -1,9 +1,10 @@
 use super::anchors::Corners;
 use super::twist::{V3, angular, linear, rotation};
 use super::{Material, SystemError};
-use crate::detection::SurfacePoint;
+use crate::contact::SurfacePoint;
 use crate::math::{Pose, Scalar, margins};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use crate::mesh::Mesh;
 use nalgebra::Matrix3;
 use std::ops::Range;

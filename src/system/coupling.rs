@@ -3,7 +3,8 @@
 use super::lines::Lines;
 use super::row::{RigidEnd, Row, Spring};
 use super::twist::V3;
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
 /// The force on a node for each of the six velocities of a rigid body, in N s/m and N s.

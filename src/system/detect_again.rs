@@ -3,7 +3,7 @@
 use super::row_builder::pressed_area;
 use super::step::Step;
 use super::{ContactSystem, SystemError};
-use crate::detection::Contact;
+use crate::contact::Contact;
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::scene::Scene;

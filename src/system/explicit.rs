@@ -2,7 +2,8 @@ use super::rows::Coupled;
 use super::solve::check_count;
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::{Scalar, margins};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use crate::scene::Scene;
 
 impl<T: Scalar> ContactSystem<T> {

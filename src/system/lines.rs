@@ -1,7 +1,8 @@
 //! The nodes that springs act on, numbered without gaps, so that products read and write numbers that lie side by side.
 
 use super::row::{Entry, Spring};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use std::ops::Range;
 
 /// Three numbers, padded to four.

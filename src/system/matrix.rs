@@ -4,8 +4,9 @@
 use super::coupling::RigidCoupling;
 use super::lines::{Four, Lines};
 use super::row::{Entry, Row, Spring};
-use crate::math::{Kernel, Lanes, dispatch};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
+use crate::simd::{Kernel, Lanes, dispatch};
 
 /// Rows with more entries than this, such as a push on a whole body, stay out of the matrix: the number of blocks grows with
 /// the square of the entries.

@@ -48,11 +48,12 @@ pub use material::Material;
 pub use part_matrix::PartBlock;
 pub use parts::Part;
 
-use crate::detection::ContactList;
+use crate::contact::ContactList;
+use crate::force::Weighting;
 use crate::math::{Scalar, margins};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::response::Weighting;
 use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table};

@@ -5,8 +5,8 @@ use super::lines::Four;
 use super::row::{Entry, Row, Slip};
 use super::rows::Rows;
 use super::twist::V3;
-use crate::math::{Kernel, Lanes, dispatch};
 use crate::memory;
+use crate::simd::{Kernel, Lanes, dispatch};
 
 #[derive(Debug, Default)]
 pub(super) struct Motions {

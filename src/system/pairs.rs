@@ -2,9 +2,9 @@
 
 use super::loads::{Key, Surface, in_order};
 use super::{ContactSystem, Material, SystemError};
+use crate::force::Weighting;
 use crate::math::Scalar;
 use crate::memory::Room;
-use crate::response::Weighting;
 
 impl<T: Scalar> ContactSystem<T> {
     /// Detects contacts where bodies are at the start of a step, not where they will be, so bodies that meet within a step have

@@ -7,7 +7,8 @@ use super::row::RigidEnd;
 use super::rows::{RowForce, Rows, Velocities};
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::{Scalar, margins};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 
 /// What a pair does to one of its bodies: where its blocks lie among those of all parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

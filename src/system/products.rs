@@ -6,7 +6,8 @@ use super::matrix::is_short;
 use super::row::{Entry, Slip, Spring};
 use super::rows::{RowForce, Rows, Velocities};
 use super::twist::V3;
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 
 /// How many products a solve asks for, as far as known.
 #[derive(Debug, Default)]

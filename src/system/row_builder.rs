@@ -7,11 +7,12 @@ use super::loads::{Key, PairLoads, Surface, in_order};
 use super::row::{Entry, Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
-use crate::detection::{Contact, ContactKind, EscapePush};
+use crate::contact::{Contact, ContactKind, EscapePush};
+use crate::force::Weighting;
 use crate::math::{Scalar, direction};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::response::Weighting;
 use nalgebra::Matrix3;
 
 /// A floor or wall: solid where normal · x < offset.

@@ -4,8 +4,9 @@ use super::lines::{Four, Lines};
 use super::row::{Entry, Row, Spring};
 use super::rows::Rows;
 use super::twist::V3;
-use crate::math::{Kernel, Lanes, dispatch};
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
+use crate::simd::{Kernel, Lanes, dispatch};
 use std::ops::Range;
 
 /// A spring as products read it; its entries are those of [`Lines`].

@@ -10,7 +10,8 @@ use super::row::{Entry, RigidEnd, Row, Slip, Spring};
 use super::row_by_row::RowByRow;
 use super::twist::{Factor, V3, angular, linear};
 use crate::math::margins;
-use crate::memory::{self, Room};
+use crate::memory;
+use crate::memory::Room;
 use nalgebra::Matrix3;
 
 /// What a row acts on: an entry, or the linear or angular velocity of its first or second rigid body.

@@ -12,7 +12,7 @@ thread_local! {
 }
 
 /// Runs the work on a thread of a pool while so many others look for parts of it.
-pub(super) fn keep_awake(others: usize, placement: &Placement, work: impl FnOnce() + Send) {
+pub(crate) fn keep_awake(others: usize, placement: &Placement, work: impl FnOnce() + Send) {
     let is_done = AtomicBool::new(false);
     let work = || {
         let _done = SetAtEnd(&is_done);
@@ -27,7 +27,7 @@ pub(super) fn keep_awake(others: usize, placement: &Placement, work: impl FnOnce
 }
 
 /// Does the work for each item, with the item's place; the first has this place.
-pub(super) fn for_each<I: Send>(first: usize, items: &mut [I], work: &(impl Fn(usize, &mut I) + Sync)) {
+pub(crate) fn for_each<I: Send>(first: usize, items: &mut [I], work: &(impl Fn(usize, &mut I) + Sync)) {
     match items {
         [] => {}
         [item] => work(first, item),
@@ -40,7 +40,7 @@ pub(super) fn for_each<I: Send>(first: usize, items: &mut [I], work: &(impl Fn(u
 }
 
 /// Does the work for the items of two slices that stand at the same place, as far as the shorter reaches.
-pub(super) fn for_each_two<I: Send, J: Send>(
+pub(crate) fn for_each_two<I: Send, J: Send>(
     first: &mut [I],
     second: &mut [J],
     work: &(impl Fn(&mut I, &mut J) + Sync),

@@ -7,9 +7,9 @@
 //! again. Other systems are left to themselves.
 
 #[cfg(target_os = "linux")]
-pub(super) use of_linux::Placement;
+pub(crate) use of_linux::Placement;
 #[cfg(not(target_os = "linux"))]
-pub(super) use of_others::Placement;
+pub(crate) use of_others::Placement;
 
 #[cfg(target_os = "linux")]
 mod of_linux {

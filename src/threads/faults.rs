@@ -11,7 +11,7 @@ thread_local! {
 /// How many items are done before; usize::MAX: it has struck. It belongs to the thread that asked for it and to those that
 /// work for that thread, so that tests beside it notice nothing.
 #[derive(Clone)]
-pub(super) struct Fault(Option<Arc<AtomicUsize>>);
+pub(crate) struct Fault(Option<Arc<AtomicUsize>>);
 
 /// Strikes the work that this thread asks for from here on.
 pub(crate) fn strike_after(items: usize) {
@@ -24,17 +24,17 @@ pub(crate) fn call_off() -> bool {
 }
 
 impl Fault {
-    pub(super) fn of_this_thread() -> Self {
+    pub(crate) fn of_this_thread() -> Self {
         FAULT.with_borrow(Self::clone)
     }
 
     /// Makes it the fault of the thread that calls this, until the result is dropped.
-    pub(super) fn take_along(&self) -> TakenAlong {
+    pub(crate) fn take_along(&self) -> TakenAlong {
         TakenAlong { before: FAULT.replace(self.clone()) }
     }
 
     /// Called by whoever takes an item of the work.
-    pub(super) fn strike(&self) -> TakenAlong {
+    pub(crate) fn strike(&self) -> TakenAlong {
         let count_down = |items: usize| (items != usize::MAX).then(|| items.wrapping_sub(1));
         if let Some(items) = &self.0
             && items.fetch_update(Ordering::SeqCst, Ordering::SeqCst, count_down) == Ok(0)
@@ -46,7 +46,7 @@ impl Fault {
 }
 
 /// What the thread had before comes back at the end, also of a panic.
-pub(super) struct TakenAlong {
+pub(crate) struct TakenAlong {
     before: Fault,
 }
 

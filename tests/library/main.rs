@@ -6,12 +6,12 @@ mod common;
 #[path = "../../examples/support/mod.rs"]
 mod support;
 
-mod detection;
+mod contact;
+mod escape;
+mod force;
 mod mesh;
-mod octree;
-mod ray;
-mod recovery;
-mod response;
+mod query;
 mod scene;
 mod system;
+mod triangle;
 mod whole;

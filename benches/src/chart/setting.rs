@@ -10,7 +10,7 @@ use crate::method::{Description, Method, Precision};
 use crate::workload::Workload;
 use raycontact::contact::{ContactLaw, DetectionOptions, Sampling};
 use raycontact::math::Scalar;
-use raycontact::octree::Layout;
+use raycontact::query::Layout;
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Ours {
@@ -34,7 +34,7 @@ const DEFAULT: Ours = Ours {
     law: ContactLaw::Pressure,
     sampling: Sampling::Automatic,
     precision: Precision::F64,
-    layout: Layout::Wide,
+    layout: Layout::Bvh,
     edges: true,
     escape: true,
 };
@@ -52,9 +52,9 @@ pub fn all(spacings: impl Iterator<Item = f64>, full: bool) -> Vec<Setting> {
     let mut settings = Vec::new();
     for &sampling in &samplings {
         for precision in [Precision::F32, Precision::F64] {
-            for layout in [Layout::Wide, Layout::Classic] {
+            for layout in [Layout::Bvh, Layout::PaperOctree] {
                 for edges in [true, false] {
-                    let changed = usize::from(layout == Layout::Classic) + usize::from(!edges);
+                    let changed = usize::from(layout == Layout::PaperOctree) + usize::from(!edges);
                     let is_plain = matches!(sampling, Sampling::Vertices | Sampling::Automatic);
                     let most = if is_plain && precision == DEFAULT.precision { 1 } else { 0 };
                     if full || changed <= most {
@@ -66,7 +66,7 @@ pub fn all(spacings: impl Iterator<Item = f64>, full: bool) -> Vec<Setting> {
         }
     }
     for precision in [Precision::F32, Precision::F64] {
-        for layout in [Layout::Wide, Layout::Classic] {
+        for layout in [Layout::Bvh, Layout::PaperOctree] {
             settings.push(Setting::Ours(Ours { precision, layout, ..PAPER }));
         }
     }
@@ -105,7 +105,7 @@ impl Setting {
                     Sampling::Tolerance(part) => format!("tolerance:{part}"),
                     Sampling::Vertices => "vertices".to_owned(),
                 };
-                let layout = if ours.layout == Layout::Wide { "wide" } else { "classic" };
+                let layout = if ours.layout == Layout::Bvh { "wide" } else { "classic" };
                 let edges = if ours.edges { "on" } else { "off" };
                 let precision = ours.precision.name();
                 let law = name_of(ours.law);
@@ -183,8 +183,8 @@ pub fn peer_of(name: &'static str) -> Description {
 impl Ours {
     fn start<T: HostScalar>(&self, workload: &Workload, host: &Host) -> Result<Box<dyn Method>, String> {
         Ok(match self.layout {
-            Layout::Wide => Box::new(Whole::<T>::new(workload, host, 1, self.options())?),
-            Layout::Classic => Box::new(Classic::<T>::new(workload, host, self.options())?),
+            Layout::Bvh => Box::new(Whole::<T>::new(workload, host, 1, self.options())?),
+            Layout::PaperOctree => Box::new(Classic::<T>::new(workload, host, self.options())?),
         })
     }
 

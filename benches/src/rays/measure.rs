@@ -14,8 +14,8 @@ use crate::workload::{Body, Workload};
 use raycontact::capi::{rayc_hit, rayc_ray, rayc_scalar};
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
-use raycontact::octree::Octree;
-use raycontact::ray::{Hit, Ray};
+use raycontact::query::Octree;
+use raycontact::triangle::{Hit, Ray};
 
 /// So many rays of a kind are held against every triangle.
 const CHECKED: usize = 200;

@@ -3,9 +3,9 @@
 use crate::common::random::Random;
 use crate::common::shapes::{self, Shape};
 use raycontact::contact::{Contact, ContactList};
+use raycontact::force::{ForcesByPair, PenaltyLaw, Weighting, add_forces};
 use raycontact::math::Vector3;
 use raycontact::mesh::{BytesError, Mesh};
-use raycontact::response::{ForcesByPair, PenaltyLaw, Weighting, add_forces};
 use raycontact::scene::{Scene, SceneError, Sharing, finds_pair};
 use std::collections::BTreeMap;
 

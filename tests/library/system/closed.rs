@@ -6,9 +6,10 @@ use crate::common::host::{Host, rotation};
 use crate::common::random::Random;
 use crate::common::shapes;
 use nalgebra::Vector3;
-use raycontact::contact::{ContactList, DetectionOptions, query_pair};
+use raycontact::contact::{ContactList, DetectionOptions};
+use raycontact::escape::query_pair;
 use raycontact::mesh::Mesh;
-use raycontact::octree::Octree;
+use raycontact::query::Octree;
 use raycontact::system::{Material, RigidUnknowns};
 
 type V3 = Vector3<f64>;

@@ -9,7 +9,7 @@ use crate::common::{STRIDE, shapes};
 use nalgebra::Vector3;
 use raycontact::contact::DetectionOptions;
 use raycontact::mesh::Mesh;
-use raycontact::octree::Octree;
+use raycontact::query::Octree;
 use raycontact::system::{Material, RigidUnknowns};
 
 type V3 = Vector3<f64>;

@@ -5,7 +5,7 @@ use super::bodies::{add_box, add_soft};
 use crate::common::host::{Host, at, box_inertia, rotation};
 use crate::common::shapes;
 use nalgebra::{Matrix3, Vector3};
-use raycontact::response::Weighting;
+use raycontact::force::Weighting;
 use raycontact::system::{ContactSystem, Material, RigidUnknowns, Surface};
 
 type V3 = Vector3<f64>;

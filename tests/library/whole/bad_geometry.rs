@@ -1,15 +1,16 @@
 //! Geometry as bad as it comes: every answer is defined (a status, a miss, finite numbers), and comes.
 
 use crate::common::shapes::{self, Point, Shape};
-use raycontact::contact::{ContactList, DetectionOptions, query_pair};
+use raycontact::contact::{ContactList, DetectionOptions};
+use raycontact::escape::query_pair;
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::{Mesh, MeshError};
-use raycontact::octree::{Layout, Octree};
-use raycontact::ray::{Ray, TriangleTest};
+use raycontact::query::{Layout, Octree};
+use raycontact::triangle::{Ray, TriangleTest};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-const LAYOUTS: [Layout; 2] = [Layout::Wide, Layout::Classic];
+const LAYOUTS: [Layout; 2] = [Layout::Bvh, Layout::PaperOctree];
 
 /// Fails instead of hanging. What runs here takes a few seconds in a debug build.
 fn must_end(work: impl FnOnce() + Send + 'static) {
@@ -303,7 +304,7 @@ fn rays_without_a_direction_meet_nothing() {
     must_end(check::<f32>);
 }
 
-fn expect_nothing<T: Scalar>(tracer: &raycontact::octree::Tracer<'_, T>, ray: &Ray<T>) {
+fn expect_nothing<T: Scalar>(tracer: &raycontact::query::Tracer<'_, T>, ray: &Ray<T>) {
     let (mut hits, mut found, mut crossings) = (Vec::new(), Vec::new(), Vec::new());
     for test in [TriangleTest::Watertight, TriangleTest::MollerTrumbore] {
         let tracer = tracer.with_test(test);

@@ -2,14 +2,15 @@
 
 use crate::common::STRIDE;
 use crate::common::shapes::{self, Point, Shape, cross, dot, unit};
-use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, query_pair};
+use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling};
+use raycontact::escape::query_pair;
+use raycontact::force::{PenaltyLaw, Weighting, add_forces};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
-use raycontact::octree::{Layout, Octree};
-use raycontact::ray::Ray;
-use raycontact::response::{PenaltyLaw, Weighting, add_forces};
+use raycontact::query::{Layout, Octree};
+use raycontact::triangle::Ray;
 
-const LAYOUTS: [Layout; 2] = [Layout::Wide, Layout::Classic];
+const LAYOUTS: [Layout; 2] = [Layout::Bvh, Layout::PaperOctree];
 
 fn contacts<T: Scalar>(a: &Mesh<T>, b: &Mesh<T>, layout: Layout, sampling: Sampling<T>) -> ContactList<T> {
     let octrees = [a, b].map(|mesh| Octree::with_layout(mesh, layout));
@@ -48,9 +49,9 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
     fn check<T: Scalar>(exponents: std::ops::RangeInclusive<i32>) {
         let [a, b] = two_tori().map(|shape| shape.mesh::<T>());
         for (layout, sampling) in [
-            (Layout::Wide, Sampling::Vertices),
-            (Layout::Classic, Sampling::Vertices),
-            (Layout::Wide, Sampling::Automatic),
+            (Layout::Bvh, Sampling::Vertices),
+            (Layout::PaperOctree, Sampling::Vertices),
+            (Layout::Bvh, Sampling::Automatic),
         ] {
             let expected = contacts(&a, &b, layout, sampling);
             assert!(expected.len() > 30, "{} contacts", expected.len());
@@ -297,7 +298,7 @@ fn force_at(depth: f64, levels: usize, sampling: Sampling<f64>, weighting: Weigh
     let sphere = shapes::sphere(levels).turned(0.3, 0.5);
     let lowest = sphere.positions.iter().map(|point| point[2]).fold(f64::INFINITY, f64::min);
     let [a, b] = [sphere.moved([0.1, 0.2, -lowest - depth]), block].map(|shape| shape.mesh::<f64>());
-    let found = contacts(&a, &b, Layout::Wide, sampling);
+    let found = contacts(&a, &b, Layout::Bvh, sampling);
     let law = PenaltyLaw::new(1.0, 0.0, weighting).expect("the law is valid");
     let mut forces = [a, b].map(|mesh| vec![Vector3::zeros(); mesh.positions().len()]);
     add_forces::<f64, Vec<Vector3<f64>>, _>(&found.contacts, &law, None, None, &mut forces);

@@ -5,11 +5,12 @@ use crate::common::shapes::{self, Point, Shape};
 use crate::common::{STRIDE, sorted_along_surface, sorted_by_vertex};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use raycontact::contact::{Contact, ContactList, DetectionOptions, query_pair};
+use raycontact::contact::{Contact, ContactList, DetectionOptions};
+use raycontact::escape::query_pair;
+use raycontact::force::{PenaltyLaw, Weighting, add_forces};
 use raycontact::math::Vector3;
-use raycontact::octree::{Layout, Octree};
-use raycontact::ray::Ray;
-use raycontact::response::{PenaltyLaw, Weighting, add_forces};
+use raycontact::query::{Layout, Octree};
+use raycontact::triangle::Ray;
 
 /// Two shapes on a grid of 2⁻¹⁸, so coarse that sums of normals and moves by powers of two are exact, and so fine that
 /// no ray meets an edge by chance.
@@ -82,7 +83,7 @@ fn mapped(contacts: Vec<Contact<f64>>, map: impl Fn(Point) -> Point) -> Vec<Cont
 
 /// Net force and torque on the first body.
 fn load(pair: &Pair, options: &DetectionOptions<f64>) -> [Vector3<f64>; 2] {
-    let contacts = pair.contacts(Layout::Wide, options);
+    let contacts = pair.contacts(Layout::Bvh, options);
     let law = PenaltyLaw::new(1.0, 0.0, Weighting::Area).expect("the law is valid");
     let mut forces = pair.0.each_ref().map(|shape| vec![Vector3::zeros(); shape.positions.len()]);
     add_forces::<f64, Vec<Vector3<f64>>, _>(&contacts, &law, None, None, &mut forces);
@@ -110,7 +111,7 @@ fn few_cases() -> ProptestConfig {
     ProptestConfig { cases: 192 / STRIDE as u32, failure_persistence: None, ..ProptestConfig::default() }
 }
 
-const LAYOUTS: [Layout; 2] = [Layout::Wide, Layout::Classic];
+const LAYOUTS: [Layout; 2] = [Layout::Bvh, Layout::PaperOctree];
 
 proptest! {
     #![proptest_config(few_cases())]
@@ -174,8 +175,8 @@ proptest! {
     fn which_body_comes_first_does_not_matter(pair in pairs()) {
         let swapped = Pair([pair.0[1].clone(), pair.0[0].clone()]);
         for options in [DetectionOptions::paper(), DetectionOptions::default()] {
-            let found = swapped.contacts(Layout::Wide, &options);
-            let expected = pair.contacts(Layout::Wide, &options);
+            let found = swapped.contacts(Layout::Bvh, &options);
+            let expected = pair.contacts(Layout::Bvh, &options);
             let (first, second): (Vec<_>, Vec<_>) = expected.into_iter().partition(|contact| contact.colliding == 0);
             let back: Vec<_> = found.into_iter().map(|mut contact| {
                 (contact.colliding, contact.collided) = (contact.collided, contact.colliding);
@@ -272,7 +273,7 @@ proptest! {
         let sphere = on_grid(shapes::sphere(1).turned(0.3, 0.2).scaled(0.7).moved([aside, 0.1, 1.7 - depth]));
         let contacts = [1, cells].map(|cells| {
             let pair = Pair([sphere.clone(), shapes::cube(cells)]);
-            let contacts = pair.contacts(Layout::Wide, &DetectionOptions::paper());
+            let contacts = pair.contacts(Layout::Bvh, &DetectionOptions::paper());
             // A vertex on the face itself (depth 0.5211790940472248, aside 0.00276975319157331) is inside or outside by rounding.
             let is_inside = |contact: &Contact<f64>| contact.colliding == 0 && contact.depth > 1e-14;
             contacts.into_iter().filter(is_inside).collect::<Vec<_>>()
@@ -293,7 +294,7 @@ fn random_pairs_have_contacts() {
     let mut runner = proptest::test_runner::TestRunner::deterministic();
     let with_contacts = (0..16).filter(|_| {
         let pair = pairs().new_tree(&mut runner).expect("a pair can be made").current();
-        !pair.contacts(Layout::Wide, &DetectionOptions::paper()).is_empty()
+        !pair.contacts(Layout::Bvh, &DetectionOptions::paper()).is_empty()
     });
     assert!(with_contacts.count() > 12);
 }

@@ -3,8 +3,8 @@
 use crate::common::cuboid::CUBOID_FACES;
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
-use raycontact::octree::{Layout, Octree};
-use raycontact::ray::{Hit, Ray, ShearedRay, moller_trumbore};
+use raycontact::query::{Layout, Octree};
+use raycontact::triangle::{Hit, Ray, ShearedRay, moller_trumbore};
 
 /// A ray from one vertex of a body of 10⁻⁹ that passes a triangle nearly along its edge: the edge functions are 10⁻³²,
 /// and a length times one of them is below the smallest normal number. Its `t` was off by 42 rounding units of the
@@ -67,7 +67,7 @@ fn octrees_and_all_triangles_agree_where_areas_overflow() {
     let mut mesh = Mesh::open(&start, &CUBOID_FACES).expect("a cuboid pulled about");
     let moved: Vec<_> = start.iter().zip(shifts).map(|([x, y, z], shift)| [x + shift, *y, *z]).collect();
     mesh.set_positions(&moved).expect("finite");
-    for layout in [Layout::Wide, Layout::Classic] {
+    for layout in [Layout::Bvh, Layout::PaperOctree] {
         let octree = Octree::with_layout(&mesh, layout);
         let tracer = octree.tracer(&mesh).expect("the octree is fresh");
         let (mut hits, expected) = (Vec::new(), tracer.nearest_hit_of_all(&ray));
@@ -79,7 +79,7 @@ fn octrees_and_all_triangles_agree_where_areas_overflow() {
 /// What the octrees and all triangles find of a ray alone, and of it in a packet with others like it.
 fn assert_same_in_octrees<T: Scalar>(mesh: &Mesh<T>, ray: Ray<T>) -> Option<Hit<T>> {
     let mut expected = None;
-    for layout in [Layout::Wide, Layout::Classic] {
+    for layout in [Layout::Bvh, Layout::PaperOctree] {
         let octree = Octree::with_layout(mesh, layout);
         let tracer = octree.tracer(mesh).expect("the octree is fresh");
         expected = tracer.nearest_hit_of_all(&ray);

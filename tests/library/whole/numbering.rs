@@ -3,9 +3,10 @@
 use crate::common::assert_every_ray_is_counted;
 use crate::common::random::Random;
 use crate::common::shapes::{self, Point, Shape};
-use raycontact::contact::{ContactList, DetectionOptions, Sampling, query_pair};
+use raycontact::contact::{ContactList, DetectionOptions, Sampling};
+use raycontact::escape::query_pair;
 use raycontact::math::Vector3;
-use raycontact::octree::Octree;
+use raycontact::query::Octree;
 use raycontact::scene::Scene;
 
 /// A permutation of 0, …, count − 1.

@@ -1,0 +1,352 @@
+// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
+#![allow(clippy::needless_range_loop)]
+
+use crate::bvh::rays::trace::LEVEL_COUNT;
+use crate::bvh::sought::{Nearest, Sought};
+use crate::bvh::{Bvh, CHILD_COUNT, Node, Tile};
+use crate::math::{Aabb, Scalar};
+use crate::mesh::Mesh;
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors};
+use crate::triangle::{NearTriangles, PointPacket, QueryPoint};
+
+/// Who looks for what is near.
+trait Seeker<T: Scalar> {
+    /// The squared distance from the centre to boxes beyond which nothing counts.
+    fn limit(&self) -> T;
+
+    /// Where there are many points: the box around them, and the squared distance from it beyond which nothing counts.
+    fn around(&self) -> Option<(&Aabb<T>, T)>;
+
+    /// Looks at tiles, children of a node.
+    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, node: &Node<T>, tiles: Children<T>);
+}
+
+/// Children of a node that are still to be visited.
+#[derive(Clone, Copy)]
+struct Children<T> {
+    /// From the centre.
+    squares: [T; CHILD_COUNT],
+    /// From the box around many points.
+    gaps: [T; CHILD_COUNT],
+    left: Mask,
+    node: u32,
+}
+
+/// Visits the tiles near a point, the nearest child first at each node.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn walk<T: Scalar, L: Lanes<T>, S: Seeker<T>>(cells: &Bvh<T>, mesh: &Mesh<T>, centre: &QueryPoint<T>, seeker: &mut S) {
+    let zeros = [T::zero(); CHILD_COUNT];
+    let mut levels = [Children { squares: zeros, gaps: zeros, left: 0, node: 0 }; LEVEL_COUNT];
+    levels[0].enter::<L, S>(cells, 0, centre, seeker);
+    let mut depth = 0;
+    loop {
+        let children = &mut levels[depth];
+        children.leave_far::<L, S>(seeker);
+        if children.left == 0 {
+            if depth == 0 {
+                return;
+            }
+            depth -= 1;
+            continue;
+        }
+        let mut room = None;
+        let node = cells.node(children.node as usize, &mut room);
+        if node.is_leaf {
+            seeker.look::<L>(cells, mesh, node, *children);
+            children.left = 0;
+        } else {
+            let child = node.first + children.take_nearest::<L>() as u32;
+            depth += 1;
+            levels[depth].enter::<L, S>(cells, child, centre, seeker);
+        }
+    }
+}
+
+impl<T: Scalar> Children<T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter<L: Lanes<T>, S: Seeker<T>>(&mut self, cells: &Bvh<T>, node: u32, centre: &QueryPoint<T>, seeker: &S) {
+        self.node = node;
+        let mut room = None;
+        let node = cells.node(node as usize, &mut room);
+        let factor = L::splat(centre.factor);
+        let factor = Vectors::<T, L>::new(factor, factor, factor);
+        let (lower, upper) = (Vectors::load(&node.lower), Vectors::load(&node.upper).negate());
+        // Scaling is exact, so that it makes no difference whether it is rounded by itself.
+        let centre = Vectors::splat(&centre.position);
+        let apart = lower.times_add(factor, centre.negate()).larger(upper.times_add(factor, centre));
+        let apart = apart.larger(Vectors::zeros());
+        apart.dot(apart).store(&mut self.squares);
+        if let Some((around, _)) = seeker.around() {
+            let below = lower.times_add(factor, Vectors::splat(&around.upper).negate());
+            let above = upper.times_add(factor, Vectors::splat(&around.lower));
+            let apart = below.larger(above).larger(Vectors::zeros());
+            apart.dot(apart).store(&mut self.gaps);
+        }
+        self.left = ((1u32 << node.count) - 1) as Mask;
+    }
+
+    /// Leaves out those beyond the limits.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn leave_far<L: Lanes<T>, S: Seeker<T>>(&mut self, seeker: &S) {
+        self.left &= L::load(&self.squares).is_at_most(L::splat(seeker.limit()));
+        if let Some((_, limit)) = seeker.around() {
+            self.left &= L::load(&self.gaps).is_at_most(L::splat(limit));
+        }
+    }
+
+    /// The place of the one nearest to the centre, which is then no longer to be visited.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take_nearest<L: Lanes<T>>(&mut self) -> usize {
+        let squares = L::select(self.left, L::load(&self.squares), L::splat(T::INFINITY));
+        let nearest = squares.is_at_most(L::splat(squares.smallest())) & self.left;
+        self.left &= !(nearest & nearest.wrapping_neg());
+        nearest.trailing_zeros() as usize
+    }
+}
+
+/// The search for the triangle nearest to one point.
+pub(crate) struct Closest<'a, T: Scalar, S> {
+    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) mesh: &'a Mesh<T>,
+    pub(crate) query: &'a QueryPoint<T>,
+    pub(crate) nearest: &'a mut Nearest<T>,
+    pub(crate) sought: S,
+}
+
+impl<T: Scalar, S: Sought> Kernel<T> for Closest<'_, T, S> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let limit = self.query.square_of_boxes(self.nearest.square);
+        let cylinder_limit = self.query.square_of_cylinders(self.nearest.square);
+        let mut one = One { query: self.query, nearest: self.nearest, limit, cylinder_limit, sought: self.sought };
+        walk::<T, L, _>(self.cells, self.mesh, self.query, &mut one);
+    }
+}
+
+/// One point.
+struct One<'a, T: Scalar, S> {
+    query: &'a QueryPoint<T>,
+    nearest: &'a mut Nearest<T>,
+    limit: T,
+    cylinder_limit: T,
+    sought: S,
+}
+
+impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn limit(&self) -> T {
+        self.limit
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn around(&self) -> Option<(&Aabb<T>, T)> {
+        None
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, node: &Node<T>, mut tiles: Children<T>) {
+        while tiles.left != 0 {
+            let index = node.first as usize + tiles.take_nearest::<L>();
+            self.look_at::<L>(cells, mesh, index);
+            tiles.leave_far::<L, Self>(self);
+        }
+    }
+}
+
+impl<T: Scalar, S: Sought> One<'_, T, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look_at<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, index: usize) {
+        let has_cylinder = cells.cylinders.made_from(index) & 1 == 1;
+        if has_cylinder && !cells.cylinders.of(index).is_near(self.query, self.cylinder_limit) {
+            return;
+        }
+        let sought = cells.sought::<L, S>(self.sought, index);
+        if sought == 0 {
+            return;
+        }
+        let mut room = [[T::zero(); LANE_COUNT]; 3];
+        let positions = cells.positions_of::<L>(index, mesh, &mut room);
+        let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], self.query.factor);
+        let squares = triangles.squares(&self.query.position);
+        if keep_nearest::<T, L>(cells, index, sought, squares, self.nearest) {
+            self.limit = self.query.square_of_boxes(self.nearest.square);
+            self.cylinder_limit = self.query.square_of_cylinders(self.nearest.square);
+        }
+    }
+}
+
+/// Points are neighbours if they are at most this many widths of a tile away from their middle. The mesh has a size of about 1.
+const MOST_SPREAD: f64 = 64.0;
+
+/// The search for the triangles nearest to a packet's points.
+pub(crate) struct ClosestOfPacket<'a, T: Scalar, S> {
+    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) mesh: &'a Mesh<T>,
+    pub(crate) packet: &'a mut PointPacket<T>,
+    pub(crate) sought: S,
+}
+
+impl<T: Scalar, S: Sought> Kernel<T> for ClosestOfPacket<'_, T, S> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { cells, mesh, packet, sought } = self;
+        let centre = packet.centre;
+        if packet.spread::<L>() * T::of(cells.tiles.len() as f64).sqrt() <= T::of(MOST_SPREAD) {
+            walk::<T, L, _>(cells, mesh, &centre, &mut Many { packet, sought });
+        } else {
+            packet.centre_limit = -T::one();
+        }
+        if packet.centre_limit < T::zero() {
+            let present = packet.present;
+            for lane in (0..LANE_COUNT).filter(|lane| present >> lane & 1 == 1) {
+                let (query, mut nearest) = (packet.query(lane), nearest_of(packet, lane));
+                L::outlined(Closest { cells, mesh, query: &query, nearest: &mut nearest, sought });
+                keep(packet, lane, &nearest);
+            }
+        }
+    }
+}
+
+/// What is known of one of the points.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn nearest_of<T: Scalar>(packet: &PointPacket<T>, lane: usize) -> Nearest<T> {
+    let known = (packet.found >> lane & 1 == 1).then_some(packet.triangle[lane]);
+    Nearest { square: packet.square[lane], triangle: known }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn keep<T: Scalar>(packet: &mut PointPacket<T>, lane: usize, nearest: &Nearest<T>) {
+    if let Some(triangle) = nearest.triangle {
+        (packet.square[lane], packet.triangle[lane]) = (nearest.square, triangle);
+        packet.found |= 1 << lane;
+    }
+}
+
+/// The points of a packet.
+struct Many<'a, T: Scalar, S> {
+    packet: &'a mut PointPacket<T>,
+    sought: S,
+}
+
+impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn limit(&self) -> T {
+        self.packet.centre_limit
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn around(&self) -> Option<(&Aabb<T>, T)> {
+        Some((&self.packet.around, self.packet.greatest_limit))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, node: &Node<T>, mut tiles: Children<T>) {
+        // The nearest first, whose triangles bound how near the others must be.
+        let place = tiles.take_nearest::<L>();
+        let index = node.first as usize + place;
+        let near = self.packet.near::<L>(&node.child_box(place));
+        let mut looks = near.count_ones();
+        let made = cells.cylinders.made_from(node.first as usize);
+        let bounds = self.bounds_to::<L>(cells, index, made >> place);
+        self.look_at::<L>(cells, mesh, index, near, bounds);
+        tiles.leave_far::<L, Self>(self);
+        // Then all bounds without a branch, so that none has to wait for another.
+        let (mut near, mut found) = ([0; CHILD_COUNT], 0);
+        let mut left = tiles.left;
+        while left != 0 {
+            let place = left.trailing_zeros() as usize;
+            left &= left - 1;
+            near[place] = self.packet.near::<L>(&node.child_box(place));
+            self.bounds_to::<L>(cells, node.first as usize + place, made >> place)
+                .store(&mut self.packet.tile_bounds[place]);
+            looks += near[place].count_ones();
+            found |= Mask::from(near[place] != 0) << place;
+        }
+        while found != 0 {
+            let place = found.trailing_zeros() as usize;
+            found &= found - 1;
+            let bounds = L::load(&self.packet.tile_bounds[place]);
+            self.look_at::<L>(cells, mesh, node.first as usize + place, near[place], bounds);
+        }
+        self.packet.count_looks(1 + tiles.left.count_ones(), looks);
+    }
+}
+
+impl<T: Scalar, S: Sought> Many<'_, T, S> {
+    /// Squared distances that nothing in a tile is nearer than, given whether it has a cylinder, in the lowest bit.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds_to<L: Lanes<T>>(&self, cells: &Bvh<T>, index: usize, made: Mask) -> L {
+        let is_made = made & 1 == 1;
+        if is_made { cells.cylinders.of(index).squares::<L>(self.packet) } else { L::splat(T::zero()) }
+    }
+
+    /// Looks at a tile for those points near its box that may be nearer than by these bounds.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look_at<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, index: usize, near: Mask, bounds: L) {
+        let packet = &mut *self.packet;
+        let near = near & bounds.is_at_most(L::load(&packet.cylinder_limit));
+        if near == 0 {
+            return;
+        }
+        let sought = cells.sought::<L, S>(self.sought, index);
+        if sought == 0 {
+            return;
+        }
+        let mut room = [[T::zero(); LANE_COUNT]; 3];
+        let positions = cells.positions_of::<L>(index, mesh, &mut room);
+        let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], packet.centre.factor);
+        // Here too all first, and only then which are nearer.
+        let mut smallest = [T::INFINITY; LANE_COUNT];
+        let mut left = near;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let squares = L::select(sought, triangles.squares(&packet.point(lane)), L::splat(T::INFINITY));
+            squares.store(&mut packet.squares[lane]);
+            smallest[lane] = squares.smallest();
+        }
+        packet.keep_nearer::<L>(near, sought, &smallest, &cells.tiles[index].triangles);
+    }
+}
+
+impl<T: Scalar> Bvh<T> {
+    /// Which of a tile's triangles are sought.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sought<L: Lanes<T>, S: Sought>(&self, sought: S, tile: usize) -> Mask {
+        let Tile { present, corners, .. } = &self.tiles[tile];
+        let mut excluded = sought.excluded::<T, L>(&self.outlines[tile].vertices);
+        let mut own = 0;
+        while excluded != 0 {
+            own |= L::with_corner(corners, excluded.trailing_zeros() as u8);
+            excluded &= excluded - 1;
+        }
+        present & !own
+    }
+}
+
+/// Keeps the nearest of a tile's triangles that are sought, if it is nearer than what is known; gives whether it is.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn keep_nearest<T: Scalar, L: Lanes<T>>(
+    cells: &Bvh<T>,
+    index: usize,
+    sought: Mask,
+    squares: L,
+    nearest: &mut Nearest<T>,
+) -> bool {
+    let tile = &cells.tiles[index];
+    let squares = L::select(sought, squares, L::splat(T::INFINITY));
+    let smallest = squares.smallest();
+    if smallest > nearest.square {
+        return false;
+    }
+    let mut of_these = squares.is_at_most(L::splat(smallest)) & sought;
+    while of_these != 0 {
+        nearest.keep_nearer(smallest, tile.triangles[of_these.trailing_zeros() as usize]);
+        of_these &= of_these - 1;
+    }
+    true
+}

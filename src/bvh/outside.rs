@@ -1,0 +1,354 @@
+//! Which tiles of a body lie outside another one as a whole, so that no ray from them can start inside it.
+//!
+//! A surface that meets no triangle of a closed body lies on one side of it. What meets none is told by boxes, and boxes that
+//! meet one another lie on the same side, so one point tells it of all that hang together.
+
+#[cfg(all(test, target_arch = "x86_64"))]
+pub(crate) mod tests;
+
+use crate::bvh::Bvh;
+use crate::bvh::node::{BoxLanes, CHILD_COUNT, Node};
+use crate::bvh::rays::packet::candidates::Candidates;
+use crate::bvh::rays::trace::STACK_SIZE;
+use crate::math::{Aabb, Scalar, Vector3, margins};
+use crate::memory::Room;
+use crate::mesh::Mesh;
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors};
+use crate::triangle::{Ray, RayPacket};
+
+/// Boxes of so many leaves before are held against the next one's: neighbours nearly always.
+const LEAVES_KEPT: usize = 8;
+
+/// Scratch memory of the search.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SidesScratch<T: Scalar> {
+    parts: Vec<Part>,
+    /// A point of each part that hangs together with none before.
+    points: Vec<Vector3<T>>,
+    is_inside: Vec<bool>,
+}
+
+/// Some of the tiles of a leaf, all on one side of the other body or all near its surface.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    /// The leaf's first tile.
+    first: u32,
+    tiles: Mask,
+    /// Which of the points tells the side; [`NEAR`] where the tiles may meet the surface.
+    point: u32,
+}
+
+const NEAR: u32 = u32::MAX;
+
+/// Finds the tiles with something in a region that may have something inside another body.
+pub(crate) struct TilesNotOutside<'a, T: Scalar> {
+    pub(crate) own: &'a Bvh<T>,
+    /// The other body, closed.
+    pub(crate) other: &'a Bvh<T>,
+    pub(crate) mesh: &'a Mesh<T>,
+    pub(crate) region: &'a Aabb<T>,
+    pub(crate) tiles: &'a mut Vec<u32>,
+    pub(crate) scratch: &'a mut SidesScratch<T>,
+}
+
+impl<T: Scalar> Kernel<T> for TilesNotOutside<'_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { own, other, mesh, region, tiles, scratch } = self;
+        let (mut sides, mut leaves) = (Sides::new(scratch), LeavesIn::<T, L>::new(own, mesh.aabb(), region));
+        // No closures here: they would be compiled for any processor.
+        while let Some((boxes, met, first)) = leaves.next() {
+            sides.add::<L>(boxes, met, first, other);
+        }
+        scratch.ask::<L>(other, mesh, region);
+        let SidesScratch { parts, is_inside, .. } = scratch;
+        for of_leaf in parts.chunk_by(|a, b| a.first == b.first) {
+            let mut kept = 0;
+            for part in of_leaf {
+                if part.point == NEAR || is_inside[part.point as usize] {
+                    kept |= part.tiles;
+                }
+            }
+            while kept != 0 {
+                tiles.room_for(1).push(of_leaf[0].first + kept.trailing_zeros());
+                kept &= kept - 1;
+            }
+        }
+    }
+}
+
+/// Whether any of a body's tiles in a region may meet the surface of another.
+pub(crate) struct MayMeet<'a, T: Scalar> {
+    pub(crate) own: &'a Bvh<T>,
+    pub(crate) other: &'a Bvh<T>,
+    pub(crate) mesh: &'a Mesh<T>,
+    pub(crate) region: &'a Aabb<T>,
+}
+
+impl<T: Scalar> Kernel<T> for MayMeet<'_, T> {
+    type Output = bool;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) -> bool {
+        let Self { own, other, mesh, region } = self;
+        let mut leaves = LeavesIn::<T, L>::new(own, mesh.aabb(), region);
+        while let Some((boxes, met, _)) = leaves.next() {
+            if boxes.touching::<L>(other, met).unwrap_or(0) != 0 {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+impl<T: Scalar> SidesScratch<T> {
+    /// Asks for each point whether the mesh winds around it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn ask<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, region: &Aabb<T>) {
+        self.is_inside.clear();
+        if self.points.is_empty() {
+            return;
+        }
+        let (way_out, length) = way_out(region, mesh.aabb());
+        let (mut packet, mut list) = (RayPacket::empty(), Candidates::new());
+        let touched = [[NEAR; LANE_COUNT]; 3];
+        for points in self.points.chunks(LANE_COUNT) {
+            let mut rays = [Ray { origin: points[0], direction: way_out, t_max: length }; LANE_COUNT];
+            for (ray, point) in rays.iter_mut().zip(points) {
+                ray.origin = *point;
+            }
+            packet.set_rays::<L>(&rays[..points.len()]);
+            let mut numbers = [0; LANE_COUNT];
+            cells.windings::<L>(mesh, &packet, &touched, &mut list, &mut numbers);
+            let is_inside = self.is_inside.room_for(points.len());
+            for number in &numbers[..points.len()] {
+                is_inside.push(*number > 0);
+            }
+        }
+    }
+}
+
+/// The direction along an axis in which a region is nearest to where the box around a mesh ends, and a length that leads out
+/// of it from everywhere in the region.
+fn way_out<T: Scalar>(region: &Aabb<T>, around: &Aabb<T>) -> (Vector3<T>, T) {
+    let (mut best, mut shortest) = (Vector3::z(), T::INFINITY);
+    for axis in 0..3 {
+        let up = around.upper[axis] - region.lower[axis];
+        let down = region.upper[axis] - around.lower[axis];
+        let (length, sign) = if up < down { (up, T::one()) } else { (down, -T::one()) };
+        if length < shortest {
+            (best, shortest) = (Vector3::zeros(), length);
+            best[axis] = sign;
+        }
+    }
+    (best, shortest + around.longest_side())
+}
+
+/// The search for parts on one side.
+struct Sides<'a, T: Scalar> {
+    scratch: &'a mut SidesScratch<T>,
+    /// The boxes of the last leaves, and what tells the sides of those that do not meet the surface.
+    leaves: [(LeafBoxes<T>, Mask); LEAVES_KEPT],
+    points: [[u32; CHILD_COUNT]; LEAVES_KEPT],
+    next: usize,
+}
+
+impl<'a, T: Scalar> Sides<'a, T> {
+    fn new(scratch: &'a mut SidesScratch<T>) -> Self {
+        scratch.parts.clear();
+        scratch.points.clear();
+        let leaves = [(LeafBoxes::empty(), 0); LEAVES_KEPT];
+        Sides { scratch, leaves, points: [[NEAR; CHILD_COUNT]; LEAVES_KEPT], next: 0 }
+    }
+
+    /// Divides some tiles of a leaf into parts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add<L: Lanes<T>>(&mut self, boxes: LeafBoxes<T>, tiles: Mask, first: u32, other: &Bvh<T>) {
+        let touching = boxes.touching::<L>(other, tiles);
+        let near = touching.unwrap_or(0);
+        if near != 0 {
+            self.scratch.parts.room_for(1).push(Part { first, tiles: near, point: NEAR });
+        }
+        let mut left = tiles & !near;
+        if left == 0 {
+            return;
+        }
+        let place = self.next;
+        self.next = (self.next + 1) % LEAVES_KEPT;
+        let mut points = [NEAR; CHILD_COUNT];
+        while left != 0 {
+            // Where the box around all meets nothing, they hang together.
+            let part = match touching {
+                Some(_) => connected::<T, L>(&boxes, left.trailing_zeros() as usize, left),
+                None => left,
+            };
+            left &= !part;
+            let point = self.point_of::<L>(&boxes, part);
+            self.scratch.parts.room_for(1).push(Part { first, tiles: part, point });
+            let mut of_part = part;
+            while of_part != 0 {
+                points[of_part.trailing_zeros() as usize] = point;
+                of_part &= of_part - 1;
+            }
+        }
+        (self.leaves[place], self.points[place]) = ((boxes, tiles & !near), points);
+    }
+
+    /// Which point tells the side of connected boxes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn point_of<L: Lanes<T>>(&mut self, boxes: &LeafBoxes<T>, connected: Mask) -> u32 {
+        let mut left = connected;
+        while left != 0 {
+            let aabb = boxes.aabb(left.trailing_zeros() as usize);
+            left &= left - 1;
+            for ((known, clear), points) in self.leaves.iter().zip(&self.points) {
+                let met = known.meeting::<L>(&aabb) & clear;
+                if met != 0 {
+                    return points[met.trailing_zeros() as usize];
+                }
+            }
+        }
+        let points = self.scratch.points.room_for(1);
+        points.push(boxes.aabb(connected.trailing_zeros() as usize).centre());
+        points.len() as u32 - 1
+    }
+}
+
+/// The leaves that have tiles in a region, in ascending order.
+struct LeavesIn<'a, T: Scalar, L> {
+    cells: &'a Bvh<T>,
+    region: BoxLanes<T, L>,
+    clip: Aabb<T>,
+    /// By how much boxes are larger than they need be.
+    apart: T,
+    stack: [u32; STACK_SIZE],
+    waiting: usize,
+}
+
+impl<'a, T: Scalar, L: Lanes<T>> LeavesIn<'a, T, L> {
+    /// `around` is the box of the body that they are held against.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new(cells: &'a Bvh<T>, around: &Aabb<T>, region: &Aabb<T>) -> Self {
+        let largest = region.lower.amax().max(region.upper.amax());
+        // One margin for each of the two surfaces.
+        let apart = (largest + around.longest_side()) * margins::margin(2.0 * margins::SEEN_POSITION);
+        let (clip, region) = (region.grown(apart), BoxLanes::new(region));
+        Self { cells, region, clip, apart, stack: [0; STACK_SIZE], waiting: 1 }
+    }
+
+    /// The boxes of the next leaf's tiles, those in the region, and the first of the leaf's.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&mut self) -> Option<(LeafBoxes<T>, Mask, u32)> {
+        while self.waiting > 0 {
+            self.waiting -= 1;
+            let mut room = None;
+            let node = self.cells.node(self.stack[self.waiting] as usize, &mut room);
+            let mut met = node.meets::<L>(&self.region);
+            if node.is_leaf {
+                if met != 0 {
+                    return Some((LeafBoxes::new::<L>(node, &self.clip, self.apart), met, node.first));
+                }
+                continue;
+            }
+            // The first child last, so that it comes next: tiles come in ascending order.
+            while met != 0 {
+                let place = met.ilog2();
+                self.stack[self.waiting] = node.first + place;
+                self.waiting += 1;
+                met &= !(1 << place);
+            }
+        }
+        None
+    }
+}
+
+/// The boxes of a leaf's tiles, as far as they lie in a region, and a little larger.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct LeafBoxes<T: Scalar> {
+    lower: [[T; CHILD_COUNT]; 3],
+    upper: [[T; CHILD_COUNT]; 3],
+}
+
+impl<T: Scalar> LeafBoxes<T> {
+    fn empty() -> Self {
+        let zeros = [[T::zero(); CHILD_COUNT]; 3];
+        Self { lower: zeros, upper: zeros }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn new<L: Lanes<T>>(leaf: &Node<T>, region: &Aabb<T>, larger: T) -> Self {
+        let mut boxes = Self::empty();
+        let [lower, upper] = leaf.corners::<L>();
+        let larger = Vectors::splat(&Vector3::repeat(larger));
+        lower.sub(larger).larger(Vectors::splat(&region.lower)).store(&mut boxes.lower);
+        upper.add(larger).smaller(Vectors::splat(&region.upper)).store(&mut boxes.upper);
+        boxes
+    }
+
+    /// Which of them meet a box.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn meeting<L: Lanes<T>>(&self, aabb: &Aabb<T>) -> Mask {
+        Vectors::<T, L>::load(&self.lower).are_at_most(Vectors::splat(&aabb.upper))
+            & Vectors::<T, L>::splat(&aabb.lower).are_at_most(Vectors::load(&self.upper))
+    }
+
+    fn aabb(&self, place: usize) -> Aabb<T> {
+        Aabb {
+            lower: Vector3::from_fn(|axis, _| self.lower[axis][place]),
+            upper: Vector3::from_fn(|axis, _| self.upper[axis][place]),
+        }
+    }
+
+    /// A box around some of them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn around<L: Lanes<T>>(&self, some: Mask) -> Aabb<T> {
+        let endless = Vectors::<T, L>::splat(&Vector3::repeat(T::INFINITY));
+        Aabb {
+            lower: Vectors::select(some, Vectors::load(&self.lower), endless).smallest_lanes(),
+            upper: Vectors::select(some, Vectors::load(&self.upper), endless.negate()).greatest_lanes(),
+        }
+    }
+
+    /// Which of the boxes in `asked` meet that of any tile of the other body; `None` where not even the box around them does.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn touching<L: Lanes<T>>(&self, other: &Bvh<T>, asked: Mask) -> Option<Mask> {
+        let around = BoxLanes::new(&self.around::<L>(asked));
+        let mut stack = [0u32; STACK_SIZE];
+        let (mut waiting, mut touching, mut are_apart) = (1, 0, true);
+        while waiting > 0 {
+            waiting -= 1;
+            let mut room = None;
+            let node = other.node(stack[waiting] as usize, &mut room);
+            let mut met = node.meets::<L>(&around);
+            if !node.is_leaf {
+                waiting = L::append(&mut stack, waiting, node.first, met);
+                continue;
+            }
+            are_apart &= met == 0;
+            while met != 0 {
+                let place = met.trailing_zeros() as usize;
+                met &= met - 1;
+                touching |= self.meeting::<L>(&node.child_box(place));
+            }
+            if touching & asked == asked {
+                break;
+            }
+        }
+        (!are_apart).then_some(touching & asked)
+    }
+}
+
+/// The boxes that hang together with the first, among some that it is one of.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn connected<T: Scalar, L: Lanes<T>>(boxes: &LeafBoxes<T>, first: usize, some: Mask) -> Mask {
+    let (mut found, mut left): (Mask, Mask) = (0, 1 << first);
+    while left != 0 {
+        let place = left.trailing_zeros() as usize;
+        found |= 1 << place;
+        left = (left | boxes.meeting::<L>(&boxes.aabb(place)) & some) & !found;
+    }
+    found
+}

@@ -1,0 +1,157 @@
+use crate::bvh::node::CHILD_COUNT;
+use crate::bvh::rays::packet::Search;
+use crate::bvh::rays::packet::answer::Answer;
+use crate::bvh::rays::trace::STACK_SIZE;
+use crate::math::Scalar;
+use crate::mesh::Mesh;
+use crate::simd::{LANE_COUNT, Lanes, Mask};
+use crate::triangle::{HitLanes, RayPacket, TriangleLanes};
+
+/// A triangle that a ray may meet.
+#[derive(Clone, Copy)]
+struct Candidate {
+    triangle: u32,
+    ray: u32,
+}
+
+/// How many tiles are tested against the rays at a time.
+pub(crate) const TILES_AT_ONCE: usize = 80;
+
+/// A packet whose box meets more tiles than this walks the tree. The tori of the benchmarks list far fewer, the spreading rays
+/// of a deep overlap several hundred.
+const MOST_LISTED: usize = TILES_AT_ONCE - CHILD_COUNT;
+
+/// How many candidates are computed at a time.
+const CANDIDATES_AT_ONCE: usize = 256;
+
+/// A node that some rays of a packet may meet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting<T> {
+    /// The least t at which one of them enters its box.
+    pub(crate) entry: T,
+    pub(crate) node: u32,
+    pub(crate) rays: Mask,
+}
+
+/// Scratch memory for a packet's search, with space behind each list that may be overwritten.
+#[repr(C, align(64))]
+pub(crate) struct Candidates<T: Scalar> {
+    lanes: TriangleLanes<T>,
+    hits: HitLanes<T>,
+    /// For the positions of a tile that is not loaded.
+    pub(crate) room: [[T; LANE_COUNT]; 3],
+    /// The most tiles listed; beyond, the packet walks the tree.
+    pub(crate) most_listed: usize,
+    /// Tiles that rays may meet, and of each its node and its place there: 16 · node + place.
+    pub(crate) tiles: [u32; TILES_AT_ONCE + LANE_COUNT],
+    pub(crate) places: [u32; TILES_AT_ONCE + LANE_COUNT],
+    /// 16 · place in `tiles` + ray, where the ray meets the tile's box.
+    pub(crate) pairs: [u32; (TILES_AT_ONCE + 1) * LANE_COUNT],
+    triangles: [Candidate; CANDIDATES_AT_ONCE + LANE_COUNT],
+    /// Nodes that a walk has yet to enter.
+    pub(crate) waiting: [Waiting<T>; STACK_SIZE],
+    /// Whether the next packet starts by walking the tree: for searches of hits, and of exits.
+    pub(crate) walks: [bool; 2],
+}
+
+impl<T: Scalar> Candidates<T> {
+    pub(crate) fn new() -> Self {
+        Self {
+            lanes: TriangleLanes::empty(),
+            hits: HitLanes::empty(),
+            room: [[T::zero(); LANE_COUNT]; 3],
+            most_listed: MOST_LISTED,
+            tiles: [0; TILES_AT_ONCE + LANE_COUNT],
+            places: [0; TILES_AT_ONCE + LANE_COUNT],
+            pairs: [0; (TILES_AT_ONCE + 1) * LANE_COUNT],
+            triangles: [Candidate { triangle: 0, ray: 0 }; CANDIDATES_AT_ONCE + LANE_COUNT],
+            waiting: [Waiting { entry: T::zero(), node: 0, rays: 0 }; STACK_SIZE],
+            walks: [false; 2],
+        }
+    }
+
+    /// Rays walk where more tiles than so many are listed: always or never, for tests.
+    #[cfg(all(test, target_arch = "x86_64"))]
+    pub(crate) fn listing(most_listed: usize) -> Self {
+        Self { most_listed, ..Self::new() }
+    }
+}
+
+/// Holds the rays of the listed pairs against all triangles of their tiles at once. What is left are mostly hits: these join
+/// those that are `listed` already, and are computed where there are at least `fewest`. Gives how many are left.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn work_off<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+    search: &Search<T, L>,
+    list: &mut Candidates<T>,
+    pair_count: usize,
+    mut listed: usize,
+    fewest: usize,
+    answer: &mut A,
+) -> usize {
+    let mut next = 0;
+    while next < pair_count {
+        while next < pair_count && listed <= CANDIDATES_AT_ONCE - LANE_COUNT {
+            let pair = list.pairs[next] as usize;
+            next += 1;
+            let (index, ray) = (list.tiles[pair / LANE_COUNT] as usize, pair % LANE_COUNT);
+            let tile = &search.cells.tiles[index];
+            let positions = search.cells.positions_of::<L>(index, search.mesh, &mut list.room);
+            let [right, left] = search.packet.sides::<L>(ray, positions, &tile.corners);
+            let mut met = !(if A::EXITS_ONLY { right } else { right & left }) & tile.present;
+            // Rays seldom meet what they leave through, and then the tile's vertices stay unread.
+            if !A::EXITS_ONLY || met != 0 {
+                met &= !answer.excluded::<L>(ray, &search.cells.outlines[index].vertices, &tile.corners);
+            }
+            // None or one, nearly always: no branch for that.
+            let ray = ray as u32;
+            let first = tile.triangles[met.trailing_zeros() as usize % LANE_COUNT];
+            list.triangles[listed] = Candidate { triangle: first, ray };
+            listed += usize::from(met != 0);
+            met &= met.wrapping_sub(1);
+            while met != 0 {
+                list.triangles[listed] = Candidate { triangle: tile.triangles[met.trailing_zeros() as usize], ray };
+                listed += 1;
+                met &= met - 1;
+            }
+        }
+        if listed >= fewest {
+            resolve::<T, L, A>(search.mesh, search.packet, list, listed, answer);
+            listed = 0;
+        }
+    }
+    listed
+}
+
+/// Computes the hits of the candidates.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+    mesh: &Mesh<T>,
+    packet: &RayPacket<T>,
+    list: &mut Candidates<T>,
+    count: usize,
+    answer: &mut A,
+) {
+    let Candidates { lanes, hits, triangles: list, .. } = list;
+    let triangles = mesh.topology().triangles();
+    for candidates in list[..count].chunks(LANE_COUNT) {
+        // Lanes behind the last repeat the first.
+        let (mut rays, mut corners) = ([0; LANE_COUNT], [[0; LANE_COUNT]; 3]);
+        for lane in 0..LANE_COUNT {
+            let Candidate { triangle, ray } = *candidates.get(lane).unwrap_or(&candidates[0]);
+            rays[lane] = ray as u8 % LANE_COUNT as u8;
+            for (corner, vertex) in triangles[triangle as usize].into_iter().enumerate() {
+                corners[corner][lane] = vertex;
+            }
+        }
+        let [a, b, c] = &corners;
+        lanes.set::<L>(packet, &rays, [mesh.gather(a), mesh.gather(b), mesh.gather(c)]);
+        lanes.intersect::<L>(hits);
+        let mut found = hits.found & ((1u32 << candidates.len()) - 1) as Mask;
+        while found != 0 {
+            let lane = found.trailing_zeros() as usize;
+            found &= found - 1;
+            let Candidate { triangle, ray } = candidates[lane];
+            answer.add(ray as usize % LANE_COUNT, triangle, hits, lane);
+        }
+    }
+}

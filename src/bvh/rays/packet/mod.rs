@@ -1,0 +1,188 @@
+//! Where the rays of a packet meet the tiles: by lists of all tiles that the box around the packet meets or, where these
+//! are many, by a walk that holds the nodes' boxes against the rays themselves. Both give the same hits.
+
+pub(crate) mod answer;
+pub(crate) mod candidates;
+pub(crate) mod lists;
+pub(crate) mod slabs;
+#[cfg(all(test, target_arch = "x86_64"))]
+pub(crate) mod tests;
+pub(crate) mod walk;
+pub(crate) mod windings;
+
+use crate::bvh::Bvh;
+use crate::bvh::node::BoxLanes;
+use crate::bvh::rays::exit_culling::DirectionBounds;
+use crate::bvh::rays::packet::answer::{Answer, Hidden, Nearest};
+use crate::bvh::rays::packet::candidates::Candidates;
+use crate::bvh::rays::packet::slabs::PacketSlabs;
+use crate::bvh::rays::packet::walk::Walk;
+use crate::bvh::rays::packet::windings::Windings;
+use crate::math::{Aabb, Scalar};
+use crate::mesh::Mesh;
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
+use crate::triangle::{Hit, RayPacket};
+
+/// Where each ray of a packet meets a mesh first.
+#[derive(Clone, Debug)]
+// Whole rows of sixteen lie on lines of the cache.
+#[repr(C, align(64))]
+pub(crate) struct PacketHits<T: Scalar> {
+    pub(crate) triangle: [u32; LANE_COUNT],
+    pub(crate) t: [T; LANE_COUNT],
+    pub(crate) weights: [[T; LANE_COUNT]; 3],
+    /// Which rays have a hit; places of the others hold nothing of use.
+    pub(crate) found: Mask,
+    /// Which rays meet the triangle from inside.
+    pub(crate) exits: Mask,
+}
+
+impl<T: Scalar> PacketHits<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { found: 0, exits: 0, triangle: [0; LANE_COUNT], t: zeros, weights: [zeros; 3] }
+    }
+
+    /// The hit of one ray, if it has one.
+    pub(crate) fn get(&self, lane: usize) -> Option<Hit<T>> {
+        (self.found >> lane & 1 == 1).then(|| self.hit(lane))
+    }
+
+    /// The hit of a ray that has one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn hit(&self, lane: usize) -> Hit<T> {
+        Hit {
+            triangle: self.triangle[lane],
+            t: self.t[lane],
+            weights: [0, 1, 2].map(|corner| self.weights[corner][lane]),
+            is_exit: self.exits >> lane & 1 == 1,
+        }
+    }
+
+    pub(crate) fn set(&mut self, lane: usize, hit: &Hit<T>) {
+        let bit = 1 << lane;
+        self.found |= bit;
+        self.exits = if hit.is_exit { self.exits | bit } else { self.exits & !bit };
+        (self.triangle[lane], self.t[lane]) = (hit.triangle, hit.t);
+        (0..3).for_each(|corner| self.weights[corner][lane] = hit.weights[corner]);
+    }
+}
+
+impl<T: Scalar> Bvh<T> {
+    /// The nearest hit of each ray.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn nearest<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        packet: &RayPacket<T>,
+        list: &mut Candidates<T>,
+        hits: &mut PacketHits<T>,
+    ) {
+        hits.found = 0;
+        let answer = &mut Nearest { end: packet.t_max, hits };
+        let (asked, end) = (packet.present, &packet.t_max);
+        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer });
+    }
+
+    /// Which of the rays in `asked` leave the mesh strictly before `end`, through other triangles than those that have all
+    /// their ray's `touched` vertices.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn hidden<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        packet: &RayPacket<T>,
+        asked: Mask,
+        end: &[T; LANE_COUNT],
+        touched: &[[u32; LANE_COUNT]; 3],
+        list: &mut Candidates<T>,
+    ) -> Mask {
+        let mut answer = Hidden { end, touched, hidden: 0 };
+        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer: &mut answer });
+        answer.hidden & asked
+    }
+
+    /// How often the mesh winds around where the rays start, by every crossing of the rays up to their ends, in whatever order
+    /// they come: see [`Tracer::windings_of_packet`](crate::query::Tracer).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn windings<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        packet: &RayPacket<T>,
+        touched: &[[u32; LANE_COUNT]; 3],
+        list: &mut Candidates<T>,
+        numbers: &mut [i32; LANE_COUNT],
+    ) {
+        *numbers = [0; LANE_COUNT];
+        let (asked, end) = (packet.present, &packet.t_max);
+        let answer = &mut Windings { mesh, packet, touched, numbers };
+        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer });
+    }
+}
+
+/// What a search is given, and what it keeps of the packet as a whole.
+pub(crate) struct Search<'a, T: Scalar, L> {
+    cells: &'a Bvh<T>,
+    mesh: &'a Mesh<T>,
+    packet: &'a RayPacket<T>,
+    asked: Mask,
+    slabs: PacketSlabs<T, L>,
+    /// A box that holds all of the asked rays.
+    around: BoxLanes<T, L>,
+    /// Where only exits count.
+    directions: Option<DirectionBounds<T, L>>,
+}
+
+impl<T: Scalar, L: Lanes<T>> Search<'_, T, L> {
+    /// Whether a hit on the tile may count: where only exits do, not if no ray can leave through it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn may_count(&self, tile: usize, room: &mut [[T; LANE_COUNT]; 3]) -> bool {
+        match &self.directions {
+            Some(directions) => directions.may_leave(self.cells, tile, self.mesh, room),
+            None => true,
+        }
+    }
+}
+
+/// The search of a packet's asked rays up to their ends.
+struct PacketSearch<'a, T: Scalar, A> {
+    cells: &'a Bvh<T>,
+    mesh: &'a Mesh<T>,
+    packet: &'a RayPacket<T>,
+    asked: Mask,
+    end: &'a [T; LANE_COUNT],
+    list: &'a mut Candidates<T>,
+    answer: &'a mut A,
+}
+
+impl<T: Scalar, A: Answer<T>> Kernel<T> for PacketSearch<'_, T, A> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { cells, mesh, packet, asked, end, list, answer } = self;
+        if asked == 0 {
+            return;
+        }
+        let slabs = PacketSlabs::<T, L>::new(packet, mesh.aabb());
+        let mut around = slabs.box_around(packet, end, asked, mesh.aabb());
+        // Of rays of a host's, much may lie without, and then the box around them tells little.
+        if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
+            around = slabs.box_inside(packet, end, asked, mesh.aabb());
+        }
+        // No closure: it would be compiled for any processor.
+        let directions = if A::EXITS_ONLY { Some(DirectionBounds::<T, L>::new(packet, asked, &around)) } else { None };
+        let around = BoxLanes::new(&around);
+        let search = Search { cells, mesh, packet, asked, slabs, around, directions };
+        if !lists::search(&search, list, answer) {
+            L::outlined(Walk { search: &search, list, answer });
+        }
+    }
+}
+
+/// Whether a box holds all of the mesh's, or much besides.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn reaches_out<T: Scalar>(around: &Aabb<T>, mesh_box: &Aabb<T>) -> bool {
+    let far = (mesh_box.upper - mesh_box.lower) * T::of(0.125);
+    let [lower, upper] = [mesh_box.lower - far, mesh_box.upper + far];
+    around == mesh_box || (0..3).any(|axis| around.lower[axis] < lower[axis] || upper[axis] < around.upper[axis])
+}

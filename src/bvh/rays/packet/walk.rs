@@ -1,0 +1,150 @@
+use crate::bvh::node::{CHILD_COUNT, Node};
+use crate::bvh::rays::packet::Search;
+use crate::bvh::rays::packet::answer::Answer;
+use crate::bvh::rays::packet::candidates::{Candidates, Waiting, resolve, work_off};
+use crate::bvh::rays::packet::slabs::SingleSlabs;
+use crate::math::Scalar;
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
+
+/// If the rays of a packet meet fewer tiles than this, lists would have been faster: the next packet uses lists again.
+const FEWEST_WALKED: u32 = 24;
+
+/// Each node's box is held against the rays that met its parent's; the nearest goes first, and rays that have met something
+/// nearer meanwhile are left out.
+pub(crate) struct Walk<'a, 'b, T: Scalar, L, A> {
+    pub(crate) search: &'a Search<'b, T, L>,
+    pub(crate) list: &'a mut Candidates<T>,
+    pub(crate) answer: &'a mut A,
+}
+
+impl<T: Scalar, L: Lanes<T>, A: Answer<T>> Kernel<T> for Walk<'_, '_, T, L, A> {
+    type Output = ();
+
+    /// Runs with the lanes of the search.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<Same: Lanes<T>>(self) {
+        let Self { search, list, answer } = self;
+        let cells = search.cells;
+        let singles = search.slabs.singles();
+        let mut children = Children { rays: [0; CHILD_COUNT], entries: [T::zero(); CHILD_COUNT] };
+        list.waiting[0] = Waiting { entry: T::zero(), node: 0, rays: search.asked };
+        let (mut waiting, mut listed, mut tile_count) = (1, 0, 0);
+        while waiting > 0 {
+            waiting -= 1;
+            let Waiting { entry, node, rays } = list.waiting[waiting];
+            let is_open = L::splat(entry).is_at_most(L::load(answer.end())) | search.slabs.meet_all;
+            let rays = rays & is_open & !answer.settled();
+            if rays == 0 {
+                continue;
+            }
+            let mut room = None;
+            let node = cells.node(node as usize, &mut room);
+            let mut met = children.hold::<L, A>(search, &singles, node, rays, answer);
+            if node.is_leaf {
+                tile_count += met.count_ones();
+                let pair_count = list_pairs::<T, L, A>(search, list, node, met, &children.rays);
+                listed = work_off(search, list, pair_count, listed, LANE_COUNT, answer);
+                continue;
+            }
+            let first = waiting;
+            while met != 0 {
+                let child = met.trailing_zeros() as usize;
+                met &= met - 1;
+                let entry = children.entries[child];
+                let mut place = waiting;
+                while place > first && list.waiting[place - 1].entry < entry {
+                    list.waiting[place] = list.waiting[place - 1];
+                    place -= 1;
+                }
+                list.waiting[place] = Waiting { entry, node: node.first + child as u32, rays: children.rays[child] };
+                waiting += 1;
+            }
+        }
+        resolve::<T, L, A>(search.mesh, search.packet, list, listed, answer);
+        list.walks[usize::from(A::EXITS_ONLY)] = tile_count >= FEWEST_WALKED;
+    }
+}
+
+/// Which rays meet a node's children, and where the first of them enters.
+struct Children<T: Scalar> {
+    rays: [Mask; CHILD_COUNT],
+    /// Of nodes that are no leaves.
+    entries: [T; CHILD_COUNT],
+}
+
+impl<T: Scalar> Children<T> {
+    /// Holds the rays against all children of a node, gives those that are met: one box against all rays at a time or one ray
+    /// against all boxes, whichever are fewer.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn hold<L: Lanes<T>, A: Answer<T>>(
+        &mut self,
+        search: &Search<T, L>,
+        singles: &SingleSlabs<T>,
+        node: &Node<T>,
+        rays: Mask,
+        answer: &A,
+    ) -> Mask {
+        let near = node.meets::<L>(&search.around);
+        let (mut met, endless) = (0, L::splat(T::INFINITY));
+        if rays.count_ones() < near.count_ones() {
+            let mut met_by = [0; LANE_COUNT];
+            let (corners, mut entries) = (node.corners::<L>(), endless);
+            let mut left = rays;
+            while left != 0 {
+                let ray = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let (enters, some) = singles.entering::<L>(ray, corners, answer.end()[ray]);
+                let some = some & near;
+                met |= some;
+                met_by[ray] = some;
+                entries = L::select(some, enters.smaller(entries), entries);
+            }
+            entries.store(&mut self.entries);
+            let mut left = met;
+            while left != 0 {
+                let child = left.trailing_zeros() as usize;
+                left &= left - 1;
+                self.rays[child] = L::holding(&met_by, 1 << child);
+            }
+            return met;
+        }
+        let end = L::load(answer.end());
+        let mut left = near;
+        while left != 0 {
+            let child = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (enters, some) = search.slabs.entering(&node.child_box(child), end);
+            self.rays[child] = some & rays;
+            met |= Mask::from(self.rays[child] != 0) << child;
+            if !node.is_leaf {
+                self.entries[child] = L::select(self.rays[child], enters, endless).smallest();
+            }
+        }
+        met
+    }
+}
+
+/// Lists each of these tiles with the rays that meet its box, but for those through which no ray can leave where only that
+/// counts.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn list_pairs<T: Scalar, L: Lanes<T>, A: Answer<T>>(
+    search: &Search<T, L>,
+    list: &mut Candidates<T>,
+    node: &Node<T>,
+    mut tiles: Mask,
+    rays: &[Mask; CHILD_COUNT],
+) -> usize {
+    let (mut tile_count, mut pair_count) = (0, 0);
+    while tiles != 0 {
+        let child = tiles.trailing_zeros() as usize;
+        tiles &= tiles - 1;
+        let tile = node.first as usize + child;
+        if A::EXITS_ONLY && !search.may_count(tile, &mut list.room) {
+            continue;
+        }
+        list.tiles[tile_count] = tile as u32;
+        pair_count = L::append(&mut list.pairs, pair_count, (tile_count * LANE_COUNT) as u32, rays[child]);
+        tile_count += 1;
+    }
+    pair_count
+}

@@ -1,0 +1,157 @@
+use crate::contact::classify::{past_folds, starts_outside};
+use crate::contact::options::ContactLaw;
+use crate::contact::pair::Direction;
+use crate::contact::point_pair::{Contact, ContactKind};
+use crate::contact::quadrature::border::CutAtSurface;
+use crate::contact::quadrature::cutter::Cutter;
+use crate::contact::quadrature::packet::SamplePacket;
+use crate::contact::quadrature::sampler::{InsidePart, Pieces, Sampler, Starts};
+use crate::contact::statistics::Statistics;
+use crate::contact::trace::Rays;
+use crate::contact::weigh::distance::distances_over_depths;
+use crate::contact::weigh::shares::{CastSurfaceLanes, Turning};
+use crate::contact::weigh::{accept, cosines};
+use crate::math::Scalar;
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
+use crate::triangle::Hit;
+
+/// The rays from some of a body's groups of vertices or triangles through the other body, sixteen at a time through
+/// both filters of the paper.
+pub(crate) struct Cast<'a, T: Scalar> {
+    /// The kind of the contacts made.
+    pub(crate) kind: ContactKind,
+    pub(crate) direction: &'a Direction<'a, T>,
+    pub(crate) starts: Starts<'a, T>,
+    pub(crate) surface: &'a mut Turning<T>,
+    pub(crate) statistics: &'a mut Statistics,
+    pub(crate) contacts: &'a mut Vec<Contact<T>>,
+    /// Scratch memory for the pieces of a triangle, and for the inside parts of those that the other body's surface crosses.
+    pub(crate) pieces: &'a mut Pieces<T>,
+    /// Scratch memory for the vertices in the overlap box.
+    pub(crate) vertices: &'a mut Vec<u32>,
+    /// Scratch memory for the crossings of a ray.
+    pub(crate) crossings: &'a mut Vec<Hit<T>>,
+}
+
+impl<T: Scalar> Kernel<T> for Cast<'_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Direction { pair, side } = *self.direction;
+        let own = pair.tracers[side];
+        let cutter = self.cutter();
+        let mut sampler = Sampler::new::<L>(own, pair.region, self.starts, cutter, self.pieces, self.vertices);
+        let (mut samples, mut rays, mut surface) = (sampler.packet(), Rays::new(), CastSurfaceLanes::new());
+        // Packets are filled by a small function and traced in one loop, because the code inlined into the loop is large.
+        while sampler.fill::<L>(&mut samples) {
+            // What is left out because it lies outside the other body counts neither here.
+            surface.add::<L>(&samples.lanes);
+            let (statistics, crossings) = (&mut *self.statistics, &mut *self.crossings);
+            let inside = &mut sampler.pieces.inside;
+            Tracing {
+                direction: self.direction,
+                kind: self.kind,
+                statistics,
+                crossings,
+                inside,
+                contacts: self.contacts,
+            }
+            .trace::<L>(&samples, &mut rays);
+        }
+        *self.surface = surface.total();
+        sampler.count(self.statistics);
+    }
+}
+
+impl<'a, T: Scalar> Cast<'a, T> {
+    /// What cuts triangles into pieces, where rays start on them.
+    fn cutter(&self) -> Option<Cutter<'a, T>> {
+        let pair = self.direction.pair;
+        let mut cutter = pair.cutter()?;
+        if let Some(area) = pair.patch_area {
+            cutter = cutter.with_patches(area);
+        }
+        Some(if pair.measures_distances() { cutter.with_border() } else { cutter })
+    }
+}
+
+/// The way of one packet: traced, classified, weighed.
+struct Tracing<'a, 'b, T: Scalar> {
+    direction: &'a Direction<'b, T>,
+    kind: ContactKind,
+    statistics: &'a mut Statistics,
+    crossings: &'a mut Vec<Hit<T>>,
+    /// For what is inside of pieces that the other body's surface crosses.
+    inside: &'a mut Vec<InsidePart<T>>,
+    contacts: &'a mut Vec<Contact<T>>,
+}
+
+impl<T: Scalar> Tracing<'_, '_, T> {
+    /// Keeps the rays that pass both filters.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn trace<L: Lanes<T>>(&mut self, samples: &SamplePacket<T>, rays: &mut Rays<T>) {
+        let Direction { pair, side } = *self.direction;
+        let other = pair.tracers[1 - side];
+        let Rays { packet, candidates, hits, .. } = rays;
+        let present = samples.lanes.found & !samples.beside::<L>(pair.region);
+        self.statistics.rays += u64::from(present.count_ones());
+        let (position, normal) = (&samples.lanes.position, &samples.lanes.normal);
+        packet.set_inward::<L>(present, position, normal, &pair.ray_regions[side]);
+        other.nearest_of_packet::<L>(packet, candidates, hits);
+        let mut followed = 0;
+        if pair.options.past_folds {
+            followed = past_folds::follow(other, packet, hits, self.crossings);
+            self.statistics.past_folds += u64::from(followed.count_ones());
+        }
+        let mut known = samples.known;
+        let exits = hits.found & hits.exits;
+        self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
+        self.statistics.entry_hits += u64::from((hits.found & !exits).count_ones());
+        let crossed = if samples.cut != 0 && pair.measures_distances() {
+            let (direction, known, distances) = (self.direction, &mut known, &mut rays.distances);
+            let (crossings, inside) = (&mut *self.crossings, &mut *self.inside);
+            L::outlined(CutAtSurface { direction, samples, exits, known, distances, crossings, inside })
+        } else {
+            0
+        };
+        self.statistics.border_pieces += u64::from(crossed.count_ones());
+        let exits = exits & !crossed;
+        if exits == 0 {
+            return;
+        }
+        let hidden = if pair.hides_behind_own_surface { self.hidden::<L>(samples, rays, exits) } else { 0 };
+        let accepted = exits & !hidden;
+        let measured = if pair.options.law == ContactLaw::Pressure { accepted & !followed } else { 0 };
+        let without_depth = L::load(&rays.hits.t).is_at_most(L::splat(T::zero()));
+        let by_normals = accepted & (!measured | without_depth);
+        let mut cos_alpha = [T::zero(); LANE_COUNT];
+        if by_normals != 0 {
+            cos_alpha = cosines::<T, L>(&rays.packet, &rays.hits, by_normals, other.mesh());
+        }
+        let Rays { packet, hits, distances, .. } = rays;
+        distances_over_depths::<T, L>(other, packet, measured, &known, hits, distances, &mut cos_alpha);
+        accept::<T, L>(self.kind, self.direction, samples, rays, accepted, &cos_alpha, self.contacts);
+    }
+
+    /// Which of the rays leave their own body before the other.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn hidden<L: Lanes<T>>(&mut self, samples: &SamplePacket<T>, rays: &mut Rays<T>, exits: Mask) -> Mask {
+        let Direction { pair, side } = *self.direction;
+        let own = pair.tracers[side];
+        let touched = samples.touched(own.mesh());
+        let Rays { packet, candidates, hits, .. } = rays;
+        let mut hidden = own.hidden_of_packet::<L>(packet, exits, &hits.t, &touched, candidates);
+        let doubtful = exits & !hidden & !samples.lanes.outward;
+        if samples.are_vertices && doubtful != 0 {
+            hidden |= starts_outside::entering(own, packet, doubtful, &hits.t, &samples.indices, self.crossings);
+        }
+        if pair.options.past_folds && hidden != 0 {
+            let uncovered = past_folds::uncovered(own, packet, hidden, &hits.t, &touched, self.crossings);
+            self.statistics.past_folds += u64::from(uncovered.count_ones());
+            hidden &= !uncovered;
+        }
+        self.statistics.own_surface_hits += u64::from(hidden.count_ones());
+        hidden
+    }
+}

@@ -1,0 +1,63 @@
+use crate::contact::cast::Cast;
+use crate::contact::list::ContactList;
+use crate::contact::pair::Direction;
+use crate::contact::point_pair::{Contact, ContactKind};
+use crate::contact::quadrature::Sample;
+use crate::contact::quadrature::edges::for_each_inside_stretch;
+use crate::contact::quadrature::sampler::Starts;
+use crate::contact::weigh::shares::CastLoad;
+use crate::contact::workspace::Workspace;
+use crate::math::{Scalar, cosine};
+use crate::memory::Room;
+use crate::mesh::Mesh;
+use crate::simd::dispatch;
+
+impl<T: Scalar> Direction<'_, T> {
+    /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside; gives how many
+    /// such stretches there are, and the direction's load.
+    ///
+    /// A stretch stands for a strip of its length. Below the edge that lies across a sharp one, whatever the angle between
+    /// them, the pressure on the two faces, integrated, is that in the middle of the stretch times a strip as wide as a third
+    /// of what the ray runs through, times the tangent of half the angle between the faces. That is wide for faces that hardly
+    /// bend, so no strip is wider than the middle is deep.
+    pub(crate) fn cast_edges(&self, list: &mut ContactList<T>) -> (usize, CastLoad<T>) {
+        let ContactList { contacts, statistics, workspace, .. } = list;
+        let Workspace { samples, groups, vertices, pieces, edge_sides, crossings, .. } = workspace;
+        let first = contacts.len();
+        let mut load = CastLoad::default();
+        let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
+        samples.clear();
+        for_each_inside_stretch(
+            tracers,
+            self.pair.region,
+            [&mut groups[self.side], vertices],
+            (edge_sides, crossings),
+            |sample, length| {
+                samples.room_for(1).push(Sample { area: length, ..sample });
+            },
+        );
+        dispatch::<T, _>(Cast {
+            kind: ContactKind::Edge,
+            direction: self,
+            starts: Starts::Samples(samples),
+            surface: &mut load.surface,
+            statistics,
+            contacts,
+            pieces,
+            vertices,
+            crossings,
+        });
+        let own = tracers[0].mesh();
+        contacts[first..].iter_mut().for_each(|contact| contact.area *= width_of_strip(own, contact));
+        load.add_contacts(&contacts[first..], self.pair.options.law);
+        (samples.len(), load)
+    }
+}
+
+fn width_of_strip<T: Scalar>(own: &Mesh<T>, contact: &Contact<T>) -> T {
+    // Of half the angle between the faces.
+    let sine = cosine(&own.scaled_normal(contact.p1.triangle), &-contact.direction);
+    let cosine = (T::one() - sine * sine).max(T::zero()).sqrt();
+    let third = T::one() / T::of(3.0);
+    (contact.depth * (sine / cosine) * third).min(contact.depth * contact.cos_alpha)
+}

@@ -1,0 +1,97 @@
+use crate::contact::escape_push::EscapePush;
+use crate::contact::point_pair::Contact;
+use crate::contact::statistics::Statistics;
+use crate::contact::workspace::Workspace;
+use crate::math::Scalar;
+use crate::memory::{self, Room};
+use crate::threads::Helpers;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+/// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.
+///
+/// Two lists are equal where their contacts, pushes and statistics are.
+#[derive(Clone, Debug, Default)]
+pub struct ContactList<T: Scalar> {
+    /// The contacts.
+    pub contacts: Vec<Contact<T>>,
+    /// How they were found.
+    pub statistics: Statistics,
+    pub(crate) pushes: Vec<EscapePush<T>>,
+    pub(crate) workspace: Workspace<T>,
+}
+
+impl<T: Scalar> PartialEq for ContactList<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.contacts == other.contacts && self.statistics == other.statistics && self.pushes == other.pushes
+    }
+}
+
+impl<T: Scalar> ContactList<T> {
+    /// How many contacts there are.
+    pub fn len(&self) -> usize {
+        self.contacts.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.contacts.is_empty()
+    }
+
+    /// How each escaping pair is pushed as a whole, in the order of the pairs.
+    pub fn pushes(&self) -> &[EscapePush<T>] {
+        &self.pushes
+    }
+
+    /// Says who helps with the next query for a pair.
+    pub(crate) fn set_helpers(&mut self, helpers: Helpers) {
+        self.workspace.helpers = helpers;
+    }
+
+    /// Forgets everything but the memory.
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+        self.pushes.clear();
+        self.statistics = Statistics::default();
+    }
+
+    /// Fills the list anew. If memory runs out on the way, the list is empty.
+    pub(crate) fn refill<R>(&mut self, fill: impl FnOnce(&mut Self) -> R) -> R {
+        self.clear();
+        catch_unwind(AssertUnwindSafe(|| fill(self))).unwrap_or_else(|panic| {
+            self.clear();
+            resume_unwind(panic)
+        })
+    }
+
+    /// Replaces what it holds by `count` other lists. `list` gives how many contacts are in all lists before, and the list.
+    pub(crate) fn join<'a>(&mut self, helpers: &Helpers, count: usize, list: impl Fn(usize) -> (usize, &'a Self) + Sync)
+    where
+        T: 'a,
+    {
+        self.clear();
+        let contacts_of = |number| {
+            let (before, list) = list(number);
+            (before, list.contacts.as_slice())
+        };
+        helpers.append(&mut self.contacts, count, contacts_of, |_, contact| *contact);
+        for number in 0..count {
+            let (_, other) = list(number);
+            memory::append(&mut self.pushes, other.pushes.iter().copied());
+            self.statistics += other.statistics;
+        }
+    }
+
+    /// Takes over what another list holds; that list has to be cleared afterwards.
+    pub(crate) fn take_from(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.contacts, &mut other.contacts);
+        std::mem::swap(&mut self.pushes, &mut other.pushes);
+        self.statistics = other.statistics;
+    }
+
+    /// Adds the contacts and counts of `other` after its own.
+    pub fn append(&mut self, other: &Self) {
+        self.contacts.room_for(other.contacts.len()).extend_from_slice(&other.contacts);
+        self.pushes.room_for(other.pushes.len()).extend_from_slice(&other.pushes);
+        self.statistics += other.statistics;
+    }
+}

@@ -1,0 +1,245 @@
+use crate::contact::point_pair::SurfacePoint;
+use crate::contact::quadrature::{Sample, Sampling, WHOLE};
+use crate::math::{Aabb, Scalar, Vector3};
+use crate::mesh::Mesh;
+
+/// Cuts triangles into pieces of the size asked for.
+pub(crate) struct Cutter<'a, T: Scalar> {
+    pub(crate) region: &'a Aabb<T>,
+    /// The square of the longest edge that a piece may have.
+    pub(crate) longest_allowed: T,
+    /// Pieces left larger than asked.
+    pub(crate) uncut: u64,
+    halvings_left: u32,
+    /// Whether pieces are offered too that touch the region, but have their middles beside it.
+    keeps_border: bool,
+}
+
+/// The largest number of cuts of one surface, so that cutting ends for needles and for whatever spacing a caller asks. It is
+/// ten times what an overlap with equal sides takes, and gives about a million pieces.
+const MOST_HALVINGS_AUTOMATIC: u32 = 1 << 13;
+const MOST_HALVINGS: u32 = 1 << 20;
+
+/// How many rays stand on the largest face of the overlap box where the sampling is automatic. docs/accuracy.md has the errors
+/// with half as many, under *rays on its largest face*.
+const RAYS_ON_LARGEST_FACE: f64 = 128.0;
+
+/// If both bodies of a pair meet more than this many others, they share out their rays among these, so that the number of rays
+/// grows with the bodies and not with the pairs.
+const MOST_WITH_ALL_RAYS: u32 = 12;
+/// At least this many rays stand on the largest face even then; with fewer, large triangles would miss the overlap.
+const FEWEST_ON_LARGEST_FACE: f64 = 8.0;
+
+/// The part of the rays on the overlap box's largest face that a pair casts if both bodies meet at least `neighbours` others.
+pub(crate) fn part_of_rays<T: Scalar>(neighbours: u32) -> T {
+    let part = f64::from(MOST_WITH_ALL_RAYS) / f64::from(neighbours.max(1));
+    T::of(part.clamp(FEWEST_ON_LARGEST_FACE / RAYS_ON_LARGEST_FACE, 1.0))
+}
+
+/// The area of the largest face of a box.
+pub(crate) fn largest_face<T: Scalar>(aabb: &Aabb<T>) -> T {
+    let sides = aabb.upper - aabb.lower;
+    (sides.x * sides.y).max(sides.y * sides.z).max(sides.z * sides.x)
+}
+
+/// The triangle that pieces are cut from.
+struct Face<T: Scalar> {
+    triangle: u32,
+    vertices: [u32; 3],
+    normal: Vector3<T>,
+}
+
+/// A part of a triangle that casts a ray from its middle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CutPiece<T: Scalar> {
+    pub(crate) sample: Sample<T>,
+    /// Barycentric weights of each corner in the triangle.
+    pub(crate) corner_weights: [Vector3<T>; 3],
+}
+
+/// A part of a triangle.
+struct Piece<T: Scalar> {
+    corners: [Vector3<T>; 3],
+    /// Barycentric weights of each corner in the triangle.
+    weights: [Vector3<T>; 3],
+    area: T,
+    depth: u8,
+    number: u32,
+}
+
+/// Halvings of halves beyond this change nothing in either precision; it bounds the recursion.
+const DEEPEST: u8 = 96;
+
+impl<T: Scalar> Piece<T> {
+    fn whole(corners: [Vector3<T>; 3], area: T) -> Self {
+        Self { corners, weights: [Vector3::x(), Vector3::y(), Vector3::z()], area, depth: 0, number: WHOLE }
+    }
+
+    /// The middle: where it is, and its barycentric weights.
+    fn middle(&self) -> (Vector3<T>, Vector3<T>) {
+        let third = T::one() / T::of(3.0);
+        let mean = |[a, b, c]: [Vector3<T>; 3]| (a + b + c) * third;
+        (mean(self.corners), mean(self.weights))
+    }
+}
+
+impl<'a, T: Scalar> Cutter<'a, T> {
+    /// The one for this sampling; `None` where rays start at vertices.
+    pub(crate) fn new(sampling: Sampling<T>, overlap: &Aabb<T>, region: &'a Aabb<T>) -> Option<Self> {
+        let (squared_spacing, halvings_left) = match sampling {
+            Sampling::Vertices => return None,
+            Sampling::Automatic | Sampling::Tolerance(_) => {
+                (largest_face(overlap) / T::of(RAYS_ON_LARGEST_FACE), MOST_HALVINGS_AUTOMATIC)
+            }
+            Sampling::Spacing(spacing) => (spacing * spacing, MOST_HALVINGS),
+        };
+        // A region that is no more than a line or a point gives no measure: one ray for each triangle then.
+        let longest_allowed = if squared_spacing > T::zero() { squared_spacing * T::of(2.0) } else { T::INFINITY };
+        Some(Self { region, longest_allowed, uncut: 0, halvings_left, keeps_border: false })
+    }
+
+    /// The same with so many times as few rays.
+    pub(crate) fn with_part_of_rays(mut self, part: T) -> Self {
+        self.longest_allowed /= part;
+        self
+    }
+
+    /// The same with no piece smaller than patches of this area.
+    pub(crate) fn with_patches(mut self, area: T) -> Self {
+        self.longest_allowed = self.longest_allowed.max(area * T::of(2.0));
+        self
+    }
+
+    /// The same, but offering also pieces that only touch the region.
+    pub(crate) fn with_border(self) -> Self {
+        Self { keeps_border: true, ..self }
+    }
+
+    /// Offers the triangle's pieces whose middles lie in the region, given its normal and area.
+    pub(crate) fn cut(
+        &mut self,
+        mesh: &Mesh<T>,
+        triangle: u32,
+        normal: Vector3<T>,
+        area: T,
+        offer: &mut impl FnMut(CutPiece<T>),
+    ) {
+        let face = Face { triangle, vertices: mesh.topology().triangles()[triangle as usize], normal };
+        self.halve(&face, &Piece::whole(mesh.corners(triangle), area), offer);
+    }
+
+    /// Halves the piece at the middle of its longest edge until that edge is short enough, and offers the middle of
+    /// each part that lies in the region. Parts beside the region are dropped whole, so that a floor costs what lies
+    /// under the body.
+    fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, offer: &mut impl FnMut(CutPiece<T>)) {
+        if !Aabb::of_triangle(&piece.corners).overlaps(self.region) {
+            return;
+        }
+        let squares: [T; 3] = std::array::from_fn(|i| (piece.corners[i] - piece.corners[(i + 1) % 3]).norm_squared());
+        // Of equal edges the first in space is cut, so that it does not matter with which corner the triangle begins.
+        let ends = |i: usize| {
+            let sum = piece.corners[i] + piece.corners[(i + 1) % 3];
+            [sum.x, sum.y, sum.z]
+        };
+        let is_longer =
+            |i: usize, best: usize| squares[i] > squares[best] || (squares[i] == squares[best] && ends(i) < ends(best));
+        let longest = (1..3).fold(0, |best, i| if is_longer(i, best) { i } else { best });
+        let [from, to] = [longest, (longest + 1) % 3];
+        let half = T::of(0.5);
+        let middle = (piece.corners[from] + piece.corners[to]) * half;
+        let can_halve = middle != piece.corners[from] && middle != piece.corners[to] && piece.depth < DEEPEST;
+        // Written so that NaN stops too.
+        let is_too_long = squares[longest] > self.longest_allowed && can_halve;
+        if is_too_long && self.halvings_left > 0 {
+            self.halvings_left -= 1;
+            let weights = (piece.weights[from] + piece.weights[to]) * half;
+            for (half, kept) in [from, to].into_iter().enumerate() {
+                let (mut corners, mut all_weights) = (piece.corners, piece.weights);
+                let replaced = from + to - kept;
+                corners[replaced] = middle;
+                all_weights[replaced] = weights;
+                let (area, depth) = (piece.area * T::of(0.5), piece.depth + 1);
+                let number = piece.number.wrapping_mul(2).wrapping_add(half as u32);
+                let part = Piece { corners, weights: all_weights, area, depth, number };
+                self.halve(face, &part, offer);
+            }
+            return;
+        }
+        self.uncut += u64::from(is_too_long);
+        let (position, weights) = piece.middle();
+        if self.keeps_border || self.region.contains(&position) {
+            let point =
+                SurfacePoint { triangle: face.triangle, vertices: face.vertices, weights: weights.into(), position };
+            let sample = Sample { point, normal: face.normal, area: piece.area, piece: piece.number };
+            offer(CutPiece { sample, corner_weights: piece.weights });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+
+    const EVERYWHERE: Aabb<f64> = Aabb { lower: Vector3::new(-1e9, -1e9, -1e9), upper: Vector3::new(1e17, 1e17, 1e17) };
+
+    /// The areas of the pieces of a triangle in the region.
+    fn areas(cutter: &mut Cutter<'_, f64>, corners: [[f64; 3]; 3], area: f64) -> Vec<f64> {
+        let mesh = Mesh::open(&corners, &[[0, 1, 2]]).expect("it has an area");
+        let mut areas = Vec::new();
+        cutter.cut(&mesh, 0, Vector3::z(), area, &mut |piece| areas.push(piece.sample.area));
+        areas
+    }
+
+    fn with_spacing(spacing: f64, region: &Aabb<f64>) -> Cutter<'_, f64> {
+        Cutter::new(Sampling::Spacing(spacing), &EVERYWHERE, region).expect("rays start on faces")
+    }
+
+    /// Half a square with sides of 8: its halves are halves of squares again, so that k halvings of all leave 2ᵏ pieces
+    /// with longest sides of √(128 / 2ᵏ).
+    const HALF_A_SQUARE: [[f64; 3]; 3] = [[0.0; 3], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]];
+
+    #[test]
+    fn triangles_are_halved_until_no_side_is_longer_than_the_diagonal_of_a_square_of_the_spacing() {
+        for (spacing, pieces) in [(1.0, 64), (1.01, 64), (0.99, 128), (2.0, 16), (7.99, 2), (8.0, 1)] {
+            let mut cutter = with_spacing(spacing, &EVERYWHERE);
+            assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), vec![32.0 / pieces as f64; pieces], "{spacing}");
+            assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (pieces as u32 - 1, 0));
+        }
+        // No smaller than the halves of squares as large as the patches.
+        for (patch, pieces) in [(0.25, 64), (1.0, 64), (4.0, 16), (16.0, 4)] {
+            let mut cutter = with_spacing(1.0, &EVERYWHERE).with_patches(patch);
+            assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0).len(), pieces, "patches of {patch}");
+        }
+    }
+
+    /// Of eight pieces three halvings, the first half first, leave two; their quarter and the other half are too large.
+    #[test]
+    fn pieces_left_uncut_are_counted() {
+        let mut cutter = with_spacing(2.9, &EVERYWHERE);
+        cutter.halvings_left = 3;
+        assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), [4.0, 4.0, 8.0, 16.0]);
+        assert_eq!(cutter.uncut, 2);
+        assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), [32.0]);
+        assert_eq!(cutter.uncut, 3);
+    }
+
+    /// Of the halves of what has a corner at the origin one has it too, and no other part comes near.
+    #[test]
+    fn halves_of_halves_come_to_an_end() {
+        let tiny = Aabb { lower: Vector3::repeat(-1e-60), upper: Vector3::repeat(1e-60) };
+        let mut cutter = with_spacing(1e-40, &tiny);
+        assert_eq!(areas(&mut cutter, [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 0.5), [0.0; 0]);
+        assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (u32::from(DEEPEST), 0));
+    }
+
+    /// Far from the origin, where the middles of the shorter sides are rounded to one of their ends.
+    #[test]
+    fn pieces_that_rounding_does_not_let_be_halved_are_whole() {
+        let far = 2f64.powi(53);
+        let mut cutter = with_spacing(1e-3, &EVERYWHERE);
+        let corners = [[far, far, 0.0], [far + 2.0, far, 0.0], [far, far + 2.0, 0.0]];
+        assert_eq!(areas(&mut cutter, corners, 2.0), [1.0, 1.0]);
+        assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (1, 0));
+    }
+}

@@ -1,0 +1,147 @@
+//! Up to sixteen samples side by side.
+
+use crate::contact::point_pair::{SurfacePoint, touched_of};
+use crate::contact::quadrature::cutter::CutPiece;
+use crate::contact::quadrature::sampler::InsidePart;
+use crate::contact::quadrature::{Sample, VERTEX, WHOLE, vertex_point};
+use crate::math::{Aabb, Scalar, Vector3};
+use crate::mesh::{Mesh, NormalLanes};
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane, vector_in_lane};
+
+/// Up to sixteen samples.
+pub(crate) struct SamplePacket<T: Scalar> {
+    /// Positions, normals and areas, and which lanes hold a sample.
+    pub(crate) lanes: NormalLanes<T>,
+    /// Else they are points on triangles.
+    pub(crate) are_vertices: bool,
+    /// Vertices, or triangles.
+    pub(crate) indices: [u32; LANE_COUNT],
+    /// Of the points on triangles.
+    pub(crate) weights: [[T; LANE_COUNT]; 3],
+    /// As [`Contact::piece`](crate::contact::Contact::piece).
+    pub(crate) pieces: [u32; LANE_COUNT],
+    /// Which lanes stand for a piece of their triangle, and the barycentric weights of its corners.
+    pub(crate) cut: Mask,
+    pub(crate) corner_weights: [[Vector3<T>; 3]; LANE_COUNT],
+    /// How far the other body's surface is, where it was found out before.
+    pub(crate) known: KnownDistances<T>,
+}
+
+/// How far some of the samples of a packet are from the other body's surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KnownDistances<T> {
+    pub(crate) lanes: Mask,
+    pub(crate) distances: [T; LANE_COUNT],
+}
+
+impl<T: Scalar> SamplePacket<T> {
+    pub(crate) fn new(are_vertices: bool) -> Self {
+        Self {
+            lanes: NormalLanes::empty(),
+            are_vertices,
+            indices: [0; LANE_COUNT],
+            weights: [[T::zero(); LANE_COUNT]; 3],
+            pieces: [if are_vertices { VERTEX } else { WHOLE }; LANE_COUNT],
+            cut: 0,
+            corner_weights: [[Vector3::zeros(); 3]; LANE_COUNT],
+            known: KnownDistances { lanes: 0, distances: [T::zero(); LANE_COUNT] },
+        }
+    }
+
+    /// The triangles at each sample are those that have all of these vertices.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn touched(&self, own: &Mesh<T>) -> [[u32; LANE_COUNT]; 3] {
+        let mut touched = [self.indices; 3];
+        if self.are_vertices {
+            return touched;
+        }
+        let triangles = own.topology().triangles();
+        for (lane, &triangle) in self.indices.iter().enumerate() {
+            let of_sample = touched_of(triangles[triangle as usize], [0, 1, 2].map(|k| self.weights[k][lane]));
+            (0..3).for_each(|k| touched[k][lane] = of_sample[k]);
+        }
+        touched
+    }
+
+    /// The next samples from `next` on; false where there are no more.
+    pub(crate) fn take(&mut self, samples: &[Sample<T>], next: &mut usize) -> bool {
+        let taken = &samples[*next..samples.len().min(*next + LANE_COUNT)];
+        *next += taken.len();
+        taken.iter().enumerate().for_each(|(lane, sample)| self.set_sample(lane, sample));
+        self.lanes.found = ((1u32 << taken.len()) - 1) as Mask;
+        !taken.is_empty()
+    }
+
+    /// The last of these parts; false where there are none.
+    pub(crate) fn take_last(&mut self, parts: &mut Vec<InsidePart<T>>) -> bool {
+        let first = parts.len() - parts.len().min(LANE_COUNT);
+        let taken = &parts[first..];
+        for (lane, part) in taken.iter().enumerate() {
+            self.set_sample(lane, &part.sample);
+            if let Some(distance) = part.distance {
+                self.known.lanes |= 1 << lane;
+                self.known.distances[lane] = distance;
+            }
+        }
+        self.lanes.found = ((1u32 << taken.len()) - 1) as Mask;
+        parts.truncate(first);
+        self.lanes.found != 0
+    }
+
+    pub(crate) fn set_sample(&mut self, lane: usize, sample: &Sample<T>) {
+        set_lane(&mut self.lanes.position, lane, &sample.point.position);
+        set_lane(&mut self.lanes.normal, lane, &sample.normal);
+        self.lanes.area[lane] = sample.area;
+        self.indices[lane] = sample.point.triangle;
+        set_lane(&mut self.weights, lane, &sample.point.weights.into());
+        self.pieces[lane] = sample.piece;
+    }
+
+    /// Which lanes start beside the region: their pieces only reach into it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn beside<L: Lanes<T>>(&self, region: &Aabb<T>) -> Mask {
+        if self.cut == 0 {
+            return 0;
+        }
+        let at = Vectors::<T, L>::load(&self.lanes.position);
+        let within = Vectors::splat(&region.lower).are_at_most(at) & at.are_at_most(Vectors::splat(&region.upper));
+        self.cut & !within
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn point(&self, lane: usize, own: &Mesh<T>) -> SurfacePoint<T> {
+        let index = self.indices[lane];
+        if self.are_vertices { vertex_point(own, index) } else { self.point_on(index, lane, own) }
+    }
+
+    /// The triangles on which the samples lie.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn triangles<L: Lanes<T>>(&self, own: &Mesh<T>) -> [u32; LANE_COUNT] {
+        if self.are_vertices { own.topology().first_triangles::<T, L>(&self.indices) } else { self.indices }
+    }
+
+    /// A lane's sample as a point of its triangle.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn point_on(&self, triangle: u32, lane: usize, own: &Mesh<T>) -> SurfacePoint<T> {
+        let position = vector_in_lane(&self.lanes.position, lane);
+        if self.are_vertices {
+            let [second, third] = self.lanes.neighbours.each_ref().map(|neighbours| neighbours[lane]);
+            let vertices = [self.indices[lane], second, third];
+            return SurfacePoint { triangle, vertices, weights: [T::one(), T::zero(), T::zero()], position };
+        }
+        let weights = [self.weights[0][lane], self.weights[1][lane], self.weights[2][lane]];
+        SurfacePoint { triangle, vertices: own.topology().triangles()[triangle as usize], weights, position }
+    }
+
+    /// What a lane starts from.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn sample(&self, lane: usize, own: &Mesh<T>) -> Sample<T> {
+        let (normal, area) = (vector_in_lane(&self.lanes.normal, lane), self.lanes.area[lane]);
+        Sample { point: self.point(lane, own), normal, area, piece: self.pieces[lane] }
+    }
+
+    /// The piece that a lane in `cut` stands for.
+    pub(crate) fn piece(&self, lane: usize, own: &Mesh<T>) -> CutPiece<T> {
+        CutPiece { sample: self.sample(lane, own), corner_weights: self.corner_weights[lane] }
+    }
+}

@@ -1,0 +1,230 @@
+//! Samples of one body's surface, a packet at a time.
+
+use crate::contact::quadrature::cutter::{CutPiece, Cutter};
+use crate::contact::quadrature::packet::SamplePacket;
+use crate::contact::quadrature::{FaceSource, Sample};
+use crate::contact::statistics::Statistics;
+use crate::math::{Aabb, Scalar};
+use crate::memory::{self, Room};
+use crate::mesh::Representatives;
+use crate::query::Tracer;
+use crate::simd::{Kernel, LANE_COUNT, Lanes};
+
+/// Where rays start.
+#[derive(Clone, Copy)]
+pub(crate) enum Starts<'a, T: Scalar> {
+    /// From the vertices or triangles of these groups.
+    Groups(&'a [u32]),
+    /// From the triangles at these places, each for its patch.
+    Patches(&'a Representatives, &'a [u32]),
+    /// From these.
+    Samples(&'a [Sample<T>]),
+}
+
+impl<T: Scalar> Starts<'_, T> {
+    /// How many steps it takes to go through them.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Groups(groups) => groups.len(),
+            Self::Patches(_, places) => places.len().div_ceil(LANE_COUNT),
+            Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
+        }
+    }
+}
+
+/// Parts of triangles that have yet to cast.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pieces<T: Scalar> {
+    /// Of one triangle, the last first.
+    pub(crate) cut: Vec<CutPiece<T>>,
+    /// The parts inside the other body of pieces that its surface crosses.
+    pub(crate) inside: Vec<InsidePart<T>>,
+    /// In which order samples come: what they are ordered by, and their places.
+    order: Vec<((u32, u32), u32)>,
+}
+
+/// The part inside the other body of a piece that its surface crosses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InsidePart<T: Scalar> {
+    pub(crate) sample: Sample<T>,
+    /// How far that surface is from the sample, where it is known.
+    pub(crate) distance: Option<T>,
+}
+
+impl<T: Scalar> Pieces<T> {
+    pub(crate) fn clear(&mut self) {
+        self.cut.clear();
+        self.inside.clear();
+    }
+}
+
+/// Fills packets with the samples of one body inside a region.
+pub(crate) struct Sampler<'a, T: Scalar> {
+    own: &'a Tracer<'a, T>,
+    starts: Starts<'a, T>,
+    /// The next vertex, group or sixteen patches.
+    next: usize,
+    /// Instead of vertices, or of samples that are given.
+    faces: Option<FaceSource<'a, T>>,
+    /// Room for the pieces of a triangle; and what is found inside of those that the other body's surface crosses, which is
+    /// a sample too.
+    pub(crate) pieces: &'a mut Pieces<T>,
+    vertices: &'a mut Vec<u32>,
+    /// How many vertices in the region have no normal.
+    without_normal: u64,
+}
+
+impl<'a, T: Scalar> Sampler<'a, T> {
+    /// Without a cutter samples are vertices in `region`. `pieces` and `vertices` are scratch memory.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn new<L: Lanes<T>>(
+        own: &'a Tracer<'a, T>,
+        region: &Aabb<T>,
+        starts: Starts<'a, T>,
+        cutter: Option<Cutter<'a, T>>,
+        pieces: &'a mut Pieces<T>,
+        vertices: &'a mut Vec<u32>,
+    ) -> Self {
+        // Where memory ended on the way, some are left.
+        pieces.clear();
+        vertices.clear();
+        let faces = match starts {
+            Starts::Samples(_) => None,
+            Starts::Groups(_) | Starts::Patches(..) => cutter.map(FaceSource::new),
+        };
+        if let (Starts::Groups(groups), None) = (starts, &faces) {
+            // A closure would be compiled without the lanes' instructions.
+            for &group in groups {
+                own.add_vertices_in::<L>(group, region, vertices);
+            }
+        }
+        Self { own, starts, next: 0, faces, pieces, vertices, without_normal: 0 }
+    }
+
+    /// A packet for these samples.
+    pub(crate) fn packet(&self) -> SamplePacket<T> {
+        SamplePacket::new(self.faces.is_none() && !matches!(self.starts, Starts::Samples(_)))
+    }
+
+    /// Counts samples that cast no ray, pieces left larger than asked, and patches.
+    pub(crate) fn count(&self, statistics: &mut Statistics) {
+        statistics.without_normal += self.without_normal;
+        if let Some(faces) = &self.faces {
+            statistics.without_normal += faces.without_normal;
+            statistics.uncut_pieces += faces.cutter.uncut;
+            statistics.patches += faces.patch_count;
+        }
+    }
+
+    /// The next packet of samples; false where there are no more.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn fill<L: Lanes<T>>(&mut self, packet: &mut SamplePacket<T>) -> bool {
+        if let Some(faces) = &mut self.faces {
+            return faces.fill::<L>(self.own, self.starts, &mut self.next, self.pieces, packet);
+        }
+        match self.starts {
+            Starts::Samples(samples) => packet.take(samples, &mut self.next),
+            Starts::Groups(_) | Starts::Patches(..) => self.fill_from_vertices::<L>(packet),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn fill_from_vertices<L: Lanes<T>>(&mut self, packet: &mut SamplePacket<T>) -> bool {
+        let vertices = &self.vertices[self.next..self.vertices.len().min(self.next + LANE_COUNT)];
+        if vertices.is_empty() {
+            return false;
+        }
+        self.next += vertices.len();
+        match vertices.first_chunk::<LANE_COUNT>() {
+            Some(all) => packet.indices = *all,
+            None => packet.indices[..vertices.len()].copy_from_slice(vertices),
+        }
+        self.own.mesh().vertex_normals::<L>(vertices, &mut packet.lanes);
+        self.without_normal += u64::from(vertices.len() as u32 - packet.lanes.found.count_ones());
+        true
+    }
+}
+
+/// All samples at once, into `samples`: by vertex or triangle, and of a triangle the first half before the second.
+pub(crate) struct Collect<'a, T: Scalar> {
+    pub(crate) own: &'a Tracer<'a, T>,
+    pub(crate) region: &'a Aabb<T>,
+    pub(crate) cutter: Option<Cutter<'a, T>>,
+    pub(crate) groups: &'a [u32],
+    pub(crate) pieces: &'a mut Pieces<T>,
+    pub(crate) vertices: &'a mut Vec<u32>,
+    pub(crate) samples: &'a mut Vec<Sample<T>>,
+}
+
+impl<T: Scalar> Kernel<T> for Collect<'_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { own, region, cutter, groups, pieces, vertices, samples } = self;
+        samples.clear();
+        let mut sampler = Sampler::new::<L>(own, region, Starts::Groups(groups), cutter, pieces, vertices);
+        let mut packet = sampler.packet();
+        while sampler.fill::<L>(&mut packet) {
+            let found = packet.lanes.found;
+            let lanes = (0..LANE_COUNT).filter(|lane| found >> lane & 1 == 1);
+            samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
+        }
+        // In an order that does not depend on the layout of the tree.
+        memory::refill(&mut pieces.order, samples.iter().map(Sample::place).zip(0..));
+        sort(samples, &mut pieces.order);
+    }
+}
+
+/// Sorts samples by their places alone, which are much smaller, and only then moves each once.
+fn sort<T: Scalar>(samples: &mut [Sample<T>], order: &mut [((u32, u32), u32)]) {
+    order.sort_unstable();
+    for start in 0..order.len() {
+        // Around a ring of samples, each of which belongs where the next one is now.
+        let (mut place, first) = (start, samples[start]);
+        loop {
+            let from = std::mem::replace(&mut order[place].1, place as u32) as usize;
+            if from == start {
+                samples[place] = first;
+                break;
+            }
+            samples[place] = samples[from];
+            place = from;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::point_pair::SurfacePoint;
+    use crate::math::Vector3;
+
+    /// Of one triangle the first half comes before the second, and halves of halves between them.
+    #[test]
+    fn samples_come_by_triangle_and_piece() {
+        let sample = |(triangle, piece): (u32, u32)| {
+            let point = SurfacePoint {
+                triangle,
+                vertices: [0; 3],
+                weights: [0.0; 3],
+                position: Vector3::repeat(f64::from(piece)),
+            };
+            Sample { point, normal: Vector3::z(), area: 1.0, piece }
+        };
+        let expected = [(0, 1), (2, 4), (2, 5), (2, 3), (7, 2), (7, 6), (7, 7), (9, 1), (1 << 31, 1)];
+        for turn in 0..500usize {
+            let mut left = expected.to_vec();
+            let mut state = turn;
+            let mut samples = Vec::new();
+            while !left.is_empty() {
+                samples.push(sample(left.swap_remove(state % left.len())));
+                state /= 3;
+            }
+            let mut order: Vec<_> = samples.iter().map(Sample::place).zip(0..).collect();
+            sort(&mut samples, &mut order);
+            assert!(samples.iter().map(|sample| (sample.point.triangle, sample.piece)).eq(expected));
+            assert!(samples.iter().all(|sample| sample.point.position.x == f64::from(sample.piece)));
+        }
+    }
+}

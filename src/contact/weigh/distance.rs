@@ -1,0 +1,41 @@
+//! The pressure at surface points inside the other body: by their distance to its surface.
+
+use crate::bvh::PacketHits;
+use crate::contact::quadrature::packet::KnownDistances;
+use crate::math::Scalar;
+use crate::query::{PointDistances, Tracer};
+use crate::simd::{LANE_COUNT, Lanes, Mask};
+use crate::triangle::RayPacket;
+
+/// m / depth of the rays in `asked`, m being the distance to the other body's surface; the others' numbers stay, and those
+/// of rays without a depth.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn distances_over_depths<T: Scalar, L: Lanes<T>>(
+    other: &Tracer<'_, T>,
+    packet: &RayPacket<T>,
+    asked: Mask,
+    known: &KnownDistances<T>,
+    hits: &PacketHits<T>,
+    room: &mut PointDistances<T>,
+    cosines: &mut [T; LANE_COUNT],
+) {
+    other.distances_of_packet::<L>(&packet.origin, asked & !known.lanes, &hits.t, room);
+    for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+        let is_known = known.lanes >> lane & 1 == 1;
+        let distance = if is_known { known.distances[lane].min(hits.t[lane]) } else { room.distances[lane] };
+        cosines[lane] = ratio(distance, hits.t[lane], cosines[lane]);
+    }
+}
+
+fn ratio<T: Scalar>(distance: T, depth: T, usual: T) -> T {
+    let ratio = distance / depth;
+    // The hit is a point of the surface too, so only rounding can make it nearer than the nearest. On the surface itself the
+    // quotient is undefined.
+    if ratio <= T::one() {
+        ratio
+    } else if depth > T::zero() {
+        T::one()
+    } else {
+        usual
+    }
+}

@@ -1,0 +1,20 @@
+//! What a host, or the rest of the library, asks about one surface: where a ray meets it, its nearest point, how often it winds
+//! around a point.
+
+mod crossings;
+mod levels_of_detail;
+mod nearest_point;
+mod octree;
+mod surface;
+mod surface_groups;
+mod tracer;
+mod winding_number;
+
+pub(crate) use crossings::{
+    crosses_border, leaves_body_before_end, way_out, way_out_past_folds, winding_number, winding_under,
+};
+pub(crate) use nearest_point::PointDistances;
+pub(crate) use octree::Cells;
+pub use octree::{Layout, Octree, OctreeError};
+pub(crate) use surface::Surface;
+pub use tracer::Tracer;

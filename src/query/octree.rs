@@ -1,0 +1,198 @@
+//! The search structure over one mesh's triangles, in two layouts that give the same hits to the bit.
+//!
+//! Everything is relative to the mesh's own box: there is no world size, no smallest triangle, no absolute tolerance.
+
+use crate::bvh::Bvh;
+use crate::math::{Aabb, Pose, Scalar};
+use crate::memory;
+use crate::mesh::{Mesh, Representatives, Topology};
+use crate::paper_octree::PaperOctree;
+use crate::query::levels_of_detail::LevelsOfDetail;
+pub use crate::query::tracer::Tracer;
+use std::fmt;
+use std::sync::Arc;
+
+/// An octree over the triangles of one mesh, for the positions it was last updated to.
+#[derive(Clone, Debug)]
+pub struct Octree<T: Scalar> {
+    pub(crate) topology: Arc<Topology>,
+    pub(crate) stamp: u64,
+    pub(crate) cells: Cells<T>,
+    /// Clones have the same groups.
+    pub(crate) levels: Arc<LevelsOfDetail>,
+}
+
+/// A ray passes a few tiles. With less than one ray for this many tiles, loading all of them would take longer than tracing
+/// without.
+const RAYS_TO_LOAD: usize = 4;
+
+/// How an octree keeps its triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Layout {
+    /// Tiles of neighbouring triangles under tight boxes, sixteen side by side: grouped once for the mesh, refitted to
+    /// new positions. The fast one.
+    #[default]
+    Bvh,
+    /// The paper's: cubic cells, each triangle at the deepest level whose cells are at least as large as its box;
+    /// built anew for new positions.
+    PaperOctree,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Cells<T: Scalar> {
+    Bvh(Bvh<T>),
+    PaperOctree(PaperOctree<T>),
+}
+
+/// Why an octree cannot be used with a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OctreeError {
+    /// The mesh has been given new positions since the octree was built.
+    Stale,
+    /// The octree was built for a mesh with other triangles.
+    OtherMesh,
+}
+
+impl fmt::Display for OctreeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stale => {
+                write!(f, "the octree is older than its mesh's positions; update it after setting positions")
+            }
+            Self::OtherMesh => write!(f, "the octree was built for another mesh; use each octree with its own mesh"),
+        }
+    }
+}
+
+impl std::error::Error for OctreeError {}
+
+impl<T: Scalar> Octree<T> {
+    /// Builds the octree of `mesh` at its present positions, in the default layout.
+    pub fn new(mesh: &Mesh<T>) -> Self {
+        Self::with_layout(mesh, Layout::default())
+    }
+
+    /// Builds the octree of `mesh` at its present positions.
+    pub fn with_layout(mesh: &Mesh<T>, layout: Layout) -> Self {
+        let cells = match layout {
+            Layout::Bvh => Cells::Bvh(Bvh::new(mesh)),
+            Layout::PaperOctree => Cells::PaperOctree(PaperOctree::new(mesh)),
+        };
+        let levels = memory::shared(LevelsOfDetail::default());
+        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, levels }
+    }
+
+    /// Follows the mesh to its present positions; memory is reused.
+    ///
+    /// # Errors
+    /// [`OctreeError::OtherMesh`]; the octree is then as before.
+    pub fn update(&mut self, mesh: &Mesh<T>) -> Result<(), OctreeError> {
+        if !mesh.shares_topology_with(&self.topology) {
+            return Err(OctreeError::OtherMesh);
+        }
+        let is_new = self.stamp != mesh.stamp();
+        match &mut self.cells {
+            Cells::Bvh(cells) => {
+                if is_new || !cells.is_tight() {
+                    cells.refit(mesh, None);
+                }
+                cells.load(mesh, None, true);
+            }
+            Cells::PaperOctree(cells) if is_new => cells.build(mesh),
+            Cells::PaperOctree(_) => {}
+        }
+        self.stamp = mesh.stamp();
+        Ok(())
+    }
+
+    /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and rays
+    /// there take longer. Nothing is loaded where triangles are joined to patches so large that tiles outnumber rays.
+    /// `for_distances`: distances are asked for too. `tiles` is scratch memory.
+    pub(crate) fn update_in(
+        &mut self,
+        mesh: &mut Mesh<T>,
+        regions: &[Aabb<T>],
+        patch_area: Option<T>,
+        for_distances: bool,
+        tiles: &mut Vec<u32>,
+    ) -> Result<(), OctreeError> {
+        match &mut self.cells {
+            Cells::Bvh(cells) if mesh.shares_topology_with(&self.topology) => {
+                if mesh.pose().is_some() {
+                    cells.place_in(mesh, regions, self.stamp != mesh.stamp());
+                } else if self.stamp != mesh.stamp() {
+                    cells.refit(mesh, Some(regions));
+                } else if !cells.is_tight() {
+                    // The regions may be others than last time. A body at rest has tight boxes from its second step on.
+                    cells.refit(mesh, None);
+                }
+                self.stamp = mesh.stamp();
+            }
+            _ => self.update(mesh)?,
+        }
+        let representatives = patch_area.and_then(|area| Tracer::new(self, mesh).representatives(area));
+        let ray_count = representatives.map_or(usize::MAX, Representatives::len);
+        if let Cells::Bvh(cells) = &mut self.cells
+            && ray_count > cells.tile_count() as usize / RAYS_TO_LOAD
+        {
+            for region in regions {
+                cells.tiles_in(region, tiles);
+                cells.load(mesh, Some(tiles), for_distances);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an update would change nothing.
+    pub(crate) fn is_settled(&self, mesh: &Mesh<T>) -> bool {
+        let is_tight = match &self.cells {
+            Cells::Bvh(cells) => cells.is_tight(),
+            Cells::PaperOctree(_) => true,
+        };
+        is_tight && self.stamp == mesh.stamp()
+    }
+
+    /// Whether [`moved_box`](Self::moved_box) gives a box.
+    pub(crate) fn may_move(&mut self, mesh: &Mesh<T>, pose: &Pose) -> bool {
+        match &mut self.cells {
+            Cells::Bvh(cells) => cells.may_move(mesh, pose),
+            Cells::PaperOctree(_) => false,
+        }
+    }
+
+    /// The smallest box around the mesh's surface, its reference positions moved by a pose; `None` where coordinates may
+    /// be beyond the precision. The first call takes as long as a few updates, later ones next to nothing.
+    pub(crate) fn moved_box(&mut self, mesh: &Mesh<T>, pose: &Pose) -> Option<Aabb<T>> {
+        match &mut self.cells {
+            Cells::Bvh(cells) => cells.moved_box(mesh, pose),
+            Cells::PaperOctree(_) => None,
+        }
+    }
+
+    /// Joins octree and mesh for tracing.
+    ///
+    /// # Errors
+    /// [`OctreeError`], where the two do not belong together or the octree is stale.
+    pub fn tracer<'a>(&'a self, mesh: &'a Mesh<T>) -> Result<Tracer<'a, T>, OctreeError> {
+        if !mesh.shares_topology_with(&self.topology) {
+            return Err(OctreeError::OtherMesh);
+        }
+        if self.stamp != mesh.stamp() {
+            return Err(OctreeError::Stale);
+        }
+        Ok(Tracer::new(self, mesh))
+    }
+
+    /// Checks every promise of the structure against the mesh: all triangles are there, as often as they should be;
+    /// cells and boxes hold what lies under them. For tests and for hunting faults; takes the time of several builds.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
+        self.tracer(mesh).map_err(|error| error.to_string())?;
+        match &self.cells {
+            Cells::Bvh(cells) => cells.validate(mesh),
+            Cells::PaperOctree(cells) => cells.validate(mesh),
+        }
+    }
+}

@@ -1,0 +1,154 @@
+use crate::bvh::{Bvh, MayMeet, SidesScratch, TilesNotOutside};
+use crate::math::{Aabb, Scalar};
+use crate::memory;
+use crate::mesh::Mesh;
+use crate::query::octree::Cells;
+use crate::query::tracer::Tracer;
+use crate::simd::{LANE_COUNT, Lanes, dispatch};
+use crate::triangle::TriangleTest;
+
+/// If more than one group in this many is wanted, sorting them takes as long as visiting all.
+const PART_TO_LIST: usize = 16;
+
+/// A region that is thinner than so many of a body's tiles has few that are not near both surfaces, and rays from those that
+/// are not are short.
+const FEWEST_TILES_ACROSS: f64 = 4.0;
+
+/// How many lines tell what a body's rays meet.
+const MOST_LINES: usize = 6;
+
+/// Whether a region is thick beside the tiles of a body.
+fn is_thick<T: Scalar>(region: &Aabb<T>, mesh: &Mesh<T>, cells: &Bvh<T>) -> bool {
+    let [x, y, z]: [T; 3] = (mesh.aabb().upper - mesh.aabb().lower).into();
+    let square_of_tile = (x * y + y * z + z * x) * T::of(2.0 / f64::from(cells.tile_count()));
+    let thickness = (region.upper - region.lower).min();
+    thickness * thickness >= square_of_tile * T::of(FEWEST_TILES_ACROSS * FEWEST_TILES_ACROSS)
+}
+
+/// The surface in groups of neighbouring vertices and triangles, at most sixteen of each: where rays start, group by
+/// group. Each vertex and each triangle belongs to one of them.
+impl<T: Scalar> Tracer<'_, T> {
+    /// All groups that may have something in the region, in ascending order, into `groups`, which is cleared first.
+    pub(crate) fn groups_in(&self, region: &Aabb<T>, groups: &mut Vec<u32>) {
+        match self.cells {
+            Cells::Bvh(cells) => cells.tiles_in(region, groups),
+            Cells::PaperOctree(_) => {
+                let topology = self.mesh().topology();
+                groups.clear();
+                let largest = topology.surface_vertices().len().max(topology.triangles().len());
+                memory::append(groups, 0..largest.div_ceil(LANE_COUNT) as u32);
+            }
+        }
+    }
+
+    /// [`groups_in`](Self::groups_in) without those of which all that lies in the region is known to lie outside `other`: where
+    /// that one winds around no point of it. `scratch` is scratch memory.
+    pub(crate) fn groups_not_outside(
+        &self,
+        other: &Self,
+        region: &Aabb<T>,
+        groups: &mut Vec<u32>,
+        scratch: &mut SidesScratch<T>,
+    ) {
+        match self.cells_beside(other) {
+            Some([own, of_other]) if is_thick(region, self.mesh(), own) => {
+                groups.clear();
+                let (other, mesh, tiles) = (of_other, other.mesh(), groups);
+                dispatch::<T, _>(TilesNotOutside { own, other, mesh, region, tiles, scratch });
+            }
+            _ => self.groups_in(region, groups),
+        }
+    }
+
+    /// About how many of another's tiles this body's rays have on their way in a region, judged by a few lines through where
+    /// rays start; 0 where it has no tiles. The lists are scratch memory.
+    pub(crate) fn tiles_on_the_way(&self, other: &Self, region: &Aabb<T>, lists: [&mut Vec<u32>; 2]) -> usize {
+        let (Cells::Bvh(cells), [groups, met]) = (other.cells, lists) else { return 0 };
+        self.groups_in(region, groups);
+        // Across a flat region: along it a line through a floor would meet many.
+        let axis = (region.upper - region.lower).imin();
+        let (lines, mut met_in_all) = (groups.len().div_ceil(2).min(MOST_LINES), 0);
+        for line in 0..lines {
+            let mut first = None;
+            self.triangles_of(groups[line * groups.len() / lines], |triangle| first = first.or(Some(triangle)));
+            let start = first.map_or(*region, |first| Aabb::of_triangle(&self.mesh().corners(first)));
+            let middle = start.intersection(region).centre();
+            let mut along = Aabb { lower: middle, upper: middle };
+            (along.lower[axis], along.upper[axis]) = (region.lower[axis], region.upper[axis]);
+            cells.tiles_in(&along, met);
+            met_in_all += met.len();
+        }
+        met_in_all / lines.max(1)
+    }
+
+    /// Whether [`groups_not_outside`](Self::groups_not_outside) looks for groups to leave out.
+    pub(crate) fn leaves_out(&self, other: &Self, region: &Aabb<T>) -> bool {
+        self.cells_beside(other).is_some_and(|[own, _]| is_thick(region, self.mesh(), own))
+    }
+
+    /// Whether anything of the two surfaces in the region may meet.
+    pub(crate) fn may_meet(&self, other: &Self, region: &Aabb<T>) -> bool {
+        self.cells_beside(other).is_none_or(|[own, of_other]| {
+            dispatch::<T, _>(MayMeet { own, other: of_other, mesh: other.mesh(), region })
+        })
+    }
+
+    /// The tiles of both where those tell what lies outside `other`.
+    fn cells_beside(&self, other: &Self) -> Option<[&Bvh<T>; 2]> {
+        // A sheet has no outside, and another test of triangles may let rays through.
+        let tells = !other.mesh().is_open() && other.test == TriangleTest::Watertight;
+        match (self.cells, other.cells) {
+            (Cells::Bvh(own), Cells::Bvh(of_other)) if tells => Some([own, of_other]),
+            _ => None,
+        }
+    }
+
+    /// Adds those of a group's vertices that lie in the region.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn add_vertices_in<L: Lanes<T>>(&self, group: u32, region: &Aabb<T>, vertices: &mut Vec<u32>) {
+        if let Cells::Bvh(cells) = self.cells {
+            return cells.add_vertices_in::<L>(self.mesh(), group, region, vertices);
+        }
+        let all = self.mesh().topology().surface_vertices();
+        let of_group = all.chunks(LANE_COUNT).nth(group as usize).unwrap_or_default();
+        let is_inside = |vertex: &u32| region.contains(&self.mesh().position(*vertex));
+        memory::append(vertices, of_group.iter().copied().filter(is_inside));
+    }
+
+    /// The vertices of the groups that may have something in the region, in ascending order, into `vertices`. Gives false,
+    /// and lists none, where they are so large a part of all that these had better be looked at as they come.
+    pub(crate) fn list_vertices_near(&self, region: &Aabb<T>, groups: &mut Vec<u32>, vertices: &mut Vec<u32>) -> bool {
+        vertices.clear();
+        let Some(cells) = self.cells_with_few(region, groups) else { return false };
+        groups.iter().for_each(|&tile| memory::append(vertices, cells.vertices_of(tile).iter().copied()));
+        vertices.sort_unstable();
+        vertices.dedup();
+        true
+    }
+
+    /// The layout with groups of its own, where few of them may have something in the region; these into `groups`.
+    fn cells_with_few(&self, region: &Aabb<T>, groups: &mut Vec<u32>) -> Option<&Bvh<T>> {
+        let Cells::Bvh(cells) = self.cells else { return None };
+        cells.tiles_in(region, groups);
+        (groups.len() <= cells.tile_count() as usize / PART_TO_LIST).then_some(cells)
+    }
+
+    /// How many triangles a group has.
+    pub(crate) fn triangle_count_of(&self, group: u32) -> usize {
+        let mut count = 0;
+        self.triangles_of(group, |_| count += 1);
+        count
+    }
+
+    /// A group's triangles.
+    pub(crate) fn triangles_of(&self, group: u32, offer: impl FnMut(u32)) {
+        match self.cells {
+            Cells::Bvh(cells) => cells.triangles_of(group).iter().copied().for_each(offer),
+            Cells::PaperOctree(_) => {
+                let count = self.mesh().topology().triangles().len() as u32;
+                let first = group * LANE_COUNT as u32;
+                (first..(first + LANE_COUNT as u32).min(count)).for_each(offer);
+            }
+        }
+    }
+}

@@ -1,0 +1,144 @@
+use crate::bvh::Candidates;
+use crate::math::{Scalar, Vector3};
+use crate::query::octree::Cells;
+use crate::query::tracer::Tracer;
+use crate::simd::{LANE_COUNT, Lanes, lanes_of};
+use crate::triangle::{Hit, Ray, RayPacket};
+
+impl<T: Scalar> Tracer<'_, T> {
+    /// How often the surface winds around a point: 0 outside, 1 inside, more where it folds over itself, negative where it is
+    /// inside out. `None` where the surface is open, so that it has no inside, and where the point is not finite. On the
+    /// surface, or so near that rounding decides, it is the number of one of the sides. `crossings` is scratch memory.
+    pub fn winding_number(&self, point: &Vector3<T>, crossings: &mut Vec<Hit<T>>) -> Option<i32> {
+        if self.mesh().is_open() || !point.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        if !self.mesh().aabb().contains(point) {
+            return Some(0);
+        }
+        // Any direction will do: edges and vertices on the way are counted as if the ray passed beside them.
+        self.crossings(&Ray::new(*point, Vector3::z()), crossings);
+        Some(crossings.iter().map(|crossing| if crossing.is_exit { 1 } else { -1 }).sum())
+    }
+
+    /// How often the surface winds around the start of each ray of a packet, whose ends lie outside, not counting the
+    /// triangles that have all vertices in its `touched`. `crossings` is room for a list.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn windings_of_packet<L: Lanes<T>>(
+        &self,
+        packet: &RayPacket<T>,
+        touched: &[[u32; LANE_COUNT]; 3],
+        list: &mut Candidates<T>,
+        crossings: &mut Vec<Hit<T>>,
+        numbers: &mut [i32; LANE_COUNT],
+    ) {
+        match self.cells {
+            Cells::Bvh(cells) => cells.windings::<L>(self.mesh(), packet, touched, list, numbers),
+            Cells::PaperOctree(_) => self.windings_one_by_one(packet, touched, crossings, numbers),
+        }
+    }
+
+    fn windings_one_by_one(
+        &self,
+        packet: &RayPacket<T>,
+        touched: &[[u32; LANE_COUNT]; 3],
+        crossings: &mut Vec<Hit<T>>,
+        numbers: &mut [i32; LANE_COUNT],
+    ) {
+        let triangles = self.mesh().topology().triangles();
+        for lane in lanes_of(packet.present) {
+            self.crossings(&packet.ray(lane), crossings);
+            let is_own = |hit: &Hit<T>| touched.iter().all(|v| triangles[hit.triangle as usize].contains(&v[lane]));
+            let counted = crossings.iter().filter(|hit| !is_own(hit));
+            numbers[lane] = counted.map(|crossing| if crossing.is_exit { 1 } else { -1 }).sum();
+        }
+    }
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use crate::cuboid::CUBOID_FACES;
+    use crate::mesh::Mesh;
+    use crate::mesh::test_mesh::torus_positions;
+    use crate::mesh::test_mesh::torus_triangles;
+    use crate::query::octree::Layout;
+    use crate::query::octree::Octree;
+    use crate::simd::Kernel;
+    use crate::simd::on_every_path;
+
+    /// Packets of rays from these vertices, against and along each axis and the other way.
+    #[derive(Clone, Copy)]
+    struct Asked<'a, T: Scalar> {
+        tracer: &'a Tracer<'a, T>,
+        vertices: &'a [u32],
+        directions: &'a [Vector3<T>],
+    }
+
+    impl<T: Scalar> Kernel<T> for Asked<'_, T> {
+        type Output = Vec<i32>;
+
+        fn run<L: Lanes<T>>(self) -> Vec<i32> {
+            let mut packet = RayPacket::empty();
+            let (mut list, mut crossings, mut all) = (Candidates::new(), Vec::new(), Vec::new());
+            for direction in self.directions {
+                for vertices in self.vertices.chunks(LANE_COUNT) {
+                    let (mut touched, mut numbers) = ([0; LANE_COUNT], [9; LANE_COUNT]);
+                    let mesh = self.tracer.mesh();
+                    let rays: Vec<_> = vertices.iter().map(|&v| Ray::new(mesh.position(v), *direction)).collect();
+                    touched[..vertices.len()].copy_from_slice(vertices);
+                    packet.set_rays::<L>(&rays);
+                    self.tracer.windings_of_packet::<L>(
+                        &packet,
+                        &[touched; 3],
+                        &mut list,
+                        &mut crossings,
+                        &mut numbers,
+                    );
+                    all.extend(&numbers[..vertices.len()]);
+                }
+            }
+            all
+        }
+    }
+
+    /// The sum of the signs of all crossings, triangle by triangle.
+    fn expected<T: Scalar>(mesh: &Mesh<T>, vertex: u32, direction: &Vector3<T>) -> i32 {
+        let ray = crate::triangle::ShearedRay::new(&Ray::new(mesh.position(vertex), *direction));
+        let others = (0..).zip(mesh.topology().triangles()).filter(|(_, corners)| !corners.contains(&vertex));
+        let crossed = others.filter_map(|(triangle, _)| ray.crossing(&mesh.corners(triangle), triangle));
+        crossed.map(|crossing| if crossing.is_exit { 1 } else { -1 }).sum()
+    }
+
+    fn assert_same_on_all_paths<T: Scalar>(positions: &[[f64; 3]], triangles: &[[u32; 3]]) {
+        let positions: Vec<_> = positions.iter().map(|point| point.map(T::of)).collect();
+        let mesh = Mesh::new(&positions, triangles).expect("it is closed");
+        let vertices: Vec<_> = mesh.topology().surface_vertices().iter().copied().take(100).collect();
+        let ways = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [1.0, -1.0, 1.0], [0.3, 0.5, -0.7]];
+        let directions = ways.map(|way| Vector3::from(way.map(T::of)));
+        let all = directions.iter().flat_map(|way| vertices.iter().map(|&vertex| expected(&mesh, vertex, way)));
+        let all: Vec<_> = all.collect();
+        assert!(all.contains(&0) && all.contains(&1));
+        for layout in [Layout::Bvh, Layout::PaperOctree] {
+            let octree = Octree::with_layout(&mesh, layout);
+            let tracer = octree.tracer(&mesh).expect("it is new");
+            let asked = Asked { tracer: &tracer, vertices: &vertices, directions: &directions };
+            for (path, found) in on_every_path::<T, _>(asked).into_iter().enumerate() {
+                assert_eq!(found, all, "{layout:?}, path {path}");
+            }
+        }
+    }
+
+    /// Of cubes on one grid, rays go along faces and through edges and vertices.
+    #[test]
+    fn packets_count_every_crossing_on_all_paths() {
+        let at = |i: usize| [0, 1, 2].map(|axis| (((i % 8) >> axis) & 1) as f64 + (i / 8) as f64 * 0.5);
+        let cubes: Vec<_> = (0..32).map(at).collect();
+        let faces: Vec<_> = (0..4).flat_map(|cube| CUBOID_FACES.map(|face| face.map(|v| v + 8 * cube))).collect();
+        assert_same_on_all_paths::<f64>(&cubes, &faces);
+        assert_same_on_all_paths::<f32>(&cubes, &faces);
+        let sides = [48, 12];
+        assert_same_on_all_paths::<f64>(&torus_positions(sides, 3), &torus_triangles(sides));
+        assert_same_on_all_paths::<f32>(&torus_positions(sides, 3), &torus_triangles(sides));
+    }
+}

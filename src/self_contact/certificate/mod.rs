@@ -1,0 +1,356 @@
+// Lanes side by side read best as plain loops over their index.
+#![allow(clippy::needless_range_loop)]
+
+pub(crate) mod block;
+pub(crate) mod descent;
+pub(crate) mod steep;
+pub(crate) mod strain;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use crate::bvh::{Bvh, TILE_SIZE};
+use crate::math::margins::NARROW_BOX;
+use crate::math::{Aabb, Scalar, Vector3, length};
+use crate::memory::{self, Room};
+use crate::mesh::Mesh;
+use crate::self_contact::certificate::block::{Block, are_apart};
+use crate::self_contact::certificate::descent::Descent;
+use crate::self_contact::certificate::steep::{FindSteep, MakeNormals, Normals};
+use crate::self_contact::certificate::strain::{FindMoves, MakeRest, Rest};
+use crate::self_contact::near_triangles::{Lapse, Reach};
+use crate::simd::{Kernel, Lanes, Mask, Vectors, dispatch, lanes_of};
+
+/// The tiles that are near each other, and what the search for them needs; kept by the caller, so that a steady step
+/// allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NearTiles<T: Scalar> {
+    tile_pairs: Vec<[u32; 2]>,
+    /// How much nearer the triangles of each pair may come.
+    clearances: Vec<T>,
+    /// The largest clearance that is due to little strain between sheltered triangles,
+    sheltered: T,
+    /// and of tiles that a path between such triangles may lead over.
+    surrounding: T,
+    blocks: Vec<Block>,
+    normals: Vec<Normals>,
+    /// By tile: the triangles whose surroundings do not all face as they do, and those whose wider ones do not.
+    steep: Vec<Mask>,
+    steep_wide: Vec<Mask>,
+    rest: Rest<T>,
+    /// By tile: the box around its vertices' moves.
+    moves: Vec<Aabb<T>>,
+    /// The tiles with triangles that are strained by more than they may be, and which.
+    strained: Vec<(u32, Mask)>,
+    /// By tile, where there are any.
+    surroundings: Vec<Surroundings>,
+    /// The pairs that have come nearer by more than they may, and those whose triangles strain no longer keeps apart.
+    lapsed: Vec<[u32; 2]>,
+    /// The tiles of these pairs, and by tile its place among them or [`NO_BLOCK`].
+    lapsed_tiles: Vec<u32>,
+    block_places: Vec<u32>,
+}
+
+/// What is strained in and around a tile.
+#[derive(Clone, Copy, Debug, Default)]
+struct Surroundings {
+    is_strained: bool,
+    is_near_strained: bool,
+}
+
+/// If more than this part of the tiles are strained, all has lapsed.
+const MOST_STRAINED: f64 = 1.0 / 16.0;
+
+/// Of a tile in no pair that has lapsed.
+const NO_BLOCK: u32 = u32::MAX;
+
+/// A box in narrow numbers: its lower coordinates and the negatives of its upper ones, within the mesh's box and in units
+/// of its longest side, rounded outward. So two boxes are at most d apart where no lower side of either and upper side of
+/// the other sum to more than d.
+type Sides = [f32; 6];
+
+/// What narrow numbers are in units of.
+#[derive(Clone, Copy)]
+pub(crate) struct Narrow<T: Scalar> {
+    origin: Vector3<T>,
+    inverse: T,
+}
+
+impl<T: Scalar> Narrow<T> {
+    fn new(mesh_box: &Aabb<T>) -> Self {
+        let inverse = T::one() / mesh_box.longest_side();
+        // A mesh without extent: all is near.
+        Self { origin: mesh_box.lower, inverse: if inverse.is_finite() { inverse } else { T::zero() } }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lower(&self, axis: usize, value: T) -> f32 {
+        ((value - self.origin[axis]) * self.inverse).to_f64() as f32 - NARROW_BOX
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn upper(&self, axis: usize, value: T) -> f32 {
+        -((value - self.origin[axis]) * self.inverse).to_f64() as f32 - NARROW_BOX
+    }
+
+    fn distance(&self, distance: T) -> f32 {
+        (distance * self.inverse).to_f64() as f32 + NARROW_BOX
+    }
+}
+
+impl<T: Scalar> Bvh<T> {
+    /// See [`Octree::search_near`](crate::query::Octree).
+    pub(crate) fn search_near(
+        &self,
+        mesh: &Mesh<T>,
+        reach: &Reach<T>,
+        near: &mut NearTiles<T>,
+        offer: &mut impl FnMut(u32, u32, bool) -> Option<T>,
+    ) -> bool {
+        let Reach { touch, margin, most_pairs, .. } = *reach;
+        near.sheltered = reach.wide_margin();
+        near.surrounding = reach.of_surroundings()[1] - touch;
+        let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
+        let narrow = Narrow::new(mesh.aabb());
+        let tiles = 0..self.tile_count();
+        dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current: true, narrow, blocks });
+        tile_pairs.clear();
+        let distance = reach.of_parts();
+        Descent { cells: self, distance, tile_pairs, most_pairs }.within_all();
+        clearances.clear();
+        if tile_pairs.len() > most_pairs {
+            tile_pairs.clear();
+            return false;
+        }
+        steep.clear();
+        if margin > T::zero() {
+            dispatch::<T, _>(MakeNormals { cells: self, mesh, narrow, normals });
+            let [distance, wide] = reach.of_surroundings().map(|distance| narrow.distance(distance));
+            let (cells, among, found) = (self, None, &mut *steep_wide);
+            dispatch::<f32, _>(FindSteep { cells, blocks, normals, tile_pairs, distance: wide, among, steep: found });
+            let among = Some(&**steep_wide);
+            dispatch::<f32, _>(FindSteep { cells, blocks, normals, tile_pairs, distance, among, steep });
+        }
+        let clearance = |pair: &[u32; 2]| {
+            if margin == T::zero() {
+                return margin;
+            }
+            let [a, b] = pair.map(|tile| &self.outlines[tile as usize].aabb);
+            let gap = (a.lower - b.upper).sup(&(b.lower - a.upper)).sup(&Vector3::zeros());
+            let is_sheltered = pair.iter().any(|&tile| steep_wide[tile as usize] == 0);
+            (length(&gap) - touch).max(if is_sheltered { reach.wide_margin() } else { margin })
+        };
+        memory::append(clearances, tile_pairs.iter().map(clearance));
+        let [close, far] = [reach.of_sheltered(), touch + margin].map(|distance| narrow.distance(distance));
+        let block_of = |tile: u32| tile as usize;
+        let offer = |place: usize, a: u32, b: u32, is_steep: bool| {
+            let clearance = offer(a, b, is_steep);
+            if let Some(clearance) = clearance
+                && (is_steep || clearance < reach.of_sheltered() - touch)
+            {
+                clearances[place] = clearances[place].min(clearance);
+            }
+            clearance.is_some()
+        };
+        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, close, far, steep, offer })
+    }
+
+    /// Keeps the positions of a search; `allowed`: how far triangles around each vertex may be strained.
+    pub(crate) fn keep(&self, mesh: &Mesh<T>, allowed: &[T], near: &mut NearTiles<T>) {
+        dispatch::<T, _>(MakeRest { cells: self, mesh, allowed, rest: &mut near.rest });
+    }
+
+    /// Looks for the listed pairs of tiles that have come nearer by more than they may since positions were kept, or whose
+    /// surroundings are strained by more than they may be; for none, where all may have.
+    pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearTiles<T>) -> Lapse<T> {
+        let NearTiles { rest, moves, strained, surroundings, lapsed, tile_pairs, clearances, .. } = near;
+        let (sheltered, surrounding) = (near.sheltered, near.surrounding);
+        lapsed.clear();
+        rest.follow_turn(&self.outlines, mesh);
+        let whole = dispatch::<T, _>(FindMoves { cells: self, mesh, rest, moves, strained });
+        let spread = length(&(whole.upper - whole.lower));
+        // In this form NaN is too much.
+        let is_little = spread <= most;
+        if !is_little || strained.len() as f64 > self.tiles.len() as f64 * MOST_STRAINED {
+            return Lapse { spread, part: 1.0 };
+        }
+        let is_any_strained = !strained.is_empty();
+        if is_any_strained {
+            memory::refill_with(surroundings, Surroundings::default(), self.tiles.len());
+            strained.iter().for_each(|&(tile, _)| surroundings[tile as usize].is_strained = true);
+            for (&[first, second], &clearance) in tile_pairs.iter().zip(clearances.iter()) {
+                let [first, second] = [first as usize, second as usize];
+                // Without branches: which pairs are so near is hard to foretell.
+                let is_near = clearance <= surrounding;
+                surroundings[first].is_near_strained |= is_near & surroundings[second].is_strained;
+                surroundings[second].is_near_strained |= is_near & surroundings[first].is_strained;
+            }
+        }
+        let has_moved = |first: u32, second: u32, clearance: T| {
+            let (a, b) = (&moves[first as usize], &moves[second as usize]);
+            // The largest difference of two moves, one in each box.
+            let farthest = (a.upper - b.lower).sup(&(b.upper - a.lower));
+            farthest.norm_squared() > clearance * clearance
+        };
+        // A path between two triangles that leads over a strained one is near it from end to end.
+        let is_strained = |first: u32, second: u32, clearance: T| {
+            let is_near = |tile: u32| surroundings[tile as usize].is_near_strained;
+            clearance <= sheltered && is_near(first) && is_near(second)
+        };
+        let has_lapsed = |&(&[first, second], &clearance): &(&[u32; 2], &T)| {
+            clearance <= spread && has_moved(first, second, clearance)
+                || is_any_strained && is_strained(first, second, clearance)
+        };
+        let pairs = tile_pairs.iter().zip(clearances.iter());
+        memory::append(lapsed, pairs.filter(has_lapsed).map(|(pair, _)| *pair));
+        Lapse { spread, part: lapsed.len() as f64 / tile_pairs.len() as f64 }
+    }
+
+    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be.
+    pub(crate) fn strained<'a>(&'a self, near: &'a NearTiles<T>) -> impl Iterator<Item = u32> + 'a {
+        let triangles = |&(tile, mask): &(u32, Mask)| {
+            let triangles = &self.tiles[tile as usize].triangles;
+            lanes_of(mask).map(|place| triangles[place])
+        };
+        near.strained.iter().flat_map(triangles)
+    }
+
+    /// The search among the pairs that have lapsed, until `offer` does not want to go on; nothing is noted. `is_current`: the
+    /// tiles follow the mesh.
+    pub(crate) fn search_lapsed(
+        &self,
+        mesh: &Mesh<T>,
+        is_current: bool,
+        distance: T,
+        near: &mut NearTiles<T>,
+        offer: &mut impl FnMut(u32, u32) -> bool,
+    ) {
+        let NearTiles { blocks, lapsed, lapsed_tiles, block_places, .. } = near;
+        lapsed_tiles.clear();
+        memory::refill_with(block_places, NO_BLOCK, self.tiles.len());
+        lapsed_tiles.room_for(self.tiles.len());
+        for &tile in lapsed.as_flattened() {
+            let place = &mut block_places[tile as usize];
+            if *place == NO_BLOCK {
+                *place = lapsed_tiles.len() as u32;
+                lapsed_tiles.push(tile);
+            }
+        }
+        let narrow = Narrow::new(mesh.aabb());
+        let tiles = lapsed_tiles.iter().copied();
+        dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current, narrow, blocks });
+        let block_of = |tile: u32| block_places[tile as usize] as usize;
+        let close = narrow.distance(distance);
+        let offer = |_: usize, a: u32, b: u32, _: bool| offer(a, b);
+        let (tile_pairs, steep) = (&*lapsed, &[]);
+        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, close, far: close, steep, offer });
+    }
+}
+
+/// Makes the blocks of tiles, in place of what was there.
+struct MakeBlocks<'a, T: Scalar, I> {
+    cells: &'a Bvh<T>,
+    tiles: I,
+    mesh: &'a Mesh<T>,
+    /// Whether the tiles follow the mesh.
+    is_current: bool,
+    narrow: Narrow<T>,
+    blocks: &'a mut Vec<Block>,
+}
+
+impl<T: Scalar, I: Iterator<Item = u32>> Kernel<T> for MakeBlocks<'_, T, I> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let mut count = 0;
+        for tile in self.tiles {
+            if self.blocks.len() == count {
+                self.blocks.room_for(1).push(Block::EMPTY);
+            }
+            let positions = if self.is_current {
+                let mut room = [[T::zero(); TILE_SIZE]; 3];
+                Vectors::load(self.cells.positions_of::<L>(tile as usize, self.mesh, &mut room))
+            } else {
+                self.mesh.gather(&self.cells.outlines[tile as usize].vertices)
+            };
+            self.blocks[count].fill::<T, L>(self.cells, tile as usize, positions, &self.narrow);
+            count += 1;
+        }
+        self.blocks.truncate(count);
+    }
+}
+
+/// Pairs of tiles, triangle by triangle.
+struct TilePairs<'a, T: Scalar, B, O> {
+    cells: &'a Bvh<T>,
+    blocks: &'a [Block],
+    /// Where a tile's block is.
+    block_of: B,
+    tile_pairs: &'a [[u32; 2]],
+    /// Triangles are offered that are so near each other,
+    close: f32,
+    /// or, both of them steep, so near.
+    far: f32,
+    /// By tile; empty where none is.
+    steep: &'a [Mask],
+    /// Is told the place of the pair, two triangles and whether both are steep; gives whether to go on.
+    offer: O,
+}
+
+impl<T: Scalar, B: Fn(u32) -> usize, O: FnMut(usize, u32, u32, bool) -> bool> Kernel<f32> for TilePairs<'_, T, B, O> {
+    /// Whether it came to the end.
+    type Output = bool;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<f32>>(mut self) -> bool {
+        for (pair, &[first, second]) in self.tile_pairs.iter().enumerate() {
+            let mut a = &self.blocks[(self.block_of)(first)];
+            let mut b = &self.blocks[(self.block_of)(second)];
+            let (mut a_tile, mut b_tile) = (&self.cells.tiles[first as usize], &self.cells.tiles[second as usize]);
+            let (mut a_steep, mut b_steep) = match self.steep {
+                [] => (0, 0),
+                steep => (steep[first as usize], steep[second as usize]),
+            };
+            if a_steep == 0 || b_steep == 0 {
+                (a_steep, b_steep) = (0, 0);
+            }
+            if are_apart(&a.whole, &b.whole, if a_steep == 0 { self.close } else { self.far }) {
+                continue;
+            }
+            let is_same = first == second;
+            let mut candidates = a_tile.present;
+            if !is_same {
+                candidates = a.near::<L>(&b.whole, self.close);
+                let mut others = b.near::<L>(&a.whole, self.close);
+                if a_steep != 0 {
+                    candidates |= a_steep & a.near::<L>(&b.whole, self.far);
+                    others |= b_steep & b.near::<L>(&a.whole, self.far);
+                }
+                // The fewer against all of the other tile.
+                if others.count_ones() < candidates.count_ones() {
+                    (a, b, a_tile, b_tile, candidates) = (b, a, b_tile, a_tile, others);
+                    (a_steep, b_steep) = (b_steep, a_steep);
+                }
+            }
+            for place in lanes_of(candidates) {
+                let steep = if a_steep >> place & 1 == 0 { 0 } else { b_steep };
+                let mut others = b.near::<L>(&a.sides_of(place), self.close);
+                if steep != 0 {
+                    others |= steep & b.near::<L>(&a.sides_of(place), self.far);
+                }
+                // Each pair within one tile once.
+                others &= if is_same { !1 << place } else { !0 };
+                if others != 0 {
+                    others &= !b.sharing::<L>(a.vertices_of(place));
+                }
+                for other in lanes_of(others) {
+                    let is_steep = steep >> other & 1 != 0;
+                    if !(self.offer)(pair, a_tile.triangles[place], b_tile.triangles[other], is_steep) {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+}

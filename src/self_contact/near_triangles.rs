@@ -1,0 +1,294 @@
+use crate::math::{Aabb, Scalar, Vector3};
+use crate::memory;
+use crate::mesh::Mesh;
+use crate::query::{Cells, Octree};
+use crate::self_contact::certificate::NearTiles;
+
+/// Which parts of a mesh are near each other, and by how much they may come nearer; kept by the caller, so that a steady
+/// step allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NearParts<T: Scalar> {
+    tiles: NearTiles<T>,
+    /// For the layout without tiles: the triangles' boxes in the order of their lower sides along one axis.
+    sorted: Vec<(Aabb<T>, u32)>,
+}
+
+/// How far apart is near.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach<T: Scalar> {
+    /// Boxes that are farther apart along any axis do not touch.
+    pub(crate) touch: T,
+    /// Steep triangles are offered whose boxes are that and this much apart.
+    pub(crate) margin: T,
+    /// Parts are listed whose boxes are that and this much apart.
+    pub(crate) part_margin: T,
+    /// The most pairs of parts that are listed.
+    pub(crate) most_pairs: usize,
+}
+
+/// Sheltered triangles have to be so many times as far apart as ones that touch: strain may leave a quarter of it.
+const SHELTERED: f64 = 8.0;
+
+impl<T: Scalar> Reach<T> {
+    /// Sheltered triangles whose boxes are that far apart are not offered.
+    pub(crate) fn of_sheltered(&self) -> T {
+        if self.margin > T::zero() { self.touch * T::of(SHELTERED) } else { self.touch }
+    }
+
+    /// So much nearer parts may come that are sheltered in wider surroundings.
+    pub(crate) fn wide_margin(&self) -> T {
+        self.margin * T::of(2.0)
+    }
+
+    /// A path over the surface between points `touch` and a margin apart, at slopes of at most 60°, stays within that: for
+    /// either margin.
+    pub(crate) fn of_surroundings(&self) -> [T; 2] {
+        [self.margin, self.wide_margin()].map(|margin| (self.touch + margin) * T::of(2.0))
+    }
+
+    pub(crate) fn of_parts(&self) -> T {
+        let parts = self.touch + self.part_margin;
+        if self.margin > T::zero() { parts.max(self.of_surroundings()[1]).max(self.of_sheltered()) } else { parts }
+    }
+}
+
+impl<T: Scalar> Lapse<T> {
+    /// Nothing is known.
+    pub(crate) fn unknown() -> Self {
+        Self { spread: T::zero(), part: 1.0 }
+    }
+}
+
+/// What has changed since positions were kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lapse<T: Scalar> {
+    /// How far any two vertices have moved against each other, at most.
+    pub(crate) spread: T,
+    /// Which part of the near parts have come nearer than they may, or lie where triangles are strained by more than they may
+    /// be; all, where nothing is known.
+    pub(crate) part: f64,
+}
+
+impl<T: Scalar> Octree<T> {
+    /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others, and whether both
+    /// are steep; `offer` gives how much nearer they may come, or `None` to end the search. Triangles of which two corners
+    /// are one point are left out: no ray meets them. Gives false where it was ended, or gave up since there are too many
+    /// pairs.
+    ///
+    /// With a margin, two triangles of which one is not steep are sheltered: offered only where they nearly touch. The
+    /// surface around is then a graph of slopes below 60° over a plane; a path leads from one to the other that is at most
+    /// twice as long as they are apart. So they come no nearer than a quarter of that, while no triangle is strained by
+    /// more than three eighths ([`find_lapsed`](Self::find_lapsed) holds them to less).
+    pub(crate) fn search_near(
+        &self,
+        mesh: &Mesh<T>,
+        reach: &Reach<T>,
+        near: &mut NearParts<T>,
+        mut offer: impl FnMut(u32, u32, bool) -> Option<T>,
+    ) -> bool {
+        match &self.cells {
+            Cells::Bvh(cells) => cells.search_near(mesh, reach, &mut near.tiles, &mut offer),
+            Cells::PaperOctree(_) => sweep(mesh, reach.touch, &mut near.sorted, |a, b| offer(a, b, true).is_some()),
+        }
+    }
+
+    /// Keeps the positions of a search. By vertex, `allowed` is how far the triangles around it may be strained.
+    pub(crate) fn keep(&self, mesh: &Mesh<T>, allowed: &[T], near: &mut NearParts<T>) {
+        if let Cells::Bvh(cells) = &self.cells {
+            cells.keep(mesh, allowed, &mut near.tiles);
+        }
+    }
+
+    /// Finds what [`search_near`](Self::search_near) has listed and has come nearer by more than it may since positions were
+    /// kept, or lies where triangles are strained by more than they may be; but not where vertices have moved against each
+    /// other by more than `most`. A turn of the whole does not count. The octree need not follow the mesh.
+    pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearParts<T>) -> Lapse<T> {
+        match &self.cells {
+            Cells::Bvh(cells) => cells.find_lapsed(mesh, most, &mut near.tiles),
+            Cells::PaperOctree(_) => Lapse::unknown(),
+        }
+    }
+
+    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be: those around a common
+    /// vertex may touch.
+    pub(crate) fn strained<'a>(&'a self, near: &'a NearParts<T>) -> impl Iterator<Item = u32> + 'a {
+        let cells = match &self.cells {
+            Cells::Bvh(cells) => Some(cells),
+            Cells::PaperOctree(_) => None,
+        };
+        cells.into_iter().flat_map(|cells| cells.strained(&near.tiles))
+    }
+
+    /// Offers, of what [`find_lapsed`](Self::find_lapsed) has found, each two triangles that have no vertex in common and
+    /// whose boxes are at most `distance` apart along every axis, until `offer` does not want to go on. The octree need not
+    /// follow the mesh.
+    pub(crate) fn search_lapsed(
+        &self,
+        mesh: &Mesh<T>,
+        distance: T,
+        near: &mut NearParts<T>,
+        mut offer: impl FnMut(u32, u32) -> bool,
+    ) {
+        if let Cells::Bvh(cells) = &self.cells {
+            cells.search_lapsed(mesh, self.stamp == mesh.stamp(), distance, &mut near.tiles, &mut offer);
+        }
+    }
+}
+
+/// Whether two corners of a triangle are one point: no ray meets it, and it casts none.
+pub(crate) fn is_merged<T: Scalar>([a, b, c]: &[Vector3<T>; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
+/// Offers each two triangles that have no vertex in common and whose boxes are at most `distance` apart along every axis:
+/// the boxes are sorted along the mesh's longest axis. Ends with false where `offer` does not want to go on.
+fn sweep<T: Scalar>(
+    mesh: &Mesh<T>,
+    distance: T,
+    sorted: &mut Vec<(Aabb<T>, u32)>,
+    mut offer: impl FnMut(u32, u32) -> bool,
+) -> bool {
+    let axis = (mesh.aabb().upper - mesh.aabb().lower).imax();
+    let triangles = mesh.topology().triangles();
+    sorted.clear();
+    let boxed = |triangle: u32| {
+        let corners = mesh.corners(triangle);
+        (!is_merged(&corners)).then(|| (Aabb::of_triangle(&corners), triangle))
+    };
+    memory::append(sorted, (0..triangles.len() as u32).filter_map(boxed));
+    sorted.sort_unstable_by(|(a, i), (b, j)| {
+        a.lower[axis].partial_cmp(&b.lower[axis]).expect("positions are finite").then(i.cmp(j))
+    });
+    for (place, (aabb, a)) in sorted.iter().enumerate() {
+        let around = aabb.grown(distance);
+        for (other, b) in sorted[place + 1..].iter().take_while(|(other, _)| other.lower[axis] <= around.upper[axis]) {
+            let shares_a_vertex = || {
+                let [a, b] = [a, b].map(|&triangle| triangles[triangle as usize]);
+                a.iter().any(|vertex| b.contains(vertex))
+            };
+            if around.overlaps(other) && !shares_a_vertex() && !offer(*a, *b) {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::test_mesh::torus;
+    use crate::query::Layout;
+    use std::collections::BTreeSet;
+
+    /// How far apart the boxes of two triangles are along the axis that parts them most.
+    fn gap(boxes: &[Aabb<f64>], [a, b]: [usize; 2]) -> f64 {
+        let (a, b) = (&boxes[a], &boxes[b]);
+        (a.lower - b.upper).sup(&(b.lower - a.upper)).max()
+    }
+
+    fn boxes(mesh: &Mesh<f64>) -> Vec<Aabb<f64>> {
+        let triangles = 0..mesh.topology().triangles().len() as u32;
+        triangles.map(|triangle| Aabb::of_triangle(&mesh.corners(triangle))).collect()
+    }
+
+    /// All pairs of triangles without a common vertex whose boxes are at most so far apart.
+    fn pairs_within(mesh: &Mesh<f64>, distance: f64) -> BTreeSet<[u32; 2]> {
+        let (boxes, triangles) = (boxes(mesh), mesh.topology().triangles());
+        let count = triangles.len();
+        let all = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+        let is_apart = |&[a, b]: &[usize; 2]| !triangles[a].iter().any(|vertex| triangles[b].contains(vertex));
+        let near = all.filter(|&pair| is_apart(&pair) && gap(&boxes, pair) <= distance);
+        near.map(|pair| pair.map(|triangle| triangle as u32)).collect()
+    }
+
+    /// What is offered, each pair once and with the smaller number first.
+    fn collect(search: impl FnOnce(&mut dyn FnMut(u32, u32))) -> BTreeSet<[u32; 2]> {
+        let mut offered = BTreeSet::new();
+        search(&mut |a, b| assert!(offered.insert([a.min(b), a.max(b)]), "{a} and {b} twice"));
+        offered
+    }
+
+    /// Narrow numbers round outward by a few millionths of the mesh's size.
+    const ROUNDING: f64 = 2e-5;
+
+    /// Of each triangle, whether one within the distance faces away by more than 60°.
+    fn are_steep(mesh: &Mesh<f64>, distance: f64) -> Vec<bool> {
+        let boxes = boxes(mesh);
+        let count = boxes.len();
+        let normal = |triangle: usize| mesh.scaled_normal(triangle as u32).normalize();
+        let is_steep =
+            |a: usize| (0..count).any(|b| gap(&boxes, [a, b]) <= distance && normal(a).dot(&normal(b)) < 0.5);
+        (0..count).map(is_steep).collect()
+    }
+
+    #[test]
+    fn near_triangles_are_offered_once_and_far_ones_never() {
+        let mesh = torus([16, 8]);
+        for (layout, touch, margin) in [
+            (Layout::PaperOctree, 0.0, 0.0),
+            (Layout::PaperOctree, 0.07, 0.0),
+            (Layout::PaperOctree, 3.0, 0.0),
+            (Layout::Bvh, 0.0, 0.0),
+            (Layout::Bvh, 0.07, 0.0),
+            (Layout::Bvh, 0.001, 0.02),
+            (Layout::Bvh, 0.001, 0.06),
+            (Layout::Bvh, 3.0, 0.0),
+        ] {
+            let (octree, mut near) = (Octree::with_layout(&mesh, layout), NearParts::default());
+            // What lies in the same part, or in one that is listed, is offered by its own distance.
+            let reach = Reach { touch, margin, part_margin: margin, most_pairs: usize::MAX };
+            let offered = collect(|offer| {
+                octree.search_near(&mesh, &reach, &mut near, |a, b, _| {
+                    offer(a, b);
+                    Some(0.0)
+                });
+            });
+            assert!(offered.is_superset(&pairs_within(&mesh, reach.of_sheltered())), "{layout:?} {touch} {margin}");
+            assert!(offered.is_subset(&pairs_within(&mesh, touch + margin + ROUNDING)), "{layout:?} {touch} {margin}");
+            if margin > 0.0 {
+                let steep = are_steep(&mesh, 2.0 * (touch + margin));
+                let mut both = pairs_within(&mesh, touch + margin);
+                both.retain(|pair| pair.iter().all(|&triangle| steep[triangle as usize]));
+                assert!(!both.is_empty() && offered.is_superset(&both), "{touch} {margin}");
+            }
+        }
+    }
+
+    /// Triangles that come to touch are among what has lapsed, if no two vertices move against each other by more than the
+    /// margin of parts.
+    #[test]
+    fn what_comes_near_has_lapsed() {
+        let (touch, margin, part_margin) = (0.01, 0.04, 0.2);
+        for left in [0.1, 0.05, 0.0] {
+            // A flat torus that gets flatter on its way.
+            let mut mesh = torus([24, 8]);
+            let rest = mesh.positions().to_vec();
+            let at = |vertex: usize, by: f64, height: f64| {
+                rest[vertex].component_mul(&Vector3::new(1.0, 1.0, height)).add_scalar(by)
+            };
+            mesh.set_positions_with(rest.len(), |vertex| at(vertex, 0.0, 0.3)).expect("finite");
+            let (mut octree, mut near) = (Octree::new(&mesh), NearParts::default());
+            let (boxes, known) = (boxes(&mesh), pairs_within(&mesh, touch));
+            let reach = Reach { touch, margin, part_margin, most_pairs: usize::MAX };
+            octree.search_near(&mesh, &reach, &mut near, |a, b, _| Some(gap(&boxes, [a as usize, b as usize]) - touch));
+            // Strain shall not tell.
+            octree.keep(&mesh, &vec![1e3; rest.len()], &mut near);
+            mesh.set_positions_with(rest.len(), |vertex| at(vertex, 5.0, 0.3 * left)).expect("finite");
+            let part = octree.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
+            if left > 0.0 {
+                octree.update(&mesh).expect("its own");
+            }
+            let offered = collect(|offer| {
+                octree.search_lapsed(&mesh, touch, &mut near, |a, b| {
+                    offer(a, b);
+                    true
+                });
+            });
+            let come_near: BTreeSet<_> = pairs_within(&mesh, touch).difference(&known).copied().collect();
+            assert!(!come_near.is_empty() && offered.is_superset(&come_near), "{left}");
+            assert!(offered.is_subset(&pairs_within(&mesh, touch + ROUNDING)), "{left}");
+            assert!(part > 0.0 && part <= 1.0, "{part}");
+        }
+    }
+}

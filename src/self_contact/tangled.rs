@@ -1,0 +1,140 @@
+//! Bodies in which everything touches everything: garbage positions of a simulation gone wrong. Pairs of triangles that
+//! touch are then quadratically many, each ray crosses a part of the whole surface, and no inside is left to tell.
+//!
+//! A body is tangled by any of four signs: random pairs that touch too often ([`is_tangled`]), folds around too many vertices
+//! ([`Limits::folds`]), too many pairs of triangles that touch, or that are close beside folds ([`Limits`]), and too many pairs
+//! of near parts ([`MOST_PAIRS_OF_PARTS`]). What chose the numbers: docs/architecture.md, under *Tuned constants*.
+
+#[cfg(test)]
+pub(crate) mod tests;
+
+use crate::math::Scalar;
+use crate::mesh::Mesh;
+use crate::self_contact::near_triangles::is_merged;
+use crate::self_contact::nearness::{Nearness, nearness};
+
+/// A body with fewer triangles is never tangled: it is searched pair by pair.
+const FEWEST_TRIANGLES: usize = 512;
+/// By random pairs: each triangle touches this many others on average,
+const TOUCHING: usize = 24;
+/// or this many, with long triangles all over one another,
+const TOUCHING_OF_CLOSE: usize = 6;
+/// and has a box that overlaps the boxes of this many. Long triangles in order have as many such boxes, but do not touch.
+const CLOSE: usize = 96;
+/// How many random pairs are tried for each triangle,
+const PAIRS_TRIED: usize = 2;
+/// and after which part of them, one in this many, an ordinary body is recognised.
+const FIRST_PART: usize = 4;
+/// A body whose triangles each have boxes that overlap those of fewer others than this is in order.
+const FEWEST_CLOSE: usize = 12;
+
+/// For the rays of other bodies, a body is tangled if the tiles on their way times the triangles that each touches are this many.
+const TILES_TIMES_TOUCHING: usize = 8;
+/// How many random pairs are tried for each triangle then, since few touch where few triangles are large,
+const PAIRS_TRIED_FOR_RAYS: usize = 16;
+/// and how many must touch at least: fewer may be chance in a body that passes through itself in one place.
+const FEWEST_TOUCHING: usize = 12;
+
+/// The surface folds over around more than one vertex in this many: it has no side.
+const VERTICES_WITHOUT_SIDE: usize = 4;
+/// Around fewer than one in this many it is merely crumpled here and there.
+const VERTICES_OF_A_FOLD: usize = 64;
+/// With more folds, this many pairs of triangles with overlapping boxes for each triangle are too many: spikes and rags.
+const CLOSE_BESIDE_FOLDS: usize = 8;
+/// Of all pairs, this many that touch for each triangle: a large part of the surface lies on the rest.
+const MOST_TOUCHING: usize = 3;
+/// This many pairs of near parts for each triangle: their list would take more memory than everything else.
+pub(crate) const MOST_PAIRS_OF_PARTS: usize = 64;
+
+/// What a body that is not tangled has at most. A search that finds more can stop.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Vertices around which the surface folds over.
+    pub(crate) folds: usize,
+    /// Pairs of triangles that touch.
+    pub(crate) touching: usize,
+    /// Pairs of triangles whose boxes overlap, beside many folds.
+    close: usize,
+    /// So many folds are few.
+    few_folds: usize,
+}
+
+impl Limits {
+    pub(crate) const NONE: Self =
+        Self { folds: usize::MAX, touching: usize::MAX, close: usize::MAX, few_folds: usize::MAX };
+
+    pub(crate) fn of<T: Scalar>(mesh: &Mesh<T>) -> Self {
+        let topology = mesh.topology();
+        let (triangles, vertices) = (topology.triangles().len(), topology.surface_vertices().len());
+        if triangles < FEWEST_TRIANGLES {
+            return Self::NONE;
+        }
+        let (touching, close) = (triangles * MOST_TOUCHING, triangles * CLOSE_BESIDE_FOLDS);
+        Self { folds: vertices / VERTICES_WITHOUT_SIDE, touching, close, few_folds: vertices / VERTICES_OF_A_FOLD }
+    }
+
+    /// How many pairs may be close in a body with so many folds.
+    pub(crate) fn close(&self, folds: usize) -> usize {
+        if folds > self.few_folds { self.close } else { usize::MAX }
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+/// Whether a body is tangled, judged by random pairs of its triangles. A body in order takes one pair for every two triangles,
+/// a wholly tangled one few pairs in all.
+pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
+    let count = mesh.topology().triangles().len();
+    let first = count * PAIRS_TRIED / FIRST_PART;
+    count >= FEWEST_TRIANGLES
+        && judge_by_random_pairs(mesh, PAIRS_TRIED, |tried, close, touching| {
+            let are_close = close >= CLOSE * PAIRS_TRIED && touching >= TOUCHING_OF_CLOSE * PAIRS_TRIED;
+            let is_in_order = tried == first && close * FIRST_PART < FEWEST_CLOSE * PAIRS_TRIED;
+            if are_close || touching >= TOUCHING * PAIRS_TRIED { Some(true) } else { is_in_order.then_some(false) }
+        })
+}
+
+/// Whether a body is tangled for rays that have so many of its tiles on their way, judged by random pairs of its triangles. One
+/// that touches itself nowhere is known after the first part of them.
+pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
+    let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART;
+    let enough = (TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / tiles).max(FEWEST_TOUCHING);
+    judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
+        if touching >= enough { Some(true) } else { (tried == first && touching == 0).then_some(false) }
+    })
+}
+
+/// Tries random pairs of a body's triangles, so many for each, until the judge can tell by how many were tried, are close and
+/// touch. The pairs depend on nothing but the mesh, and not on its numbering.
+fn judge_by_random_pairs<T: Scalar>(
+    mesh: &Mesh<T>,
+    for_each: usize,
+    judge: impl Fn(usize, usize, usize) -> Option<bool>,
+) -> bool {
+    let (count, triangles) = (mesh.topology().triangles().len(), mesh.triangles_in_space());
+    let (mut close, mut touching) = (0, 0);
+    let mut state = 0u64;
+    for tried in 0..count * for_each {
+        if let Some(is_tangled) = judge(tried, close, touching) {
+            return is_tangled;
+        }
+        // The first triangle goes through all of them, every second one first; the other is random, by Knuth's linear
+        // congruential generator.
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let other = ((state >> 32) * count as u64) >> 32;
+        let one = (2 * tried + 2 * tried / count) % count;
+        let found = nearness(mesh, [triangles[one], triangles[other as usize]]);
+        close += usize::from(found != Nearness::Apart);
+        touching += usize::from(found == Nearness::Touching);
+    }
+    judge(count * for_each, close, touching).unwrap_or(false)
+}
+
+/// Whether no triangle is left that casts a ray or is met by one.
+pub(crate) fn is_collapsed<T: Scalar>(mesh: &Mesh<T>) -> bool {
+    (0..mesh.topology().triangles().len() as u32).all(|triangle| is_merged(&mesh.corners(triangle)))
+}

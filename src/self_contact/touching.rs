@@ -1,0 +1,255 @@
+//! Which triangles of a surface touch others of it. If none does, the surface neither passes through itself nor folds over, and
+//! no ray has to be traced to know that.
+
+#[cfg(test)]
+pub(crate) mod tests;
+
+use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
+use crate::memory::{self, Room};
+use crate::mesh::Mesh;
+use crate::query::Octree;
+use crate::self_contact::near_triangles::{NearParts, Reach};
+use crate::self_contact::nearness::{projected_gap, rounding, separation, touch_distance};
+use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_PARTS, is_tangled};
+
+/// What the search found, and the memory it needs.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Touching<T: Scalar> {
+    /// By triangle: whether it comes nearer to another than rounding tells apart, or its neighbourhood folds over.
+    pub(crate) touched: Vec<bool>,
+    pub(crate) any: bool,
+    /// Triangles without a common vertex that touch.
+    pub(crate) pairs: Vec<[u32; 2]>,
+    /// The body is tangled, and nothing else is told.
+    pub(crate) is_tangled: bool,
+    limits: Limits,
+    /// Vertices around which the surface folds over.
+    folds: usize,
+    facets: Vec<Facet<T>>,
+    /// By vertex: how far the triangles around it may be strained, as a part of their size, before they may touch.
+    pub(crate) strains: Vec<T>,
+    near: NearParts<T>,
+    /// Pairs of triangles held against each other.
+    #[cfg(test)]
+    pub(crate) tried: u64,
+}
+
+/// A triangle as its fans see it.
+#[derive(Clone, Copy, Debug)]
+struct Facet<T: Scalar> {
+    scaled_normal: Vector3<T>,
+    /// Twice its area.
+    area: T,
+    longest_edge: T,
+}
+
+/// What holds for the triangles around the vertices.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fans<T: Scalar> {
+    /// They touch none of each other while the two ends of no edge move against each other by more.
+    pub(crate) strain: T,
+    /// The mean altitude of the triangles.
+    pub(crate) fineness: T,
+}
+
+impl<T: Scalar> Touching<T> {
+    /// Starts anew with a surface that touches itself nowhere. Lengths whose squares underflow or overflow tell
+    /// nothing: it touches itself everywhere then.
+    pub(crate) fn reset(&mut self, mesh: &Mesh<T>) {
+        let rounding = rounding(mesh);
+        self.pairs.clear();
+        (self.is_tangled, self.folds) = (false, 0);
+        self.touched.clear();
+        let square = rounding * rounding;
+        self.any = !(T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1);
+        let count = mesh.topology().triangles().len();
+        self.touched.room_for(count).resize(count, self.any);
+        self.limits = if self.any { Limits::NONE } else { Limits::of(mesh) };
+    }
+
+    /// Looks at the whole surface, but for a tangled one.
+    pub(crate) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
+        self.reset(mesh);
+        self.is_tangled = is_tangled(mesh);
+        if !self.is_tangled {
+            self.search_fans(mesh);
+        }
+        if !self.is_tangled {
+            let mut near = std::mem::take(&mut self.near);
+            self.search_pairs(octree, mesh, &Self::reach(mesh), &mut near);
+            self.near = near;
+        }
+    }
+
+    /// Looks at the whole surface, however long it takes.
+    pub(crate) fn search_all(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
+        self.reset(mesh);
+        self.limits = Limits::NONE;
+        self.search_fans(mesh);
+        let reach = Reach { most_pairs: usize::MAX, ..Self::reach(mesh) };
+        let mut near = std::mem::take(&mut self.near);
+        self.search_pairs(octree, mesh, &reach, &mut near);
+        self.near = near;
+    }
+
+    /// The reach of a search for what touches.
+    pub(crate) fn reach(mesh: &Mesh<T>) -> Reach<T> {
+        let pairs = MOST_PAIRS_OF_PARTS * mesh.topology().triangles().len();
+        Reach { touch: touch_distance(mesh), margin: T::zero(), part_margin: T::zero(), most_pairs: pairs }
+    }
+
+    fn touch(&mut self, triangle: u32) {
+        self.touched[triangle as usize] = true;
+        self.any = true;
+    }
+
+    /// Looks at the triangles around each vertex: those with a common vertex. Where nothing but folds is found, the body is
+    /// tangled.
+    pub(crate) fn search_fans(&mut self, mesh: &Mesh<T>) -> Fans<T> {
+        let count = mesh.topology().triangles().len();
+        memory::refill(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
+        let altitudes = self.facets.iter().map(|facet| facet.area / facet.longest_edge);
+        let fineness = altitudes.fold(T::zero(), |sum, altitude| sum + altitude) / T::of(count as f64);
+        let least_allowed = least_altitude(mesh);
+        let mut least = T::INFINITY;
+        memory::refill_with(&mut self.strains, T::zero(), mesh.topology().vertex_count());
+        for &vertex in mesh.topology().surface_vertices() {
+            let (altitude, cosine) = altitude_of_fan(mesh, vertex, |triangle| self.facets[triangle as usize]);
+            self.strains[vertex as usize] = strain_of_fan(cosine, least_allowed / altitude);
+            self.folds += usize::from(altitude == T::zero());
+            if altitude < least_allowed {
+                mesh.topology().triangles_around(vertex).iter().for_each(|&triangle| self.touch(triangle));
+            } else {
+                least = least.min(altitude);
+            }
+        }
+        self.is_tangled |= self.folds > self.limits.folds;
+        // With edges up to L strained by ε, twice the area of a triangle changes by at most 2 ε L + ε².
+        Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
+    }
+
+    /// Looks at the triangles without a common vertex, until more touch or are close than the limits allow; a margin of 0 is
+    /// quickest. What touches and is close depends neither on the order in which pairs are looked at nor on the margins.
+    pub(crate) fn search_pairs(
+        &mut self,
+        octree: &Octree<T>,
+        mesh: &Mesh<T>,
+        reach: &Reach<T>,
+        near: &mut NearParts<T>,
+    ) {
+        let Reach { touch, margin, .. } = *reach;
+        let (most_touching, most_close) = (self.limits.touching, self.limits.close(self.folds));
+        let mut close = 0;
+        let sheltered = reach.of_sheltered();
+        let is_done = octree.search_near(mesh, reach, near, |a, b, is_steep| {
+            #[cfg(test)]
+            (self.tried += 1);
+            // The smaller number first, so that the layout does not matter to the last bit.
+            let pair = [a.min(b), a.max(b)];
+            let corners = [mesh.corners(pair[0]), mesh.corners(pair[1])];
+            if most_close != usize::MAX {
+                let [a, b] = corners.each_ref().map(Aabb::of_triangle);
+                close += usize::from(a.grown(touch).overlaps(&b));
+                if close > most_close {
+                    return None;
+                }
+            }
+            if !(is_steep && margin > T::zero()) && are_apart(&corners, sheltered) {
+                return Some(sheltered - touch);
+            }
+            let distance = separation(&corners, if is_steep { touch + margin } else { sheltered });
+            if distance < touch {
+                pair.into_iter().for_each(|triangle| self.touch(triangle));
+                self.pairs.room_for(1).push(pair);
+            }
+            (self.pairs.len() <= most_touching).then_some(distance - touch)
+        });
+        self.is_tangled = !is_done;
+    }
+
+    /// Whether any triangles touch among the parts that have lapsed, or around a vertex of a strained triangle.
+    pub(crate) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearParts<T>) -> bool {
+        let (touch, least_allowed) = (touch_distance(mesh), least_altitude(mesh));
+        let folds = |vertex: u32| {
+            altitude_of_fan(mesh, vertex, |triangle| Facet::new(&mesh.corners(triangle))).0 < least_allowed
+        };
+        let mut any =
+            octree.strained(near).any(|triangle| mesh.topology().triangles()[triangle as usize].into_iter().any(folds));
+        if any {
+            return true;
+        }
+        octree.search_lapsed(mesh, touch, near, |a, b| {
+            any = separation(&[mesh.corners(a), mesh.corners(b)], touch) < touch;
+            !any
+        });
+        any
+    }
+}
+
+impl<T: Scalar> Facet<T> {
+    fn new(corners: &[Vector3<T>; 3]) -> Self {
+        let [a, b, c] = corners;
+        let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+        let scaled_normal = (b - a).cross(&(c - a));
+        Self { scaled_normal, area: length(&scaled_normal), longest_edge: longest.sqrt() }
+    }
+}
+
+/// Fans seen as flatter than this touch.
+fn least_altitude<T: Scalar>(mesh: &Mesh<T>) -> T {
+    rounding(mesh) * T::of(margins::ALTITUDE_OF_FAN)
+}
+
+/// Looks along the mean normal of the triangles around a vertex. If each is seen from outside and they go around only once,
+/// they cover a plane once, and none crosses another. Returns the least altitude of a triangle seen so, 0 if they do not,
+/// and the least cosine between its normal and the line of sight.
+fn altitude_of_fan<T: Scalar>(mesh: &Mesh<T>, vertex: u32, facet: impl Fn(u32) -> Facet<T>) -> (T, T) {
+    let around = mesh.topology().triangles_around(vertex);
+    let sum = around.iter().fold(Vector3::zeros(), |sum, &t| sum + facet(t).scaled_normal);
+    let Some(axis) = direction(&sum) else { return (T::zero(), T::zero()) };
+    let corners = |triangle: u32| {
+        let corners = mesh.topology().triangles()[triangle as usize];
+        let first = if corners[0] == vertex { 0 } else { 1 + usize::from(corners[1] != vertex) };
+        [1, 2].map(|i| mesh.positions()[corners[(first + i) % 3] as usize] - mesh.positions()[vertex as usize])
+    };
+    // A direction within the first triangle: within how many is it?
+    let [p, q] = corners(around[0]);
+    let across = (p + q).cross(&axis);
+    let mut turns = 0;
+    let (mut least, mut least_cosine) = (T::INFINITY, T::INFINITY);
+    for &triangle in around {
+        let facet = facet(triangle);
+        let seen = facet.scaled_normal.dot(&axis);
+        let (altitude, cosine) = (seen / facet.longest_edge, seen / facet.area);
+        least_cosine = if cosine >= least_cosine { least_cosine } else { cosine };
+        // Written so that NaN counts as none.
+        least = if altitude >= least { least } else { altitude };
+        let [p, q] = corners(triangle);
+        turns += u32::from(p.dot(&across) >= T::zero() && q.dot(&across) < T::zero());
+    }
+    if turns == 1 && least > T::zero() { (least, least_cosine) } else { (T::zero(), T::zero()) }
+}
+
+/// How far the triangles of a fan may be strained, seen at no less than a cosine, with the least altitude that is allowed
+/// as a part of theirs.
+///
+/// The strain s of a triangle is the square root of the sum of squares of what a map adds to the unit map along the triangle
+/// and across it. Its normal, scaled by the area, changes by at most √2 s + s²/2 of that, less than 1.665 s for s up to
+/// ½, and edges grow by at most s of their length. So its altitude as seen is still at least (1 − 1.665 s / cosine) / (1 + s)
+/// of what it was.
+fn strain_of_fan<T: Scalar>(cosine: T, part: T) -> T {
+    let most = T::of(margins::STRAIN) * (T::one() - part) * cosine / (cosine + T::of(1.67));
+    // In this form NaN counts as none.
+    if most > T::zero() { most } else { T::zero() }
+}
+
+/// Whether the line of centres alone parts two triangles by more than `distance`: quicker than its length.
+#[inline]
+fn are_apart<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], distance: T) -> bool {
+    let [a, b] = corners;
+    let axis = (b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2]);
+    let (gap, square) = (projected_gap(corners, &axis), axis.norm_squared());
+    // Where squares underflow or overflow it is not known.
+    let is_safe = T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1;
+    is_safe && gap > T::zero() && gap * gap / square > distance * distance * T::of(margins::CLEAR_GAP)
+}

@@ -1,0 +1,226 @@
+#[cfg(test)]
+pub(crate) mod tests;
+
+use crate::math::{Scalar, Vector3};
+use crate::memory;
+use crate::mesh::Mesh;
+use crate::query::Octree;
+use crate::self_contact::near_triangles::{Lapse, NearParts, Reach};
+use crate::self_contact::nearness::rounding;
+use crate::self_contact::tangled::is_tangled;
+use crate::self_contact::touching::Touching;
+
+/// What a body remembers between steps of its search for contacts with itself: where its vertices were when the search found
+/// nothing, and how far they may move against each other before it has to search again. The contacts do not depend on it.
+#[derive(Clone, Debug)]
+pub(crate) struct SelfWarmStart<T: Scalar> {
+    /// Triangles around one vertex do not touch each other until an edge is strained by more than this.
+    fans: Certificate<T>,
+    /// By vertex: how far the triangles around it may be strained, as a part of their size.
+    strains: Vec<T>,
+    /// Triangles do not touch until one is strained by more than this holds, parts that are near each other have moved
+    /// against each other by more,
+    near: NearParts<T>,
+    /// or any two vertices by more than this. Negative where nothing is known of that.
+    allowed: T,
+    /// The largest rounding error of coordinates for which all this holds.
+    rounding: T,
+    /// Whether the body passed through itself nowhere when `near` was found.
+    is_valid: bool,
+    /// The positions for which the rest was found.
+    stamp: u64,
+    is_clear: bool,
+    /// How much of `near` has lapsed since.
+    lapse: Lapse<T>,
+    /// Whether triangles touch in the lapsed parts, or all is to be searched.
+    touches: bool,
+    /// The parts searched in the steps since nothing had lapsed, together.
+    searched: f64,
+    /// The mean altitude of the triangles.
+    fineness: T,
+    /// Steps since triangles without a common vertex were looked at.
+    steps: u32,
+    /// Steps until a clearance is looked for again.
+    pause: u32,
+    /// How many clearances in a row did not last long enough.
+    failures: u32,
+}
+
+impl<T: Scalar> Default for SelfWarmStart<T> {
+    fn default() -> Self {
+        let (fans, strains, near) = (Certificate::default(), Vec::new(), NearParts::default());
+        let (allowed, rounding, fineness) = (-T::one(), T::zero(), T::zero());
+        let (is_valid, is_clear, touches, searched) = (false, false, true, 0.0);
+        let (stamp, steps, pause, failures) = (0, 0, 0, 0);
+        let lapse = Lapse::unknown();
+        Self {
+            fans,
+            strains,
+            near,
+            allowed,
+            rounding,
+            is_valid,
+            stamp,
+            is_clear,
+            lapse,
+            touches,
+            searched,
+            fineness,
+            steps,
+            pause,
+            failures,
+        }
+    }
+}
+
+/// A finding that holds near the positions for which it was made.
+#[derive(Clone, Debug, Default)]
+struct Certificate<T: Scalar> {
+    is_valid: bool,
+    positions: Vec<Vector3<T>>,
+    allowed: T,
+    rounding: T,
+}
+
+// What chose these numbers: docs/architecture.md, *Tuned constants*.
+
+/// The clearance that a search looks for should last this many steps at the present pace.
+const STEPS_WANTED: f64 = 16.0;
+/// A clearance that lasts fewer steps than this costs more than it saves;
+const FEWEST_STEPS: u32 = 5;
+/// after one, none is looked for during this many steps.
+const PAUSE: u32 = 30;
+/// Twice as many after the next, so many times.
+const MOST_DOUBLINGS: u32 = 3;
+/// If more than this part of the near pairs have come too close, the whole surface is searched.
+const MOST_LAPSED: f64 = 0.25;
+/// Where parts have lapsed for good, positions are kept anew once looking at them has cost as much as a search of all.
+const MOST_SEARCHED: f64 = 1.0;
+/// Steep triangles may come nearer by at most this, in mean altitudes: about as far as parts of one tile and the next move
+/// against each other while strain allows it.
+const STEEP_MARGIN: f64 = 1.0;
+/// Coordinates may grow by this before what was kept for rounding is used up.
+const MOST_GROWTH: f64 = 1.5;
+
+impl<T: Scalar> SelfWarmStart<T> {
+    /// Whether the body cannot touch itself at its present positions, by what is remembered. The octree is always the same
+    /// of the same mesh, but need not be up to date.
+    pub(crate) fn is_clear(&mut self, mesh: &Mesh<T>, octree: &Octree<T>) -> bool {
+        if self.stamp != mesh.stamp() {
+            self.stamp = mesh.stamp();
+            self.steps = self.steps.saturating_add(1);
+            self.lapse = Lapse::unknown();
+            if self.is_valid && self.allowed >= T::zero() && rounding(mesh) <= self.rounding {
+                self.lapse = octree.find_lapsed(mesh, self.allowed, &mut self.near);
+            }
+            let part = self.lapse.part;
+            self.searched = if part > 0.0 { self.searched + part } else { 0.0 };
+            let is_whole = part > MOST_LAPSED || self.searched > MOST_SEARCHED;
+            self.touches = is_whole || part > 0.0 && Touching::any_lapsed_touch(octree, mesh, &mut self.near);
+            // Of several components one may have come inside another meanwhile.
+            self.is_clear = part == 0.0 || !self.touches && mesh.topology().components().len() == 1;
+        }
+        self.is_clear
+    }
+
+    /// Forgets everything: parts of the body lie inside others.
+    pub(crate) fn forget(&mut self) {
+        self.is_valid = false;
+    }
+
+    /// Looks at the whole surface but for what is known of it. [`is_clear`](Self::is_clear) has been asked before.
+    pub(crate) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>, touching: &mut Touching<T>) {
+        touching.reset(mesh);
+        if !self.touches && !touching.any {
+            return;
+        }
+        touching.is_tangled = is_tangled(mesh);
+        if touching.is_tangled {
+            return;
+        }
+        let mut part_margin = self.part_margin();
+        let margin = part_margin.min(self.fineness * T::of(STEEP_MARGIN));
+        if part_margin > T::zero() || !self.fans.is_known(mesh) || !self.fans.is_strained_at_most(mesh) {
+            let found = touching.search_fans(mesh);
+            self.fineness = found.fineness;
+            std::mem::swap(&mut self.strains, &mut touching.strains);
+            self.fans.set(mesh, found.strain, !touching.any);
+        }
+        (self.is_valid, self.searched) = (false, 0.0);
+        if touching.is_tangled {
+            return;
+        }
+        let reach = Reach { margin, part_margin, ..Touching::reach(mesh) };
+        touching.search_pairs(octree, mesh, &reach, &mut self.near);
+        if touching.is_tangled && part_margin > T::zero() {
+            // More parts may soon be near each other than are listed; those that are near now decide.
+            part_margin = T::zero();
+            self.fail();
+            touching.search_pairs(octree, mesh, &Touching::reach(mesh), &mut self.near);
+        }
+        if touching.is_tangled {
+            return;
+        }
+        self.is_valid = !touching.any;
+        self.rounding = rounding(mesh) * T::of(MOST_GROWTH);
+        // Where no clearance has been looked for, the positions are only needed to know the pace.
+        self.allowed = -T::one();
+        if self.is_valid && (part_margin > T::zero() || self.pause <= 1) {
+            octree.keep(mesh, &self.strains, &mut self.near);
+            self.allowed = part_margin;
+        }
+        self.steps = 0;
+    }
+
+    /// A clearance was of no use: the next one is looked for later each time.
+    fn fail(&mut self) {
+        self.pause = PAUSE << self.failures;
+        self.failures = (self.failures + 1).min(MOST_DOUBLINGS);
+    }
+
+    /// How far parts that are not near may move against each other: some steps at the present pace; nothing where that
+    /// does not pay.
+    fn part_margin(&mut self) -> T {
+        if !self.is_valid {
+            return T::zero();
+        }
+        if self.pause > 0 {
+            self.pause -= 1;
+            return T::zero();
+        }
+        if self.allowed > T::zero() && self.steps < FEWEST_STEPS {
+            self.fail();
+            return T::zero();
+        }
+        let lasted = f64::from(self.steps.max(1));
+        let mut wanted = STEPS_WANTED;
+        if self.allowed > T::zero() {
+            self.failures = 0;
+            // If something else ended the last clearance early, the next one need not last much longer.
+            wanted = wanted.min(2.0 * lasted);
+        }
+        self.lapse.spread * T::of(wanted / lasted)
+    }
+}
+
+impl<T: Scalar> Certificate<T> {
+    fn set(&mut self, mesh: &Mesh<T>, allowed: T, is_valid: bool) {
+        // Coordinates may double before what was kept for rounding is used up.
+        (self.is_valid, self.allowed, self.rounding) = (is_valid, allowed, rounding(mesh) * T::of(2.0));
+        memory::refill(&mut self.positions, mesh.positions().iter().copied());
+    }
+
+    fn is_known(&self, mesh: &Mesh<T>) -> bool {
+        self.is_valid && self.positions.len() == mesh.positions().len() && rounding(mesh) <= self.rounding
+    }
+
+    /// Whether the two ends of no edge have moved against each other by more than allowed.
+    fn is_strained_at_most(&self, mesh: &Mesh<T>) -> bool {
+        let allowed = self.allowed * self.allowed;
+        let moved = |vertex: u32| mesh.positions()[vertex as usize] - self.positions[vertex as usize];
+        mesh.topology().edge_list().iter().all(|edge| {
+            let [from, to] = edge.vertices;
+            (moved(from) - moved(to)).norm_squared() <= allowed
+        })
+    }
+}

@@ -1,0 +1,136 @@
+//! Net force and torque keep within the tolerance asked for, whatever the bodies.
+
+use super::coarse_sampling::{detect, errors, scenes};
+use crate::common::shapes::{self, Shape};
+use raycontact::contact::{Sampling, Statistics};
+use raycontact::math::Scalar;
+use raycontact::mesh::Mesh;
+use raycontact::query::Layout;
+
+const TUBE: f64 = 0.4;
+
+/// Number `k` of a pile whose neighbours overlap.
+fn stacked(k: usize, around: usize, tube: f64) -> Shape {
+    let k = k as f64;
+    let centre = [0.13 * k.sin(), 0.13 * (1.7 * k).cos(), 0.6 * k];
+    shapes::torus(around, around / 2, tube).turned(0.37 * k, 0.15 * (2.1 * k).sin()).moved(centre)
+}
+
+/// A unit ball with bumps.
+fn bumpy(waves: f64) -> Shape {
+    shapes::sphere(5).map(|[x, y, z]| {
+        let height = 1.0 + 0.15 * (waves * x).sin() * (waves * y + 1.0).sin() * (waves * z + 2.0).sin();
+        [x, y, z].map(|x| x * height)
+    })
+}
+
+/// A thorn whose sides meet in a cusp.
+fn thorn() -> Shape {
+    shapes::sphere(5).map(|[x, y, z]| [0.15 * (1.0 + z) * x, 0.15 * (1.0 + z) * y, z])
+}
+
+/// What the chart and the measuring program measure, bodies in pairs, with coarse and with fine meshes.
+fn workloads() -> Vec<(String, [Shape; 2])> {
+    let torus = |around| shapes::torus(around, around / 2, TUBE);
+    let mut found = Vec::new();
+    let mut add = |name: String, first, second| found.push((name, [first, second]));
+    for around in [40, 160, 240] {
+        add(format!("deep tori {around}"), torus(around), torus(around).moved([0.25, 0.1, 0.3]));
+        for gap in if around == 240 { [0.047].as_slice() } else { &[0.047, 0.2] } {
+            let aside = torus(around).moved([2.0 * (1.0 + TUBE) - gap, 0.0, 0.0]);
+            add(format!("grazing {around}, {gap}"), torus(around), aside);
+        }
+    }
+    for around in [40, 80, 160] {
+        for k in if around == 160 { 0..1 } else { 0..9 } {
+            add(format!("stack {around}, {k}"), stacked(k, around, TUBE), stacked(k + 1, around, TUBE));
+        }
+        add(format!("folded {around}"), stacked(0, around, TUBE), stacked(1, around, 0.1));
+        let turned = stacked(1, around, TUBE).turned(0.0, 0.8).moved([0.3, -0.2, 0.1]);
+        add(format!("fast {around}"), stacked(0, around, TUBE), turned);
+    }
+    add("spike".to_owned(), thorn().turned(0.3, 0.4).moved([0.1, 0.05, 1.3]), shapes::sphere(5));
+    let slab = shapes::cube(1).moved([-0.5, -0.5, -1.0]).scaled(4.2);
+    add("100 : 1".to_owned(), shapes::sphere(5).moved([0.013, 0.02, 0.6]), slab);
+    add("bumpy".to_owned(), bumpy(5.0), bumpy(3.0).moved([0.6, 0.25, 0.9]));
+    add("bumpy, deep".to_owned(), bumpy(5.0), bumpy(2.0).scaled(0.7).moved([0.4, 0.1, 0.2]));
+    found.extend(scenes().into_iter().map(|(name, shapes)| (name.to_owned(), shapes)));
+    found
+}
+
+/// The surface as it ripples from step to step.
+fn rippled(shape: &Shape, step: usize) -> Shape {
+    shape.map(|[x, y, z]| {
+        let height = 0.02 * (3.0 * x + 2.0 * y + 0.3 * step as f64).sin() / (x * x + y * y + 0.25).sqrt();
+        [x + height * y, y - height * x, z + 0.5 * height]
+    })
+}
+
+/// Fewer rays, the same force and torque; and as many as there are triangles where no fewer will do.
+#[test]
+fn force_and_torque_keep_the_tolerance_on_every_workload() {
+    fn check<T: Scalar>(step: usize) {
+        let mut saved = 0;
+        for (name, shapes) in workloads() {
+            let meshes: [Mesh<T>; 2] = shapes.map(|shape| rippled(&shape, step).mesh());
+            let finest = detect(&meshes, Layout::Bvh, Sampling::Automatic).statistics.rays;
+            for tolerance in [0.1, 0.03, 0.01, 0.003, 1e-9] {
+                let found = detect(&meshes, Layout::Bvh, Sampling::Tolerance(T::of(tolerance)));
+                let Statistics { rays, estimate_rays, patches, .. } = found.statistics;
+                let errors = errors(&meshes, &found);
+                let what = format!(
+                    "{name}, step {step}, {tolerance}: {rays} rays of {finest}, {estimate_rays} before, off by {errors:?}"
+                );
+                println!("{what}");
+                assert!(errors.iter().all(|error| *error <= tolerance), "{what}");
+                saved += usize::from(tolerance == 0.1 && (rays + estimate_rays) * 4 < finest);
+                assert!(tolerance > 1e-6 || (rays == finest && patches == 0), "{what}");
+                // Tries that came to nothing cost less than a third and a quarter of it.
+                assert!(estimate_rays * 2 <= finest, "{what}");
+            }
+        }
+        assert!(saved >= 10, "{saved} workloads take less than a quarter of the rays for a tenth");
+    }
+    check::<f64>(0);
+    check::<f32>(10);
+}
+
+/// Two coarse tries agree to 0.0018 here, and both are wrong by 0.005.
+#[test]
+fn tries_that_agree_by_chance_do_not_count() {
+    let (_, shapes) = scenes().into_iter().find(|(name, _)| *name == "spheres").expect("it is one of the scenes");
+    let meshes: [Mesh<f64>; 2] = shapes.map(|shape| rippled(&shape, 30).mesh());
+    let found = detect(&meshes, Layout::Bvh, Sampling::Tolerance(0.003));
+    let errors = errors(&meshes, &found);
+    assert!(errors.iter().all(|error| *error <= 0.003), "off by {errors:?}");
+}
+
+/// Boxes whose faces are too large for numbers, or too small: no tries then, and no end of them.
+#[test]
+fn sizes_beyond_all_numbers_come_to_an_end() {
+    let shapes = [bumpy(5.0), bumpy(3.0).moved([0.6, 0.25, 0.9])];
+    for (size, fewest_rays) in [(1e-25, 0), (4e19, 1000)] {
+        let mut meshes = shapes.clone().map(|shape| shape.mesh::<f32>());
+        for (mesh, shape) in meshes.iter_mut().zip(&shapes) {
+            mesh.set_positions(&shape.scaled(size).rounded()).expect("finite");
+        }
+        let of_all = detect(&meshes, Layout::Bvh, Sampling::Automatic);
+        let found = detect(&meshes, Layout::Bvh, Sampling::Tolerance(0.1));
+        assert_eq!([found.statistics.estimate_rays, found.statistics.patches], [0, 0]);
+        assert_eq!(found.statistics.rays, of_all.statistics.rays);
+        assert!(found.statistics.rays >= fewest_rays);
+    }
+}
+
+/// Two balls whose boxes overlap in a corner where neither has a triangle: there is nothing to try.
+#[test]
+fn overlaps_without_a_triangle_are_left_at_once() {
+    let ball = || shapes::sphere(3);
+    for apart in [1.9, 1.99, 1.2] {
+        let meshes = [ball(), ball().moved([apart; 3])].map(|shape| shape.mesh::<f64>());
+        for tolerance in [1e-3, 0.03, 1.0] {
+            let found = detect(&meshes, Layout::Bvh, Sampling::Tolerance(tolerance));
+            assert_eq!((found.statistics.pairs, found.len()), (1, 0));
+        }
+    }
+}
