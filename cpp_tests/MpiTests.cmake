@@ -1,5 +1,5 @@
 # <raycontact/mpi.hpp> on 1 to 4 ranks of this machine, however few cores it has.
-include(${PROJECT_SOURCE_DIR}/cmake/raycontactMpi.cmake)
+include(${PROJECT_SOURCE_DIR}/packaging/cmake/raycontactMpi.cmake)
 raycontact_add_mpi(missing)
 if(missing)
     message(WARNING "${missing}: the tests of raycontact/mpi.hpp are left out")

@@ -1,4 +1,4 @@
-# The adapter against MuJoCo itself, where demos/CMakeLists.txt has found it.
+# The adapter against MuJoCo itself, where evaluation/demos/CMakeLists.txt has found it.
 if(NOT TARGET raycontact_mujoco)
     return()
 endif()
@@ -20,7 +20,7 @@ set_tests_properties(mujoco_pile PROPERTIES TIMEOUT 600)
 add_test(NAME mujoco_usage COMMAND mujoco_flexes --help)
 
 # The manual's listings are those of files that are built and run; its model is switched on by the plugin alone.
-set(mujoco_model "${PROJECT_SOURCE_DIR}/demos/mujoco/two_blocks.xml")
+set(mujoco_model "${PROJECT_SOURCE_DIR}/evaluation/demos/mujoco/two_blocks.xml")
 add_test(NAME mujoco_plugin
          COMMAND mujoco_step "${mujoco_model}" --plugin "$<TARGET_FILE:raycontact_flex_contact>" --seconds 2)
 # The upper block lies on the lower one.
@@ -31,5 +31,5 @@ foreach(listing IN ITEMS cpp:step_model.cpp xml:two_blocks.xml)
     list(GET listing 1 file)
     add_test(NAME mujoco_listing_${language}
              COMMAND "${CMAKE_COMMAND}" -D "PAGE=${PROJECT_SOURCE_DIR}/docs/mujoco.md" -D "LANGUAGE=${language}" -D
-                     "PROGRAM=${PROJECT_SOURCE_DIR}/demos/mujoco/${file}" -P "${CMAKE_CURRENT_SOURCE_DIR}/listing.cmake")
+                     "PROGRAM=${PROJECT_SOURCE_DIR}/evaluation/demos/mujoco/${file}" -P "${CMAKE_CURRENT_SOURCE_DIR}/listing.cmake")
 endforeach()

@@ -1,4 +1,4 @@
-# The program demos/contacts: its table, its CSV, its exit statuses.
+# The program evaluation/demos/contacts: its table, its CSV, its exit statuses.
 
 file(WRITE "${FOLDER}/octahedron.obj"
      "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"

@@ -23,7 +23,7 @@ esac
 cargo build --release --locked --quiet --examples
 demos="$root/build/test/demos"
 programs=("$root"/scripts/*.sh "$root"/scripts/*.py)
-for example in "$root"/examples/*.rs "$root"/examples/*/main.rs; do
+for example in "$root"/evaluation/programs/*.rs "$root"/evaluation/programs/*/main.rs; do
     name="$(basename "${example%/main.rs}" .rs)"
     programs+=("$root/target/release/examples/$name")
 done

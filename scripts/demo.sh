@@ -41,7 +41,7 @@ rm -f out/two_bodies.pvd out/two_bodies.png
 
 if [[ -f out/two_bodies.pvd ]]; then
     # Debian's Python, because the VTK package belongs to it.
-    xvfb-run --auto-servernum /usr/bin/python3 demos/render_two_bodies.py out/two_bodies.pvd out/two_bodies.png >&2 ||
+    xvfb-run --auto-servernum /usr/bin/python3 evaluation/demos/render_two_bodies.py out/two_bodies.pvd out/two_bodies.png >&2 ||
         fail 'the picture could not be drawn, see above'
     say "For ParaView: $root/out/two_bodies.pvd"
     say "Picture:      $root/out/two_bodies.png"

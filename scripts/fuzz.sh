@@ -8,8 +8,8 @@ usage() {
     cat <<END
 usage: scripts/fuzz.sh [--seconds N] [--seed S] [--only TARGET] [--input FILE]
 
-Builds fuzz/ with libFuzzer, which sees the code that an input reaches, and the address sanitizer, then runs each target
-from the inputs in fuzz/corpus/, a few that together reach what all that were tried did. The stable compiler does it;
+Builds tests/fuzz/ with libFuzzer, which sees the code that an input reaches, and the address sanitizer, then runs each target
+from the inputs in tests/fuzz/corpus/, a few that together reach what all that were tried did. The stable compiler does it;
 RUSTC_BOOTSTRAP allows the sanitizer.
   --seconds N    for each target (default 15)
   --seed S       of the random changes (default: another each time)
@@ -52,7 +52,7 @@ coverage=(level=4 inline-8bit-counters pc-table trace-compares stack-depth)
 RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="$folder" \
     RUSTFLAGS="--cfg fuzzing -Ctarget-cpu=native -Zsanitizer=address -Ccodegen-units=16 -Cpasses=sancov-module \
 ${coverage[*]/#/-Cllvm-args=-sanitizer-coverage-}" \
-    cargo build --release --locked --quiet --manifest-path fuzz/Cargo.toml --target "$host" ||
+    cargo build --release --locked --quiet --manifest-path tests/fuzz/Cargo.toml --target "$host" ||
     fail 'the build failed, see above'
 
 for target in "${targets[@]}"; do
@@ -65,7 +65,7 @@ for target in "${targets[@]}"; do
     new="$folder/corpus/$target"
     rm -rf "$known"
     mkdir -p "$known" "$new" "$folder/faults"
-    tar -xzf "fuzz/corpus/$target.tar.gz" -C "$known"
+    tar -xzf "tests/fuzz/corpus/$target.tar.gz" -C "$known"
     log="$folder/$target.log"
     most_seconds=120
     [[ "$target" != options ]] || most_seconds=30

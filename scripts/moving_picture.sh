@@ -35,7 +35,7 @@ for contact in raycontact mujoco; do
     # MuJoCo writes its warnings to a file where it runs.
     (cd "$out" && "$root/$programs/mujoco_flexes" skins --contact "$contact" --out "$contact") || (($? == 1))
 done
-xvfb-run --auto-servernum /usr/bin/python3 demos/render_moving_picture.py docs/images/deep_start.gif \
+xvfb-run --auto-servernum /usr/bin/python3 evaluation/demos/render_moving_picture.py docs/images/deep_start.gif \
     "raycontact in Bullet=$out/ours/two_tori.pvd@1.2" \
     "Bullet's own contact=$out/vf_dd_implicit/two_tori.pvd@1.2" \
     "raycontact in MuJoCo=$out/raycontact/mujoco_skins.pvd@0.15" \

@@ -23,7 +23,7 @@ read_size() {
 # builds, so three folders.
 target="$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/bench"
 build_package() {
-    cargo build --release --locked --manifest-path benches/Cargo.toml "$@" >&2 || fail 'the build failed, see above'
+    cargo build --release --locked --manifest-path evaluation/bench/Cargo.toml "$@" >&2 || fail 'the build failed, see above'
 }
 
 # Prints where the measuring program is.

@@ -6,7 +6,7 @@ usage() {
     cat <<END
 usage: scripts/penetration.sh [--quick|--full|--check]
 
-Runs penetration-benchmark/ in a virtual environment of its own in target/penetration, with this library as a wheel and
+Runs evaluation/penetration-benchmark/ in a virtual environment of its own in target/penetration, with this library as a wheel and
 its peers from PyPI and Debian, in fixed versions.
   --quick   (default) every tenth pose; the CSV files go to target/penetration/quick. A few minutes
   --full    installs the peers, runs all poses, scenes and bodies, and renews the CSV files in docs/penetration, the

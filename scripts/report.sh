@@ -7,9 +7,9 @@ usage() {
 usage: scripts/report.sh [--record] [--test]
 
 Writes docs/report/index.html, one file that needs no network, from the CSV files under docs, the table of failures in
-docs/stability.md and the recorded demos. Needs Node.js 20 or newer with npm; their packages, as report/package-lock.json
-names them, are installed into report/node_modules first.
---record: builds and runs the demos that report/recordings.json lists first and renews docs/report/recordings from their
+docs/stability.md and the recorded demos. Needs Node.js 20 or newer with npm; their packages, as evaluation/report/package-lock.json
+names them, are installed into evaluation/report/node_modules first.
+--record: builds and runs the demos that evaluation/report/recordings.json lists first and renews docs/report/recordings from their
 frames, in some minutes; the frames stay in out/recordings, for ParaView.
 --test: then opens the page in headless Chromium, which is installed where it is missing, and tests it; screenshots go to
 out/report.
@@ -34,19 +34,19 @@ if [[ $records == true ]]; then
     source scripts/peers.sh
     bench="$(build_bench)"
     cmake --workflow --preset demos >&2 || fail 'the build failed, see above'
-    node report/record.mjs build/demos/demos/scenes "$bench"
+    node evaluation/report/record.mjs build/demos/demos/scenes "$bench"
 fi
-if [[ ! -d report/node_modules || report/package-lock.json -nt report/node_modules ]]; then
+if [[ ! -d evaluation/report/node_modules || evaluation/report/package-lock.json -nt evaluation/report/node_modules ]]; then
     say 'Installing the npm packages'
-    npm ci --prefix report --silent --no-audit --no-fund >&2 || fail "'npm ci' failed: is there a network?"
-    touch report/node_modules
+    npm ci --prefix evaluation/report --silent --no-audit --no-fund >&2 || fail "'npm ci' failed: is there a network?"
+    touch evaluation/report/node_modules
 fi
-node report/build.mjs
+node evaluation/report/build.mjs
 
 if [[ $tests == true ]]; then
     source scripts/peers.sh
     command -v chromium >/dev/null || install_packages chromium
     mkdir -p out/report
-    node report/test.mjs out/report
+    node evaluation/report/test.mjs out/report
     say "Screenshots: $root/out/report"
 fi

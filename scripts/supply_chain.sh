@@ -44,7 +44,7 @@ git ls-files -z | xargs -0 cp --parents -t "$copy"
 if [[ $long == true ]]; then
     export PATH="$root/target/tools/bin:$PATH"
     command -v cargo-deny >/dev/null || cargo install --locked --quiet --root target/tools cargo-deny
-    for manifest in Cargo.toml benches/Cargo.toml fuzz/Cargo.toml; do
+    for manifest in Cargo.toml evaluation/bench/Cargo.toml tests/fuzz/Cargo.toml; do
         say "licences, duplicates and sources: $manifest"
         cargo deny --locked --manifest-path "$manifest" --config deny.toml check licenses bans sources
     done

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "../../demos/distributed/number_bits.hpp"
+#include "../../evaluation/demos/distributed/number_bits.hpp"
 #include "raycontact.hpp"
 #include "torus.hpp"
 

@@ -11,7 +11,7 @@
 #include <map>
 #include <vector>
 
-#include "../../demos/distributed/number_bits.hpp"
+#include "../../evaluation/demos/distributed/number_bits.hpp"
 #include "raycontact/mpi.hpp"
 #include "rubbing_shapes.hpp"
 

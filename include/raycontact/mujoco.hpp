@@ -8,7 +8,7 @@
  *     mjData* d = mj_makeData(m);
  *     raycontact::mujoco::AttachedContact contact(m, d);    // as long as it lives, mj_step(m, d) has contact of flexes
  *
- * Contact of flexes with rigid geoms stays MuJoCo's own. demos/mujoco/plugin.cpp makes an engine plugin of it, which an
+ * Contact of flexes with rigid geoms stays MuJoCo's own. evaluation/demos/mujoco/plugin.cpp makes an engine plugin of it, which an
  * XML model switches on without code. docs/mujoco.md is the manual.
  */
 #ifndef RAYCONTACT_MUJOCO_HPP

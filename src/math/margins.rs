@@ -19,7 +19,7 @@ pub(crate) fn margin<T: Scalar>(units: f64) -> T {
 /// A box's faces, seen by a ray; times the reach, the largest coordinate difference between the ray's origin and the mesh's
 /// box.
 ///
-/// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues (`examples/oracle/judge.rs`; 6.1
+/// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues (`evaluation/programs/oracle/judge.rs`; 6.1
 /// is the largest it has met). The distance to a face takes 3 more: a difference, a quotient and a product. Held by the oracle
 /// and by `tests/library/octree/layouts.rs`, which compare with testing every triangle.
 pub(crate) const BOX_FACE: f64 = 16.0;

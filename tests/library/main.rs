@@ -3,7 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../../examples/support/mod.rs"]
+#[path = "../../evaluation/programs/support/mod.rs"]
 mod support;
 
 mod contact;
