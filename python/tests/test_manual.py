@@ -30,3 +30,8 @@ def test_every_listing_has_its_output(text):
 def test_listing(program, output):
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert (ended.returncode, ended.stderr, ended.stdout) == (0, "", output)
+
+
+def test_the_example_is_the_tutorials_program():
+    programs = [program for program, _ in LISTING.findall(PAGES["docs/tutorial.md"])]
+    assert programs[-1] == (ROOT / "examples/two_octahedra.py").read_text(encoding="utf-8")

@@ -6,6 +6,9 @@ mod common;
 #[path = "../../evaluation/programs/support/mod.rs"]
 mod support;
 
+#[path = "../../examples/two_octahedra.rs"]
+mod two_octahedra;
+
 mod contact;
 mod escape;
 mod force;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "../engine/engine.hpp"
-#include "../number_arguments.hpp"
+#include "../../../examples/own_engine/number_arguments.hpp"
 
 namespace {
 

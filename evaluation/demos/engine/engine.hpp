@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "../shapes.hpp"
-#include "conjugate_gradients.hpp"
+#include "../../../examples/own_engine/conjugate_gradients.hpp"
 #include "elasticity.hpp"
 #include "raycontact/cage.hpp"
 

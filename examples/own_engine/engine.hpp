@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "../engine/conjugate_gradients.hpp"
+#include "conjugate_gradients.hpp"
 #include "raycontact.hpp"
 
 namespace own {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-/** The linear solver of the engine beside it, and of own_engine. */
+/** The linear solver of the engine beside it. */
 #ifndef RAYCONTACT_DEMOS_ENGINE_CONJUGATE_GRADIENTS_HPP
 #define RAYCONTACT_DEMOS_ENGINE_CONJUGATE_GRADIENTS_HPP
 

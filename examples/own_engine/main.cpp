@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "../number_arguments.hpp"
+#include "number_arguments.hpp"
 #include "engine.hpp"
 
 namespace {
