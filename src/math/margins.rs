@@ -21,12 +21,12 @@ pub(crate) fn margin<T: Scalar>(units: f64) -> T {
 ///
 /// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues (`evaluation/programs/oracle/judge.rs`; 6.1
 /// is the largest it has met). The distance to a face takes 3 more: a difference, a quotient and a product. Held by the oracle
-/// and by `tests/library/octree/layouts.rs`, which compare with testing every triangle.
+/// and by `tests/library/query/layouts.rs`, which compare with testing every triangle.
 pub(crate) const BOX_FACE: f64 = 16.0;
 
 /// Where a ray leaves a box that its origin lies in; times the reach. A hit on the box's own face may lie 32 units behind the
 /// face, since hits are known to within as much, and the distance to the face is rounded by 3. Held by
-/// `tests/library/whole/metamorphic.rs` and `tests/library/recovery/completeness.rs`.
+/// `tests/library/whole/metamorphic.rs` and `tests/library/escape/completeness.rs`.
 pub(crate) const RAY_END: f64 = 64.0;
 
 /// A ray's end as a point; times the largest coordinate: one product and one sum. Held by `src/bvh/rays/packet/tests.rs`.
@@ -42,7 +42,7 @@ pub(crate) const SAMPLE_IN_BOX: f64 = 8.0;
 /// 2 √3 r long, so that makes √3 r · (1 for the corner's difference, 3 for the part along the first edge, 1 for their sum, 8
 /// for what the second edge is across the first, 2 for the part along that, 1 for the sum, 6 for the weights), 38 r in all;
 /// squares and their sums, those of distances to boxes too, take another 12 r. Held by the oracle (8 at most) and
-/// `tests/library/octree/closest_points.rs`.
+/// `tests/library/query/closest_points.rs`.
 pub(crate) const DISTANCE: f64 = 64.0;
 
 /// The square of a bound, held against sums of three squares; times itself: 1 for the square, 3 for the sums.
@@ -52,7 +52,7 @@ pub(crate) const SQUARE_OF_BOUND: f64 = 8.0;
 pub(crate) const SQUARE_OF_LIMIT: f64 = 16.0;
 
 /// The flat cylinder around a tile; times the longest side of the tile's box. Heights are dot products of differences with
-/// a unit vector: 1 + 3 + 3, times √3; radii take such a height off again. Held by `tests/library/octree/closest_points.rs`.
+/// a unit vector: 1 + 3 + 3, times √3; radii take such a height off again. Held by `tests/library/query/closest_points.rs`.
 pub(crate) const TILE_CYLINDER: f64 = 32.0;
 
 /// Whether rays may leave a tile at all; times its side plus the reach, squared in effect. A normal takes 7 (differences,
@@ -71,7 +71,7 @@ pub(crate) fn reaches_told_apart<T: Scalar>() -> [T; 2] {
 }
 
 /// The planes between a classic octree's cells, seen by a ray; in [`BOX_FACE`]s: one for itself, and on the way down each plane
-/// is rounded once at each of at most 20 levels, by one unit of the octree's side. Held by `tests/library/octree/layouts.rs`.
+/// is rounded once at each of at most 20 levels, by one unit of the octree's side. Held by `tests/library/query/layouts.rs`.
 pub(crate) const CELL_FACE: f64 = 3.0;
 
 /// How far the cylinder around a tile reaches along a row of a rotation; times its size, and as a part of a square of the row.

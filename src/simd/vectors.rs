@@ -1,5 +1,6 @@
-use crate::math::{Scalar, Vector3};
+use crate::simd::HasLanes;
 use crate::simd::{LANE_COUNT, Lanes, Mask};
+use nalgebra::Vector3;
 use std::marker::PhantomData;
 
 /// Sixteen vectors. Each operation rounds as the same one of [`Vector3`].
@@ -21,7 +22,7 @@ macro_rules! by_coordinates {
     };
 }
 
-impl<T: Scalar, L: Lanes<T>> Vectors<T, L> {
+impl<T: HasLanes, L: Lanes<T>> Vectors<T, L> {
     by_coordinates!(add = add, sub = sub, times = mul, divided_by = div, smaller = smaller, larger = larger);
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -5,7 +5,7 @@ use crate::contact::quadrature::cutter::largest_face;
 use crate::math::{Scalar, Vector3, length};
 
 // These numbers were chosen together, by overlaps of tori, balls, thorns, boxes and animals: docs/architecture.md, *Tuned
-// constants*. `tests/library/detection/tolerance.rs` holds the rule to the tolerance.
+// constants*. `tests/library/contact/tolerance.rs` holds the rule to the tolerance.
 
 /// The first try has this many rays on the overlap box's largest face, each further one four times as many.
 const FEWEST_RAYS: f64 = 32.0;
