@@ -14,7 +14,7 @@ function(raycontact_add_bullet_test target test library precision)
     target_link_libraries(${target} PRIVATE raycontact::raycontact ${library})
     target_compile_definitions(${target} PRIVATE RAYCONTACT_BULLET_PRECISION=${precision})
     # The world and the shapes are those of the demos.
-    target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/demos")
+    target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/evaluation/demos")
     add_test(NAME ${target} COMMAND ${target})
     set_tests_properties(${target} PROPERTIES TIMEOUT 120)
 endfunction()

@@ -36,7 +36,7 @@ export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OPENBLAS_CORETYPE=Haswell
 source scripts/wheel.sh
 install_wheel "$environment" "$wheels" "${tools[@]}"
 
-cd "$root/penetration-benchmark"
+cd "$root/evaluation/penetration-benchmark"
 if [[ $size == --check ]]; then
     "$environment/bin/python" -m pytest -p no:cacheprovider --quiet --strict-markers tests ||
         fail 'the benchmark does not hold'

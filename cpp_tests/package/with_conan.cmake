@@ -13,7 +13,7 @@ set(ENV{CONAN_HOME} "${SCRATCH}/home")
 file(REMOVE_RECURSE "${SCRATCH}/home" "${SCRATCH}/test")
 run("${client}/bin/conan" profile detect)
 foreach(shared IN ITEMS False True)
-    run("${client}/bin/conan" create "${SOURCE}/conan" --settings build_type=Debug --options "shared=${shared}" --conf
+    run("${client}/bin/conan" create "${SOURCE}/packaging/conan" --settings build_type=Debug --options "shared=${shared}" --conf
         "user.raycontact:cargo_target_dir=${CARGO_TARGET_DIR}" --conf
         "tools.cmake.cmaketoolchain:generator=${GENERATOR}" --conf
         "tools.cmake.cmake_layout:test_folder=${SCRATCH}/test" --conf "tools.cmake.cmaketoolchain:user_presets=")

@@ -31,7 +31,7 @@ pub struct OwnExit<T: Scalar> {
 /// be kept, so that a steady step allocates nothing.
 ///
 /// ```
-/// use raycontact::{contact::OwnExits, mesh::Mesh, octree::Octree};
+/// use raycontact::{mesh::Mesh, own_exits::OwnExits, query::Octree};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// // One mesh of two unit cubes, the second shifted by (0.8, 0.1, 0.2): a corner of each lies inside the other.
