@@ -77,10 +77,8 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                 });
                 // After the first cut it is not known on which side the new middle lies.
                 let is_inside = (round == 0).then_some(exits & bit != 0);
-                let plane = nearest.and_then(|nearest| plane(other.mesh(), &middle, &nearest, is_inside));
-                // What a plane has cut lies on it as far as rounding lets it, and is not to be cut by it again.
-                let plane = plane.filter(|plane| parts[lane].is_above(&corners, plane, -rounding));
-                match plane.map(|plane| parts[lane].beyond(&corners, |at| plane.depth(at))) {
+                let plane = nearest.and_then(|nearest| plane(other.mesh(), &middle, &nearest, is_inside, rounding));
+                match plane.map(|plane| parts[lane].beyond(&corners, rounding, |at| plane.depth(at))) {
                     None | Some(Cut::All) => open &= !bit,
                     Some(Cut::Nothing) => (open, cut) = (open & !bit, cut & !bit),
                     Some(Cut::Some(part)) => {
@@ -100,7 +98,7 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
             let corners = own.corners(piece.sample.point.triangle);
             // Where the nearest face changes, the depth bends, and one middle would not do for all.
             for place in 0..planes.len() {
-                let part = parts[lane].nearest_to(planes, place, &corners);
+                let part = parts[lane].nearest_to(planes, place, rounding, &corners);
                 let Some(mut sample) = part.and_then(|part| sample_of_part(&piece, own, &part)) else { continue };
                 if planes.len() > 1 {
                     sample.piece = sample.piece.wrapping_mul(4).wrapping_add(place as u32);
@@ -130,12 +128,14 @@ fn sample_of_part<T: Scalar>(piece: &CutPiece<T>, own: &Mesh<T>, part: &Part<T>)
 
 /// The plane beyond which the depth below the surface grows at the point, given on which side of it that is, or else as the
 /// surface tells. Of the triangles at the nearest point the one whose plane is the farthest does: that is the one to be cut
-/// at first, and the one that knows the side. `None` where nothing tells.
+/// at first, and the one that knows the side. `None` where nothing tells, or the surface tells otherwise than what is given: a
+/// face within another part of its body is no border.
 fn plane<T: Scalar>(
     other: &Mesh<T>,
     at: &Vector3<T>,
     nearest: &ClosestPoint<T>,
     is_inside: Option<bool>,
+    rounding: T,
 ) -> Option<Plane<T>> {
     let (point, triangles) = (nearest.position, other.topology().triangles());
     let touched = touched_of(triangles[nearest.triangle as usize], nearest.weights);
@@ -147,11 +147,14 @@ fn plane<T: Scalar>(
     let farther =
         |best: Plane<T>, plane: Plane<T>| if plane.depth(at).abs() > best.depth(at).abs() { plane } else { best };
     let plane = planes.reduce(farther)?;
+    let depth = plane.depth(at);
+    let is_known_otherwise = |is_inside| if is_inside { depth < -rounding } else { depth > rounding };
+    if is_inside.is_some_and(is_known_otherwise) {
+        return None;
+    }
     let within_face = nearest.weights.iter().all(|&weight| weight > T::zero());
     match direction(&(at - point)) {
-        Some(away) if !within_face && is_inside.unwrap_or(plane.depth(at) > T::zero()) => {
-            Some(Plane { point, inward: away })
-        }
+        Some(away) if !within_face && depth > rounding => Some(Plane { point, inward: away }),
         _ => Some(plane),
     }
 }

@@ -78,13 +78,8 @@ impl<T: Scalar> Part<T> {
         self.weights[..self.count].iter().map(distance).fold(T::zero(), |most, distance| most.max(distance))
     }
 
-    /// Whether any corner is less than so deep.
-    pub(crate) fn is_above(&self, corners: &[Vector3<T>; 3], plane: &Plane<T>, depth: T) -> bool {
-        self.weights[..self.count].iter().any(|weights| plane.depth(&position(corners, weights)) < depth)
-    }
-
-    /// What lies where a depth that grows evenly is more than zero.
-    pub(crate) fn beyond(&self, corners: &[Vector3<T>; 3], depth: impl Fn(&Vector3<T>) -> T) -> Cut<T> {
+    /// What lies where a depth that grows evenly is more than zero: all, or nothing, as far as rounding tells.
+    pub(crate) fn beyond(&self, corners: &[Vector3<T>; 3], rounding: T, depth: impl Fn(&Vector3<T>) -> T) -> Cut<T> {
         let depth = |weights: &Vector3<T>| depth(&position(corners, weights));
         let mut part = Self { count: 0, ..*self };
         let mut keep = |weights| {
@@ -93,7 +88,7 @@ impl<T: Scalar> Part<T> {
         };
         let mut from = self.weights[self.count - 1];
         let mut from_depth = depth(&from);
-        let mut beyond = 0;
+        let (mut least, mut most) = (from_depth, from_depth);
         for to in &self.weights[..self.count] {
             let to_depth = depth(to);
             if (from_depth > T::zero()) != (to_depth > T::zero()) {
@@ -101,22 +96,31 @@ impl<T: Scalar> Part<T> {
             }
             if to_depth > T::zero() {
                 keep(*to);
-                beyond += 1;
             }
+            (least, most) = (least.min(to_depth), most.max(to_depth));
             (from, from_depth) = (*to, to_depth);
         }
-        match beyond {
-            0 => Cut::Nothing,
-            _ if beyond == self.count => Cut::All,
-            _ => Cut::Some(part),
+        if least >= -rounding {
+            Cut::All
+        } else if most <= rounding {
+            Cut::Nothing
+        } else {
+            Cut::Some(part)
         }
     }
 
-    /// What is nearer to one of the planes than to the others; `None` where that is nothing.
-    pub(crate) fn nearest_to(&self, planes: &[Plane<T>], place: usize, corners: &[Vector3<T>; 3]) -> Option<Self> {
+    /// What is nearer to one of the planes than to the others, the first of equally near ones; `None` where that is nothing.
+    pub(crate) fn nearest_to(
+        &self,
+        planes: &[Plane<T>],
+        place: usize,
+        rounding: T,
+        corners: &[Vector3<T>; 3],
+    ) -> Option<Self> {
         let mut others = planes.iter().enumerate().filter(|&(other, _)| other != place);
-        others.try_fold(*self, |part, (_, other)| {
-            match part.beyond(corners, |at| other.depth(at) - planes[place].depth(at)) {
+        others.try_fold(*self, |part, (number, other)| {
+            let handicap = if place < number { rounding } else { -rounding };
+            match part.beyond(corners, T::zero(), |at| other.depth(at) - planes[place].depth(at) + handicap) {
                 Cut::All => Some(part),
                 Cut::Some(part) => Some(part),
                 Cut::Nothing => None,
@@ -146,7 +150,7 @@ mod tests {
         let mut part = Part::whole(&WHOLE);
         for number in 0..planes.len() {
             let (point, inward) = planes[number];
-            let Cut::Some(left) = part.beyond(&CORNERS, |at| Plane { point, inward }.depth(at)) else {
+            let Cut::Some(left) = part.beyond(&CORNERS, 0.0, |at| Plane { point, inward }.depth(at)) else {
                 panic!("plane {number} cuts")
             };
             part = left;
@@ -180,7 +184,7 @@ mod tests {
     #[test]
     fn planes_beside_a_part_leave_all_or_nothing() {
         let part = Part::whole(&WHOLE);
-        assert!(matches!(part.beyond(&CORNERS, |at| at.x), Cut::All));
-        assert!(matches!(part.beyond(&CORNERS, |at| -at.x), Cut::Nothing));
+        assert!(matches!(part.beyond(&CORNERS, 0.0, |at| at.x), Cut::All));
+        assert!(matches!(part.beyond(&CORNERS, 0.0, |at| -at.x), Cut::Nothing));
     }
 }
