@@ -81,22 +81,25 @@ fn mapped(contacts: Vec<Contact<f64>>, map: impl Fn(Point) -> Point) -> Vec<Cont
         .collect()
 }
 
-/// Net force and torque on the first body.
-fn load(pair: &Pair, options: &DetectionOptions<f64>) -> [Vector3<f64>; 2] {
+/// Net force and torque on the first body, and the size of all its forces.
+fn load(pair: &Pair, options: &DetectionOptions<f64>) -> ([Vector3<f64>; 2], f64) {
     let contacts = pair.contacts(Layout::Bvh, options);
     let law = PenaltyLaw::new(1.0, 0.0, Weighting::Area).expect("the law is valid");
     let mut forces = pair.0.each_ref().map(|shape| vec![Vector3::zeros(); shape.positions.len()]);
     add_forces::<f64, Vec<Vector3<f64>>, _>(&contacts, &law, None, None, &mut forces);
     let torques = forces[0].iter().zip(&pair.0[0].positions).map(|(force, &point)| Vector3::from(point).cross(force));
-    [forces[0].iter().sum(), torques.sum()]
+    ([forces[0].iter().sum(), torques.sum()], forces[0].iter().map(|force| force.norm()).sum())
 }
 
-/// The same force and torque but for rounding, escapes included.
+/// The same force and torque to a millionth of all forces, as docs/reliability.md promises, escapes included. Pieces that are cut
+/// differ by more than rounding where that decides which face is cut at first: 2e-7 of all forces were seen.
 fn assert_same_load(found: &Pair, expected: &Pair) -> Result<(), TestCaseError> {
     let options = DetectionOptions::default();
-    let ([found_force, found_torque], [force, torque]) = (load(found, &options), load(expected, &options));
-    prop_assert!((found_force - force).amax() < 1e-9, "{found_force}, not {force}");
-    prop_assert!((found_torque - torque).amax() < 1e-9, "{found_torque}, not {torque}");
+    let ([found_force, found_torque], _) = load(found, &options);
+    let ([force, torque], all) = load(expected, &options);
+    let most = 1e-6 * all + 1e-12;
+    prop_assert!((found_force - force).amax() < most, "{found_force}, not {force}");
+    prop_assert!((found_torque - torque).amax() < most, "{found_torque}, not {torque}");
     Ok(())
 }
 
@@ -217,7 +220,7 @@ proptest! {
             let expected = mapped(pair.contacts(layout, &DetectionOptions::paper()), turn);
             assert_close(&turned.contacts(layout, &DetectionOptions::paper()), &expected)?;
         }
-        let (found, expected) = (load(&turned, &DetectionOptions::default()), load(&pair, &DetectionOptions::default()));
+        let ((found, _), (expected, _)) = (load(&turned, &DetectionOptions::default()), load(&pair, &DetectionOptions::default()));
         for (found, expected) in found.into_iter().zip(expected) {
             prop_assert!((found - Vector3::from(turn(expected.into()))).amax() < 1e-9, "{found}, {expected}");
         }
