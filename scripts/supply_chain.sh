@@ -26,7 +26,7 @@ esac
 
 say 'committed versions'
 # Calls stand at the start of a line, behind a variable's value or another command's name; a call may end in other lines.
-unlocked="$(grep -rnE '^[^#]*\bcargo (build|run|test|clippy|doc|check|install)\b' scripts .ci cmake |
+unlocked="$(grep -rnE '^[^#]*\bcargo (build|run|test|clippy|doc|check|install)\b' scripts .ci packaging/cmake |
     grep -vE -- '--locked|Runs, in this order|for tool in')" || true
 [[ -z "$unlocked" ]] || fail "without --locked: $unlocked"
 
