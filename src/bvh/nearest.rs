@@ -1,9 +1,11 @@
 // Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
 
-use crate::bvh::rays::trace::LEVEL_COUNT;
+use crate::bvh::node::{CHILD_COUNT, Node};
 use crate::bvh::sought::{Nearest, Sought};
-use crate::bvh::{Bvh, CHILD_COUNT, Node, Tile};
+use crate::bvh::tile::Tile;
+use crate::bvh::tree::Bvh;
+use crate::bvh::walk::{Children, Visitor, Way, first_of};
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors};
@@ -17,57 +19,64 @@ trait Seeker<T: Scalar> {
     /// Where there are many points: the box around them, and the squared distance from it beyond which nothing counts.
     fn around(&self) -> Option<(&Aabb<T>, T)>;
 
-    /// Looks at tiles, children of a node.
-    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, node: &Node<T>, tiles: Children<T>);
+    /// Looks at those of a leaf's tiles that are left.
+    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, left: Mask);
 }
 
-/// Children of a node that are still to be visited.
+/// The squared distances of a node's children.
 #[derive(Clone, Copy)]
-struct Children<T> {
+struct Gaps<T> {
     /// From the centre.
     squares: [T; CHILD_COUNT],
     /// From the box around many points.
-    gaps: [T; CHILD_COUNT],
-    left: Mask,
-    node: u32,
+    around: [T; CHILD_COUNT],
 }
 
 /// Visits the tiles near a point, the nearest child first at each node.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn walk<T: Scalar, L: Lanes<T>, S: Seeker<T>>(cells: &Bvh<T>, mesh: &Mesh<T>, centre: &QueryPoint<T>, seeker: &mut S) {
-    let zeros = [T::zero(); CHILD_COUNT];
-    let mut levels = [Children { squares: zeros, gaps: zeros, left: 0, node: 0 }; LEVEL_COUNT];
-    levels[0].enter::<L, S>(cells, 0, centre, seeker);
-    let mut depth = 0;
-    loop {
-        let children = &mut levels[depth];
-        children.leave_far::<L, S>(seeker);
-        if children.left == 0 {
-            if depth == 0 {
-                return;
-            }
-            depth -= 1;
-            continue;
-        }
-        let mut room = None;
-        let node = cells.node(children.node as usize, &mut room);
-        if node.is_leaf {
-            seeker.look::<L>(cells, mesh, node, *children);
-            children.left = 0;
-        } else {
-            let child = node.first + children.take_nearest::<L>() as u32;
-            depth += 1;
-            levels[depth].enter::<L, S>(cells, child, centre, seeker);
-        }
+struct Near<'a, T: Scalar, S> {
+    cells: &'a Bvh<T>,
+    mesh: &'a Mesh<T>,
+    centre: &'a QueryPoint<T>,
+    seeker: &'a mut S,
+}
+
+impl<T: Scalar, S: Seeker<T>> Near<'_, T, S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn walk<L: Lanes<T>>(mut self) {
+        let zeros = [T::zero(); CHILD_COUNT];
+        Way::new(Gaps { squares: zeros, around: zeros }).walk::<T, L>(&mut self);
     }
 }
 
-impl<T: Scalar> Children<T> {
+impl<T: Scalar, L: Lanes<T>, S: Seeker<T>> Visitor<T, L> for Near<'_, T, S> {
+    type Kept = Gaps<T>;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<T>, S: Seeker<T>>(&mut self, cells: &Bvh<T>, node: u32, centre: &QueryPoint<T>, seeker: &S) {
-        self.node = node;
+    fn enter(&mut self, node: u32, gaps: &mut Gaps<T>) -> Children {
         let mut room = None;
-        let node = cells.node(node as usize, &mut room);
+        let node = self.cells.node(node as usize, &mut room);
+        gaps.measure::<L>(node, self.centre, self.seeker.around());
+        let left = node.present();
+        if !node.is_leaf {
+            return Children { first: node.first, left };
+        }
+        let left = gaps.without_far::<L, S>(left, self.seeker);
+        if left != 0 {
+            self.seeker.look::<L>(self.cells, self.mesh, node, gaps, left);
+        }
+        Children::NONE
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&mut self, gaps: &Gaps<T>, left: &mut Mask) -> Option<u32> {
+        *left = gaps.without_far::<L, S>(*left, self.seeker);
+        (*left != 0).then(|| gaps.take_nearest::<L>(left))
+    }
+}
+
+impl<T: Scalar> Gaps<T> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn measure<L: Lanes<T>>(&mut self, node: &Node<T>, centre: &QueryPoint<T>, around: Option<(&Aabb<T>, T)>) {
         let factor = L::splat(centre.factor);
         let factor = Vectors::<T, L>::new(factor, factor, factor);
         let (lower, upper) = (Vectors::load(&node.lower), Vectors::load(&node.upper).negate());
@@ -76,31 +85,31 @@ impl<T: Scalar> Children<T> {
         let apart = lower.times_add(factor, centre.negate()).larger(upper.times_add(factor, centre));
         let apart = apart.larger(Vectors::zeros());
         apart.dot(apart).store(&mut self.squares);
-        if let Some((around, _)) = seeker.around() {
+        if let Some((around, _)) = around {
             let below = lower.times_add(factor, Vectors::splat(&around.upper).negate());
             let above = upper.times_add(factor, Vectors::splat(&around.lower));
             let apart = below.larger(above).larger(Vectors::zeros());
-            apart.dot(apart).store(&mut self.gaps);
+            apart.dot(apart).store(&mut self.around);
         }
-        self.left = ((1u32 << node.count) - 1) as Mask;
     }
 
     /// Leaves out those beyond the limits.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn leave_far<L: Lanes<T>, S: Seeker<T>>(&mut self, seeker: &S) {
-        self.left &= L::load(&self.squares).is_at_most(L::splat(seeker.limit()));
+    fn without_far<L: Lanes<T>, S: Seeker<T>>(&self, mut left: Mask, seeker: &S) -> Mask {
+        left &= L::load(&self.squares).is_at_most(L::splat(seeker.limit()));
         if let Some((_, limit)) = seeker.around() {
-            self.left &= L::load(&self.gaps).is_at_most(L::splat(limit));
+            left &= L::load(&self.around).is_at_most(L::splat(limit));
         }
+        left
     }
 
-    /// The place of the one nearest to the centre, which is then no longer to be visited.
+    /// Takes the one nearest to the centre, of some.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take_nearest<L: Lanes<T>>(&mut self) -> usize {
-        let squares = L::select(self.left, L::load(&self.squares), L::splat(T::INFINITY));
-        let nearest = squares.is_at_most(L::splat(squares.smallest())) & self.left;
-        self.left &= !(nearest & nearest.wrapping_neg());
-        nearest.trailing_zeros() as usize
+    fn take_nearest<L: Lanes<T>>(&self, left: &mut Mask) -> u32 {
+        let squares = L::select(*left, L::load(&self.squares), L::splat(T::INFINITY));
+        let nearest = squares.is_at_most(L::splat(squares.smallest())) & *left;
+        *left &= !(nearest & nearest.wrapping_neg());
+        nearest.trailing_zeros()
     }
 }
 
@@ -120,8 +129,9 @@ impl<T: Scalar, S: Sought> Kernel<T> for Closest<'_, T, S> {
     fn run<L: Lanes<T>>(self) {
         let limit = self.query.square_of_boxes(self.nearest.square);
         let cylinder_limit = self.query.square_of_cylinders(self.nearest.square);
-        let mut one = One { query: self.query, nearest: self.nearest, limit, cylinder_limit, sought: self.sought };
-        walk::<T, L, _>(self.cells, self.mesh, self.query, &mut one);
+        let Self { cells, mesh, query, nearest, sought } = self;
+        let mut one = One { query, nearest, limit, cylinder_limit, sought };
+        Near { cells, mesh, centre: query, seeker: &mut one }.walk::<L>();
     }
 }
 
@@ -146,11 +156,11 @@ impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, node: &Node<T>, mut tiles: Children<T>) {
-        while tiles.left != 0 {
-            let index = node.first as usize + tiles.take_nearest::<L>();
-            self.look_at::<L>(cells, mesh, index);
-            tiles.leave_far::<L, Self>(self);
+    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, mut left: Mask) {
+        while left != 0 {
+            let tile = leaf.first + tiles.take_nearest::<L>(&mut left);
+            self.look_at::<L>(cells, mesh, tile as usize);
+            left = tiles.without_far::<L, Self>(left, self);
         }
     }
 }
@@ -196,7 +206,7 @@ impl<T: Scalar, S: Sought> Kernel<T> for ClosestOfPacket<'_, T, S> {
         let Self { cells, mesh, packet, sought } = self;
         let centre = packet.centre;
         if packet.spread::<L>() * T::of(cells.tiles.len() as f64).sqrt() <= T::of(MOST_SPREAD) {
-            walk::<T, L, _>(cells, mesh, &centre, &mut Many { packet, sought });
+            Near { cells, mesh, centre: &centre, seeker: &mut Many { packet, sought } }.walk::<L>();
         } else {
             packet.centre_limit = -T::one();
         }
@@ -244,35 +254,32 @@ impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, node: &Node<T>, mut tiles: Children<T>) {
+    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, mut left: Mask) {
         // The nearest first, whose triangles bound how near the others must be.
-        let place = tiles.take_nearest::<L>();
-        let index = node.first as usize + place;
-        let near = self.packet.near::<L>(&node.child_box(place));
+        let place = tiles.take_nearest::<L>(&mut left) as usize;
+        let first = leaf.first as usize;
+        let near = self.packet.near::<L>(&leaf.child_box(place));
         let mut looks = near.count_ones();
-        let made = cells.cylinders.made_from(node.first as usize);
-        let bounds = self.bounds_to::<L>(cells, index, made >> place);
-        self.look_at::<L>(cells, mesh, index, near, bounds);
-        tiles.leave_far::<L, Self>(self);
+        let made = cells.cylinders.made_from(first);
+        let bounds = self.bounds_to::<L>(cells, first + place, made >> place);
+        self.look_at::<L>(cells, mesh, first + place, near, bounds);
+        left = tiles.without_far::<L, Self>(left, self);
+        let looked_at = 1 + left.count_ones();
         // Then all bounds without a branch, so that none has to wait for another.
         let (mut near, mut found) = ([0; CHILD_COUNT], 0);
-        let mut left = tiles.left;
-        while left != 0 {
-            let place = left.trailing_zeros() as usize;
-            left &= left - 1;
-            near[place] = self.packet.near::<L>(&node.child_box(place));
-            self.bounds_to::<L>(cells, node.first as usize + place, made >> place)
-                .store(&mut self.packet.tile_bounds[place]);
+        while let Some(place) = first_of(&mut left) {
+            let place = place as usize;
+            near[place] = self.packet.near::<L>(&leaf.child_box(place));
+            self.bounds_to::<L>(cells, first + place, made >> place).store(&mut self.packet.tile_bounds[place]);
             looks += near[place].count_ones();
             found |= Mask::from(near[place] != 0) << place;
         }
-        while found != 0 {
-            let place = found.trailing_zeros() as usize;
-            found &= found - 1;
+        while let Some(place) = first_of(&mut found) {
+            let place = place as usize;
             let bounds = L::load(&self.packet.tile_bounds[place]);
-            self.look_at::<L>(cells, mesh, node.first as usize + place, near[place], bounds);
+            self.look_at::<L>(cells, mesh, first + place, near[place], bounds);
         }
-        self.packet.count_looks(1 + tiles.left.count_ones(), looks);
+        self.packet.count_looks(looked_at, looks);
     }
 }
 
@@ -314,6 +321,39 @@ impl<T: Scalar, S: Sought> Many<'_, T, S> {
 }
 
 impl<T: Scalar> Bvh<T> {
+    /// Finds the triangle nearest to the point.
+    pub(crate) fn find_closest(
+        &self,
+        mesh: &Mesh<T>,
+        query: &QueryPoint<T>,
+        sought: impl Sought,
+        nearest: &mut Nearest<T>,
+    ) {
+        crate::simd::dispatch::<T, _>(Closest { cells: self, mesh, query, nearest, sought });
+    }
+
+    /// The same on some lanes.
+    #[cfg(all(test, target_arch = "x86_64"))]
+    pub(crate) fn find_closest_with<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        query: &QueryPoint<T>,
+        nearest: &mut Nearest<T>,
+    ) {
+        L::outlined(Closest { cells: self, mesh, query, nearest, sought: crate::bvh::All });
+    }
+
+    /// Finds the nearest triangles of a packet's points.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn find_closest_of_packet<L: Lanes<T>>(
+        &self,
+        mesh: &Mesh<T>,
+        sought: impl Sought,
+        packet: &mut PointPacket<T>,
+    ) {
+        L::outlined(ClosestOfPacket { cells: self, mesh, packet, sought });
+    }
+
     /// Which of a tile's triangles are sought.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sought<L: Lanes<T>, S: Sought>(&self, sought: S, tile: usize) -> Mask {

@@ -29,6 +29,11 @@ impl<T: Scalar> Node<T> {
         Self { lower, upper, first, count: count as u32, is_leaf, is_far: false, is_placed: true }
     }
 
+    /// Bit i: child i is there.
+    pub(crate) fn present(&self) -> Mask {
+        ((1u32 << self.count) - 1) as Mask
+    }
+
     /// The tiles under a leaf.
     pub(crate) fn tiles(&self) -> Range<usize> {
         self.first as usize..(self.first + self.count) as usize

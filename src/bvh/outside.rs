@@ -6,10 +6,10 @@
 #[cfg(all(test, target_arch = "x86_64"))]
 pub(crate) mod tests;
 
-use crate::bvh::Bvh;
 use crate::bvh::node::{BoxLanes, CHILD_COUNT, Node};
 use crate::bvh::rays::packet::candidates::Candidates;
-use crate::bvh::rays::trace::STACK_SIZE;
+use crate::bvh::tree::Bvh;
+use crate::bvh::walk::{Children, Visitor, Way, first_of};
 use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::memory::Room;
 use crate::mesh::Mesh;
@@ -57,11 +57,8 @@ impl<T: Scalar> Kernel<T> for TilesNotOutside<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let Self { own, other, mesh, region, tiles, scratch } = self;
-        let (mut sides, mut leaves) = (Sides::new(scratch), LeavesIn::<T, L>::new(own, mesh.aabb(), region));
-        // No closures here: they would be compiled for any processor.
-        while let Some((boxes, met, first)) = leaves.next() {
-            sides.add::<L>(boxes, met, first, other);
-        }
+        let leaves = LeavesIn::<T, L>::new(own, mesh.aabb(), region);
+        Way::new(()).walk(&mut Dividing { leaves, sides: Sides::new(scratch), other });
         scratch.ask::<L>(other, mesh, region);
         let SidesScratch { parts, is_inside, .. } = scratch;
         for of_leaf in parts.chunk_by(|a, b| a.first == b.first) {
@@ -93,13 +90,9 @@ impl<T: Scalar> Kernel<T> for MayMeet<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) -> bool {
         let Self { own, other, mesh, region } = self;
-        let mut leaves = LeavesIn::<T, L>::new(own, mesh.aabb(), region);
-        while let Some((boxes, met, _)) = leaves.next() {
-            if boxes.touching::<L>(other, met).unwrap_or(0) != 0 {
-                return true;
-            }
-        }
-        false
+        let mut meeting = Meeting { leaves: LeavesIn::<T, L>::new(own, mesh.aabb(), region), other, may_meet: false };
+        Way::new(()).walk(&mut meeting);
+        meeting.may_meet
     }
 }
 
@@ -216,15 +209,20 @@ impl<'a, T: Scalar> Sides<'a, T> {
     }
 }
 
-/// The leaves that have tiles in a region, in ascending order.
+/// The leaves that have tiles in a region.
 struct LeavesIn<'a, T: Scalar, L> {
     cells: &'a Bvh<T>,
     region: BoxLanes<T, L>,
     clip: Aabb<T>,
     /// By how much boxes are larger than they need be.
     apart: T,
-    stack: [u32; STACK_SIZE],
-    waiting: usize,
+}
+
+/// What lies under a node in a region.
+enum Under<T: Scalar> {
+    Nodes(Children),
+    /// The boxes of a leaf's tiles, and which of those lie in the region.
+    Tiles(LeafBoxes<T>, Children),
 }
 
 impl<'a, T: Scalar, L: Lanes<T>> LeavesIn<'a, T, L> {
@@ -234,33 +232,64 @@ impl<'a, T: Scalar, L: Lanes<T>> LeavesIn<'a, T, L> {
         let largest = region.lower.amax().max(region.upper.amax());
         // One margin for each of the two surfaces.
         let apart = (largest + around.longest_side()) * margins::margin(2.0 * margins::SEEN_POSITION);
-        let (clip, region) = (region.grown(apart), BoxLanes::new(region));
-        Self { cells, region, clip, apart, stack: [0; STACK_SIZE], waiting: 1 }
+        Self { cells, region: BoxLanes::new(region), clip: region.grown(apart), apart }
     }
 
-    /// The boxes of the next leaf's tiles, those in the region, and the first of the leaf's.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn next(&mut self) -> Option<(LeafBoxes<T>, Mask, u32)> {
-        while self.waiting > 0 {
-            self.waiting -= 1;
-            let mut room = None;
-            let node = self.cells.node(self.stack[self.waiting] as usize, &mut room);
-            let mut met = node.meets::<L>(&self.region);
-            if node.is_leaf {
-                if met != 0 {
-                    return Some((LeafBoxes::new::<L>(node, &self.clip, self.apart), met, node.first));
-                }
-                continue;
-            }
-            // The first child last, so that it comes next: tiles come in ascending order.
-            while met != 0 {
-                let place = met.ilog2();
-                self.stack[self.waiting] = node.first + place;
-                self.waiting += 1;
-                met &= !(1 << place);
+    fn under(&self, node: u32) -> Under<T> {
+        let mut room = None;
+        let node = self.cells.node(node as usize, &mut room);
+        let children = Children { first: node.first, left: node.meets(&self.region) };
+        if node.is_leaf && children.left != 0 {
+            Under::Tiles(LeafBoxes::new::<L>(node, &self.clip, self.apart), children)
+        } else {
+            Under::Nodes(if node.is_leaf { Children::NONE } else { children })
+        }
+    }
+}
+
+/// Divides the tiles of each leaf by their sides.
+struct Dividing<'a, T: Scalar, L> {
+    leaves: LeavesIn<'a, T, L>,
+    sides: Sides<'a, T>,
+    other: &'a Bvh<T>,
+}
+
+impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Dividing<'_, T, L> {
+    type Kept = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter(&mut self, node: u32, (): &mut ()) -> Children {
+        match self.leaves.under(node) {
+            Under::Nodes(children) => children,
+            Under::Tiles(boxes, Children { first, left }) => {
+                self.sides.add::<L>(boxes, left, first, self.other);
+                Children::NONE
             }
         }
-        None
+    }
+}
+
+/// Holds the tiles of each leaf against those of the other body, until any meet.
+struct Meeting<'a, T: Scalar, L> {
+    leaves: LeavesIn<'a, T, L>,
+    other: &'a Bvh<T>,
+    may_meet: bool,
+}
+
+impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Meeting<'_, T, L> {
+    type Kept = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter(&mut self, node: u32, (): &mut ()) -> Children {
+        match self.leaves.under(node) {
+            _ if self.may_meet => Children::NONE,
+            Under::Nodes(children) => children,
+            Under::Tiles(boxes, Children { left, .. }) => {
+                self.may_meet = boxes.touching::<L>(self.other, left).unwrap_or(0) != 0;
+                Children::NONE
+            }
+        }
     }
 }
 
@@ -315,29 +344,44 @@ impl<T: Scalar> LeafBoxes<T> {
     /// Which of the boxes in `asked` meet that of any tile of the other body; `None` where not even the box around them does.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn touching<L: Lanes<T>>(&self, other: &Bvh<T>, asked: Mask) -> Option<Mask> {
-        let around = BoxLanes::new(&self.around::<L>(asked));
-        let mut stack = [0u32; STACK_SIZE];
-        let (mut waiting, mut touching, mut are_apart) = (1, 0, true);
-        while waiting > 0 {
-            waiting -= 1;
-            let mut room = None;
-            let node = other.node(stack[waiting] as usize, &mut room);
-            let mut met = node.meets::<L>(&around);
-            if !node.is_leaf {
-                waiting = L::append(&mut stack, waiting, node.first, met);
-                continue;
-            }
-            are_apart &= met == 0;
-            while met != 0 {
-                let place = met.trailing_zeros() as usize;
-                met &= met - 1;
-                touching |= self.meeting::<L>(&node.child_box(place));
-            }
-            if touching & asked == asked {
-                break;
-            }
+        let around = BoxLanes::<T, L>::new(&self.around::<L>(asked));
+        let mut touching = Touching { boxes: self, other, around, asked, touching: 0, are_apart: true };
+        Way::new(()).walk(&mut touching);
+        (!touching.are_apart).then_some(touching.touching & asked)
+    }
+}
+
+/// Holds boxes against the tiles of the other body, until all that are asked about have met one.
+struct Touching<'a, T: Scalar, L> {
+    boxes: &'a LeafBoxes<T>,
+    other: &'a Bvh<T>,
+    around: BoxLanes<T, L>,
+    asked: Mask,
+    touching: Mask,
+    are_apart: bool,
+}
+
+impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Touching<'_, T, L> {
+    type Kept = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter(&mut self, node: u32, (): &mut ()) -> Children {
+        let mut room = None;
+        let node = self.other.node(node as usize, &mut room);
+        let mut left = node.meets(&self.around);
+        if !node.is_leaf {
+            return Children { first: node.first, left };
         }
-        (!are_apart).then_some(touching & asked)
+        self.are_apart &= left == 0;
+        while let Some(place) = first_of(&mut left) {
+            self.touching |= self.boxes.meeting::<L>(&node.child_box(place as usize));
+        }
+        Children::NONE
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&mut self, (): &(), left: &mut Mask) -> Option<u32> {
+        if self.touching & self.asked == self.asked { None } else { first_of(left) }
     }
 }
 

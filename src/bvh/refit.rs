@@ -1,7 +1,9 @@
-use crate::bvh::{Bvh, Node, TileCylinder};
+use crate::bvh::node::Node;
+use crate::bvh::tile_cylinder::TileCylinder;
+use crate::bvh::tree::Bvh;
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
-use crate::simd::{Kernel, LANE_COUNT, Lanes};
+use crate::simd::{Kernel, Lanes};
 
 /// Renews the boxes, from the tiles upward. Tiles are to be loaded anew afterwards, those that are needed.
 pub(crate) struct Refit<'a, T: Scalar> {
@@ -88,26 +90,18 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
 }
 
 impl<T: Scalar> Bvh<T> {
-    /// Whether the positions that a tile holds are the present ones.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn is_loaded(&self, tile: usize) -> bool {
-        self.tiles[tile].loaded_at == self.loading
+    /// Follows the mesh to its present positions; no tile is loaded then.
+    /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
+    pub(crate) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
+        self.loading += 1;
+        self.cylinders.forget();
+        self.leave_pose();
+        crate::simd::dispatch::<T, _>(Refit { cells: self, mesh, regions });
     }
 
-    /// The positions of a tile's vertices, loaded or not; `room` is for those that are not.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn positions_of<'a, L: Lanes<T>>(
-        &'a self,
-        tile: usize,
-        mesh: &Mesh<T>,
-        room: &'a mut [[T; LANE_COUNT]; 3],
-    ) -> &'a [[T; LANE_COUNT]; 3] {
-        if self.is_loaded(tile) {
-            return &self.tiles[tile].positions;
-        }
-        // Rays that leave the region for which tiles were loaded are few.
-        mesh.gather::<L>(&self.outlines[tile].vertices).store(room);
-        room
+    /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their cylinders too.
+    pub(crate) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>, for_distances: bool) {
+        crate::simd::dispatch::<T, _>(Load { cells: self, mesh, tiles, for_distances });
     }
 }
 

@@ -1,16 +1,16 @@
-use crate::bvh::Bvh;
 use crate::bvh::node::BoxLanes;
-use crate::bvh::rays::trace::STACK_SIZE;
+use crate::bvh::tree::Bvh;
+use crate::bvh::walk::{Children, Visitor, Way, first_of};
 use crate::math::{Aabb, Scalar};
 use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Vectors, lanes_of};
 
 /// Finds the tiles whose boxes meet a region.
-pub(crate) struct TilesInRegion<'a, T: Scalar> {
-    pub(crate) cells: &'a Bvh<T>,
-    pub(crate) region: &'a Aabb<T>,
-    pub(crate) tiles: &'a mut Vec<u32>,
+struct TilesInRegion<'a, T: Scalar> {
+    cells: &'a Bvh<T>,
+    region: &'a Aabb<T>,
+    tiles: &'a mut Vec<u32>,
 }
 
 impl<T: Scalar> Kernel<T> for TilesInRegion<'_, T> {
@@ -18,28 +18,32 @@ impl<T: Scalar> Kernel<T> for TilesInRegion<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let region = BoxLanes::new(self.region);
-        let mut stack = [0u32; STACK_SIZE];
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let mut room = None;
-            let node = self.cells.node(stack[waiting] as usize, &mut room);
-            let mut met = node.meets::<L>(&region);
-            if node.is_leaf {
-                while met != 0 {
-                    self.tiles.room_for(1).push(node.first + met.trailing_zeros());
-                    met &= met - 1;
-                }
-            }
-            // The first child last, so that it comes next: tiles come in ascending order.
-            while met != 0 {
-                let place = met.ilog2();
-                stack[waiting] = node.first + place;
-                waiting += 1;
-                met &= !(1 << place);
-            }
+        let Self { cells, region, tiles } = self;
+        Way::new(()).walk::<T, L>(&mut InRegion { cells, region: BoxLanes::new(region), tiles });
+    }
+}
+
+struct InRegion<'a, T: Scalar, L> {
+    cells: &'a Bvh<T>,
+    region: BoxLanes<T, L>,
+    tiles: &'a mut Vec<u32>,
+}
+
+impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for InRegion<'_, T, L> {
+    type Kept = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter(&mut self, node: u32, (): &mut ()) -> Children {
+        let mut room = None;
+        let node = self.cells.node(node as usize, &mut room);
+        let mut left = node.meets(&self.region);
+        if !node.is_leaf {
+            return Children { first: node.first, left };
         }
+        while let Some(place) = first_of(&mut left) {
+            self.tiles.room_for(1).push(node.first + place);
+        }
+        Children::NONE
     }
 }
 
@@ -68,17 +72,5 @@ impl<T: Scalar> Bvh<T> {
         let of_tile = &self.outlines[tile].vertices;
         vertices.room_for(LANE_COUNT);
         lanes_of(inside & self.tiles[tile].owned).for_each(|lane| vertices.push(of_tile[lane]));
-    }
-
-    pub(crate) fn tile_count(&self) -> u32 {
-        self.tiles.len() as u32
-    }
-
-    pub(crate) fn vertices_of(&self, tile: u32) -> &[u32] {
-        &self.outlines[tile as usize].vertices
-    }
-
-    pub(crate) fn triangles_of(&self, tile: u32) -> &[u32] {
-        self.tiles[tile as usize].triangles()
     }
 }

@@ -1,6 +1,6 @@
-use crate::bvh::Bvh;
 use crate::bvh::node::{CHILD_COUNT, Node};
 use crate::bvh::tile::{Outline, TILE_SIZE, Tile};
+use crate::bvh::tree::Bvh;
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 

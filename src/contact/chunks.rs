@@ -2,7 +2,7 @@ use crate::contact::cast::Cast;
 use crate::contact::list::ContactList;
 use crate::contact::pair::{Direction, Pair};
 use crate::contact::point_pair::{Contact, ContactKind};
-use crate::contact::quadrature::sampler::Starts;
+use crate::contact::quadrature::pieces::Starts;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::{CastLoad, scale_contacts, shares};
 use crate::contact::workspace::{Chunk, Workspace};

@@ -4,7 +4,7 @@ use crate::contact::pair::Direction;
 use crate::contact::point_pair::{Contact, ContactKind};
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::edges::for_each_inside_stretch;
-use crate::contact::quadrature::sampler::Starts;
+use crate::contact::quadrature::pieces::Starts;
 use crate::contact::weigh::shares::CastLoad;
 use crate::contact::workspace::Workspace;
 use crate::math::{Scalar, cosine};

@@ -1,7 +1,7 @@
 use crate::bvh::SidesScratch;
 use crate::contact::point_pair::Contact;
 use crate::contact::quadrature::Sample;
-use crate::contact::quadrature::sampler::Pieces;
+use crate::contact::quadrature::pieces::Pieces;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::CastLoad;
 use crate::math::Scalar;

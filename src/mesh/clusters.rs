@@ -2,7 +2,7 @@
 //! for its clones, so an octree is made faster for a mesh that had one before, or that was unpacked.
 
 use super::edges::NO_TRIANGLE;
-use super::{Mesh, OrderInSpace, Topology};
+use super::{OrderInSpace, Topology};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::memory;
 use crate::memory::Room;
@@ -25,11 +25,12 @@ pub(crate) struct Clusters {
 }
 
 impl Clusters {
-    /// Of a mesh, by its reference positions.
-    pub(crate) fn new<T: Scalar>(mesh: &Mesh<T>) -> Self {
-        let mut clusters = grow(mesh);
-        let mut places =
-            memory::listed(clusters.iter().zip(0..).map(|(cluster, number)| (centre(mesh, cluster), number)));
+    /// Of a mesh with these reference positions.
+    pub(crate) fn new<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> Self {
+        let mut clusters = grow(topology, positions);
+        let mut places = memory::listed(
+            clusters.iter().zip(0..).map(|(cluster, number)| (centre(topology, positions, cluster), number)),
+        );
         sort(&mut places);
         let sorted = memory::listed(places.iter().map(|&(_, number)| mem::take(&mut clusters[number as usize])));
         Self {
@@ -88,10 +89,10 @@ fn has_few_vertices(topology: &Topology, cluster: &[u32]) -> bool {
 /// The centre of a cluster's box, and the cluster.
 type Place<T> = (Vector3<T>, u32);
 
-fn centre<T: Scalar>(mesh: &Mesh<T>, cluster: &[u32]) -> Vector3<T> {
+fn centre<T: Scalar>(topology: &Topology, positions: &[Vector3<T>], cluster: &[u32]) -> Vector3<T> {
     let mut aabb = Aabb::empty();
-    let corners = cluster.iter().flat_map(|&triangle| mesh.topology().triangles()[triangle as usize]);
-    corners.for_each(|vertex| aabb.include(&mesh.reference_positions()[vertex as usize]));
+    let corners = cluster.iter().flat_map(|&triangle| topology.triangles()[triangle as usize]);
+    corners.for_each(|vertex| aabb.include(&positions[vertex as usize]));
     aabb.centre()
 }
 
@@ -135,21 +136,14 @@ fn halve<T: Scalar>(places: &mut [Place<T>], capacity: usize) {
 /// triangles or would have more than 16 vertices. Which neighbour is next: the one that adds the fewest vertices, then the
 /// one nearest to the cluster's centre, then the first in space. A new cluster starts where the last one could not go on, so
 /// that few remnants are left between clusters.
-fn grow<T: Scalar>(mesh: &Mesh<T>) -> Vec<Vec<u32>> {
-    let count = mesh.topology().triangles().len();
-    let in_space = OrderInSpace::new(mesh);
-    let (neighbours, places) = (mesh.topology().neighbours(), in_space.places());
+fn grow<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> Vec<Vec<u32>> {
+    let count = topology.triangles().len();
+    let in_space = OrderInSpace::new(topology, positions);
+    let (neighbours, places) = (topology.neighbours(), in_space.places());
     let cluster_of = memory::filled(NO_CLUSTER, count);
     let (seeds, border) = (Vec::new(), Vec::new());
-    let mut growth = Growth {
-        in_space: &in_space,
-        triangles: mesh.topology().triangles(),
-        neighbours,
-        places,
-        cluster_of,
-        seeds,
-        border,
-    };
+    let mut growth =
+        Growth { in_space: &in_space, triangles: topology.triangles(), neighbours, places, cluster_of, seeds, border };
     let mut clusters = memory::with_room(count / 12 + 1);
     for &first in &in_space.order {
         growth.seeds.room_for(1).push(first);
@@ -308,7 +302,11 @@ mod tests {
         }
         // Three levels of nodes.
         let mesh = shapes::fan(3000).mesh::<f64>();
-        let centres: Vec<_> = mesh.clusters().iter().map(|cluster| centre(&mesh, cluster)).collect();
+        let centres: Vec<_> = mesh
+            .clusters()
+            .iter()
+            .map(|cluster| centre(mesh.topology(), mesh.reference_positions(), cluster))
+            .collect();
         let halvings = assert_apart(&centres, capacity_below(centres.len()).expect("more than one node"));
         assert!(centres.len() > 256 && halvings > 20, "{} clusters, {halvings} halvings", centres.len());
     }

@@ -160,7 +160,7 @@ impl<T: Scalar> Mesh<T> {
         };
         mesh.place(positions, false)?;
         mesh.check_areas()?;
-        orientation::check(&mesh)?;
+        mesh.check_orientation()?;
         Ok(mesh)
     }
 
@@ -222,17 +222,20 @@ impl<T: Scalar> Mesh<T> {
     /// Its triangles in an order that does not depend on how they are numbered, by its reference positions; found when it is
     /// first asked for.
     pub(crate) fn triangles_in_space(&self) -> &[u32] {
-        self.reference.triangles_in_space.get_or_init(|| OrderInSpace::new(self).order)
+        let Reference { positions, triangles_in_space, .. } = &*self.reference;
+        triangles_in_space.get_or_init(|| OrderInSpace::new(&self.topology, positions).order)
     }
 
     /// Its triangles, cluster by cluster, by its reference positions; found when they are first asked for.
     pub(crate) fn clusters(&self) -> &Clusters {
-        self.reference.clusters.get_or_init(|| Clusters::new(self))
+        let Reference { positions, clusters, .. } = &*self.reference;
+        clusters.get_or_init(|| Clusters::new(&self.topology, positions))
     }
 
     /// Its patches, by its reference positions; found when they are first asked for.
     pub(crate) fn patches(&self) -> &Patches<T> {
-        self.reference.patches.get_or_init(|| Patches::new(self))
+        let Reference { positions, patches, .. } = &*self.reference;
+        patches.get_or_init(|| Patches::new(&self.topology, positions))
     }
 
     /// How round it is, from 0 for flat faces to 1 for a ball or more, by its reference positions; found when it is first

@@ -1,6 +1,6 @@
 //! An order of a mesh's triangles that does not depend on how vertices, triangles and corners are numbered.
 
-use super::Mesh;
+use super::Topology;
 use crate::math::{Scalar, Vector3};
 use crate::memory;
 use std::cmp::Ordering;
@@ -17,8 +17,8 @@ pub(crate) struct OrderInSpace<'a, T: Scalar> {
 }
 
 impl<'a, T: Scalar> OrderInSpace<'a, T> {
-    pub(crate) fn new(mesh: &'a Mesh<T>) -> Self {
-        let (positions, triangles) = (mesh.reference_positions(), mesh.topology().triangles());
+    pub(crate) fn new(topology: &'a Topology, positions: &'a [Vector3<T>]) -> Self {
+        let triangles = topology.triangles();
         let ranks = ranks(positions);
         let sorted = |corners: &[u32; 3]| first_rank_first(*corners, &ranks).map(|vertex| ranks[vertex as usize]);
         let keys = memory::listed(triangles.iter().map(sorted));

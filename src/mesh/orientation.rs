@@ -27,26 +27,29 @@ struct InwardPart<'a> {
     volume: Volume,
 }
 
-pub(crate) fn check<T: Scalar>(mesh: &Mesh<T>) -> Result<(), MeshError> {
-    if mesh.topology().components().len() == 1 {
-        if mesh.is_open() {
-            return Ok(());
+impl<T: Scalar> Mesh<T> {
+    /// Whether its closed parts face outward.
+    pub(super) fn check_orientation(&self) -> Result<(), MeshError> {
+        if self.topology().components().len() == 1 {
+            if self.is_open() {
+                return Ok(());
+            }
+            let volume = Volume::new(self, 0..self.topology().triangles().len() as u32)?;
+            return if volume.scaled > 0.0 { Ok(()) } else { Err(volume.refusal(0)) };
         }
-        let volume = Volume::new(mesh, 0..mesh.topology().triangles().len() as u32)?;
-        return if volume.scaled > 0.0 { Ok(()) } else { Err(volume.refusal(0)) };
-    }
-    let (triangles, ends) = closed_parts(mesh);
-    let mut start = 0;
-    let mut inward = Vec::new();
-    for &end in &ends {
-        let own = &triangles[start..end];
-        let volume = Volume::new(mesh, own.iter().copied())?;
-        if volume.scaled < 0.0 {
-            inward.room_for(1).push(InwardPart { triangles: own, volume });
+        let (triangles, ends) = closed_parts(self);
+        let mut start = 0;
+        let mut inward = Vec::new();
+        for &end in &ends {
+            let own = &triangles[start..end];
+            let volume = Volume::new(self, own.iter().copied())?;
+            if volume.scaled < 0.0 {
+                inward.room_for(1).push(InwardPart { triangles: own, volume });
+            }
+            start = end;
         }
-        start = end;
+        if inward.is_empty() { Ok(()) } else { check_cavities(self, &triangles, &inward) }
     }
-    if inward.is_empty() { Ok(()) } else { check_cavities(mesh, &triangles, &inward) }
 }
 
 /// The triangles of all closed parts, one part after the other, and where each ends.

@@ -1,7 +1,7 @@
 //! Patches of a surface: connected triangles that lie nearly in one plane, merged two by two into ever larger ones
 //! (compare Garland, Willmott and Heckbert 2001, "Hierarchical face clustering on polygonal surfaces").
 
-use super::{Edge, Mesh, OrderInSpace};
+use super::{Edge, OrderInSpace, Topology};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::memory;
 use crate::memory::Room;
@@ -45,12 +45,12 @@ fn level_of<T: Scalar>(area: T) -> u64 {
 }
 
 impl<T: Scalar> Patches<T> {
-    /// Those of the mesh at its reference positions. Triangles go by their places in space, so that ties do not depend on
+    /// Those of a mesh at its reference positions. Triangles go by their places in space, so that ties do not depend on
     /// their numbers.
-    pub(crate) fn new(mesh: &Mesh<T>) -> Self {
-        let in_space = OrderInSpace::new(mesh);
-        let tree = Tree::grow(mesh, &in_space);
-        let count = mesh.topology().triangles().len();
+    pub(crate) fn new(topology: &Topology, positions: &[Vector3<T>]) -> Self {
+        let in_space = OrderInSpace::new(topology, positions);
+        let tree = Tree::grow(topology, positions, &in_space);
+        let count = topology.triangles().len();
         let (ranges, mut order) = tree.ranges(count);
         let mut representatives = tree.representatives(&ranges, &order);
         for triangle in order.iter_mut().chain(&mut representatives) {
@@ -158,9 +158,9 @@ struct Tree {
 impl Tree {
     /// Merges in rounds, each patch with at most one neighbour a round, the best pairs first, while any two neighbours
     /// are flat together.
-    fn grow<T: Scalar>(mesh: &Mesh<T>, in_space: &OrderInSpace<'_, T>) -> Self {
+    fn grow<T: Scalar>(topology: &Topology, positions: &[Vector3<T>], in_space: &OrderInSpace<'_, T>) -> Self {
         let mut aabb = Aabb::empty();
-        mesh.topology().surface_vertices().iter().for_each(|&v| aabb.include(&mesh.reference_positions()[v as usize]));
+        topology.surface_vertices().iter().for_each(|&v| aabb.include(&positions[v as usize]));
         let centre = aabb.centre();
         let corners = |&triangle: &u32| in_space.corners(triangle).map(|corner| (corner - centre).map(T::to_f64));
         let all_corners = || in_space.order.iter().map(corners);
@@ -170,7 +170,7 @@ impl Tree {
             memory::listed(normals.zip(&middles).map(|(normal, &middle)| Moments::of_triangle(normal, middle)));
         let mut tree = Self { moments, middles, parts: Vec::new() };
         let places = in_space.places();
-        let inner = mesh.topology().edges().filter(|edge| edge.triangles[0] != edge.triangles[1]);
+        let inner = topology.edges().filter(|edge| edge.triangles[0] != edge.triangles[1]);
         let in_order = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
         let places_of = |edge: Edge| in_order(edge.triangles.map(|triangle| places[triangle as usize]));
         let mut neighbours: Vec<[u32; 2]> = memory::listed(inner.map(places_of));
@@ -273,6 +273,7 @@ impl Tree {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Mesh;
     use crate::mesh::test_mesh::torus;
 
     fn is_connected(mesh: &Mesh<f64>, patch: &[u32]) -> bool {
@@ -291,7 +292,7 @@ mod tests {
     #[test]
     fn patches_of_any_area_cover_the_surface_once_and_those_who_stand_for_larger_ones_stand_for_smaller_ones() {
         let mesh = torus([40, 20]);
-        let patches = Patches::new(&mesh);
+        let patches = Patches::new(mesh.topology(), mesh.reference_positions());
         let count = mesh.topology().triangles().len() as u32;
         let mut fewer_before: Option<Vec<u32>> = None;
         for area in [1e9, 0.1, 0.04, 0.0] {

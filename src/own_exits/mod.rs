@@ -13,7 +13,7 @@ use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
 use crate::mesh::{Mesh, Topology};
 use crate::own_exits::inside::Inside;
-use crate::own_exits::region_growing::RegionGrowing;
+use crate::own_exits::region_growing::{OUTSIDE, RegionGrowing};
 use crate::query::{Octree, OctreeError, Tracer};
 use crate::triangle::ClosestPoint;
 use std::fmt;
@@ -93,8 +93,6 @@ impl From<OctreeError> for OwnExitsError {
     }
 }
 
-/// Not inside.
-const OUTSIDE: u32 = u32::MAX;
 /// Inside, of a part that is yet to be numbered.
 const UNNUMBERED: u32 = u32::MAX - 1;
 

@@ -5,9 +5,11 @@
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
 use crate::mesh::Topology;
-use crate::own_exits::OUTSIDE;
 use crate::query::Tracer;
 use crate::triangle::ClosestPoint;
+
+/// Not inside.
+pub(crate) const OUTSIDE: u32 = u32::MAX;
 
 /// A part inside that grows over the surface, and the points whose nearest point beyond it is sought; scratch memory for both.
 #[derive(Clone, Debug, Default)]

@@ -1,19 +1,10 @@
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::paper_octree::{Node, PaperOctree};
+use crate::paper_octree::tree::{Entry, Node, PaperOctree};
 
 /// Cells of the deepest level are 2⁻²⁰ of the root; smaller triangles share them.
 const DEEPEST_LEVEL: u8 = 20;
-
-/// A triangle in one cell.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Entry {
-    /// The octants on the way down to the cell, three bits each, the last one lowest.
-    path: u64,
-    pub(crate) triangle: u32,
-    level: u8,
-}
 
 impl Entry {
     fn new(triangle: u32, level: u8, cell: [u32; 3]) -> Self {

@@ -1,5 +1,5 @@
 use crate::math::{Aabb, Scalar, Vector3};
-use crate::paper_octree::{Node, PaperOctree};
+use crate::paper_octree::tree::{Node, PaperOctree};
 use crate::triangle::QueryPoint;
 use std::cmp::Ordering;
 

@@ -1,6 +1,6 @@
-use crate::bvh::Slabs;
 use crate::math::{Aabb, Scalar, Vector3, margins};
-use crate::paper_octree::{Node, PaperOctree};
+use crate::paper_octree::slabs::Slabs;
+use crate::paper_octree::tree::{Node, PaperOctree};
 use crate::triangle::Ray;
 
 impl<T: Scalar> PaperOctree<T> {

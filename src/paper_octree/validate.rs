@@ -1,6 +1,6 @@
 use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::mesh::Mesh;
-use crate::paper_octree::PaperOctree;
+use crate::paper_octree::tree::PaperOctree;
 
 impl<T: Scalar> PaperOctree<T> {
     /// Each triangle lives at one level, in one to eight cells that cover its box, at a level that is large enough;

@@ -8,7 +8,6 @@ use crate::memory;
 use crate::mesh::{Mesh, Representatives, Topology};
 use crate::paper_octree::PaperOctree;
 use crate::query::levels_of_detail::LevelsOfDetail;
-pub use crate::query::tracer::Tracer;
 use std::fmt;
 use std::sync::Arc;
 
@@ -130,7 +129,7 @@ impl<T: Scalar> Octree<T> {
             }
             _ => self.update(mesh)?,
         }
-        let representatives = patch_area.and_then(|area| Tracer::new(self, mesh).representatives(area));
+        let representatives = patch_area.and_then(|area| self.representatives(mesh, area));
         let ray_count = representatives.map_or(usize::MAX, Representatives::len);
         if let Cells::Bvh(cells) = &mut self.cells
             && ray_count > cells.tile_count() as usize / RAYS_TO_LOAD
@@ -167,20 +166,6 @@ impl<T: Scalar> Octree<T> {
             Cells::Bvh(cells) => cells.moved_box(mesh, pose),
             Cells::PaperOctree(_) => None,
         }
-    }
-
-    /// Joins octree and mesh for tracing.
-    ///
-    /// # Errors
-    /// [`OctreeError`], where the two do not belong together or the octree is stale.
-    pub fn tracer<'a>(&'a self, mesh: &'a Mesh<T>) -> Result<Tracer<'a, T>, OctreeError> {
-        if !mesh.shares_topology_with(&self.topology) {
-            return Err(OctreeError::OtherMesh);
-        }
-        if self.stamp != mesh.stamp() {
-            return Err(OctreeError::Stale);
-        }
-        Ok(Tracer::new(self, mesh))
     }
 
     /// Checks every promise of the structure against the mesh: all triangles are there, as often as they should be;

@@ -3,7 +3,7 @@ use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::{Mesh, Representatives};
 use crate::query::levels_of_detail::LevelsOfDetail;
-use crate::query::octree::{Cells, Octree};
+use crate::query::octree::{Cells, Octree, OctreeError};
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch};
 use crate::triangle::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
 use std::cmp::Ordering;
@@ -15,6 +15,27 @@ pub struct Tracer<'a, T: Scalar> {
     pub(crate) levels: &'a LevelsOfDetail,
     mesh: &'a Mesh<T>,
     pub(crate) test: TriangleTest,
+}
+
+impl<T: Scalar> Octree<T> {
+    /// Joins octree and mesh for tracing.
+    ///
+    /// # Errors
+    /// [`OctreeError`], where the two do not belong together or the octree is stale.
+    pub fn tracer<'a>(&'a self, mesh: &'a Mesh<T>) -> Result<Tracer<'a, T>, OctreeError> {
+        if !mesh.shares_topology_with(&self.topology) {
+            return Err(OctreeError::OtherMesh);
+        }
+        if self.stamp != mesh.stamp() {
+            return Err(OctreeError::Stale);
+        }
+        Ok(Tracer::new(self, mesh))
+    }
+
+    /// [`Tracer::representatives`] of a mesh that the octree follows.
+    pub(crate) fn representatives<'a>(&'a self, mesh: &'a Mesh<T>, area: T) -> Option<&'a Representatives> {
+        Tracer::new(self, mesh).representatives(area)
+    }
 }
 
 impl<'a, T: Scalar> Tracer<'a, T> {

@@ -8,7 +8,8 @@ use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::query::Octree;
-use crate::self_contact::near_triangles::{NearParts, Reach};
+use crate::self_contact::certificate::reach::Reach;
+use crate::self_contact::near_triangles::NearParts;
 use crate::self_contact::nearness::{projected_gap, rounding, separation, touch_distance};
 use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_PARTS, is_tangled};
 

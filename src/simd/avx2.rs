@@ -5,10 +5,11 @@
 #![allow(unsafe_code)]
 
 use crate::simd::avx2_lists::{Avx2Lists, doubles_bounds, doubles_gather, have_next, singles_gather};
-use crate::simd::dispatch::{Kernel, outlined_avx2};
+use crate::simd::dispatch::outlined_avx2;
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::{Kernel, Lanes};
 use crate::simd::registers::{arithmetic, comparisons};
 use crate::simd::sse2_lists::singles_bounds;
-use crate::simd::{LANE_COUNT, Lanes, Mask};
 use nalgebra::Vector3;
 use std::arch::x86_64::*;
 

@@ -3,9 +3,10 @@
 //! To be reached like the methods in `avx2`, which is what every SAFETY line here leans on.
 #![allow(unsafe_code)]
 
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::Lists;
 use crate::simd::one_by_one::{bounds_one_by_one, gather_one_by_one};
 use crate::simd::sse2_lists::with_corner;
-use crate::simd::{LANE_COUNT, Lists, Mask};
 use nalgebra::Vector3;
 use std::arch::x86_64::*;
 

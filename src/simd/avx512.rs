@@ -6,10 +6,11 @@
 
 use crate::simd::avx2_lists::{doubles_bounds, have_next};
 use crate::simd::avx512_lists::{Avx512Lists, checked, thrice};
-use crate::simd::dispatch::{Kernel, outlined_avx512};
+use crate::simd::dispatch::outlined_avx512;
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::{Kernel, Lanes};
 use crate::simd::registers::arithmetic;
 use crate::simd::sse2_lists::singles_bounds;
-use crate::simd::{LANE_COUNT, Lanes, Mask};
 use nalgebra::Vector3;
 use std::arch::x86_64::*;
 

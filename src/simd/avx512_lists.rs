@@ -3,8 +3,9 @@
 //! To be reached like the methods in `avx512`, which is what every SAFETY line here leans on.
 #![allow(unsafe_code)]
 
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::Lists;
 use crate::simd::sse2_lists::with_corner;
-use crate::simd::{LANE_COUNT, Lists, Mask};
 use std::arch::x86_64::*;
 
 /// With AVX-512.

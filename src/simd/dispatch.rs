@@ -1,15 +1,7 @@
 //! Chooses, while the program runs, the widest instructions this processor has. The arithmetic is the same on every
 //! path, operation by operation, and so are the results, to the bit.
 
-use crate::simd::{HasLanes, Lanes};
-
-/// What is worth compiling once for each kind of processor. Everything that `run` calls should be inlined into it.
-pub(crate) trait Kernel<T: HasLanes> {
-    /// What it gives.
-    type Output;
-
-    fn run<L: Lanes<T>>(self) -> Self::Output;
-}
+use crate::simd::lanes::{HasLanes, Kernel, Lanes};
 
 /// Runs the kernel on the widest lanes.
 #[cfg(not(target_arch = "x86_64"))]
@@ -32,9 +24,7 @@ pub(crate) use x86_64::run_on;
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64 {
-    use crate::simd::HasLanes;
-    use crate::simd::Lanes;
-    use crate::simd::dispatch::Kernel;
+    use super::{HasLanes, Kernel, Lanes};
     use std::is_x86_feature_detected as has;
     use std::sync::OnceLock;
 

@@ -1,16 +1,20 @@
 //! Single lanes, one after the other.
 
-use crate::simd::HasLanes;
-use crate::simd::{LANE_COUNT, Mask};
-use nalgebra::Vector3;
+use nalgebra::{RealField, Vector3};
+
+/// How many numbers go side by side.
+pub(crate) const LANE_COUNT: usize = 16;
+
+/// One bit for each lane; bit i is lane i's.
+pub(crate) type Mask = u16;
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn vector_in_lane<T: HasLanes>([x, y, z]: &[[T; LANE_COUNT]; 3], lane: usize) -> Vector3<T> {
+pub(crate) fn vector_in_lane<T: RealField + Copy>([x, y, z]: &[[T; LANE_COUNT]; 3], lane: usize) -> Vector3<T> {
     Vector3::new(x[lane], y[lane], z[lane])
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn set_lane<T: HasLanes>([x, y, z]: &mut [[T; LANE_COUNT]; 3], lane: usize, vector: &Vector3<T>) {
+pub(crate) fn set_lane<T: RealField + Copy>([x, y, z]: &mut [[T; LANE_COUNT]; 3], lane: usize, vector: &Vector3<T>) {
     (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
 }
 

@@ -1,6 +1,6 @@
 //! What some processors have no instructions for.
 
-use crate::simd::LANE_COUNT;
+use crate::simd::lane::LANE_COUNT;
 use nalgebra::RealField;
 use nalgebra::Vector3;
 
@@ -36,10 +36,3 @@ pub(crate) fn bounds_one_by_one<T: RealField + Copy>(
     }
     (lower, upper)
 }
-
-/// [`Lists`] for any processor.
-#[cfg(any(test, not(target_arch = "x86_64")))]
-pub(crate) struct OneByOne;
-
-#[cfg(any(test, not(target_arch = "x86_64")))]
-impl crate::simd::Lists for OneByOne {}

@@ -1,6 +1,11 @@
-use crate::simd::one_by_one::OneByOne;
-use crate::simd::{LANE_COUNT, Lanes, Mask};
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::{Lanes, Lists};
 use nalgebra::RealField;
+
+/// [`Lists`] for any processor.
+pub(crate) struct OneByOne;
+
+impl Lists for OneByOne {}
 
 /// Plain loops, for any processor.
 #[derive(Clone, Copy)]

@@ -1,10 +1,11 @@
 //! Lanes in the registers that every x86-64 processor has: four for sixteen singles, eight for sixteen doubles.
 #![allow(unsafe_code)]
 
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::Lanes;
 use crate::simd::one_by_one::gather_one_by_one;
 use crate::simd::registers::{arithmetic, comparisons};
 use crate::simd::sse2_lists::{Sse2Lists, have_next, singles_bounds};
-use crate::simd::{LANE_COUNT, Lanes, Mask};
 use nalgebra::Vector3;
 use std::arch::x86_64::*;
 

@@ -1,8 +1,9 @@
 //! Lists of indices, and points given by their indices, with what every x86-64 processor has.
 #![allow(unsafe_code)]
 
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::Lists;
 use crate::simd::one_by_one::bounds_one_by_one;
-use crate::simd::{LANE_COUNT, Lists, Mask};
 use nalgebra::Vector3;
 use std::arch::x86_64::*;
 

@@ -1,9 +1,10 @@
 //! Every operation of every path that this processor has, against plain arithmetic lane by lane.
 
 use crate::math::{Scalar, Vector3};
-use crate::simd::dispatch::{Kernel, paths, run_on};
+use crate::simd::dispatch::{paths, run_on};
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::{Kernel, Lanes};
 use crate::simd::portable::Portable;
-use crate::simd::{LANE_COUNT, Lanes, Mask};
 use proptest::array::{uniform3, uniform16};
 use proptest::num::{f32, f64};
 use proptest::prelude::*;

@@ -1,5 +1,5 @@
-use crate::simd::HasLanes;
-use crate::simd::{LANE_COUNT, Lanes, Mask};
+use crate::simd::lane::{LANE_COUNT, Mask};
+use crate::simd::lanes::{HasLanes, Lanes};
 use nalgebra::Vector3;
 use std::marker::PhantomData;
 

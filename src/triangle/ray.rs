@@ -1,8 +1,6 @@
-//! Rays, hits, and the tests of one ray against one triangle.
+//! Rays and hits.
 
 use crate::math::{Aabb, Scalar, Vector3, margins};
-pub use crate::triangle::moller_trumbore::moller_trumbore;
-pub use crate::triangle::watertight::ShearedRay;
 
 /// A half line, cut at `t_max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,42 +58,5 @@ impl<T: Scalar> Hit<T> {
     /// Whether this hit comes before `other` along the ray; at equal `t` the smaller triangle index does.
     pub fn is_before(&self, other: &Self) -> bool {
         self.t < other.t || (self.t == other.t && self.triangle < other.triangle)
-    }
-}
-
-/// Which test decides whether a ray meets a triangle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TriangleTest {
-    /// Woop, Benthin and Wald 2013: no ray slips through a shared edge or vertex.
-    #[default]
-    Watertight,
-    /// Möller and Trumbore 1997: the paper's test. Rays aimed at edges and vertices may leak.
-    MollerTrumbore,
-}
-
-/// A ray made ready for many triangle tests.
-#[derive(Clone, Copy, Debug)]
-pub enum PreparedRay<T: Scalar> {
-    /// For [`TriangleTest::Watertight`].
-    Watertight(ShearedRay<T>),
-    /// For [`TriangleTest::MollerTrumbore`].
-    MollerTrumbore(Ray<T>),
-}
-
-impl<T: Scalar> PreparedRay<T> {
-    /// Prepares `ray` for `test`.
-    pub fn new(ray: &Ray<T>, test: TriangleTest) -> Self {
-        match test {
-            TriangleTest::Watertight => Self::Watertight(ShearedRay::new(ray)),
-            TriangleTest::MollerTrumbore => Self::MollerTrumbore(*ray),
-        }
-    }
-
-    /// The hit on the triangle with these corners, wherever along the ray's full line `t` ≥ 0 it lies.
-    pub fn intersect(&self, corners: &[Vector3<T>; 3], triangle: u32) -> Option<Hit<T>> {
-        match self {
-            Self::Watertight(ray) => ray.intersect(corners, triangle),
-            Self::MollerTrumbore(ray) => moller_trumbore(ray, corners, triangle),
-        }
     }
 }

@@ -1,4 +1,4 @@
-use crate::bvh::Bvh;
+use crate::bvh::tree::Bvh;
 use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::mesh::Mesh;
 use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};

@@ -1,4 +1,4 @@
-//! TODO
+//! Where rays meet the triangles: one ray, a ray's way through all triangles, and packets of sixteen rays.
 
 pub(crate) mod exit_culling;
 pub(crate) mod packet;

@@ -1,101 +1,85 @@
-use crate::bvh::rays::slabs::Slabs;
-use crate::bvh::{Bvh, CHILD_COUNT, Node};
+use crate::bvh::rays::slabs::RaySlabs;
+use crate::bvh::tree::Bvh;
+use crate::bvh::walk::{Children, Visitor, Way, first_of};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, lanes_of};
 use crate::triangle::{PreparedRay, Ray};
 
-/// 2³² tiles have no more than so many levels of nodes.
-pub(crate) const LEVEL_COUNT: usize = 8;
-
-/// Nodes that can wait at once: fifteen for each level but the last; and room behind them that may be overwritten.
-pub(crate) const STACK_SIZE: usize = 15 * LEVEL_COUNT + LANE_COUNT;
-
-/// One ray's way through the cells.
-pub(crate) struct Walk<'a, T: Scalar, V> {
-    cells: &'a Bvh<T>,
-    mesh: &'a Mesh<T>,
-    slabs: Slabs<T>,
-    prepared: &'a PreparedRay<T>,
-    t_max: T,
-    visitor: &'a mut V,
+/// Offers every triangle that a ray may meet up to the `t` that `offer` last returned.
+pub(crate) struct Trace<'a, T: Scalar, F> {
+    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) mesh: &'a Mesh<T>,
+    pub(crate) ray: &'a Ray<T>,
+    pub(crate) prepared: &'a PreparedRay<T>,
+    pub(crate) offer: &'a mut F,
 }
 
-impl<'a, T: Scalar, V: FnMut(u32) -> T> Walk<'a, T, V> {
-    pub(crate) fn new(
-        cells: &'a Bvh<T>,
-        ray: &Ray<T>,
-        prepared: &'a PreparedRay<T>,
-        mesh: &'a Mesh<T>,
-        visitor: &'a mut V,
-    ) -> Self {
-        Self { cells, mesh, slabs: Slabs::new(ray, mesh.aabb()), prepared, t_max: ray.t_max, visitor }
-    }
-}
-
-impl<T: Scalar, V: FnMut(u32) -> T> Kernel<T> for Walk<'_, T, V> {
+impl<T: Scalar, F: FnMut(u32) -> T> Kernel<T> for Trace<'_, T, F> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<L: Lanes<T>>(mut self) {
-        let mut stack = [0u32; STACK_SIZE];
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let mut room = None;
-            let node = self.cells.node(stack[waiting] as usize, &mut room);
-            let entries = entries::<T, L>(&self.slabs, node);
-            for (place, &entry) in entries.iter().enumerate().take(node.count as usize) {
-                // NaN is left out. A hit found since may have shortened the ray.
-                if entry <= self.t_max {
-                    let child = node.first + place as u32;
-                    if node.is_leaf {
-                        self.offer::<L>(child as usize);
-                    } else {
-                        stack[waiting] = child;
-                        waiting += 1;
-                    }
-                }
-            }
-        }
+    fn run<L: Lanes<T>>(self) {
+        let (slabs, end) = (RaySlabs::new(self.ray, self.mesh.aabb()), self.ray.t_max);
+        Way::new(()).walk::<T, L>(&mut OnTheWay { trace: self, slabs, end });
     }
 }
 
-impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
+struct OnTheWay<'a, T: Scalar, F> {
+    trace: Trace<'a, T, F>,
+    slabs: RaySlabs<T>,
+    end: T,
+}
+
+impl<T: Scalar, L: Lanes<T>, F: FnMut(u32) -> T> Visitor<T, L> for OnTheWay<'_, T, F> {
+    type Kept = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter(&mut self, node: u32, (): &mut ()) -> Children {
+        let mut room = None;
+        let node = self.trace.cells.node(node as usize, &mut room);
+        let (_, mut left) = self.slabs.entering(node.corners::<L>(), self.end);
+        left &= node.present();
+        if !node.is_leaf {
+            return Children { first: node.first, left };
+        }
+        while let Some(place) = first_of(&mut left) {
+            self.offer::<L>((node.first + place) as usize);
+        }
+        Children::NONE
+    }
+}
+
+impl<T: Scalar, F: FnMut(u32) -> T> OnTheWay<'_, T, F> {
     /// Offers the triangles of a tile that the ray may meet.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn offer<L: Lanes<T>>(&mut self, index: usize) {
-        let tile = &self.cells.tiles[index];
+        let Trace { cells, mesh, prepared, offer, .. } = &mut self.trace;
+        let tile = &cells.tiles[index];
         let mut room = [[T::zero(); LANE_COUNT]; 3];
-        let met = match self.prepared {
+        let met = match prepared {
             PreparedRay::Watertight(ray) => {
-                let positions = self.cells.positions_of::<L>(index, self.mesh, &mut room);
+                let positions = cells.positions_of::<L>(index, mesh, &mut room);
                 ray.may_meet::<L>(positions, &tile.corners).0 & tile.present
             }
             PreparedRay::MollerTrumbore(_) => tile.present,
         };
         for place in lanes_of(met) {
-            self.t_max = (self.visitor)(tile.triangles[place]);
+            // A hit may shorten the ray.
+            self.end = offer(tile.triangles[place]);
         }
     }
 }
 
-/// Where the ray enters each child's box; NaN, which no `t_max` reaches, for boxes that it does not meet ahead of its
-/// origin.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn entries<T: Scalar, L: Lanes<T>>(slabs: &Slabs<T>, node: &Node<T>) -> [T; CHILD_COUNT] {
-    let margin = L::splat(slabs.margin);
-    let (mut enters, mut leaves) = (L::splat(-T::INFINITY), L::splat(T::INFINITY));
-    for axis in 0..3 {
-        let (origin, inverse) = (L::splat(slabs.origin[axis]), L::splat(slabs.inverse[axis]));
-        // The margin after the difference: far from the world's origin it would vanish in the face's own rounding.
-        let at_lower = L::load(&node.lower[axis]).sub(origin).sub(margin).mul(inverse);
-        let at_upper = L::load(&node.upper[axis]).sub(origin).add(margin).mul(inverse);
-        enters = at_lower.smaller(at_upper).larger(enters);
-        leaves = at_upper.larger(at_lower).smaller(leaves);
+impl<T: Scalar> Bvh<T> {
+    /// Offers every triangle that the ray may meet up to the `t` that `offer` last returned.
+    pub(crate) fn visit(
+        &self,
+        ray: &Ray<T>,
+        prepared: &PreparedRay<T>,
+        mesh: &Mesh<T>,
+        offer: &mut impl FnMut(u32) -> T,
+    ) {
+        crate::simd::dispatch::<T, _>(Trace { cells: self, mesh, ray, prepared, offer });
     }
-    let met = enters.is_at_most(leaves) & L::splat(T::zero()).is_at_most(leaves);
-    let mut entries = [T::zero(); CHILD_COUNT];
-    L::select(met, enters, L::splat(T::of(f64::NAN))).store(&mut entries);
-    entries
 }

@@ -3,11 +3,11 @@
 
 use crate::contact::pair::Direction;
 use crate::contact::point_pair::touched_of;
-use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::cutter::CutPiece;
 use crate::contact::quadrature::packet::{KnownDistances, SamplePacket};
 use crate::contact::quadrature::part::{Cut, Part, Plane};
-use crate::contact::quadrature::sampler::InsidePart;
+use crate::contact::quadrature::pieces::InsidePart;
+use crate::contact::quadrature::sample::Sample;
 use crate::math::{Scalar, Vector3, direction};
 use crate::memory::Room;
 use crate::mesh::Mesh;

@@ -1,5 +1,5 @@
 use crate::contact::point_pair::SurfacePoint;
-use crate::contact::quadrature::{Sample, Sampling, WHOLE};
+use crate::contact::quadrature::sample::{Sample, Sampling, WHOLE};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
 

@@ -1,5 +1,5 @@
 use crate::contact::point_pair::SurfacePoint;
-use crate::contact::quadrature::Sample;
+use crate::contact::quadrature::sample::Sample;
 use crate::math::{Aabb, Scalar, Vector3, direction, length};
 use crate::mesh::{Edge, Mesh, Side};
 use crate::query::Tracer;

@@ -1,7 +1,7 @@
-use crate::contact::quadrature::WHOLE;
 use crate::contact::quadrature::cutter::{CutPiece, Cutter};
 use crate::contact::quadrature::packet::SamplePacket;
-use crate::contact::quadrature::sampler::{Pieces, Starts};
+use crate::contact::quadrature::pieces::{Pieces, Starts};
+use crate::contact::quadrature::sample::WHOLE;
 use crate::math::{Aabb, Scalar, Vector3, direction, length};
 use crate::memory::Room;
 use crate::mesh::{Mesh, NormalLanes, Representatives};

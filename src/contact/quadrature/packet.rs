@@ -2,8 +2,8 @@
 
 use crate::contact::point_pair::{SurfacePoint, touched_of};
 use crate::contact::quadrature::cutter::CutPiece;
-use crate::contact::quadrature::sampler::InsidePart;
-use crate::contact::quadrature::{Sample, VERTEX, WHOLE, vertex_point};
+use crate::contact::quadrature::pieces::InsidePart;
+use crate::contact::quadrature::sample::{Sample, VERTEX, WHOLE, vertex_point};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::{Mesh, NormalLanes};
 use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane, vector_in_lane};

@@ -130,7 +130,7 @@ fn steady<T: Scalar>(area: T) -> T {
 mod tests {
     use super::*;
     use crate::contact::options::DetectionOptions;
-    use crate::contact::quadrature::Sampling;
+    use crate::contact::quadrature::sample::Sampling;
     use crate::contact::test_contact;
     use crate::contact::test_contact::contact;
     use crate::math::Aabb;

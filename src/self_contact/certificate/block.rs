@@ -3,7 +3,7 @@
 
 use crate::bvh::{Bvh, TILE_SIZE};
 use crate::math::Scalar;
-use crate::self_contact::certificate::{Narrow, Sides};
+use crate::self_contact::certificate::narrow::{Narrow, Sides};
 use crate::simd::{Lanes, Mask, Vectors, lanes_of};
 
 /// The boxes of a tile's triangles, side by side; places beyond the last triangle hold boxes that are near nothing.

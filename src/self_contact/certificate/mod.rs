@@ -3,21 +3,23 @@
 
 pub(crate) mod block;
 pub(crate) mod descent;
+pub(crate) mod narrow;
+pub(crate) mod reach;
 pub(crate) mod steep;
 pub(crate) mod strain;
 #[cfg(test)]
 pub(crate) mod tests;
 
 use crate::bvh::{Bvh, TILE_SIZE};
-use crate::math::margins::NARROW_BOX;
 use crate::math::{Aabb, Scalar, Vector3, length};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::self_contact::certificate::block::{Block, are_apart};
 use crate::self_contact::certificate::descent::Descent;
+use crate::self_contact::certificate::narrow::Narrow;
+use crate::self_contact::certificate::reach::{Lapse, Reach};
 use crate::self_contact::certificate::steep::{FindSteep, MakeNormals, Normals};
 use crate::self_contact::certificate::strain::{FindMoves, MakeRest, Rest};
-use crate::self_contact::near_triangles::{Lapse, Reach};
 use crate::simd::{Kernel, Lanes, Mask, Vectors, dispatch, lanes_of};
 
 /// The tiles that are near each other, and what the search for them needs; kept by the caller, so that a steady step
@@ -62,40 +64,6 @@ const MOST_STRAINED: f64 = 1.0 / 16.0;
 
 /// Of a tile in no pair that has lapsed.
 const NO_BLOCK: u32 = u32::MAX;
-
-/// A box in narrow numbers: its lower coordinates and the negatives of its upper ones, within the mesh's box and in units
-/// of its longest side, rounded outward. So two boxes are at most d apart where no lower side of either and upper side of
-/// the other sum to more than d.
-type Sides = [f32; 6];
-
-/// What narrow numbers are in units of.
-#[derive(Clone, Copy)]
-pub(crate) struct Narrow<T: Scalar> {
-    origin: Vector3<T>,
-    inverse: T,
-}
-
-impl<T: Scalar> Narrow<T> {
-    fn new(mesh_box: &Aabb<T>) -> Self {
-        let inverse = T::one() / mesh_box.longest_side();
-        // A mesh without extent: all is near.
-        Self { origin: mesh_box.lower, inverse: if inverse.is_finite() { inverse } else { T::zero() } }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lower(&self, axis: usize, value: T) -> f32 {
-        ((value - self.origin[axis]) * self.inverse).to_f64() as f32 - NARROW_BOX
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn upper(&self, axis: usize, value: T) -> f32 {
-        -((value - self.origin[axis]) * self.inverse).to_f64() as f32 - NARROW_BOX
-    }
-
-    fn distance(&self, distance: T) -> f32 {
-        (distance * self.inverse).to_f64() as f32 + NARROW_BOX
-    }
-}
 
 impl<T: Scalar> Bvh<T> {
     /// See [`Octree::search_near`](crate::query::Octree).

@@ -5,8 +5,8 @@ use crate::math::Scalar;
 use crate::math::margins::FACING_ALIKE;
 use crate::memory;
 use crate::mesh::Mesh;
-use crate::self_contact::certificate::Narrow;
 use crate::self_contact::certificate::block::{Block, are_apart};
+use crate::self_contact::certificate::narrow::Narrow;
 use crate::simd::{Kernel, Lanes, Mask, Vectors, lanes_of};
 
 /// The normals of a tile's triangles, of unit length.

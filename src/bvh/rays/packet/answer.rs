@@ -1,4 +1,4 @@
-use crate::bvh::rays::packet::PacketHits;
+use crate::bvh::rays::packet::hits::PacketHits;
 use crate::math::Scalar;
 use crate::simd::{LANE_COUNT, Lanes, Mask};
 use crate::triangle::HitLanes;

@@ -1,7 +1,6 @@
-use crate::bvh::node::CHILD_COUNT;
-use crate::bvh::rays::packet::Search;
+use crate::bvh::CHILD_COUNT;
 use crate::bvh::rays::packet::answer::Answer;
-use crate::bvh::rays::trace::STACK_SIZE;
+use crate::bvh::rays::packet::search::Search;
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::simd::{LANE_COUNT, Lanes, Mask};
@@ -14,24 +13,15 @@ struct Candidate {
     ray: u32,
 }
 
-/// How many tiles are tested against the rays at a time.
-pub(crate) const TILES_AT_ONCE: usize = 80;
-
 /// A packet whose box meets more tiles than this walks the tree. The tori of the benchmarks list far fewer, the spreading rays
 /// of a deep overlap several hundred.
-const MOST_LISTED: usize = TILES_AT_ONCE - CHILD_COUNT;
+const MOST_LISTED: usize = 64;
+
+/// Where the last leaf listed has them all.
+const ROOM_FOR_TILES: usize = MOST_LISTED + CHILD_COUNT;
 
 /// How many candidates are computed at a time.
 const CANDIDATES_AT_ONCE: usize = 256;
-
-/// A node that some rays of a packet may meet.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Waiting<T> {
-    /// The least t at which one of them enters its box.
-    pub(crate) entry: T,
-    pub(crate) node: u32,
-    pub(crate) rays: Mask,
-}
 
 /// Scratch memory for a packet's search, with space behind each list that may be overwritten.
 #[repr(C, align(64))]
@@ -43,13 +33,11 @@ pub(crate) struct Candidates<T: Scalar> {
     /// The most tiles listed; beyond, the packet walks the tree.
     pub(crate) most_listed: usize,
     /// Tiles that rays may meet, and of each its node and its place there: 16 · node + place.
-    pub(crate) tiles: [u32; TILES_AT_ONCE + LANE_COUNT],
-    pub(crate) places: [u32; TILES_AT_ONCE + LANE_COUNT],
+    pub(crate) tiles: [u32; ROOM_FOR_TILES + LANE_COUNT],
+    pub(crate) places: [u32; ROOM_FOR_TILES + LANE_COUNT],
     /// 16 · place in `tiles` + ray, where the ray meets the tile's box.
-    pub(crate) pairs: [u32; (TILES_AT_ONCE + 1) * LANE_COUNT],
+    pub(crate) pairs: [u32; (ROOM_FOR_TILES + 1) * LANE_COUNT],
     triangles: [Candidate; CANDIDATES_AT_ONCE + LANE_COUNT],
-    /// Nodes that a walk has yet to enter.
-    pub(crate) waiting: [Waiting<T>; STACK_SIZE],
     /// Whether the next packet starts by walking the tree: for searches of hits, and of exits.
     pub(crate) walks: [bool; 2],
 }
@@ -61,19 +49,18 @@ impl<T: Scalar> Candidates<T> {
             hits: HitLanes::empty(),
             room: [[T::zero(); LANE_COUNT]; 3],
             most_listed: MOST_LISTED,
-            tiles: [0; TILES_AT_ONCE + LANE_COUNT],
-            places: [0; TILES_AT_ONCE + LANE_COUNT],
-            pairs: [0; (TILES_AT_ONCE + 1) * LANE_COUNT],
+            tiles: [0; ROOM_FOR_TILES + LANE_COUNT],
+            places: [0; ROOM_FOR_TILES + LANE_COUNT],
+            pairs: [0; (ROOM_FOR_TILES + 1) * LANE_COUNT],
             triangles: [Candidate { triangle: 0, ray: 0 }; CANDIDATES_AT_ONCE + LANE_COUNT],
-            waiting: [Waiting { entry: T::zero(), node: 0, rays: 0 }; STACK_SIZE],
             walks: [false; 2],
         }
     }
 
-    /// Rays walk where more tiles than so many are listed: always or never, for tests.
+    /// Rays walk where more tiles than so many are listed, for tests.
     #[cfg(all(test, target_arch = "x86_64"))]
     pub(crate) fn listing(most_listed: usize) -> Self {
-        Self { most_listed, ..Self::new() }
+        Self { most_listed: most_listed.min(MOST_LISTED), ..Self::new() }
     }
 }
 

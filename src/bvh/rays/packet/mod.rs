@@ -3,70 +3,28 @@
 
 pub(crate) mod answer;
 pub(crate) mod candidates;
+pub(crate) mod hits;
 pub(crate) mod lists;
-pub(crate) mod slabs;
+pub(crate) mod search;
 #[cfg(all(test, target_arch = "x86_64"))]
 pub(crate) mod tests;
 pub(crate) mod walk;
 pub(crate) mod windings;
 
-use crate::bvh::Bvh;
 use crate::bvh::node::BoxLanes;
 use crate::bvh::rays::exit_culling::DirectionBounds;
 use crate::bvh::rays::packet::answer::{Answer, Hidden, Nearest};
 use crate::bvh::rays::packet::candidates::Candidates;
-use crate::bvh::rays::packet::slabs::PacketSlabs;
+use crate::bvh::rays::packet::hits::PacketHits;
+use crate::bvh::rays::packet::search::Search;
 use crate::bvh::rays::packet::walk::Walk;
 use crate::bvh::rays::packet::windings::Windings;
+use crate::bvh::rays::slabs::PacketSlabs;
+use crate::bvh::tree::Bvh;
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
-use crate::triangle::{Hit, RayPacket};
-
-/// Where each ray of a packet meets a mesh first.
-#[derive(Clone, Debug)]
-// Whole rows of sixteen lie on lines of the cache.
-#[repr(C, align(64))]
-pub(crate) struct PacketHits<T: Scalar> {
-    pub(crate) triangle: [u32; LANE_COUNT],
-    pub(crate) t: [T; LANE_COUNT],
-    pub(crate) weights: [[T; LANE_COUNT]; 3],
-    /// Which rays have a hit; places of the others hold nothing of use.
-    pub(crate) found: Mask,
-    /// Which rays meet the triangle from inside.
-    pub(crate) exits: Mask,
-}
-
-impl<T: Scalar> PacketHits<T> {
-    pub(crate) fn empty() -> Self {
-        let zeros = [T::zero(); LANE_COUNT];
-        Self { found: 0, exits: 0, triangle: [0; LANE_COUNT], t: zeros, weights: [zeros; 3] }
-    }
-
-    /// The hit of one ray, if it has one.
-    pub(crate) fn get(&self, lane: usize) -> Option<Hit<T>> {
-        (self.found >> lane & 1 == 1).then(|| self.hit(lane))
-    }
-
-    /// The hit of a ray that has one.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn hit(&self, lane: usize) -> Hit<T> {
-        Hit {
-            triangle: self.triangle[lane],
-            t: self.t[lane],
-            weights: [0, 1, 2].map(|corner| self.weights[corner][lane]),
-            is_exit: self.exits >> lane & 1 == 1,
-        }
-    }
-
-    pub(crate) fn set(&mut self, lane: usize, hit: &Hit<T>) {
-        let bit = 1 << lane;
-        self.found |= bit;
-        self.exits = if hit.is_exit { self.exits | bit } else { self.exits & !bit };
-        (self.triangle[lane], self.t[lane]) = (hit.triangle, hit.t);
-        (0..3).for_each(|corner| self.weights[corner][lane] = hit.weights[corner]);
-    }
-}
+use crate::triangle::RayPacket;
 
 impl<T: Scalar> Bvh<T> {
     /// The nearest hit of each ray.
@@ -116,30 +74,6 @@ impl<T: Scalar> Bvh<T> {
         let (asked, end) = (packet.present, &packet.t_max);
         let answer = &mut Windings { mesh, packet, touched, numbers };
         L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer });
-    }
-}
-
-/// What a search is given, and what it keeps of the packet as a whole.
-pub(crate) struct Search<'a, T: Scalar, L> {
-    cells: &'a Bvh<T>,
-    mesh: &'a Mesh<T>,
-    packet: &'a RayPacket<T>,
-    asked: Mask,
-    slabs: PacketSlabs<T, L>,
-    /// A box that holds all of the asked rays.
-    around: BoxLanes<T, L>,
-    /// Where only exits count.
-    directions: Option<DirectionBounds<T, L>>,
-}
-
-impl<T: Scalar, L: Lanes<T>> Search<'_, T, L> {
-    /// Whether a hit on the tile may count: where only exits do, not if no ray can leave through it.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn may_count(&self, tile: usize, room: &mut [[T; LANE_COUNT]; 3]) -> bool {
-        match &self.directions {
-            Some(directions) => directions.may_leave(self.cells, tile, self.mesh, room),
-            None => true,
-        }
     }
 }
 

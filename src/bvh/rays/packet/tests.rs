@@ -1,11 +1,9 @@
 use super::*;
-use crate::bvh::rays::single::{FEW_WAITING, NearestOfRay};
-use crate::bvh::rays::trace::STACK_SIZE;
 use crate::math::Vector3;
 use crate::mesh::test_mesh::torus_at;
 use crate::query::{Octree, Tracer};
 use crate::simd::{Kernel, on_every_path};
-use crate::triangle::{PreparedRay, Ray, TriangleTest};
+use crate::triangle::{Hit, PreparedRay, Ray, TriangleTest};
 
 const SIDES: [u32; 2] = [64, 24];
 
@@ -39,11 +37,7 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
             let hidden = self.cells.hidden::<L>(self.mesh, &packet, asked, &end, &all_touched, &mut list);
             all_hidden.extend((0..rays.len()).map(|lane| hidden >> lane & 1 == 1));
         }
-        let (cells, mesh, then) = (self.cells, self.mesh, |hit| hit);
-        let few = |ray| L::outlined(NearestOfRay::<T, _, _, FEW_WAITING> { cells, mesh, ray, then });
-        let many = |ray| L::outlined(NearestOfRay::<T, _, _, STACK_SIZE> { cells, mesh, ray, then });
-        let alone =
-            self.rays.iter().enumerate().map(|(i, &ray)| if i.is_multiple_of(9) { many(ray) } else { few(ray) });
+        let alone = self.rays.iter().map(|&ray| self.cells.nearest_of_ray_on::<L>(self.mesh, ray));
         (hits, alone.collect(), all_hidden)
     }
 }

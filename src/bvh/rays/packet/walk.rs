@@ -1,8 +1,9 @@
 use crate::bvh::node::{CHILD_COUNT, Node};
-use crate::bvh::rays::packet::Search;
 use crate::bvh::rays::packet::answer::Answer;
-use crate::bvh::rays::packet::candidates::{Candidates, Waiting, resolve, work_off};
-use crate::bvh::rays::packet::slabs::SingleSlabs;
+use crate::bvh::rays::packet::candidates::{Candidates, resolve, work_off};
+use crate::bvh::rays::packet::search::Search;
+use crate::bvh::rays::slabs::SingleSlabs;
+use crate::bvh::walk::{Children, Visitor, Way, smallest_of};
 use crate::math::Scalar;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
 
@@ -24,55 +25,71 @@ impl<T: Scalar, L: Lanes<T>, A: Answer<T>> Kernel<T> for Walk<'_, '_, T, L, A> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<Same: Lanes<T>>(self) {
         let Self { search, list, answer } = self;
-        let cells = search.cells;
-        let singles = search.slabs.singles();
-        let mut children = Children { rays: [0; CHILD_COUNT], entries: [T::zero(); CHILD_COUNT] };
-        list.waiting[0] = Waiting { entry: T::zero(), node: 0, rays: search.asked };
-        let (mut waiting, mut listed, mut tile_count) = (1, 0, 0);
-        while waiting > 0 {
-            waiting -= 1;
-            let Waiting { entry, node, rays } = list.waiting[waiting];
-            let is_open = L::splat(entry).is_at_most(L::load(answer.end())) | search.slabs.meet_all;
-            let rays = rays & is_open & !answer.settled();
-            if rays == 0 {
-                continue;
-            }
-            let mut room = None;
-            let node = cells.node(node as usize, &mut room);
-            let mut met = children.hold::<L, A>(search, &singles, node, rays, answer);
-            if node.is_leaf {
-                tile_count += met.count_ones();
-                let pair_count = list_pairs::<T, L, A>(search, list, node, met, &children.rays);
-                listed = work_off(search, list, pair_count, listed, LANE_COUNT, answer);
-                continue;
-            }
-            let first = waiting;
-            while met != 0 {
-                let child = met.trailing_zeros() as usize;
-                met &= met - 1;
-                let entry = children.entries[child];
-                let mut place = waiting;
-                while place > first && list.waiting[place - 1].entry < entry {
-                    list.waiting[place] = list.waiting[place - 1];
-                    place -= 1;
-                }
-                list.waiting[place] = Waiting { entry, node: node.first + child as u32, rays: children.rays[child] };
-                waiting += 1;
-            }
-        }
+        let (singles, rays, entry) = (search.slabs.singles(), search.asked, T::zero());
+        let mut packet = PacketOnTheWay { search, list, answer, singles, rays, entry, listed: 0, tile_count: 0 };
+        let nowhere = RaysOfChildren { rays: [0; CHILD_COUNT], entries: [entry; CHILD_COUNT] };
+        Way::new(nowhere).walk(&mut packet);
+        let PacketOnTheWay { list, answer, listed, tile_count, .. } = packet;
         resolve::<T, L, A>(search.mesh, search.packet, list, listed, answer);
         list.walks[usize::from(A::EXITS_ONLY)] = tile_count >= FEWEST_WALKED;
     }
 }
 
+struct PacketOnTheWay<'a, 'b, T: Scalar, L, A> {
+    search: &'a Search<'b, T, L>,
+    list: &'a mut Candidates<T>,
+    answer: &'a mut A,
+    singles: SingleSlabs<T>,
+    /// Those that meet the box of the node that comes next, and the least t at which one of them enters it.
+    rays: Mask,
+    entry: T,
+    /// How many candidates are listed.
+    listed: usize,
+    /// How many tiles were met.
+    tile_count: u32,
+}
+
+impl<T: Scalar, L: Lanes<T>, A: Answer<T>> Visitor<T, L> for PacketOnTheWay<'_, '_, T, L, A> {
+    type Kept = RaysOfChildren<T>;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter(&mut self, node: u32, children: &mut Self::Kept) -> Children {
+        let Self { search, list, answer, .. } = self;
+        let is_open = L::splat(self.entry).is_at_most(L::load(answer.end())) | search.slabs.meet_all;
+        let rays = self.rays & is_open & !answer.settled();
+        if rays == 0 {
+            return Children::NONE;
+        }
+        let mut room = None;
+        let node = search.cells.node(node as usize, &mut room);
+        let left = children.hold::<L, A>(search, &self.singles, node, rays, *answer);
+        if !node.is_leaf {
+            return Children { first: node.first, left };
+        }
+        self.tile_count += left.count_ones();
+        let pair_count = list_pairs::<T, L, A>(search, list, node, left, &children.rays);
+        self.listed = work_off(search, list, pair_count, self.listed, LANE_COUNT, *answer);
+        Children::NONE
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn next(&mut self, children: &Self::Kept, left: &mut Mask) -> Option<u32> {
+        let place = smallest_of(left, &children.entries)?;
+        let child = place as usize % CHILD_COUNT;
+        (self.rays, self.entry) = (children.rays[child], children.entries[child]);
+        Some(place)
+    }
+}
+
 /// Which rays meet a node's children, and where the first of them enters.
-struct Children<T: Scalar> {
+#[derive(Clone, Copy)]
+struct RaysOfChildren<T> {
     rays: [Mask; CHILD_COUNT],
     /// Of nodes that are no leaves.
     entries: [T; CHILD_COUNT],
 }
 
-impl<T: Scalar> Children<T> {
+impl<T: Scalar> RaysOfChildren<T> {
     /// Holds the rays against all children of a node, gives those that are met: one box against all rays at a time or one ray
     /// against all boxes, whichever are fewer.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -93,7 +110,7 @@ impl<T: Scalar> Children<T> {
             while left != 0 {
                 let ray = left.trailing_zeros() as usize;
                 left &= left - 1;
-                let (enters, some) = singles.entering::<L>(ray, corners, answer.end()[ray]);
+                let (enters, some) = singles.of(ray).entering(corners, answer.end()[ray]);
                 let some = some & near;
                 met |= some;
                 met_by[ray] = some;

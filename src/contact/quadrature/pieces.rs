@@ -1,0 +1,53 @@
+use crate::contact::quadrature::cutter::CutPiece;
+use crate::contact::quadrature::sample::Sample;
+use crate::math::Scalar;
+use crate::mesh::Representatives;
+use crate::simd::LANE_COUNT;
+
+/// Where rays start.
+#[derive(Clone, Copy)]
+pub(crate) enum Starts<'a, T: Scalar> {
+    /// From the vertices or triangles of these groups.
+    Groups(&'a [u32]),
+    /// From the triangles at these places, each for its patch.
+    Patches(&'a Representatives, &'a [u32]),
+    /// From these.
+    Samples(&'a [Sample<T>]),
+}
+
+impl<T: Scalar> Starts<'_, T> {
+    /// How many steps it takes to go through them.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Groups(groups) => groups.len(),
+            Self::Patches(_, places) => places.len().div_ceil(LANE_COUNT),
+            Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
+        }
+    }
+}
+
+/// Parts of triangles that have yet to cast.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pieces<T: Scalar> {
+    /// Of one triangle, the last first.
+    pub(crate) cut: Vec<CutPiece<T>>,
+    /// The parts inside the other body of pieces that its surface crosses.
+    pub(crate) inside: Vec<InsidePart<T>>,
+    /// In which order samples come: what they are ordered by, and their places.
+    pub(crate) order: Vec<((u32, u32), u32)>,
+}
+
+/// The part inside the other body of a piece that its surface crosses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InsidePart<T: Scalar> {
+    pub(crate) sample: Sample<T>,
+    /// How far that surface is from the sample, where it is known.
+    pub(crate) distance: Option<T>,
+}
+
+impl<T: Scalar> Pieces<T> {
+    pub(crate) fn clear(&mut self) {
+        self.cut.clear();
+        self.inside.clear();
+    }
+}

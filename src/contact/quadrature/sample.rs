@@ -1,0 +1,76 @@
+use crate::contact::point_pair::SurfacePoint;
+use crate::math::{Scalar, Vector3};
+use crate::mesh::Mesh;
+
+/// Where on a surface rays start.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Sampling<T: Scalar> {
+    /// In the middle of each triangle, along its normal; triangles that are large beside the overlap are cut first, so that
+    /// about 128 rays stand on its largest side. Forces then hardly depend on the triangulation. In a scene, where both bodies
+    /// of a pair overlap more than 12 others, n at the least, by their boxes, it is 12/n as many, but no fewer than 8; such
+    /// pairs are counted ([`Statistics::crowded_pairs`](crate::contact::Statistics::crowded_pairs)).
+    #[default]
+    Automatic,
+    /// About so far apart, a length > 0, whatever the triangulation. Larger triangles are cut into pieces of that size, and
+    /// each piece casts from its middle. Smaller ones are joined to patches of at most the length's square, connected and
+    /// nearly flat, of which one triangle casts from its middle along their mean normal, with their areas added as vectors. The
+    /// patches are those of the mesh as it is when they are first asked for; of a larger spacing's triangles all cast at
+    /// smaller ones too. Their sizes go in steps, four to each doubling of the area. Contacts of a body with itself know no
+    /// patches.
+    Spacing(T),
+    /// As automatic, but with triangles joined to patches as large as leave the net force of each pair, and its torque over
+    /// the overlap box's half diagonal, within this part of the force, > 0, of that of all triangles. Patches get smaller,
+    /// from about 32 on the overlap box's largest face, until two tries agree clearly better than that; so it is an
+    /// estimate, not a bound. Where two tries would take more than a third of the triangles, or leave no hope to agree, all
+    /// cast.
+    Tolerance(T),
+    /// At each vertex, along the mean of the surrounding normals: the paper's.
+    Vertices,
+}
+
+impl<T: Scalar> Sampling<T> {
+    /// The largest area of patches that triangles are joined to, where it is known beforehand.
+    pub(crate) fn patch_area(&self) -> Option<T> {
+        match *self {
+            Self::Spacing(spacing) => Some(spacing * spacing),
+            _ => None,
+        }
+    }
+}
+
+/// A surface point that casts a ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample<T: Scalar> {
+    pub(crate) point: SurfacePoint<T>,
+    /// Outward, of unit length.
+    pub(crate) normal: Vector3<T>,
+    /// The surface it stands for.
+    pub(crate) area: T,
+    /// As [`Contact::piece`](crate::contact::Contact::piece).
+    pub(crate) piece: u32,
+}
+
+impl<T: Scalar> Sample<T> {
+    /// By what samples of one kind can be ordered: the vertex or triangle, and where on the triangle the piece lies.
+    pub(crate) fn place(&self) -> (u32, u32) {
+        match self.piece {
+            VERTEX => (self.point.vertices[0], 0),
+            // Halves of halves stand between the halves.
+            piece => (self.point.triangle, piece << piece.leading_zeros()),
+        }
+    }
+}
+
+/// The piece of a vertex.
+pub(crate) const VERTEX: u32 = 0;
+/// The piece that is a whole triangle.
+pub(crate) const WHOLE: u32 = 1;
+
+/// A vertex as a surface point.
+pub(crate) fn vertex_point<T: Scalar>(mesh: &Mesh<T>, vertex: u32) -> SurfacePoint<T> {
+    let topology = mesh.topology();
+    let (triangle, ring) = (topology.triangles_around(vertex)[0], topology.ring(vertex));
+    let vertices = [vertex, ring[0], ring[1]];
+    let weights = [T::one(), T::zero(), T::zero()];
+    SurfacePoint { triangle, vertices, weights, position: mesh.position(vertex) }
+}
