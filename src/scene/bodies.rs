@@ -1,4 +1,4 @@
-use super::OwnContacts;
+use super::own_contacts::OwnContacts;
 use super::shared_body::Sharing;
 use crate::math::{Aabb, Scalar};
 use crate::memory;

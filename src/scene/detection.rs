@@ -1,9 +1,11 @@
+use super::Scene;
 use super::autotuner::Way;
 use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
+use super::list::List;
+use super::own_contacts::OwnContacts;
 use super::pairs::{Remembered, by_number};
 use super::shared_body::{PairCost, finds_pair};
-use super::{OwnContacts, Scene};
 use crate::contact::{ContactLaw, ContactList, DetectionOptions, Statistics, detect_self, reach_region};
 use crate::escape::detect_pair;
 use crate::math::{Aabb, Scalar};
@@ -21,15 +23,6 @@ const FEWEST_RAYS_TO_SHARE: f64 = 1000.0;
 const TRIANGLES_READ_PER_RAY: f64 = 50.0;
 /// The same where a body is searched for contacts with itself.
 const TRIANGLES_SEARCHED_PER_RAY: f64 = 8.0;
-
-/// One list of contacts.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum List {
-    /// Of the body at this place with itself.
-    Body(usize),
-    /// Of the pair at this place.
-    Pair(usize),
-}
 
 impl<T: Scalar> Scene<T> {
     /// Finds all contacts between different bodies at their present positions, and of those bodies with themselves for

@@ -5,6 +5,8 @@ mod bodies;
 mod broad_phase;
 mod detection;
 mod error;
+mod list;
+mod own_contacts;
 mod pairs;
 mod posed;
 mod saved;
@@ -20,11 +22,11 @@ use crate::escape::PairMemory;
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::self_contact::SelfWarmStart;
 use crate::threads::{ParallelFor, Threads};
 use bodies::{Bodies, Body};
 use broad_phase::BroadPhase;
-use detection::List;
+use list::List;
+use own_contacts::OwnContacts;
 use pairs::{Pairs, by_number};
 use std::sync::Arc;
 
@@ -47,17 +49,6 @@ pub struct Scene<T: Scalar> {
     options: DetectionOptions<T>,
     threads: Threads,
     autotuner: autotuner::Autotuner,
-}
-
-/// The contacts of a body with itself.
-#[derive(Debug, Default)]
-struct OwnContacts<T: Scalar> {
-    memory: SelfWarmStart<T>,
-    contacts: ContactList<T>,
-    /// Whether the body may overlap itself at its present positions.
-    may_overlap: bool,
-    /// The stamp of the positions for which the next query need not find them; 0 for none.
-    found_at: u64,
 }
 
 impl<T: Scalar> Scene<T> {
