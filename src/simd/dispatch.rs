@@ -24,7 +24,7 @@ pub(crate) use x86_64::run_on;
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64 {
-    use super::{HasLanes, Kernel, Lanes};
+    use crate::simd::lanes::{HasLanes, Kernel, Lanes};
     use std::is_x86_feature_detected as has;
     use std::sync::OnceLock;
 

@@ -45,7 +45,7 @@ fn without_tests(path: &Path) -> String {
 }
 
 /// Each file of the library but the root, with its room and its code without comments and unit tests.
-fn sources() -> Vec<(PathBuf, String, String)> {
+pub(super) fn sources() -> Vec<(PathBuf, String, String)> {
     let mut files = Vec::new();
     files_in(Path::new("src"), &mut files);
     let read = |path: PathBuf| {

@@ -1,6 +1,7 @@
 //! The library as a whole: bad input, invariances, closed forms.
 
 mod bad_geometry;
+mod circles;
 mod example;
 mod faults;
 mod figures;
