@@ -1,7 +1,8 @@
 //! Chooses, while the program runs, the widest instructions this processor has. The arithmetic is the same on every
 //! path, operation by operation, and so are the results, to the bit.
 
-use crate::simd::lanes::{HasLanes, Kernel, Lanes};
+#[cfg(not(target_arch = "x86_64"))]
+use crate::simd::lanes::{HasLanes, Kernel};
 
 /// Runs the kernel on the widest lanes.
 #[cfg(not(target_arch = "x86_64"))]
