@@ -3,7 +3,7 @@
 use crate::common::assert_every_ray_is_counted;
 use crate::common::random::Random;
 use crate::common::shapes::{self, Point, Shape};
-use raycontact::contact::{ContactList, DetectionOptions, Sampling};
+use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling};
 use raycontact::escape::query_pair;
 use raycontact::math::Vector3;
 use raycontact::query::Octree;
@@ -124,11 +124,8 @@ fn pairs() -> Vec<(String, [Shape; 2])> {
     found
 }
 
-/// What is asked of each pair: a query of its own, and a scene that has tried for some steps.
-fn asked(sampling: Sampling<f64>) -> Vec<(usize, DetectionOptions<f64>)> {
-    let options = DetectionOptions { sampling, ..DetectionOptions::default() };
-    vec![(0, options), (1, options), (20, options)]
-}
+/// How long each pair is asked: in a query of its own, and in a scene that has tried for some steps.
+const STEPS: [usize; 3] = [0, 1, 20];
 
 /// Deep pairs of bodies whose parts overlap.
 fn clumps() -> Vec<(String, [Shape; 2])> {
@@ -144,14 +141,14 @@ fn clumps() -> Vec<(String, [Shape; 2])> {
 }
 
 fn check(sampling: Sampling<f64>) {
-    check_pairs(pairs(), sampling, false);
+    check_pairs(pairs(), DetectionOptions { sampling, ..DetectionOptions::default() }, false);
 }
 
-fn check_pairs(pairs: Vec<(String, [Shape; 2])>, sampling: Sampling<f64>, escaping_only: bool) {
+fn check_pairs(pairs: Vec<(String, [Shape; 2])>, options: DetectionOptions<f64>, escaping_only: bool) {
     let mut random = Random::new(11);
     let (mut wrong, mut escapes, mut worst) = (Vec::new(), 0, 0.0f64);
     for (name, shapes) in pairs {
-        for (steps, options) in asked(sampling) {
+        for steps in STEPS {
             let contacts = |shapes: &[Shape; 2]| match steps {
                 0 => pair_contacts(shapes, &options),
                 _ => scene_contacts(shapes, &options, steps),
@@ -203,6 +200,15 @@ fn numbers_do_not_matter_where_rays_stand_for_patches() {
 /// Which points are inside does not depend on the direction of the ray that tells it, though it may enter another part first.
 #[test]
 fn numbers_do_not_matter_to_escapes_of_bodies_whose_parts_overlap() {
-    check_pairs(clumps(), Sampling::Automatic, true);
-    check_pairs(clumps(), Sampling::Vertices, true);
+    check_pairs(clumps(), DetectionOptions::default(), true);
+    check_pairs(clumps(), DetectionOptions { sampling: Sampling::Vertices, ..DetectionOptions::default() }, true);
+}
+
+/// A ray may leave its own body and the other through faces in one plane.
+#[test]
+fn numbers_do_not_matter_to_the_law_of_ray_lengths() {
+    for sampling in [Sampling::Automatic, Sampling::Spacing(0.3)] {
+        let options = DetectionOptions { law: ContactLaw::RayLength, sampling, ..DetectionOptions::default() };
+        check_pairs(pairs(), options, false);
+    }
 }
