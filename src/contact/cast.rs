@@ -13,6 +13,7 @@ use crate::contact::weigh::distance::distances_over_depths;
 use crate::contact::weigh::shares::{CastSurfaceLanes, Turning};
 use crate::contact::weigh::{accept, cosines};
 use crate::math::Scalar;
+use crate::self_contact::rounding;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
 use crate::triangle::Hit;
 
@@ -135,20 +136,26 @@ impl<T: Scalar> Tracing<'_, '_, T> {
         accept::<T, L>(self.kind, self.direction, samples, rays, accepted, &cos_alpha, self.contacts);
     }
 
-    /// Which of the rays leave their own body before the other.
+    /// Which of the rays leave their own body before the other. A ray from a face that leaves both through faces in one plane is
+    /// among them, so that rounding does not decide. Rays from vertices are the paper's, and end exactly at the other body.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn hidden<L: Lanes<T>>(&mut self, samples: &SamplePacket<T>, rays: &mut Rays<T>, exits: Mask) -> Mask {
         let Direction { pair, side } = *self.direction;
         let own = pair.tracers[side];
         let touched = samples.touched(own.mesh());
         let Rays { packet, candidates, hits, .. } = rays;
-        let mut hidden = own.hidden_of_packet::<L>(packet, exits, &hits.t, &touched, candidates);
+        let mut ends = hits.t;
+        if !samples.are_vertices {
+            let rounding = rounding(own.mesh()) + rounding(pair.tracers[1 - side].mesh());
+            ends.iter_mut().for_each(|end| *end += rounding);
+        }
+        let mut hidden = own.hidden_of_packet::<L>(packet, exits, &ends, &touched, candidates);
         let doubtful = exits & !hidden & !samples.lanes.outward;
         if samples.are_vertices && doubtful != 0 {
-            hidden |= starts_outside::entering(own, packet, doubtful, &hits.t, &samples.indices, self.crossings);
+            hidden |= starts_outside::entering(own, packet, doubtful, &ends, &samples.indices, self.crossings);
         }
         if pair.options.past_folds && hidden != 0 {
-            let uncovered = past_folds::uncovered(own, packet, hidden, &hits.t, &touched, self.crossings);
+            let uncovered = past_folds::uncovered(own, packet, hidden, &ends, &touched, self.crossings);
             self.statistics.past_folds += u64::from(uncovered.count_ones());
             hidden &= !uncovered;
         }

@@ -40,14 +40,6 @@ pub(crate) fn way_out_past_folds<T: Scalar>(
     way_out(crossings).filter(|_| number > 0).copied()
 }
 
-/// Whether a ray enters or leaves the body where it first meets its surface, and does not only go from fold to fold.
-pub(crate) fn crosses_border<T: Scalar>(tracer: &Tracer<'_, T>, ray: &Ray<T>, crossings: &mut Vec<Hit<T>>) -> bool {
-    tracer.crossings(ray, crossings);
-    let number: i32 = crossings.iter().map(sign).sum();
-    let beyond = number - crossings.first().map_or(0, sign);
-    (number > 0) != (beyond > 0)
-}
-
 /// What a crossing adds to the winding number at the ray's origin.
 fn sign<T: Scalar>(crossing: &Hit<T>) -> i32 {
     if crossing.is_exit { 1 } else { -1 }

@@ -10,9 +10,7 @@ mod surface_groups;
 mod tracer;
 mod winding_number;
 
-pub(crate) use crossings::{
-    crosses_border, leaves_body_before_end, way_out, way_out_past_folds, winding_number, winding_under,
-};
+pub(crate) use crossings::{leaves_body_before_end, way_out, way_out_past_folds, winding_number, winding_under};
 pub(crate) use nearest_point::PointDistances;
 pub(crate) use octree::Cells;
 pub use octree::{Layout, Octree, OctreeError};

@@ -11,10 +11,10 @@ use crate::contact::quadrature::sample::Sample;
 use crate::math::{Scalar, Vector3, direction};
 use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::query::{PointDistances, crosses_border};
+use crate::query::{PointDistances, Tracer};
 use crate::self_contact::rounding;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, vector_in_lane};
-use crate::triangle::{ClosestPoint, Hit, Ray};
+use crate::triangle::{ClosestPoint, Hit};
 
 /// A piece is cut by at most this many planes: three faces meet at a simple corner of the other body.
 const MOST_PLANES: usize = 3;
@@ -70,14 +70,12 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                 let bit = 1 << lane;
                 let (middle, corners) = (vector_in_lane(&middles, lane), own.corners(samples.indices[lane]));
                 let nearest = other.closest_of_packet(&middle, reaches[lane], lane, distances);
-                // Between folds of one body there is no border.
-                let nearest = nearest.filter(|nearest| {
-                    let towards = Ray::new(middle, nearest.position - middle);
-                    !pair.options.past_folds || crosses_border(other, &towards, crossings)
-                });
                 // After the first cut it is not known on which side the new middle lies.
                 let is_inside = (round == 0).then_some(exits & bit != 0);
                 let plane = nearest.and_then(|nearest| plane(other.mesh(), &middle, &nearest, is_inside, rounding));
+                let plane = plane.filter(|plane| {
+                    !pair.options.past_folds || is_border(other, &middle, plane.depth(&middle), crossings)
+                });
                 match plane.map(|plane| parts[lane].beyond(&corners, rounding, |at| plane.depth(at))) {
                     None | Some(Cut::All) => open &= !bit,
                     Some(Cut::Nothing) => (open, cut) = (open & !bit, cut & !bit),
@@ -111,6 +109,12 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
         known.lanes &= !ever_cut;
         crossed
     }
+}
+
+/// Whether the part of a body's surface nearest to a point is its border, and not a fold within it, given how deep the point
+/// lies below that part: the surface winds around a point below its border once, and not around one above.
+fn is_border<T: Scalar>(other: &Tracer<'_, T>, at: &Vector3<T>, depth: T, crossings: &mut Vec<Hit<T>>) -> bool {
+    other.winding_number(at, crossings) == Some(i32::from(depth > T::zero()))
 }
 
 /// The sample in the middle of what a plane has left of a piece; `None` where that is no area.
