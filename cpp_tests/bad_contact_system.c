@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "check.h"
+#include "raycontact/distributed.h"
 #include "shapes.h"
 
 #define NODES OCTAHEDRON_VERTICES

@@ -2,6 +2,7 @@
    array, body and vertex, and adds nothing; where none does, they do no harm. So with finite numbers that give none, and
    with arrays that share memory. */
 #include "check.h"
+#include "raycontact/distributed.h"
 #include "shapes.h"
 
 #define NUMBERS (3 * OCTAHEDRON_VERTICES)

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "check.h"
+#include "raycontact/distributed.h"
 #include "shapes.h"
 
 #define STEPS 12

@@ -1,5 +1,6 @@
 /* Forces, differential and energy of the two octahedra: with the stiffness 3 every contact's coefficient is 1. */
 #include "check.h"
+#include "raycontact/distributed.h"
 #include "shapes.h"
 
 static const double no_shift[3] = {0, 0, 0};

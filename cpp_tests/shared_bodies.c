@@ -1,6 +1,7 @@
 /* Bodies that scenes share, from C: keys decide the order, a ghost's pairs are found by one scene of two, meshes go as
    bytes, forces come pair by pair; and what is refused. */
 #include "check.h"
+#include "raycontact/distributed.h"
 #include "shapes.h"
 
 static rayc_mesh* octahedron(double shift) {

@@ -28,14 +28,15 @@ class LibraryHook(BuildHookInterface):
             sys.exit("a part of the package is made with the wheel: use 'pip install .' without -e")
         root = pathlib.Path(self.root)
         library = build_library(root)
-        header = (root / "include/raycontact.h").read_text(encoding="utf-8")
+        headers = read_headers(root / "include/raycontact.h")
         ffi = FFI()
-        ffi.cdef(declarations(header))
+        for header in headers:
+            ffi.cdef(declarations(header))
         ffi.set_source("raycontact._ffi", None)
         generated = root / "target/python"
         generated.mkdir(parents=True, exist_ok=True)
         ffi.emit_python_code(str(generated / "_ffi.py"))
-        (generated / "_header.py").write_text(types(header, library.name), encoding="utf-8")
+        (generated / "_header.py").write_text(types("\n".join(headers), library.name), encoding="utf-8")
 
         files = [library, generated / "_ffi.py", generated / "_header.py"]
         build_data["force_include"].update({str(file): f"raycontact/{file.name}" for file in files})
@@ -58,8 +59,14 @@ def build_library(root):
     raise FileNotFoundError("cargo has told of no shared library")
 
 
+def read_headers(whole):
+    """What it includes, in that order: each header stands below those that it needs."""
+    names = re.findall(r'^#include "(.*)"$', whole.read_text(encoding="utf-8"), re.MULTILINE)
+    return [(whole.parent / name).read_text(encoding="utf-8") for name in names]
+
+
 def declarations(header):
-    """The header without comments and what stands for other compilers, as cffi reads it."""
+    """A header without comments and what stands for other compilers, as cffi reads it."""
     code = re.sub(r"//.*", "", COMMENT.sub("", header))
     lines = (line.strip() for line in code.splitlines() if not line.startswith("#"))
     return "\n".join(lines).replace('extern "C" {\n', "").rstrip("\n}")

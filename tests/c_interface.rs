@@ -1,29 +1,82 @@
-//! The C header is what the sources say, compiles as C99 and C++17, and every export keeps the house rules.
+//! The C headers are what the sources say, compile as C99 and C++17, and every export keeps the house rules.
 
+use std::collections::HashMap;
 use std::ffi::CStr;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+/// The headers of `include/raycontact/`, in an order in which they can be read: each with those that it builds on, and with
+/// the sources in `src/capi/` that it is made of. The first of these says what the header is for; its items come in their
+/// order, what a host needs first before the rest.
+const HEADERS: [(&str, &[&str], &[&str]); 8] = [
+    ("base", &[], &["base/mod", "base/errors", "base/status", "base/vectors", "base/version"]),
+    ("mesh", &["base"], &["mesh"]),
+    ("scene", &["mesh"], &["scene/mod", "scene/options", "scene/bodies", "scene/pairs"]),
+    (
+        "contacts",
+        &["scene"],
+        &[
+            "contacts/mod",
+            "contacts/list",
+            "contacts/forces",
+            "contacts/statistics",
+            "contacts/detection",
+            "contacts/escape_push",
+        ],
+    ),
+    (
+        "contact_system",
+        &["contacts"],
+        &["contact_system/mod", "contact_system/options", "contact_system/bodies", "contact_system/step"],
+    ),
+    (
+        "queries",
+        &["contacts"],
+        &["queries/mod", "queries/octree", "queries/rays", "queries/closest", "queries/own_exits", "queries/pairs"],
+    ),
+    ("state", &["scene"], &["state"]),
+    (
+        "distributed",
+        &["contact_system", "state"],
+        &[
+            "distributed/mod",
+            "distributed/bodies",
+            "distributed/packed_mesh",
+            "distributed/pair_forces",
+            "distributed/system_ghosts",
+            "distributed/system_parts",
+            "distributed/system_memories",
+        ],
+    ),
+];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn header() -> String {
-    fs::read_to_string(root().join("include/raycontact.h")).expect("the header is committed")
+fn read(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// The sources of the C interface: (file name, text).
-fn sources() -> Vec<(PathBuf, String)> {
-    let files = fs::read_dir(root().join("src/capi")).expect("src/capi exists");
-    let paths = files.map(|file| file.expect("a readable entry").path());
-    paths.map(|path| (path.clone(), fs::read_to_string(path).expect("a readable source"))).collect()
+fn header(name: &str) -> String {
+    read(&format!("include/raycontact/{name}.h"))
+}
+
+/// All of them, one after the other.
+fn headers() -> String {
+    HEADERS.map(|(name, ..)| header(name)).concat()
+}
+
+fn source(name: &str) -> String {
+    read(&format!("src/capi/{name}.rs"))
 }
 
 /// The texts of all `extern "C"` functions, from their `#[unsafe(no_mangle)]` to the closing brace, each with the
 /// line before it.
 fn exports() -> Vec<String> {
     let mut exports = Vec::new();
-    for (_, text) in sources() {
+    for name in HEADERS.iter().flat_map(|(.., sources)| *sources) {
+        let text = source(name);
         let lines: Vec<&str> = text.lines().collect();
         for (at, line) in lines.iter().enumerate() {
             if *line == "#[unsafe(no_mangle)]" {
@@ -36,98 +89,115 @@ fn exports() -> Vec<String> {
     exports
 }
 
-/// With RAYCONTACT_WRITE_HEADER=1 the header is written instead of compared.
-#[test]
-fn header_is_what_cbindgen_generates() {
+/// The items of C that cbindgen makes of the sources, by their names.
+fn items() -> HashMap<String, String> {
     let config = cbindgen::Config::from_file(root().join("cbindgen.toml")).expect("cbindgen.toml is valid");
-    // Not mod.rs: through it every source would be read once more. Nor the test of faults, which exports nothing.
-    let mut paths: Vec<PathBuf> = sources()
-        .into_iter()
-        .map(|(path, _)| path)
-        .filter(|path| !["mod.rs", "faults.rs"].iter().any(|name| path.ends_with(name)))
-        .collect();
-    paths.sort_by_key(|path| position_in_header(path));
-    // Its own sources only: the rest of the crate stays out of the header.
-    let builder = cbindgen::Builder::new().with_config(config);
-    let builder = paths.iter().fold(builder, |builder, path| builder.with_src(path));
+    let builder = cbindgen::Builder::new().with_config(config).with_src(root().join("src/capi/mod.rs"));
     let mut generated = Vec::new();
     builder.generate().expect("the sources parse").write(&mut generated);
-    let generated = String::from_utf8(generated).expect("the header is UTF-8");
-    if std::env::var_os("RAYCONTACT_WRITE_HEADER").is_some() {
-        fs::write(root().join("include/raycontact.h"), generated).expect("the header can be written");
-    } else {
-        assert!(generated == header(), "include/raycontact.h is out of date: see CONTRIBUTING.md for how to renew it");
+    let generated = String::from_utf8(generated).expect("the items are UTF-8");
+    generated.trim().split("\n\n").map(|item| (name_of(item), item.to_owned())).collect()
+}
+
+/// What an item of C declares.
+fn name_of(item: &str) -> String {
+    let (_, code) = item.split_once("*/\n").unwrap_or_else(|| panic!("no text for users at:\n{item}"));
+    let code = code.replace("(*", "");
+    let declared = match code.strip_prefix("#define ") {
+        Some(constant) => constant.split(' ').next(),
+        None => code.split(['(', ')', '{', ';']).next(),
+    };
+    declared.unwrap_or_default().trim_end().rsplit([' ', '*']).next().unwrap_or_default().to_owned()
+}
+
+/// Takes the items that a source declares, in its order.
+fn items_of(source: &str, items: &mut HashMap<String, String>) -> Vec<String> {
+    let public = source.lines().filter(|line| line.starts_with("pub "));
+    let names = public.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_'));
+    names.filter_map(|name| items.remove(name)).collect()
+}
+
+fn generated(name: &str, needs: &[&str], sources: &[&str], items: &mut HashMap<String, String>) -> String {
+    let sources: Vec<String> = sources.iter().map(|name| source(name)).collect();
+    let about = sources[0].lines().map_while(|line| line.strip_prefix("//!"));
+    let about: String = about.map(|line| format!(" *{line}\n")).collect();
+    let needed: String = needs.iter().map(|name| format!("#include \"{name}.h\"\n")).collect();
+    let needed = if needs.is_empty() { "#include <stddef.h>\n#include <stdint.h>\n" } else { &needed };
+    let items: Vec<String> = sources.iter().flat_map(|source| items_of(source, items)).collect();
+    let (guard, items) = (format!("RAYCONTACT_{}_H", name.to_uppercase()), items.join("\n\n"));
+    format!(
+        "/**\n * @file\n{about} */\n\n#ifndef {guard}\n#define {guard}\n\n\
+         /* Generated by cbindgen from src/capi/; do not edit. CONTRIBUTING.md says how to renew it. */\n\n{needed}\n\
+         #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{items}\n\n\
+         #ifdef __cplusplus\n}} // extern \"C\"\n#endif\n\n#endif /* {guard} */\n"
+    )
+}
+
+/// With RAYCONTACT_WRITE_HEADER=1 the headers are written instead of compared.
+#[test]
+fn header_is_what_cbindgen_generates() {
+    let mut items = items();
+    for (name, needs, sources) in HEADERS {
+        let generated = generated(name, needs, sources, &mut items);
+        if std::env::var_os("RAYCONTACT_WRITE_HEADER").is_some() {
+            let path = root().join(format!("include/raycontact/{name}.h"));
+            fs::write(path, generated).expect("the header can be written");
+        } else {
+            assert!(
+                generated == header(name),
+                "include/raycontact/{name}.h is out of date: see CONTRIBUTING.md for how to renew it"
+            );
+        }
     }
+    assert!(items.is_empty(), "say in HEADERS where these belong: {:?}", items.keys());
 }
 
-/// What a host needs first comes first: what all calls share, meshes, the scene and its contacts, the forces they give, the
-/// contact system; then what few hosts need: pairs' memories, bodies of several processes, a tree of one's own.
-const HEADER_ORDER: [&str; 34] = [
-    "version",
-    "failure",
-    "guard",
-    "float_mode",
-    "handles",
-    "pointers",
-    "precision",
-    "body_arrays",
-    "checks",
-    "sized_structs",
-    "host_threads",
-    "vectors",
-    "host_positions",
-    "options",
-    "mesh",
-    "scene",
-    "contacts",
-    "statistics",
-    "response",
-    "contact_system_options",
-    "contact_system",
-    "contact_system_step",
-    "contact_system_pairs",
-    "contact_system_parts",
-    "contact_system_ghosts",
-    "escape_push",
-    "pair_memory",
-    "sharing",
-    "pair_forces",
-    "packed_mesh",
-    "octree_options",
-    "octree",
-    "closest",
-    "own_exits",
-];
-
-fn position_in_header(path: &Path) -> usize {
-    let name = path.file_stem().and_then(|stem| stem.to_str()).expect("sources have names");
-    let place = HEADER_ORDER.iter().position(|known| *known == name);
-    place.unwrap_or_else(|| panic!("say in HEADER_ORDER where {} belongs in the header", path.display()))
+/// Its list of what to start with names the header of each function.
+#[test]
+fn raycontact_h_includes_all_but_one_and_says_what_is_where() {
+    let text = read("include/raycontact.h");
+    let included: Vec<&str> =
+        text.lines().filter_map(|line| line.strip_prefix("#include \"raycontact/")?.strip_suffix(".h\"")).collect();
+    let all_but_one: Vec<&str> = HEADERS.iter().map(|(name, ..)| *name).filter(|name| *name != "distributed").collect();
+    assert_eq!(included, all_but_one);
+    let mut count = 0;
+    for entry in text.split("\n * - ").skip(1) {
+        let (name, functions) = entry.split_once(".h: ").expect("a header and its functions");
+        let words = functions.split("()").filter_map(|before| before.split([' ', '\n']).next_back());
+        for call in words.filter(|word| word.starts_with("rayc_")) {
+            assert!(header(name).contains(&format!("{call}(")), "{name}.h does not declare {call}()");
+            count += 1;
+        }
+    }
+    assert!((20..30).contains(&count), "{count} functions to start with");
 }
 
-/// Compiles a program of the header alone, from this folder, as C99 and as C++17.
+/// Compiles each header of this folder alone, twice, as C99 and as C++17.
 fn check_compiles(name: &str, include: &Path, warnings: &[&str]) {
-    for (standard, extension) in [("c99", "c"), ("c++17", "cpp")] {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).join(extension);
-        fs::create_dir_all(&folder).expect("the test's folder can be made");
-        let source = folder.join(format!("alone.{extension}"));
-        let text =
-            "#include <raycontact.h>\n#include <raycontact.h>\nint main(void) { return (int)rayc_version() * 0; }\n";
-        fs::write(&source, text).expect("the test's source can be written");
-        cc::Build::new()
-            .cpp(extension == "cpp")
-            .std(standard)
-            .include(include)
-            .file(&source)
-            .flags(warnings)
-            .flag("-Werror")
-            .target(env!("RAYCONTACT_TARGET"))
-            .host(env!("RAYCONTACT_TARGET"))
-            .opt_level(0)
-            .cargo_metadata(false)
-            .out_dir(&folder)
-            .try_compile("alone")
-            .unwrap_or_else(|error| panic!("{name}: the header does not compile as {standard}: {error}"));
+    let own = HEADERS.map(|(name, ..)| format!("raycontact/{name}.h"));
+    for header in own.iter().map(String::as_str).chain(["raycontact.h"]) {
+        for (standard, extension) in [("c99", "c"), ("c++17", "cpp")] {
+            let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).join(extension);
+            fs::create_dir_all(&folder).expect("the test's folder can be made");
+            let source = folder.join(format!("alone.{extension}"));
+            let include_it = format!("#include <{header}>\n");
+            let text = format!("{include_it}{include_it}int main(void) {{ return (int)rayc_version() * 0; }}\n");
+            fs::write(&source, text).expect("the test's source can be written");
+            cc::Build::new()
+                .cpp(extension == "cpp")
+                .std(standard)
+                .include(include)
+                .file(&source)
+                .flags(warnings)
+                .flag("-Werror")
+                .target(env!("RAYCONTACT_TARGET"))
+                .host(env!("RAYCONTACT_TARGET"))
+                .opt_level(0)
+                .cargo_metadata(false)
+                .out_dir(&folder)
+                .try_compile("alone")
+                .unwrap_or_else(|error| panic!("{name}: {header} does not compile as {standard}: {error}"));
+        }
     }
 }
 
@@ -141,11 +211,14 @@ fn header_compiles_alone_as_c99_and_cpp17() {
 #[test]
 fn structs_have_no_holes() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("holes");
-    fs::create_dir_all(&folder).expect("the test's folder can be made");
-    let [text, end] = [header(), "  uint32_t scalar;\n} rayc_vectors".to_owned()];
-    assert_eq!(text.matches(&end).count(), 2);
-    let whole = text.replace(&end, &end.replace("scalar", "scalar, end"));
-    fs::write(folder.join("raycontact.h"), whole).expect("the header can be written");
+    fs::create_dir_all(folder.join("raycontact")).expect("the test's folder can be made");
+    let end = "  uint32_t scalar;\n} rayc_vectors";
+    assert_eq!(headers().matches(end).count(), 2);
+    for (name, ..) in HEADERS {
+        let whole = header(name).replace(end, &end.replace("scalar", "scalar, end"));
+        fs::write(folder.join(format!("raycontact/{name}.h")), whole).expect("the header can be written");
+    }
+    fs::write(folder.join("raycontact.h"), read("include/raycontact.h")).expect("the header can be written");
     check_compiles("holes", &folder, &["-Wpadded"]);
 }
 
@@ -170,7 +243,7 @@ const FIXED: [&str; 14] = [
 /// All others start with their size, or every call that takes one is told it.
 #[test]
 fn structs_that_may_grow_carry_their_size() {
-    let text = header();
+    let text = headers();
     let (mut fixed, mut growing) = (Vec::new(), Vec::new());
     for definition in text.split("\ntypedef struct ").skip(1) {
         // Handles have no fields.
@@ -199,7 +272,7 @@ fn every_export_goes_through_the_guard() {
 
 #[test]
 fn every_export_is_declared_once() {
-    let header = header();
+    let header = headers();
     // Declarations start at the margin; mentions of a function stand in comments.
     let declarations: Vec<&str> =
         header.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_lowercase())).collect();
@@ -223,7 +296,7 @@ fn every_export_is_documented() {
 
 #[test]
 fn every_status_has_its_name() {
-    let text = header();
+    let text = headers();
     let statuses = text.lines().filter_map(|line| {
         let (name, number) = line.trim().strip_suffix(',')?.split_once(" = ")?;
         name.starts_with("RAYC_STATUS_").then(|| (name, number.parse::<u32>().expect("a number")))
@@ -247,9 +320,12 @@ fn version_is_that_of_the_package() {
     let [major, minor, patch] =
         [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")];
     let abi = if major == "0" { minor.to_owned() } else { format!("{major}00") };
-    assert!(header().contains(&format!("#define RAYC_ABI_VERSION {abi}\n")), "RAYC_ABI_VERSION {abi}");
+    assert!(header("base").contains(&format!("#define RAYC_ABI_VERSION {abi}\n")), "RAYC_ABI_VERSION {abi}");
     for (name, number) in [("MAJOR", major), ("MINOR", minor), ("PATCH", patch)] {
-        assert!(header().contains(&format!("#define RAYC_VERSION_{name} {number}\n")), "RAYC_VERSION_{name} {number}");
+        assert!(
+            header("base").contains(&format!("#define RAYC_VERSION_{name} {number}\n")),
+            "RAYC_VERSION_{name} {number}"
+        );
     }
     let number = |text: &str| text.parse::<u32>().expect("a number");
     let version = number(major) * 10_000 + number(minor) * 100 + number(patch);

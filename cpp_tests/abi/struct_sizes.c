@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "check.h"
+#include "raycontact/distributed.h"
 #include "shapes.h"
 
 /* Calls `fill(size, place)` with older, the own and newer sizes; `known` is the size of the first version. */

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "contacts.hpp"
+#include "distributed.h"
 #include "result.hpp"
 #include "scene.hpp"
 #include "span.hpp"

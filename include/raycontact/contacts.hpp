@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "distributed.h"
 #include "mesh.hpp"
 #include "result.hpp"
 #include "span.hpp"

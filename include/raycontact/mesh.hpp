@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "distributed.h"
 #include "result.hpp"
 #include "span.hpp"
 

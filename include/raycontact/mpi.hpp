@@ -18,6 +18,7 @@
 #define RAYCONTACT_MPI_HPP
 
 #include "raycontact.hpp"
+#include "raycontact/distributed.h"
 #include "raycontact/mpi/distributed_contact_system.hpp"
 #include "raycontact/mpi/distributed_scene.hpp"
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "contacts.hpp"
+#include "distributed.h"
 #include "mesh.hpp"
 #include "result.hpp"
 #include "span.hpp"

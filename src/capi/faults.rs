@@ -1,12 +1,12 @@
 //! Faults on purpose, for tests of this crate alone: a panic within every export, and on every thread that works.
 
-use super::float_mode::Mode;
-use super::sized_structs::Options;
+use super::ffi::{Mode, Options};
 use super::*;
 use crate::shapes::{self, Shape};
 use crate::threads::faults;
 use std::cell::Cell;
 use std::ffi::CStr;
+use std::fs;
 use std::ptr::{null, null_mut};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
@@ -49,9 +49,13 @@ fn last_error() -> String {
     unsafe { CStr::from_ptr(rayc_last_error_message()) }.to_str().expect("UTF-8").to_owned()
 }
 
-/// The names of all functions that the header declares, each from the start of a line.
+/// The names of all functions that the headers declare, each from the start of a line.
 fn exports() -> Vec<String> {
-    let header = include_str!("../../include/raycontact.h");
+    let files =
+        fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/include/raycontact")).expect("the headers are there");
+    let paths = files.map(|file| file.expect("it can be read").path());
+    let headers = paths.filter(|path| path.extension().is_some_and(|end| end == "h"));
+    let header: String = headers.map(|path| fs::read_to_string(path).expect("it can be read")).collect();
     let name = |line: &str| {
         let declared = line.split_once('(')?.0.rsplit([' ', '*']).next()?;
         let is_declaration = !line.starts_with([' ', '/', '#']) && !line.starts_with("typedef");

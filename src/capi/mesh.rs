@@ -1,13 +1,11 @@
-use super::checks::flag;
-use super::failure::{Failure, mesh_status, rayc_status};
-use super::guard::{guard, guard_end};
-use super::handles::{Handle, HandleKind, changing, give, reading, take_back};
-use super::host_positions::set_positions;
-use super::options::rayc_mesh_options;
-use super::pointers::{Output, check_length, reference, slice};
-use super::precision::{InPrecision, with_precision};
-use super::sized_structs::read_options;
-use super::vectors::{Strided, rayc_scalar, rayc_vectors, rayc_vectors_mut, scalar_from};
+//! One body's surface: made from arrays or from a file, given new positions, read back.
+
+use crate::capi::base::{rayc_scalar, rayc_status, rayc_vectors, rayc_vectors_mut};
+use crate::capi::ffi::{
+    Failure, Handle, HandleKind, InPrecision, Options, Output, Strided, changing, check_length, flag, give, growing,
+    guard, guard_end, mesh_status, read_options, reading, reference, scalar_from, set_positions, slice, take_back,
+    with_precision, write_defaults,
+};
 use crate::math::Scalar;
 use crate::memory;
 use crate::memory::text;
@@ -60,24 +58,38 @@ impl AnyMesh {
     }
 }
 
-fn read_all<T: Scalar>(vectors: &Strided) -> Vec<[T; 3]> {
-    memory::listed((0..vectors.count()).map(|index| vectors.read::<T>(index).into()))
+/// How a mesh is kept. Fill with rayc_default_mesh_options(), then change what you need.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_mesh_options {
+    /// sizeof(rayc_mesh_options): lets the struct grow without breaking programs built earlier.
+    pub struct_size: usize,
+    /// Arithmetic of detection, a rayc_scalar. Default RAYC_SCALAR_F64.
+    pub precision: u32,
+    /// 1: the surface may be open, with edges that belong to one triangle only: a floor, a wall, a piece of
+    /// cloth. It is solid behind its triangles. A point of a closed body that lies behind it, and whose inward
+    /// ray leaves through it, gives a contact; so does a point of it inside a closed body. Limits: a body that is
+    /// more than half behind the surface is pushed less and less, and not at all once it is through or beyond the
+    /// border; no edges are traced, and the pair never escapes; two open meshes do not collide. Such pairs are
+    /// counted as open_pairs in rayc_statistics. 0: an open surface is refused. Default 0.
+    pub open: u32,
 }
 
-pub(super) fn renew_positions<T: Scalar>(mesh: &mut Mesh<T>, positions: &Strided) -> Result<(), Failure> {
-    Ok(set_positions(mesh, positions).map_err(|error| before_conversion::<T>(error, positions))?)
-}
+growing!(rayc_mesh_options, precision: u32);
 
-/// What was not finite may have been so before it was made a float.
-fn before_conversion<T: Scalar>(error: MeshError, positions: &Strided) -> MeshError {
-    let MeshError::NotFinite { vertex, .. } = error else { return error };
-    let given = positions.read::<f64>(vertex);
-    match given.iter().find(|&&x| x.is_finite() && !T::of(x).is_finite()) {
-        Some(&value) if given.iter().all(|x| x.is_finite()) => {
-            MeshError::BeyondRange { vertex, value, largest: T::LARGEST.to_f64() }
-        }
-        _ => error,
+impl Options for rayc_mesh_options {
+    fn defaults() -> Self {
+        Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32, open: 0 }
     }
+}
+
+/// Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
+///
+/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_default_mesh_options(struct_size: usize, options: *mut rayc_mesh_options) -> rayc_status {
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe { write_defaults(struct_size, options) })
 }
 
 /// Checks and copies a surface.
@@ -142,13 +154,6 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
     })
 }
 
-/// Frees a mesh; NULL does nothing.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn rayc_mesh_destroy(mesh: *mut rayc_mesh) -> rayc_status {
-    // SAFETY: the handle is the caller's, and is not used again.
-    guard_end(|| unsafe { take_back(mesh, "mesh") })
-}
-
 /// Renews the positions of all vertices. Octrees of this mesh are stale from here on.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MESH_BEYOND_RANGE; the positions are then as
@@ -160,6 +165,33 @@ pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
         with_precision!(&mut changing(mesh, "mesh")?.mesh, |mesh| renew_positions(mesh, &positions))
     })
+}
+
+/// Frees a mesh; NULL does nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_destroy(mesh: *mut rayc_mesh) -> rayc_status {
+    // SAFETY: the handle is the caller's, and is not used again.
+    guard_end(|| unsafe { take_back(mesh, "mesh") })
+}
+
+fn read_all<T: Scalar>(vectors: &Strided) -> Vec<[T; 3]> {
+    memory::listed((0..vectors.count()).map(|index| vectors.read::<T>(index).into()))
+}
+
+pub(super) fn renew_positions<T: Scalar>(mesh: &mut Mesh<T>, positions: &Strided) -> Result<(), Failure> {
+    Ok(set_positions(mesh, positions).map_err(|error| before_conversion::<T>(error, positions))?)
+}
+
+/// What was not finite may have been so before it was made a float.
+fn before_conversion<T: Scalar>(error: MeshError, positions: &Strided) -> MeshError {
+    let MeshError::NotFinite { vertex, .. } = error else { return error };
+    let given = positions.read::<f64>(vertex);
+    match given.iter().find(|&&x| x.is_finite() && !T::of(x).is_finite()) {
+        Some(&value) if given.iter().all(|x| x.is_finite()) => {
+            MeshError::BeyondRange { vertex, value, largest: T::LARGEST.to_f64() }
+        }
+        _ => error,
+    }
 }
 
 /// How many vertices the mesh has, used by triangles or not.

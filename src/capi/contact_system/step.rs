@@ -1,0 +1,418 @@
+use super::{AnySystem, rayc_contact_system};
+use crate::capi::base::rayc_status;
+use crate::capi::contacts::rayc_contacts;
+use crate::capi::ffi::{
+    Failure, Output, changing, check_length, flag, guard, reading, slice, slice_mut, with_precision,
+};
+use crate::capi::scene::rayc_scene;
+use crate::contact::ContactList;
+use crate::math::Scalar;
+use crate::memory::text;
+use crate::system::Surface;
+
+/// Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in
+/// m; velocities: at the start, in m/s; free_velocities: the velocities at the end if nothing touched the nodes. The
+/// call puts the scene's bodies where they would then be, finds their contacts, and makes rows of them. It calls
+/// rayc_scene_advance(), so pairs that contacts cannot part escape as described there.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER where a step is under way, RAYC_STATUS_INVALID_STEP where dt is not finite and > 0,
+/// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE with a message that names the number, RAYC_STATUS_UNKNOWN_BODY where the
+/// scene and the system have not the same bodies, RAYC_STATUS_PRECISION_MISMATCH; RAYC_STATUS_TOO_STIFF: the step is then
+/// cancelled, as by rayc_contact_system_cancel().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_begin(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    dt: f64,
+    count: usize,
+    positions: *const f64,
+    velocities: *const f64,
+    free_velocities: *const f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let positions = slice(positions, count, "positions")?;
+        let velocities = slice(velocities, count, "velocities")?;
+        let free = slice(free_velocities, count, "free_velocities")?;
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
+            Ok(system.begin(scene, dt, positions, velocities, free)?)
+        })
+    })
+}
+
+/// Adds the contact forces on the unknowns to `forces`, in N and N m. `velocities` are those at the end of the step.
+/// The rows are held, so the forces are linear in the velocities. count: the number of unknowns. The two arrays must
+/// not overlap.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+/// RAYC_STATUS_INVALID_OPTION where the arrays overlap.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_add_forces(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+    forces: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
+        with_precision!(&mut system.system, |system| Ok(system.add_forces(velocities, forces)?))
+    })
+}
+
+/// Adds factor · (−∂force/∂velocity) · change to `result`, as the rows are held: a product with a symmetric, positive
+/// semi-definite matrix, what an implicit solver asks once per iteration. A step that solves for velocities, with the
+/// matrix M + dt · (−∂force/∂velocity), gives dt as factor. By displacements the derivative is 1 / dt times as large.
+/// count: that of the unknowns. The two arrays must not overlap.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+/// RAYC_STATUS_INVALID_OPTION where the arrays overlap.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_add_product(
+    system: *mut rayc_contact_system,
+    factor: f64,
+    count: usize,
+    change: *const f64,
+    result: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
+        with_precision!(&mut system.system, |system| Ok(system.add_product(factor, change, result)?))
+    })
+}
+
+/// How many blocks rayc_contact_system_copy_blocks() gives, as the rows are held.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_block_count(
+    system: *const rayc_contact_system,
+    count: *mut usize,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let system = reading(system, "system")?;
+        let place = Output::new(count, "count")?;
+        place.write(block_count(&system.system)?);
+        Ok(())
+    })
+}
+
+/// Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
+/// stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`.
+/// Those of equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as
+/// many numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
+/// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
+    system: *const rayc_contact_system,
+    factor: f64,
+    count: usize,
+    rows: *mut u32,
+    columns: *mut u32,
+    blocks: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let system = reading(system, "system")?;
+        check_length("blocks", count, block_count(&system.system)?)?;
+        let rows = slice_mut(rows, count, "rows")?;
+        let columns = slice_mut(columns, count, "columns")?;
+        let blocks = slice_mut(blocks, 9 * count, "blocks")?;
+        let mut next = 0;
+        let copy = |row: usize, column: usize, block: [f64; 9]| {
+            (rows[next], columns[next]) = (row as u32, column as u32);
+            blocks[9 * next..9 * next + 9].copy_from_slice(&block);
+            next += 1;
+        };
+        with_precision!(&system.system, |system| Ok(system.for_each_block(factor, copy)?))
+    })
+}
+
+/// Writes the number that a method of the system gives for velocities.
+macro_rules! number_at {
+    ($system:ident, $velocities:ident, $count:ident, $method:ident, $place:ident) => {{
+        let mut system = changing($system, "system")?;
+        let velocities = slice($velocities, $count, "velocities")?;
+        let place = Output::new($place, stringify!($place))?;
+        place.write(with_precision!(&mut system.system, |system| system.$method(velocities)?));
+        Ok(())
+    }};
+}
+
+/// The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of the
+/// step, velocity times dt. For line searches. count: that of the unknowns.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_energy(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+    joules: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe { number_at!(system, velocities, count, energy, joules) })
+}
+
+/// Holds the rows anew at these velocities: this decides which rows push and how much they rub. Call it after a
+/// solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly. If it is above about 0.05, solve
+/// again. Eliminated rigid bodies answer by the rows as they are held: of what these exchange with nodes that part of the
+/// momentum is kept only where a step ends right after a solve.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE; RAYC_STATUS_TOO_STIFF:
+/// the step is then cancelled, as by rayc_contact_system_cancel(), and can begin again with a softer material or a shorter
+/// length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_linearise(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+    wrong: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe { number_at!(system, velocities, count, linearise, wrong) })
+}
+
+/// Finds what rayc_contact_system_linearise() would write to *wrong, and leaves the rows as they are: the part of all
+/// force, 0 to 1, that was predicted wrongly. So a host whose last solve was right keeps the forces that it solved
+/// with.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_misjudged(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+    wrong: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe { number_at!(system, velocities, count, misjudged, wrong) })
+}
+
+/// Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped may
+/// be in the way of another one, although detection took it to be moving on. *is_more: 1 where pairs have contacts that
+/// had none, or less than half as many; then solve again. It looks only if some node or rigid body ends farther than
+/// the smallest depth cap from where it was when contacts were last looked for.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+/// RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH; RAYC_STATUS_TOO_STIFF: the step is then cancelled, as by
+/// rayc_contact_system_cancel(), and can begin again with a softer material or a shorter length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_detect_again(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    count: usize,
+    velocities: *const f64,
+    is_more: *mut u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let velocities = slice(velocities, count, "velocities")?;
+        let place = Output::new(is_more, "is_more")?;
+        place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
+            u32::from(system.detect_again(scene, velocities)?)
+        }));
+        Ok(())
+    })
+}
+
+/// Finds how far the scene's bodies, without ghosts, end from where they were when contacts were last looked for, if
+/// these are the velocities at the end of the step. *nodes and *rigid: the largest square of a difference of velocities
+/// in m²/s², of nodes and of rigid bodies' centres. rayc_contact_system_detect_again() looks again where one is more
+/// than (d / dt)², d the smallest depth cap of all bodies; that of nodes counts where any node has a finite mass.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+/// RAYC_STATUS_PRECISION_MISMATCH.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_off_course(
+    system: *mut rayc_contact_system,
+    scene: *const rayc_scene,
+    count: usize,
+    velocities: *const f64,
+    nodes: *mut f64,
+    rigid: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut system, scene) = (changing(system, "system")?, reading(scene, "scene")?);
+        let velocities = slice(velocities, count, "velocities")?;
+        let places = [Output::new(nodes, "nodes")?, Output::new(rigid, "rigid")?];
+        let squares = with_precision!(&mut system.system, &scene.scene, |system, scene| {
+            system.off_course(scene, velocities)?
+        });
+        for (place, square) in places.into_iter().zip(squares) {
+            place.write(square);
+        }
+        Ok(())
+    })
+}
+
+/// Ends a step, given its velocities at the end. The loads, and what friction holds on to, are remembered for the
+/// next step.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step; RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE: the step is then still
+/// under way.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_finish(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        let velocities = slice(velocities, count, "velocities")?;
+        with_precision!(&mut system.system, |system| Ok(system.finish(velocities)?))
+    })
+}
+
+/// Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies, and that pairs which escape
+/// count the step (rayc_scene_advance()). Does nothing where no step is under way.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_cancel(system: *mut rayc_contact_system) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        with_precision!(&mut changing(system, "system")?.system, |system| system.cancel());
+        Ok(())
+    })
+}
+
+/// Copies the linear and angular velocity of a rigid body at the end of the last finished step to `velocity`, six numbers.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY where it is not rigid, or was added since.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_rigid_velocity(
+    system: *const rayc_contact_system,
+    body: u32,
+    velocity: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let system = reading(system, "system")?;
+        let place = Output::array(velocity, 6, "velocity")?;
+        place.write_all(with_precision!(&system.system, |system| system.rigid_velocity(body)?).into_iter());
+        Ok(())
+    })
+}
+
+/// A whole step for a host that integrates explicitly: adds to `forces` the contact forces on its unknowns at these positions
+/// and velocities. *longest_step: the longest step, in s, for which they are stable where velocities go first and positions
+/// follow them (symplectic Euler); infinity without contact. The host's own forces may need a shorter one.
+///
+/// dt: the step that the host takes. count: three times the number of nodes; unknown_count: that of the unknowns. Rigid
+/// bodies have to be kept; they move as rayc_contact_system_set_motion() says.
+///
+/// Errors: those of rayc_contact_system_begin(), and RAYC_STATUS_RIGID_ELIMINATED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_explicit_step(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    dt: f64,
+    count: usize,
+    positions: *const f64,
+    velocities: *const f64,
+    unknown_count: usize,
+    forces: *mut f64,
+    longest_step: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let place = Output::new(longest_step, "longest_step")?;
+        check_apart(positions, count, forces, unknown_count)?;
+        let positions = slice(positions, count, "positions")?;
+        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, unknown_count, "forces"))?;
+        place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
+            system.explicit_step(scene, dt, positions, velocities, forces)?
+        }));
+        Ok(())
+    })
+}
+
+/// Copies the contacts of the last detection, with its statistics: positions are where bodies were looked for. Replaces what
+/// `contacts` held.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_copy_contacts(
+    system: *const rayc_contact_system,
+    contacts: *mut rayc_contacts,
+) -> rayc_status {
+    fn copy<T: Scalar>(from: &ContactList<T>, to: &mut ContactList<T>) {
+        if from.pushes().is_empty() && to.pushes().is_empty() {
+            // What detection works with is left out.
+            to.contacts.clone_from(&from.contacts);
+            to.statistics = from.statistics;
+        } else {
+            to.clone_from(from);
+        }
+    }
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let system = reading(system, "system")?;
+        let mut contacts = changing(contacts, "contacts")?;
+        with_precision!(&system.system, |system| copy(system.contacts(), contacts.list.as_mut()));
+        Ok(())
+    })
+}
+
+/// The net force with which `other` acted on a body in the last finished step: three numbers, in N; zero for a body and itself.
+/// other: a body, or where is_half_space is 1 the number of a half-space.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_WRONG_COUNT where there is no such half-space, RAYC_STATUS_INVALID_OPTION
+/// where is_half_space is neither 0 nor 1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_pair_force(
+    system: *const rayc_contact_system,
+    body: u32,
+    other: u32,
+    is_half_space: u32,
+    force: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let system = reading(system, "system")?;
+        let place = Output::array(force, 3, "force")?;
+        let is_half_space = flag("is_half_space", is_half_space)?;
+        let other = if is_half_space { Surface::HalfSpace(other) } else { Surface::Body(other) };
+        let found = with_precision!(&system.system, |system| system.pair_force(body, other)?);
+        place.write_all(found.into_iter());
+        Ok(())
+    })
+}
+
+fn block_count(system: &AnySystem) -> Result<usize, Failure> {
+    let mut count = 0;
+    with_precision!(system, |system| system.for_each_block(1.0, |_, _, _| count += 1)?);
+    Ok(count)
+}
+
+/// An array to be read and one to be written, each of so many numbers, which do not overlap.
+///
+/// # Safety
+/// Those of [`slice`] and [`slice_mut`].
+pub(in crate::capi) unsafe fn apart<'a>(
+    (read, count, read_name): (*const f64, usize, &str),
+    (written, length, written_name): (*mut f64, usize, &str),
+) -> Result<(&'a [f64], &'a mut [f64]), Failure> {
+    check_apart(read, count, written, length)?;
+    // SAFETY: by this function's contract.
+    unsafe { Ok((slice(read, count, read_name)?, slice_mut(written, length, written_name)?)) }
+}
+
+/// Refuses to write to what is read.
+fn check_apart(read: *const f64, count: usize, written: *mut f64, length: usize) -> Result<(), Failure> {
+    let bytes = |count: usize| count.saturating_mul(size_of::<f64>());
+    let (a, b) = (read.addr(), written.addr());
+    if a < b.saturating_add(bytes(length)) && b < a.saturating_add(bytes(count)) {
+        let message = text!("the array to be written overlaps one that is read; give arrays of their own");
+        return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
+    }
+    Ok(())
+}

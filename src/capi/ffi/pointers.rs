@@ -1,0 +1,112 @@
+use super::failure::Failure;
+use crate::capi::base::rayc_status;
+use crate::memory::text;
+use std::ops::Range;
+
+pub(in crate::capi) fn null(name: &str) -> Failure {
+    Failure::new(rayc_status::RAYC_STATUS_NULL_POINTER, text!("{name} is NULL; pass a valid pointer"))
+}
+
+/// # Safety
+/// `pointer` is NULL or points to a `V` that nobody changes during `'a`.
+pub(in crate::capi) unsafe fn reference<'a, V>(pointer: *const V, name: &str) -> Result<&'a V, Failure> {
+    // SAFETY: by this function's contract.
+    unsafe { pointer.as_ref() }.ok_or_else(|| null(name))
+}
+
+/// # Safety
+/// `pointer` is NULL, or `count` is 0, or it points to `count` values that nobody changes during `'a`.
+pub(in crate::capi) unsafe fn slice<'a, V>(pointer: *const V, count: usize, name: &str) -> Result<&'a [V], Failure> {
+    match (count, pointer.is_null()) {
+        (0, _) => Ok(&[]),
+        (_, true) => Err(null(name)),
+        // SAFETY: by this function's contract.
+        _ => Ok(unsafe { std::slice::from_raw_parts(pointer, count) }),
+    }
+}
+
+/// # Safety
+/// `pointer` is NULL, or `count` is 0, or it points to `count` values that nobody else uses during `'a`.
+pub(in crate::capi) unsafe fn slice_mut<'a, V>(
+    pointer: *mut V,
+    count: usize,
+    name: &str,
+) -> Result<&'a mut [V], Failure> {
+    match (count, pointer.is_null()) {
+        (0, _) => Ok(&mut []),
+        (_, true) => Err(null(name)),
+        // SAFETY: by this function's contract.
+        _ => Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) }),
+    }
+}
+
+/// Refuses an array that has not the length of what is to be written to it.
+pub(in crate::capi) fn check_length(name: &str, given: usize, needed: usize) -> Result<(), Failure> {
+    if given == needed {
+        return Ok(());
+    }
+    let message = text!("{name} has room for {given}, but takes {needed}; ask for their number, and give that many");
+    Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+}
+
+/// The range of `count` elements from `first` on, where as many are present.
+pub(in crate::capi) fn range_of(
+    what: &str,
+    first: usize,
+    count: usize,
+    present: usize,
+) -> Result<Range<usize>, Failure> {
+    match first.checked_add(count) {
+        Some(end) if end <= present => Ok(first..end),
+        _ => {
+            let message =
+                text!("{what} {first} to {first} + {count} were asked for, but there are {present}; ask for fewer");
+            Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message))
+        }
+    }
+}
+
+/// A place for an output: known not to be NULL before any work is done, written on success only.
+pub(in crate::capi) struct Output<V>(*mut V);
+
+impl<V> Output<V> {
+    pub(in crate::capi) fn new(pointer: *mut V, name: &str) -> Result<Self, Failure> {
+        if pointer.is_null() { Err(null(name)) } else { Ok(Self(pointer)) }
+    }
+
+    /// Like [`new`](Self::new), for an array: NULL is fine where it has no elements.
+    pub(in crate::capi) fn array(pointer: *mut V, count: usize, name: &str) -> Result<Self, Failure> {
+        if count == 0 { Ok(Self(pointer)) } else { Self::new(pointer, name) }
+    }
+
+    /// The same where `needed` elements are to be written.
+    pub(in crate::capi) fn exactly(pointer: *mut V, count: usize, needed: usize, name: &str) -> Result<Self, Failure> {
+        check_length(name, count, needed)?;
+        Self::array(pointer, count, name)
+    }
+
+    /// # Safety
+    /// The pointer is writable for one `V`.
+    pub(in crate::capi) unsafe fn write(self, value: V) {
+        // SAFETY: by this function's contract.
+        unsafe { self.0.write(value) }
+    }
+
+    /// # Safety
+    /// The pointer is writable for as many values as `values` yields.
+    pub(in crate::capi) unsafe fn write_all(self, values: impl Iterator<Item = V>) {
+        // SAFETY: by this function's contract.
+        unsafe { self.write_from(0, values) }
+    }
+
+    /// The same from a place on.
+    ///
+    /// # Safety
+    /// The pointer is writable for `first` values and as many more as `values` yields.
+    pub(in crate::capi) unsafe fn write_from(&self, first: usize, values: impl Iterator<Item = V>) {
+        for (index, value) in values.enumerate() {
+            // SAFETY: by this function's contract.
+            unsafe { self.0.add(first + index).write(value) }
+        }
+    }
+}
