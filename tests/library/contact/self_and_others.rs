@@ -172,6 +172,7 @@ fn a_piece_counts_as_a_whole_or_with_its_part_inside() {
         |half: Point, by: Point| shapes::cube(1).map(|p| std::array::from_fn(|axis| half[axis] * p[axis])).moved(by);
     let bars = [bar([0.4, 0.8, 0.3], [-0.1, 0.0, 0.0]).turned(0.3, 0.2), bar([0.9, 0.35, 0.5], [0.2, 0.1, 0.1])];
     let mut cases = vec![(bars, ball(2, [0.2, 0.9, 0.3]), 0.01)];
+    // The finest balls have triangles too short to be cut, so each counts as a whole or not at all, by where its middle lies.
     for (levels, tolerance) in [(1, 0.01), (2, 0.01), (3, 0.02)] {
         let lobes = [ball(levels, [-0.45, 0.0, 0.0]), ball(levels, [0.45, 0.0, 0.0])];
         cases.push((lobes, ball(levels, [0.13, 1.1, 0.21]), tolerance));
