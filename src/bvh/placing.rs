@@ -71,10 +71,12 @@ impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Farthest<'_, T> {
     fn enter(&mut self, index: u32, reaches: &mut Self::Kept) -> Children {
         let (node, [lower, upper]) = (&self.nodes[index as usize], &self.posed.boxes[index as usize]);
         farthest(&self.row, self.position, [lower, upper], reaches);
-        let mut children = Children { first: node.first, left: node.present() };
-        while node.is_leaf {
-            let Some(place) = Visitor::<T, L>::next(self, reaches, &mut children.left) else { break };
-            let tile = (node.first + place) as usize;
+        let (first, mut left) = (node.first, node.present());
+        if !node.is_leaf {
+            return Children { first, left };
+        }
+        while let Some(place) = Visitor::<T, L>::next(self, reaches, &mut left) {
+            let tile = (first + place) as usize;
             if self.posed.cylinders[tile].reach(&self.row) + self.position <= self.reach.to_f64() {
                 continue;
             }
@@ -85,7 +87,7 @@ impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Farthest<'_, T> {
                 }
             }
         }
-        children
+        Children::NONE
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

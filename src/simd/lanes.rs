@@ -1,8 +1,5 @@
 //! Sixteen lanes as a path has them, and what runs on them.
 
-// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use crate::simd::lane::{LANE_COUNT, Mask};
 use crate::simd::one_by_one::{bounds_one_by_one, gather_one_by_one};
 use nalgebra::{RealField, Vector3};
