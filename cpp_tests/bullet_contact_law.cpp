@@ -2,9 +2,9 @@
 #include <cmath>
 #include <vector>
 
+#include "bullet_bodies.hpp"
 #include "expect.hpp"
 #include "raycontact/bullet.hpp"
-#include "shapes.hpp"
 #include "soft_world.hpp"
 
 namespace bullet = raycontact::bullet;
@@ -12,11 +12,6 @@ namespace bullet = raycontact::bullet;
 namespace {
 
 constexpr double mass = 2, dt = 0.02, stiffness = 500;  // kg, s, N/m^3
-
-const demo::Surface cube{
-    "cube",
-    {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1},
-    {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5}};
 
 bullet::ContactOptions options_with(double damping_time) {
   bullet::ContactOptions options;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "bullet_bodies.hpp"
 #include "expect.hpp"
 #include "inside_test.hpp"
 #include "raycontact/bullet.hpp"
@@ -66,12 +67,6 @@ demo::Surface horseshoe() {
     for (std::size_t t = 0; t < surface.triangles.size(); t += 3)
       std::swap(surface.triangles[t], surface.triangles[t + 1]);
   return surface;
-}
-
-btVector3 momentum(const btSoftBody& body) {
-  btVector3 sum(0, 0, 0);
-  for (int n = 0; n < body.m_nodes.size(); ++n) sum += body.m_nodes[n].m_v / body.m_nodes[n].m_im;
-  return sum;
 }
 
 // The arms of a horseshoe swing towards one another. Returns by how much the upper one has come to lie below the lower.

@@ -4,7 +4,7 @@
 mod support;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use raycontact::contact::{ContactList, DetectionOptions, Sampling, Statistics};
+use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling, Statistics};
 use raycontact::escape::query_pair;
 use raycontact::query::Octree;
 use raycontact::scene::Scene;
@@ -30,8 +30,8 @@ pair costs of which both bodies or one are garbage, beside two such tori that ov
 Garbage: the torus with all vertices in one point, on a line, in a plane or anywhere in a box, with some of them anywhere, or
 each or those of one half thrown about; all grow a little before every step. Prints for each the median time of a step, also as a
 multiple of that of the torus moving by a ripple and of the torus at rest, and what its statistics count. Pairs are without
-self-collision, with the default options and the paper's, and also beside the two tori at rest. Times are those of
-the thread, so that other work on the machine does not count.
+self-collision, with the default options, the paper's, and the default ones with the law of ray lengths, and also beside the
+two tori at rest. Times are those of the thread, so that other work on the machine does not count.
 The crowd: tetrahedra of one size anywhere in a cube, so that the boxes of each overlap those of about 110 others. Its ordinary
 step: as many in a larger cube, so that each meets about four others. Both with the default options and the paper's.
 Target: at most 20 times the ordinary step, for what is marked with a star.
@@ -88,9 +88,12 @@ fn main() -> ExitCode {
     println!("{} triangles", torus.triangles.len());
     let edge = TAU / size as f64;
     let mut worst = measure(garbage(one_body, &torus, edge), 2, runs);
-    for (name, options) in
-        [("default options", DetectionOptions::default()), ("the paper's", DetectionOptions::paper())]
-    {
+    let ray_lengths = DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() };
+    for (name, options) in [
+        ("default options", DetectionOptions::default()),
+        ("the paper's", DetectionOptions::paper()),
+        ("ray lengths", ray_lengths),
+    ] {
         for whole in [None, Some(&torus)] {
             println!("pairs, {} garbage, {name}", if whole.is_some() { "one of them" } else { "both" });
             worst = worst.max(measure(garbage(pair(options, whole), &torus, edge), 2, runs));

@@ -79,11 +79,18 @@ pub(crate) fn first_of(left: &mut Mask) -> Option<u32> {
 /// Takes the child that is left with the smallest key, of equal ones the first. Few are left at a time: lanes would not pay.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn smallest_of<T: Scalar>(left: &mut Mask, keys: &[T; CHILD_COUNT]) -> Option<u32> {
-    let key = |place: u32| keys[place as usize % CHILD_COUNT];
     let mut others = *left;
     let mut smallest = first_of(&mut others)?;
-    while let Some(place) = first_of(&mut others) {
-        smallest = if key(place) < key(smallest) { place } else { smallest };
+    if others == 0 {
+        *left = 0;
+        return Some(smallest);
+    }
+    let mut least = keys[smallest as usize % CHILD_COUNT];
+    while others != 0 {
+        let place = others.trailing_zeros();
+        others &= others - 1;
+        let key = keys[place as usize % CHILD_COUNT];
+        (smallest, least) = if key < least { (place, key) } else { (smallest, least) };
     }
     *left &= !(1 << smallest);
     Some(smallest)

@@ -31,7 +31,7 @@ where
         let Self { cells, mesh, ray, then } = self;
         let ray = &ray.into();
         let (slabs, sheared) = (RaySlabs::new(ray, mesh.aabb()), ShearedRay::new(ray));
-        let (end, room) = (ray.t_max, [[T::zero(); LANE_COUNT]; 3]);
+        let (end, room) = (ray.t_max, &mut [[T::zero(); LANE_COUNT]; 3]);
         let mut nearest = Nearest { cells, mesh, slabs, ray: sheared, end, hit: None, room };
         Way::new([T::zero(); CHILD_COUNT]).walk::<T, L>(&mut nearest);
         then(nearest.hit)
@@ -49,7 +49,7 @@ struct Nearest<'a, T: Scalar> {
     /// The nearest so far.
     hit: Option<Hit<T>>,
     /// For the positions of a tile that is not loaded.
-    room: [[T; LANE_COUNT]; 3],
+    room: &'a mut [[T; LANE_COUNT]; 3],
 }
 
 impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Nearest<'_, T> {
@@ -60,9 +60,8 @@ impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Nearest<'_, T> {
     fn enter(&mut self, node: u32, entries: &mut Self::Kept) -> Children {
         let mut room = None;
         let node = self.cells.node(node as usize, &mut room);
-        let (enters, mut left) = self.slabs.entering(node.corners::<L>(), self.end);
+        let (enters, mut left) = self.slabs.entering::<L>(node, self.end);
         enters.store(entries);
-        left &= node.present();
         if !node.is_leaf {
             return Children { first: node.first, left };
         }
@@ -88,7 +87,7 @@ impl<T: Scalar> Nearest<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn search_tile<L: Lanes<T>>(&mut self, index: usize) -> bool {
         let tile = &self.cells.tiles[index];
-        let positions = self.cells.positions_of::<L>(index, self.mesh, &mut self.room);
+        let positions = self.cells.positions_of::<L>(index, self.mesh, self.room);
         let (may_meet, vertices) = self.ray.may_meet::<L>(positions, &tile.corners);
         let mut met = may_meet & tile.present;
         if met == 0 {

@@ -1,5 +1,6 @@
 //! Boxes as rays meet them.
 
+use crate::bvh::node::Node;
 use crate::math::margins::{self, reaches_told_apart};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, vector_in_lane};
@@ -60,7 +61,11 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
     /// second.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn passing(&self, aabb: &Aabb<T>, end: L) -> (L, L) {
-        passing([Vectors::splat(&aabb.lower), Vectors::splat(&aabb.upper)], self.inverse, self.offsets, end)
+        let at_lower = Vectors::splat(&aabb.lower).times_add(self.inverse, self.offsets[0]);
+        let at_upper = Vectors::splat(&aabb.upper).times_add(self.inverse, self.offsets[1]);
+        let (enters, leaves) = (at_lower.smaller(at_upper), at_lower.larger(at_upper));
+        let enters = enters.largest().larger(L::splat(T::zero()));
+        (enters, leaves.x.smaller(leaves.y).smaller(leaves.z).smaller(end))
     }
 
     /// The same, ray by ray.
@@ -174,32 +179,25 @@ impl<T: Scalar> RaySlabs<T> {
         }
     }
 
-    /// Where the ray enters each of sixteen boxes, and which of them it meets, not beyond its end.
+    /// Where the ray enters the boxes of a node's children, and which of them it meets, not beyond its end.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn entering<L: Lanes<T>>(&self, corners: [Vectors<T, L>; 2], end: T) -> (L, Mask) {
+    pub(crate) fn entering<L: Lanes<T>>(&self, node: &Node<T>, end: T) -> (L, Mask) {
+        let (mut enters, mut leaves) = (L::splat(T::zero()), L::splat(end));
         if self.meets_all {
-            return (L::splat(T::zero()), Mask::MAX);
+            return (enters, node.present());
         }
-        let [lower, upper] = &self.offsets;
-        let offsets = [Vectors::splat(lower), Vectors::splat(upper)];
-        let (enters, leaves) = passing(corners, Vectors::splat(&self.inverse), offsets, L::splat(end));
-        (enters, enters.is_at_most(leaves))
+        let faces = [&node.lower, &node.upper];
+        for axis in 0..3 {
+            let inverse = L::splat(self.inverse[axis]);
+            // It is known which of two faces comes first. No branch: directions are hard to foretell.
+            let first = usize::from(self.inverse[axis] < T::zero());
+            let (near, far) = (&faces[first][axis], &faces[1 - first][axis]);
+            let offsets = [L::splat(self.offsets[first][axis]), L::splat(self.offsets[1 - first][axis])];
+            enters = L::load(near).times_add(inverse, offsets[0]).larger(enters);
+            leaves = L::load(far).times_add(inverse, offsets[1]).smaller(leaves);
+        }
+        (enters, enters.is_at_most(leaves) & node.present())
     }
-}
-
-/// The slab test, of one ray and sixteen boxes or of one box and sixteen rays: where rays enter boxes, and where they leave them
-/// or end. A box is missed where the first is beyond the second.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn passing<T: Scalar, L: Lanes<T>>(
-    [lower, upper]: [Vectors<T, L>; 2],
-    inverse: Vectors<T, L>,
-    offsets: [Vectors<T, L>; 2],
-    end: L,
-) -> (L, L) {
-    let (at_lower, at_upper) = (lower.times_add(inverse, offsets[0]), upper.times_add(inverse, offsets[1]));
-    let (enters, leaves) = (at_lower.smaller(at_upper), at_lower.larger(at_upper));
-    let enters = enters.largest().larger(L::splat(T::zero()));
-    (enters, leaves.x.smaller(leaves.y).smaller(leaves.z).smaller(end))
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]

@@ -38,8 +38,7 @@ impl<T: Scalar, L: Lanes<T>, F: FnMut(u32) -> T> Visitor<T, L> for OnTheWay<'_, 
     fn enter(&mut self, node: u32, (): &mut ()) -> Children {
         let mut room = None;
         let node = self.trace.cells.node(node as usize, &mut room);
-        let (_, mut left) = self.slabs.entering(node.corners::<L>(), self.end);
-        left &= node.present();
+        let (_, mut left) = self.slabs.entering::<L>(node, self.end);
         if !node.is_leaf {
             return Children { first: node.first, left };
         }

@@ -105,12 +105,12 @@ impl<T: Scalar> RaysOfChildren<T> {
         let (mut met, endless) = (0, L::splat(T::INFINITY));
         if rays.count_ones() < near.count_ones() {
             let mut met_by = [0; LANE_COUNT];
-            let (corners, mut entries) = (node.corners::<L>(), endless);
+            let mut entries = endless;
             let mut left = rays;
             while left != 0 {
                 let ray = left.trailing_zeros() as usize;
                 left &= left - 1;
-                let (enters, some) = singles.of(ray).entering(corners, answer.end()[ray]);
+                let (enters, some) = singles.of(ray).entering::<L>(node, answer.end()[ray]);
                 let some = some & near;
                 met |= some;
                 met_by[ray] = some;
