@@ -1,4 +1,5 @@
 use super::Scene;
+use super::autotuner::Way;
 use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
 use super::list::List;
@@ -12,6 +13,7 @@ use crate::memory;
 use crate::memory::Room;
 use crate::threads::Helpers;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::time::Instant;
 
 // What chose these numbers: docs/architecture.md, *Tuned constants*.
 
@@ -30,7 +32,8 @@ impl<T: Scalar> Scene<T> {
     /// A query changes nothing that a later one in the same step could see: with the same positions it finds the same
     /// contacts, however often. What pairs remember goes on with [`advance`](Self::advance).
     ///
-    /// Where there is little to do, a thousand rays or so, the calling thread does it alone.
+    /// Where there is little to do, a thousand rays or so, the calling thread does it alone; a scene with threads of its own
+    /// also where that has proved faster, which is tried now and then.
     pub fn query(&mut self, contacts: &mut ContactList<T>) {
         let found = catch_unwind(AssertUnwindSafe(|| self.detect(contacts)));
         if let Err(panic) = found {
@@ -56,12 +59,25 @@ impl<T: Scalar> Scene<T> {
         bodies.iter_mut().for_each(Body::start_cost);
         self.pair_costs.clear();
         self.order_lists();
-        if self.threads.helpers().are_there() && self.rays_expected() >= FEWEST_RAYS_TO_SHARE {
-            self.detect_side_by_side(contacts);
+        let rays = if self.threads.helpers().are_there() { self.rays_expected() } else { 0.0 };
+        if self.threads.helpers().are_there() && rays >= FEWEST_RAYS_TO_SHARE {
+            self.detect_as_fast(rays, contacts);
         } else {
             self.detect_alone(contacts);
         }
         self.pairs.history.is_queried = true;
+    }
+
+    /// In the way that has proved faster, where the pool is the scene's own: a host that lends its threads has decided.
+    fn detect_as_fast(&mut self, rays: f64, contacts: &mut ContactList<T>) {
+        let is_free = matches!(self.threads.helpers(), Helpers::Pool);
+        let way = if is_free { self.autotuner.way(rays) } else { Way::SideBySide };
+        let start = Instant::now();
+        match way {
+            Way::SideBySide => self.detect_side_by_side(contacts),
+            Way::Alone => self.detect_alone(contacts),
+        }
+        self.autotuner.took(way, rays, start.elapsed());
     }
 
     /// Decides which lists of contacts there will be, and in which order.

@@ -1,5 +1,6 @@
 //! Many meshes at once: which boxes overlap (broad phase), then their contacts, pairs in parallel (narrow phase).
 
+mod autotuner;
 mod bodies;
 mod broad_phase;
 mod detection;
@@ -47,6 +48,7 @@ pub struct Scene<T: Scalar> {
     pairs: Pairs<T>,
     options: DetectionOptions<T>,
     threads: Threads,
+    autotuner: autotuner::Autotuner,
 }
 
 impl<T: Scalar> Scene<T> {
@@ -76,6 +78,7 @@ impl<T: Scalar> Scene<T> {
             pairs: Pairs::default(),
             options: DetectionOptions::default(),
             threads,
+            autotuner: autotuner::Autotuner::default(),
         }
     }
 

@@ -3,7 +3,8 @@
 //! Linux puts a thread that wakes up on a core that is idle. But in a virtual machine it takes idle cores for busy ones where
 //! the machine below has put them to rest (`available_idle_cpu` of its scheduler), and then chooses the core of the thread
 //! that wakes it. The two would take turns there until the system moves one, which may take longer than a step. So the first
-//! thread of a step restricts the others to the other cores until the step is done. Other systems are left to themselves.
+//! thread of a step restricts the others to the other cores before it wakes them; once awake they may run anywhere
+//! again. Other systems are left to themselves.
 
 #[cfg(target_os = "linux")]
 pub(crate) use of_linux::Placement;
@@ -36,8 +37,8 @@ mod of_linux {
             let _ = self.0[number].thread.set(thread::gettid());
         }
 
-        /// Keeps the other threads from the core of this one, and from one another's, until what this gives is dropped.
-        /// Threads that the host has bound to cores of their own stay there.
+        /// Keeps the other threads from the core of this one, and from one another's, until they are released or what this
+        /// gives is dropped. Threads that the host has bound to cores of their own stay there.
         pub(crate) fn keep_others_off_this_core(&self) -> Restricted<'_> {
             Restricted { placement: self, all: self.restrict_others() }
         }
@@ -74,14 +75,29 @@ mod of_linux {
         all: Option<CpuSet>,
     }
 
+    impl Restricted<'_> {
+        /// Lets the calling thread run anywhere again.
+        pub(crate) fn release(&self) {
+            if let Some(number) = rayon::current_thread_index() {
+                self.placement.0[number].release(&self.all);
+            }
+        }
+    }
+
+    /// Releases the threads that were never woken, too.
     impl Drop for Restricted<'_> {
         fn drop(&mut self) {
-            let Some(all) = &self.all else { return };
-            for PoolThread { thread, is_restricted } in &self.placement.0 {
-                if let (Some(&thread), true) = (thread.get(), is_restricted.swap(false, Ordering::AcqRel)) {
-                    // It may only fail where restricting it should have failed too.
-                    let _ = thread::sched_setaffinity(Some(thread), all);
-                }
+            self.placement.0.iter().for_each(|pool_thread| pool_thread.release(&self.all));
+        }
+    }
+
+    impl PoolThread {
+        fn release(&self, all: &Option<CpuSet>) {
+            if let (Some(all), Some(&thread), true) =
+                (all, self.thread.get(), self.is_restricted.swap(false, Ordering::AcqRel))
+            {
+                // It may only fail where restricting it should have failed too.
+                let _ = thread::sched_setaffinity(Some(thread), all);
             }
         }
     }
@@ -106,6 +122,10 @@ mod of_others {
 
     /// No thread is restricted.
     pub(crate) struct Restricted;
+
+    impl Restricted {
+        pub(crate) fn release(&self) {}
+    }
 }
 
 #[cfg(all(test, target_os = "linux"))]
@@ -121,7 +141,7 @@ mod tests {
 
     /// Three threads, of which the host has bound the last to one core.
     #[test]
-    fn threads_are_restricted_for_a_step_and_bound_ones_stay_bound() {
+    fn threads_are_restricted_until_released_and_bound_ones_stay_bound() {
         let all = sched_getaffinity(None).expect("Linux tells");
         let mut bound = CpuSet::new();
         bound.set(cores(&all)[0]);

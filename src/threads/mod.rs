@@ -1,13 +1,13 @@
 //! Whose threads work: the caller's own, a pool's, or the host's. Results do not depend on it, to the bit.
 
 mod append;
+mod awake;
 mod cores;
 #[cfg(test)]
 pub(crate) mod faults;
 
 use cores::Placement;
 use rayon::ThreadPoolBuildError;
-use rayon::prelude::*;
 use std::fmt;
 use std::mem;
 use std::num::NonZeroUsize;
@@ -76,7 +76,7 @@ impl Helpers {
             work(place, item);
         };
         match self {
-            Self::Pool => items.par_iter_mut().enumerate().with_max_len(1).for_each(|(place, item)| work(place, item)),
+            Self::Pool => awake::for_each(0, items, &work),
             Self::Nobody => items.iter_mut().enumerate().for_each(|(place, item)| work(place, item)),
             Self::Host(host) => share(&**host, items.iter_mut().enumerate(), |(place, item)| work(place, item)),
         }
@@ -97,7 +97,7 @@ impl Helpers {
             work(i, j);
         };
         match self {
-            Self::Pool => first.par_iter_mut().zip(second).with_max_len(1).for_each(both),
+            Self::Pool => awake::for_each_two(first, second, &|i, j| both((i, j))),
             Self::Nobody => first.iter_mut().zip(second).for_each(both),
             Self::Host(host) => share(&**host, first.iter_mut().zip(second), both),
         }
@@ -166,10 +166,9 @@ impl Threads {
             work();
         };
         match &self.pool {
-            Some(Pool { pool: Some(pool), placement, .. }) => pool.install(|| {
-                let _restricted = placement.keep_others_off_this_core();
-                work();
-            }),
+            Some(Pool { pool: Some(pool), placement, others, .. }) => {
+                pool.install(|| awake::keep_awake(*others, placement, work));
+            }
             _ => work(),
         }
     }
@@ -183,11 +182,14 @@ struct Pool {
     pool: Option<rayon::ThreadPool>,
     threads: Vec<JoinHandle<()>>,
     placement: Arc<Placement>,
+    /// How many threads beside the first have a core of their own: more would only take turns.
+    others: usize,
 }
 
 impl Pool {
     fn new(count: usize) -> Result<Self, ThreadPoolBuildError> {
-        let count = if count == 0 { available_parallelism().map_or(1, NonZeroUsize::get) } else { count };
+        let cores = available_parallelism().map_or(1, NonZeroUsize::get);
+        let count = if count == 0 { cores } else { count };
         let mut threads = Vec::with_capacity(count);
         let placement = Arc::new(Placement::new(count));
         let pool = rayon::ThreadPoolBuilder::new()
@@ -203,7 +205,9 @@ impl Pool {
             })
             .build();
         match pool {
-            Ok(pool) => Ok(Self { process: process::id(), pool: Some(pool), threads, placement }),
+            Ok(pool) => {
+                Ok(Self { process: process::id(), pool: Some(pool), threads, placement, others: count.min(cores) - 1 })
+            }
             Err(error) => {
                 // Those that had been started are told to end.
                 join(threads);
