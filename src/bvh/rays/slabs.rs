@@ -1,5 +1,8 @@
 //! Boxes as rays meet them.
 
+// An axis picks from several arrays at once.
+#![allow(clippy::needless_range_loop)]
+
 use crate::bvh::node::Node;
 use crate::math::margins::{self, reaches_told_apart};
 use crate::math::{Aabb, Scalar, Vector3};
