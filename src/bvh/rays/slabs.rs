@@ -1,7 +1,5 @@
 //! Boxes as rays meet them.
-
-// An axis picks from several arrays at once.
-#![allow(clippy::needless_range_loop)]
+#![allow(clippy::needless_range_loop)] // an axis picks from several arrays at once
 
 use crate::bvh::node::Node;
 use crate::math::margins::{self, reaches_told_apart};
