@@ -2,7 +2,9 @@ use crate::contact::cast::Cast;
 use crate::contact::list::ContactList;
 use crate::contact::pair::{Direction, Pair};
 use crate::contact::point_pair::{Contact, ContactKind};
+use crate::contact::quadrature::Sampling;
 use crate::contact::quadrature::pieces::Starts;
+use crate::contact::quadrature::refinement::Refinement;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::{CastLoad, scale_contacts, shares};
 use crate::contact::workspace::{Chunk, Workspace};
@@ -37,6 +39,7 @@ impl<'a, T: Scalar> Starts<'a, T> {
                 Self::Patches(representatives, &places[part(places.len(), lanes)])
             }
             Self::Samples(samples) => Self::Samples(&samples[part(samples.len(), lanes)]),
+            Self::Measured(samples) => Self::Measured(&samples[part(samples.len(), lanes)]),
         }
     }
 }
@@ -46,10 +49,19 @@ impl<T: Scalar> Pair<'_, T> {
     pub(crate) fn cast_samples(&self, list: &mut ContactList<T>) {
         list.workspace.clear();
         let ContactList { contacts, workspace, statistics, .. } = list;
-        let Workspace { helpers, chunks, groups, places, vertices, pieces, crossings, .. } = workspace;
-        let [first, second] = places;
-        let groups = [0, 1].map(|side| if self.casts(side) { groups[side].as_slice() } else { &[] });
-        let starts = [self.starts(0, groups[0], first), self.starts(1, groups[1], second)];
+        let Workspace { helpers, chunks, groups, places, quadrature, vertices, pieces, crossings, .. } = workspace;
+        let starts = match self.options.sampling {
+            Sampling::Tolerance(tolerance) if self.measures_distances() => {
+                dispatch::<T, _>(Refinement { pair: self, tolerance, groups, quadrature });
+                quadrature.count(statistics);
+                quadrature.samples.each_ref().map(|samples| Starts::Measured(samples))
+            }
+            _ => {
+                let [first, second] = places;
+                let groups = [0, 1].map(|side| if self.casts(side) { groups[side].as_slice() } else { &[] });
+                [self.starts(0, groups[0], first), self.starts(1, groups[1], second)]
+            }
+        };
         let [of_first, of_second] = starts.map(Starts::chunk_count);
         let count = of_first + of_second;
         let mut loads = [CastLoad::default(); 2];

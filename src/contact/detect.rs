@@ -3,7 +3,6 @@
 use crate::contact::list::ContactList;
 use crate::contact::pair::{Direction, Pair};
 use crate::contact::point_pair::Contact;
-use crate::contact::quadrature::Sampling;
 use crate::contact::weigh::shares::{scale_contacts, shares};
 use crate::contact::workspace::Workspace;
 use crate::math::{Scalar, Vector3};
@@ -73,10 +72,7 @@ impl<T: Scalar> Pair<'_, T> {
         helpers.for_each(&mut both, |_, (side, groups, sides)| {
             self.tracers[*side].groups_not_outside(self.tracers[1 - *side], self.region, groups, sides);
         });
-        match self.options.sampling {
-            Sampling::Tolerance(tolerance) => self.cast_to_tolerance(tolerance, contacts),
-            _ => self.cast_samples(contacts),
-        }
+        self.cast_samples(contacts);
     }
 
     /// Adds the contacts of the edges of both bodies; gives how many stretches of edges lie inside. Where the body that carries

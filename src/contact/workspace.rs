@@ -2,6 +2,7 @@ use crate::bvh::SidesScratch;
 use crate::contact::point_pair::Contact;
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::pieces::Pieces;
+use crate::contact::quadrature::refinement::Quadrature;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::CastLoad;
 use crate::math::Scalar;
@@ -24,6 +25,8 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) sides: [SidesScratch<T>; 2],
     /// Of these the places of the triangles that cast for patches.
     pub(crate) places: [Vec<u32>; 2],
+    /// Where the load needs samples.
+    pub(crate) quadrature: Quadrature<T>,
     /// Of one chunk's groups the vertices in the overlap box.
     pub(crate) vertices: Vec<u32>,
     pub(crate) pieces: Pieces<T>,

@@ -45,6 +45,11 @@ pub(crate) const SAMPLE_IN_BOX: f64 = 8.0;
 /// `tests/library/query/closest_points.rs`.
 pub(crate) const DISTANCE: f64 = 64.0;
 
+/// A bound for a distance, itself a distance that was found or a sum of such; times itself. The bound takes the distance's place
+/// where it is the smaller one, so one that is too small costs no more than rounding. Held by
+/// `tests/library/contact/tolerance.rs`.
+pub(crate) const DISTANCE_BOUND: f64 = 128.0;
+
 /// The square of a bound, held against sums of three squares; times itself: 1 for the square, 3 for the sums.
 pub(crate) const SQUARE_OF_BOUND: f64 = 8.0;
 

@@ -2,7 +2,7 @@
 //! (compare Garland, Willmott and Heckbert 2001, "Hierarchical face clustering on polygonal surfaces").
 
 use super::{Edge, OrderInSpace, Topology};
-use crate::math::{Aabb, Scalar, Vector3};
+use crate::math::{Aabb, Scalar, Vector3, length};
 use crate::memory;
 use crate::memory::Room;
 
@@ -14,10 +14,14 @@ pub(crate) struct Patches<T: Scalar> {
     /// All triangles; those of a patch are neighbours here.
     order: Vec<u32>,
     patches: Vec<Patch<T>>,
-    /// By triangle: the largest patch that it stands for.
+    /// By triangle: the patch that is it alone, and the largest that it stands for.
+    smallest: Vec<u32>,
     largest: Vec<u32>,
     /// The areas of the smallest and the largest patch of several triangles.
     bounds: Option<[T; 2]>,
+    /// Some triangles, and their doubled area together, by which to tell how much the mesh has grown since.
+    probes: Vec<u32>,
+    probed_area: T,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +33,13 @@ struct Patch<T: Scalar> {
     area: T,
     /// The same of the patch it was merged into; infinite where there is none.
     next_area: T,
-    /// The patch it was merged from that has the same triangle stand for it.
-    smaller: u32,
+    /// The patches it was merged from, the one first that has the same triangle stand for it; itself twice where there are
+    /// none.
+    parts: [u32; 2],
+    /// The patch it was merged into; itself where there is none.
+    whole: u32,
+    /// The triangle in its middle.
+    middle: u32,
 }
 
 /// A patch is flat enough if its triangles' areas, added as vectors, leave at least this part of their sum. A cap of a sphere
@@ -39,6 +48,9 @@ const FLAT: f64 = 0.9;
 
 /// The first three binary digits of an area tell its level, so there are four levels for each doubling.
 const LEVEL_SHIFT: u32 = f64::MANTISSA_DIGITS - 3;
+
+/// So many triangles tell how much a mesh has grown.
+const PROBE_COUNT: usize = 64;
 
 fn level_of<T: Scalar>(area: T) -> u64 {
     area.to_f64().to_bits() >> LEVEL_SHIFT
@@ -57,9 +69,14 @@ impl<T: Scalar> Patches<T> {
             *triangle = in_space.order[*triangle as usize];
         }
         let (mut largest, mut bounds) = (memory::filled(0, count), None);
-        let patch_of =
-            |&[start, end]: &[u32; 2]| Patch { start, end, area: T::zero(), next_area: T::INFINITY, smaller: 0 };
-        let mut patches = memory::listed(ranges.iter().map(patch_of));
+        let mut smallest = memory::filled(0, count);
+        (0..).zip(&in_space.order).for_each(|(patch, &triangle)| smallest[triangle as usize] = patch);
+        let patch_of = |(&[start, end], number): (&[u32; 2], u32)| {
+            let (area, next_area) = (T::zero(), T::INFINITY);
+            let middle = in_space.order[tree.middle_triangle(number as usize, count)];
+            Patch { start, end, area, next_area, parts: [number; 2], whole: number, middle }
+        };
+        let mut patches = memory::listed(ranges.iter().zip(0..).map(patch_of));
         for (patch, &triangle) in representatives.iter().enumerate() {
             // Later ones are larger.
             largest[triangle as usize] = patch as u32;
@@ -68,10 +85,84 @@ impl<T: Scalar> Patches<T> {
             let area = T::of(tree.moments[patch].area).max(of_parts[0]).max(of_parts[1]);
             patches[patch].area = area;
             bounds = Some(bounds.map_or([area; 2], |[least, most]: [T; 2]| [least.min(area), most.max(area)]));
-            parts.iter().for_each(|&part| patches[part as usize].next_area = area);
-            patches[patch].smaller = parts[usize::from(representatives[parts[0] as usize] != triangle)];
+            for part in parts {
+                (patches[part as usize].next_area, patches[part as usize].whole) = (area, patch as u32);
+            }
+            let same = usize::from(representatives[parts[0] as usize] != triangle);
+            patches[patch].parts = [parts[same], parts[1 - same]];
         }
-        Self { order, patches, largest, bounds }
+        let probes = memory::listed(order.iter().copied().step_by(count.div_ceil(PROBE_COUNT)));
+        let corners = |triangle: u32| topology.triangles()[triangle as usize].map(|vertex| positions[vertex as usize]);
+        let mut patches = Self { order, patches, smallest, largest, bounds, probes, probed_area: T::one() };
+        patches.probed_area = patches.growth(corners);
+        patches
+    }
+
+    /// About how many times its area at the reference positions the mesh has now, given the corners of its triangles.
+    pub(crate) fn growth(&self, corners: impl Fn(u32) -> [Vector3<T>; 3]) -> T {
+        let mut doubled_area = T::zero();
+        for &triangle in &self.probes {
+            let [a, b, c] = corners(triangle);
+            doubled_area += length(&(b - a).cross(&(c - a)));
+        }
+        doubled_area / self.probed_area
+    }
+
+    /// The level of patches of at least `area`: its number, below [`levels_above`](Self::levels_above), and the area rounded up
+    /// to it. At level 0 each triangle is a patch of its own.
+    pub(crate) fn level_above(&self, area: T) -> (usize, T) {
+        match self.bounds {
+            Some([_, most]) if area >= most => (self.levels_above() - 1, most),
+            Some([least, _]) if area >= least => {
+                let level = level_of(area);
+                let rounded_up = T::of(f64::from_bits((level + 1) << LEVEL_SHIFT));
+                ((level - level_of(least)) as usize + 1, rounded_up)
+            }
+            // NaN too.
+            _ => (0, T::zero()),
+        }
+    }
+
+    /// How many such levels there are.
+    pub(crate) fn levels_above(&self) -> usize {
+        self.level_count() + 1
+    }
+
+    /// The largest patch of at most this area around a triangle.
+    pub(crate) fn around(&self, triangle: u32, area: T) -> u32 {
+        let mut patch = self.smallest[triangle as usize];
+        while self.patches[patch as usize].next_area <= area {
+            patch = self.patches[patch as usize].whole;
+        }
+        patch
+    }
+
+    /// The two that a patch was merged from; `None` for a triangle.
+    pub(crate) fn parts(&self, patch: u32) -> Option<[u32; 2]> {
+        let parts = self.patches[patch as usize].parts;
+        (parts != [patch; 2]).then_some(parts)
+    }
+
+    /// Whether a patch was merged from these two.
+    pub(crate) fn are_halves(&self, first: u32, second: u32) -> bool {
+        let whole = self.patches[first as usize].whole;
+        first != second && whole != first && whole != second && self.patches[second as usize].whole == whole
+    }
+
+    /// A patch's triangles.
+    pub(crate) fn triangles_of(&self, patch: u32) -> &[u32] {
+        let Patch { start, end, .. } = self.patches[patch as usize];
+        &self.order[start as usize..end as usize]
+    }
+
+    /// The triangle in the middle of a patch.
+    pub(crate) fn triangle(&self, patch: u32) -> u32 {
+        self.patches[patch as usize].middle
+    }
+
+    /// Where a patch's triangles begin among those of all.
+    pub(crate) fn start(&self, patch: u32) -> u32 {
+        self.patches[patch as usize].start
     }
 
     /// The level of patches of at most `area`: its number, below [`level_count`](Self::level_count), and the area rounded
@@ -102,7 +193,7 @@ impl<T: Scalar> Patches<T> {
             return None;
         }
         while patch.area > area {
-            patch = &self.patches[patch.smaller as usize];
+            patch = &self.patches[patch.parts[0] as usize];
         }
         Some(&self.order[patch.start as usize..patch.end as usize])
     }
@@ -238,6 +329,18 @@ impl Tree {
             }
         }
         (memory::listed(starts.iter().zip(sizes).map(|(&start, size)| [start, start + size])), order)
+    }
+
+    /// A triangle near the middle of a patch, by its place in space: always on into the part whose middle is nearer.
+    fn middle_triangle(&self, mut patch: usize, triangle_count: usize) -> usize {
+        let middle_of = |patch: usize| self.moments[patch].first / self.moments[patch].area;
+        let middle = middle_of(patch);
+        while let Some(parts) = self.parts_of(patch, triangle_count) {
+            let gaps = parts.map(|part| (middle_of(part as usize) - middle).norm_squared());
+            // Equal ones, and triangles without an area: the first.
+            patch = parts[usize::from(gaps[1] < gaps[0])] as usize;
+        }
+        patch
     }
 
     /// Which triangle stands for each patch: the one nearest to its middle, or that of the larger patch around it where

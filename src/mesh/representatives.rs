@@ -54,12 +54,6 @@ impl Representatives {
         self.triangles.len()
     }
 
-    /// How many are in a group.
-    pub(crate) fn count_in(&self, group: u32) -> usize {
-        let group = group as usize;
-        (self.starts[group + 1] - self.starts[group]) as usize
-    }
-
     /// Adds the places of a group's triangles.
     pub(crate) fn add_places_in(&self, group: u32, places: &mut Vec<u32>) {
         let group = group as usize;

@@ -5,6 +5,7 @@ mod crossings;
 mod levels_of_detail;
 mod nearest_point;
 mod octree;
+mod patches_of_groups;
 mod surface;
 mod surface_groups;
 mod tracer;

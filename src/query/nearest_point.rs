@@ -7,7 +7,7 @@ use crate::memory;
 use crate::mesh::Mesh;
 use crate::query::octree::Cells;
 use crate::query::tracer::Tracer;
-use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch, lanes_of};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors, dispatch, lanes_of};
 use crate::triangle::{ClosestPoint, MeshScale, PointPacket, QueryPoint, TrianglePoint, TrianglePoints, ascending};
 
 impl<T: Scalar> Tracer<'_, T> {
@@ -83,6 +83,13 @@ impl<T: Scalar> Tracer<'_, T> {
         }
     }
 
+    /// The point of one triangle that is nearest to a point.
+    pub(crate) fn closest_on(&self, triangle: u32, point: &Vector3<T>) -> Option<ClosestPoint<T>> {
+        let query = QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?;
+        let (corners, places) = self.ascending_corners(triangle);
+        Some(TrianglePoint::new(&query, &corners).resolved(&query, triangle, &corners, places))
+    }
+
     /// The squared distance of one triangle.
     fn square_to(&self, query: &QueryPoint<T>, triangle: u32) -> T {
         self.on_triangle(query, triangle).square
@@ -122,6 +129,11 @@ impl<T: Scalar> PointDistances<T> {
     pub(crate) fn new() -> Self {
         let (packet, nearest) = (PointPacket::empty(), PacketPoints::empty());
         Self { packet, are_of_packet: false, distances: [T::zero(); LANE_COUNT], nearest }
+    }
+
+    /// The triangle that is as near as a lane's distance, where that is less than its bound was.
+    pub(crate) fn triangle(&self, lane: usize) -> Option<u32> {
+        (self.are_of_packet && self.packet.found >> lane & 1 == 1).then(|| self.packet.triangle[lane])
     }
 }
 
@@ -200,6 +212,23 @@ impl<T: Scalar> Tracer<'_, T> {
                 distances[lane] = nearest.distance;
             }
         }
+    }
+
+    /// How far each of up to sixteen points is from one triangle, into `distances`; `room` is scratch memory.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn distances_to_triangles<L: Lanes<T>>(
+        &self,
+        points: &[[T; LANE_COUNT]; 3],
+        triangles: &[u32; LANE_COUNT],
+        distances: &mut [T; LANE_COUNT],
+        room: &mut PointDistances<T>,
+    ) {
+        let factors = MeshScale::new(self.mesh().aabb()).factors;
+        let PointDistances { packet, nearest, .. } = room;
+        Vectors::<T, L>::load(points).scaled(L::splat(factors[0])).store(&mut packet.position);
+        (packet.triangle, packet.found) = (*triangles, Mask::MAX);
+        nearest.set::<L>(self.mesh(), packet, factors);
+        *distances = nearest.points.distance;
     }
 
     /// Makes ready what [`closest_of_packet`](Self::closest_of_packet) gives.

@@ -8,6 +8,7 @@ use crate::memory;
 use crate::mesh::{Mesh, Representatives, Topology};
 use crate::paper_octree::PaperOctree;
 use crate::query::levels_of_detail::LevelsOfDetail;
+use crate::query::patches_of_groups::PatchLevels;
 use std::fmt;
 use std::sync::Arc;
 
@@ -19,6 +20,7 @@ pub struct Octree<T: Scalar> {
     pub(crate) cells: Cells<T>,
     /// Clones have the same groups.
     pub(crate) levels: Arc<LevelsOfDetail>,
+    pub(crate) patch_levels: Arc<PatchLevels>,
 }
 
 /// A ray passes a few tiles. With less than one ray for this many tiles, loading all of them would take longer than tracing
@@ -78,7 +80,8 @@ impl<T: Scalar> Octree<T> {
             Layout::PaperOctree => Cells::PaperOctree(PaperOctree::new(mesh)),
         };
         let levels = memory::shared(LevelsOfDetail::default());
-        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, levels }
+        let patch_levels = memory::shared(PatchLevels::default());
+        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, levels, patch_levels }
     }
 
     /// Follows the mesh to its present positions; memory is reused.

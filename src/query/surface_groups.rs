@@ -133,13 +133,6 @@ impl<T: Scalar> Tracer<'_, T> {
         (groups.len() <= cells.tile_count() as usize / PART_TO_LIST).then_some(cells)
     }
 
-    /// How many triangles a group has.
-    pub(crate) fn triangle_count_of(&self, group: u32) -> usize {
-        let mut count = 0;
-        self.triangles_of(group, |_| count += 1);
-        count
-    }
-
     /// A group's triangles.
     pub(crate) fn triangles_of(&self, group: u32, offer: impl FnMut(u32)) {
         match self.cells {

@@ -4,6 +4,7 @@ use crate::memory::Room;
 use crate::mesh::{Mesh, Representatives};
 use crate::query::levels_of_detail::LevelsOfDetail;
 use crate::query::octree::{Cells, Octree, OctreeError};
+use crate::query::patches_of_groups::{PatchLevels, PatchesOfGroups};
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch};
 use crate::triangle::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
 use std::cmp::Ordering;
@@ -13,6 +14,7 @@ use std::cmp::Ordering;
 pub struct Tracer<'a, T: Scalar> {
     pub(crate) cells: &'a Cells<T>,
     pub(crate) levels: &'a LevelsOfDetail,
+    patch_levels: &'a PatchLevels,
     mesh: &'a Mesh<T>,
     pub(crate) test: TriangleTest,
 }
@@ -38,9 +40,18 @@ impl<T: Scalar> Octree<T> {
     }
 }
 
+/// How unevenly a mesh may be stretched until patches are smaller than they might be.
+const MARGIN_OF_AREA: f64 = 2.0;
+
 impl<'a, T: Scalar> Tracer<'a, T> {
     pub(crate) fn new(octree: &'a Octree<T>, mesh: &'a Mesh<T>) -> Self {
-        Self { cells: &octree.cells, levels: &octree.levels, mesh, test: TriangleTest::default() }
+        Self {
+            cells: &octree.cells,
+            levels: &octree.levels,
+            patch_levels: &octree.patch_levels,
+            mesh,
+            test: TriangleTest::default(),
+        }
     }
 
     /// The same, deciding with another triangle test.
@@ -55,18 +66,23 @@ impl<'a, T: Scalar> Tracer<'a, T> {
 
     /// The triangles that stand for patches of at most about this area; `None` where each stands for itself.
     pub(crate) fn representatives(&self, area: T) -> Option<&'a Representatives> {
-        let group_count = match self.cells {
-            Cells::Bvh(cells) => cells.tile_count(),
-            Cells::PaperOctree(_) => self.mesh.topology().triangles().len().div_ceil(LANE_COUNT) as u32,
-        };
-        self.levels.at(self.mesh, area, group_count, |group, offer| self.triangles_of(group, offer))
+        self.levels.at(self.mesh, area, self.group_count(), |group, offer| self.triangles_of(group, offer))
     }
 
-    /// How many triangles of these groups stand for patches of at most about this area, if only for themselves.
-    pub(crate) fn casting_in(&self, groups: &[u32], area: T) -> usize {
-        match self.representatives(area) {
-            Some(representatives) => groups.iter().map(|&group| representatives.count_in(group)).sum(),
-            None => groups.iter().map(|&group| self.triangle_count_of(group)).sum(),
+    /// Patches by the groups they reach into: those that are the largest of at most this area where the mesh is stretched alike
+    /// everywhere, and somewhat larger ones.
+    pub(crate) fn patches_of_groups(&self, area: T) -> &'a PatchesOfGroups {
+        // Those of too large an area are halved by whoever asks, those of too small an area cannot be joined.
+        let at_reference =
+            area * T::of(MARGIN_OF_AREA) / self.mesh.patches().growth(|triangle| self.mesh.corners(triangle));
+        let group = |group, offer: &mut dyn FnMut(u32)| self.triangles_of(group, offer);
+        self.patch_levels.at(self.mesh, at_reference, self.group_count(), group)
+    }
+
+    fn group_count(&self) -> u32 {
+        match self.cells {
+            Cells::Bvh(cells) => cells.tile_count(),
+            Cells::PaperOctree(_) => self.mesh.topology().triangles().len().div_ceil(LANE_COUNT) as u32,
         }
     }
 

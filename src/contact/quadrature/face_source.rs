@@ -107,7 +107,7 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
                 places.iter().for_each(|&place| add(representatives.triangle(place)));
                 patches = Some((representatives, places));
             }
-            Starts::Samples(_) => unreachable!("samples need no source"),
+            Starts::Samples(_) | Starts::Measured(_) => unreachable!("samples need no source"),
         }
         let mut corners = [[[T::zero(); LANE_COUNT]; 3]; 3];
         own.mesh().face_normals::<L>(&self.triangles[..count], &mut corners, &mut self.lanes);

@@ -3,13 +3,14 @@
 pub(crate) mod border;
 pub(crate) mod cutter;
 pub(crate) mod edges;
+pub(crate) mod element;
 pub(crate) mod face_source;
 pub(crate) mod packet;
 pub(crate) mod part;
 pub(crate) mod pieces;
+pub(crate) mod refinement;
 pub(crate) mod sample;
 pub(crate) mod sampler;
-pub(crate) mod tolerance;
 
 pub(crate) use sample::Sample;
 pub use sample::Sampling;

@@ -3,7 +3,7 @@
 use crate::contact::point_pair::{SurfacePoint, touched_of};
 use crate::contact::quadrature::cutter::CutPiece;
 use crate::contact::quadrature::pieces::InsidePart;
-use crate::contact::quadrature::sample::{Sample, VERTEX, WHOLE, vertex_point};
+use crate::contact::quadrature::sample::{MeasuredSample, Sample, VERTEX, WHOLE, vertex_point};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::{Mesh, NormalLanes};
 use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane, vector_in_lane};
@@ -32,6 +32,8 @@ pub(crate) struct SamplePacket<T: Scalar> {
 pub(crate) struct KnownDistances<T> {
     pub(crate) lanes: Mask,
     pub(crate) distances: [T; LANE_COUNT],
+    /// Of the middles of elements, which stand for all of them, and not of the samples themselves.
+    pub(crate) are_of_elements: bool,
 }
 
 impl<T: Scalar> SamplePacket<T> {
@@ -44,7 +46,7 @@ impl<T: Scalar> SamplePacket<T> {
             pieces: [if are_vertices { VERTEX } else { WHOLE }; LANE_COUNT],
             cut: 0,
             corner_weights: [[Vector3::zeros(); 3]; LANE_COUNT],
-            known: KnownDistances { lanes: 0, distances: [T::zero(); LANE_COUNT] },
+            known: KnownDistances { lanes: 0, distances: [T::zero(); LANE_COUNT], are_of_elements: false },
         }
     }
 
@@ -69,6 +71,19 @@ impl<T: Scalar> SamplePacket<T> {
         *next += taken.len();
         taken.iter().enumerate().for_each(|(lane, sample)| self.set_sample(lane, sample));
         self.lanes.found = ((1u32 << taken.len()) - 1) as Mask;
+        !taken.is_empty()
+    }
+
+    /// The same for the middles of elements.
+    pub(crate) fn take_measured(&mut self, samples: &[MeasuredSample<T>], next: &mut usize) -> bool {
+        let taken = &samples[*next..samples.len().min(*next + LANE_COUNT)];
+        *next += taken.len();
+        for (lane, measured) in taken.iter().enumerate() {
+            self.set_sample(lane, &measured.sample);
+            self.known.distances[lane] = measured.distance;
+        }
+        self.lanes.found = ((1u32 << taken.len()) - 1) as Mask;
+        (self.known.lanes, self.known.are_of_elements) = (self.lanes.found, true);
         !taken.is_empty()
     }
 

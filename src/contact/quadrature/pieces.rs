@@ -1,5 +1,5 @@
 use crate::contact::quadrature::cutter::CutPiece;
-use crate::contact::quadrature::sample::Sample;
+use crate::contact::quadrature::sample::{MeasuredSample, Sample};
 use crate::math::Scalar;
 use crate::mesh::Representatives;
 use crate::simd::LANE_COUNT;
@@ -13,6 +13,8 @@ pub(crate) enum Starts<'a, T: Scalar> {
     Patches(&'a Representatives, &'a [u32]),
     /// From these.
     Samples(&'a [Sample<T>]),
+    /// From these, in the middles of elements.
+    Measured(&'a [MeasuredSample<T>]),
 }
 
 impl<T: Scalar> Starts<'_, T> {
@@ -22,6 +24,7 @@ impl<T: Scalar> Starts<'_, T> {
             Self::Groups(groups) => groups.len(),
             Self::Patches(_, places) => places.len().div_ceil(LANE_COUNT),
             Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
+            Self::Measured(samples) => samples.len().div_ceil(LANE_COUNT),
         }
     }
 }

@@ -18,11 +18,13 @@ pub enum Sampling<T: Scalar> {
     /// smaller ones too. Their sizes go in steps, four to each doubling of the area. Contacts of a body with itself know no
     /// patches.
     Spacing(T),
-    /// As automatic, but with triangles joined to patches as large as leave the net force of each pair, and its torque over
-    /// the overlap box's half diagonal, within this part of the force, > 0, of that of all triangles. Patches get smaller,
-    /// from about 32 on the overlap box's largest face, until two tries agree clearly better than that; so it is an
-    /// estimate, not a bound. Where two tries would take more than a third of the triangles, or leave no hope to agree, all
-    /// cast.
+    /// Where the load needs them: from patches of nearly flat, connected triangles, from triangles, or from parts of
+    /// triangles, each as large as leaves the net force of each pair, and its torque over the overlap box's half diagonal,
+    /// within about this part of the force, in (0, 1]. Few large ones are halved where the other surface crosses them, where
+    /// the depth bends, and where they carry much of the load, by the depth below the other body's surface that is measured in
+    /// their middles. So it is an estimate, not a bound: half of all are within a half of it, nearly all within twice. Their
+    /// number hardly depends on the triangulation. Under [`ContactLaw::RayLength`](crate::contact::ContactLaw), and with an
+    /// open mesh, as automatic.
     Tolerance(T),
     /// At each vertex, along the mean of the surrounding normals: the paper's.
     Vertices,
@@ -48,6 +50,13 @@ pub(crate) struct Sample<T: Scalar> {
     pub(crate) area: T,
     /// As [`Contact::piece`](crate::contact::Contact::piece).
     pub(crate) piece: u32,
+}
+
+/// A sample, and how far the middle of the surface that it stands for is from the other body's.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MeasuredSample<T: Scalar> {
+    pub(crate) sample: Sample<T>,
+    pub(crate) distance: T,
 }
 
 impl<T: Scalar> Sample<T> {

@@ -42,7 +42,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
         pieces.clear();
         vertices.clear();
         let faces = match starts {
-            Starts::Samples(_) => None,
+            Starts::Samples(_) | Starts::Measured(_) => None,
             Starts::Groups(_) | Starts::Patches(..) => cutter.map(FaceSource::new),
         };
         if let (Starts::Groups(groups), None) = (starts, &faces) {
@@ -56,7 +56,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
 
     /// A packet for these samples.
     pub(crate) fn packet(&self) -> SamplePacket<T> {
-        SamplePacket::new(self.faces.is_none() && !matches!(self.starts, Starts::Samples(_)))
+        SamplePacket::new(self.faces.is_none() && matches!(self.starts, Starts::Groups(_)))
     }
 
     /// Counts samples that cast no ray, pieces left larger than asked, and patches.
@@ -77,6 +77,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
         }
         match self.starts {
             Starts::Samples(samples) => packet.take(samples, &mut self.next),
+            Starts::Measured(samples) => packet.take_measured(samples, &mut self.next),
             Starts::Groups(_) | Starts::Patches(..) => self.fill_from_vertices::<L>(packet),
         }
     }

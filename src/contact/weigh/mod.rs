@@ -48,8 +48,10 @@ pub(crate) fn accept<T: Scalar, L: Lanes<T>>(
         let direction = vector_in_lane(&rays.packet.direction, lane);
         let point = samples.point_on(triangles[lane], lane, own);
         let (normal, area) = (vector_in_lane(&samples.lanes.normal, lane), samples.lanes.area[lane]);
-        let sample = Sample { point, normal, area, piece: samples.pieces[lane] };
-        make_contact(kind, bodies, &sample, direction, collided, &rays.hits.hit(lane), cos_alpha[lane])
+        // Where the middle of a curved patch lies deeper than the point that casts for it, there is more of it instead.
+        let more = cos_alpha[lane].max(T::one());
+        let sample = Sample { point, normal, area: area * more, piece: samples.pieces[lane] };
+        make_contact(kind, bodies, &sample, direction, collided, &rays.hits.hit(lane), cos_alpha[lane] / more)
     }));
 }
 

@@ -1,0 +1,351 @@
+//! The quadrature of the pressure over the surfaces of a pair, each inside the other body: few large elements at first, each
+//! halved where that changes the load.
+
+use crate::bvh::{Candidates, PacketHits};
+use crate::contact::classify::past_folds;
+use crate::contact::pair::Pair;
+use crate::contact::quadrature::cutter::largest_face;
+use crate::contact::quadrature::element::{Element, Frame, Side};
+use crate::contact::quadrature::sample::MeasuredSample;
+use crate::contact::statistics::Statistics;
+use crate::math::{Aabb, Scalar, Vector3, direction, margins};
+use crate::memory::{self, Room};
+use crate::mesh::Mesh;
+use crate::query::PointDistances;
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, set_lane};
+use crate::triangle::{Hit, RayPacket};
+
+// These numbers were chosen together: docs/architecture.md, *Tuned constants*.
+
+/// About so many elements cover the overlap box's largest face at first.
+const FIRST_ELEMENTS: f64 = 192.0;
+/// An element is halved where its part of the load may be off by more than this, times the square of the tolerance, since errors
+/// of many add up as if by chance,
+const ERROR_BY_CHANCE: f64 = 3.0;
+/// or by more than this, times the tolerance, since those of few do not.
+const ERROR_AT_ONCE: f64 = 0.1;
+/// An element is halved where it carries more than the tolerance of the load, or more than this.
+const LARGEST_SHARE: f64 = 1.0 / 40.0;
+/// Halves fade in while the error grows from the limit to so many times that,
+const FADE: f64 = 1.5;
+/// and while the area grows from that of the first elements to so many times that.
+const AREA_FADE: f64 = 1.1;
+/// The most elements of a pair.
+const MOST_ELEMENTS: usize = 1 << 20;
+
+/// Where the samples of both bodies are, and room for finding out.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Quadrature<T: Scalar> {
+    pub(crate) samples: [Vec<MeasuredSample<T>>; 2],
+    counts: Counts,
+    elements: Vec<Element<T>>,
+    fresh: Vec<Element<T>>,
+    marks: Vec<u64>,
+    patches: Vec<u32>,
+    crossings: Vec<Hit<T>>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    /// Rays traced to tell on which side of the other surface elements lie.
+    rays: u64,
+    /// Elements left larger than the error asks.
+    uncut: u64,
+    /// Elements that have no normal.
+    without_normal: u64,
+    /// Samples that stand for patches of several triangles.
+    patches: u64,
+}
+
+impl<T: Scalar> Quadrature<T> {
+    /// Counts what was done for the samples.
+    pub(crate) fn count(&self, statistics: &mut Statistics) {
+        let Counts { rays, uncut, without_normal, patches } = self.counts;
+        statistics.estimate_rays += rays;
+        statistics.uncut_pieces += uncut;
+        statistics.without_normal += without_normal;
+        statistics.patches += patches;
+    }
+}
+
+/// Finds the samples of a pair, given the groups of either body's triangles that may lie inside the other.
+pub(crate) struct Refinement<'a, 'b, T: Scalar> {
+    pub(crate) pair: &'a Pair<'b, T>,
+    pub(crate) tolerance: T,
+    pub(crate) groups: &'a [Vec<u32>; 2],
+    pub(crate) quadrature: &'a mut Quadrature<T>,
+}
+
+impl<T: Scalar> Kernel<T> for Refinement<'_, '_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { pair, tolerance, groups, quadrature } = self;
+        let frame = Frame::new(pair.overlap, pair.region);
+        let size = Size::new(pair, tolerance, &frame);
+        quadrature.counts = Counts::default();
+        quadrature.start::<L>(pair, &frame, &size, groups);
+        let mut measurement = Measurement::new(pair, &frame);
+        while !quadrature.fresh.is_empty() {
+            let Quadrature { counts, elements, fresh, crossings, .. } = &mut *quadrature;
+            for body in 0..2 {
+                counts.rays += measurement.run::<L>(body, fresh, crossings);
+            }
+            compare_halves(fresh);
+            // What lies outside as a whole is of no use any more.
+            fresh.retain(|element| element.depth > -element.radius);
+            memory::append(elements, fresh.drain(..));
+            quadrature.halve::<L>(pair, &frame, &size);
+        }
+        quadrature.sample(pair, &frame);
+    }
+}
+
+/// How large elements may be, in the coordinates of a [`Frame`].
+struct Size<T: Scalar> {
+    /// The area of the first ones.
+    first: T,
+    /// How far an element's part of the load may be off, and how large that part may be, as parts of the load of all.
+    largest_error: T,
+    largest_share: T,
+    /// The overlap box's shortest side.
+    thickness: T,
+    /// The shares of the load that the two bodies carry.
+    shares: [T; 2],
+}
+
+impl<T: Scalar> Size<T> {
+    fn new(pair: &Pair<'_, T>, tolerance: T, frame: &Frame<T>) -> Self {
+        let face = frame.of_area(largest_face(pair.overlap));
+        // A region that is no more than a line or a point gives no measure.
+        let first = if face > T::zero() { face / T::of(FIRST_ELEMENTS) } else { T::INFINITY };
+        let thickness = frame.of_length((pair.overlap.upper - pair.overlap.lower).min());
+        let largest_error = (tolerance * tolerance * T::of(ERROR_BY_CHANCE)).min(tolerance * T::of(ERROR_AT_ONCE));
+        let largest_share = tolerance.min(T::of(LARGEST_SHARE));
+        Self { first, largest_error, largest_share, thickness, shares: pair.fixed_shares.unwrap_or([T::of(0.5); 2]) }
+    }
+
+    /// The area above which no part of the whole is left.
+    fn largest(&self) -> T {
+        self.first * T::of(AREA_FADE)
+    }
+
+    /// An element's part of the load of all.
+    fn load(&self, element: &Element<T>) -> T {
+        self.shares[usize::from(element.body)] * element.load(self.thickness)
+    }
+
+    /// How much of an element its halves stand for, from 0 to 1, given the load of all.
+    fn halved(&self, element: &Element<T>, load: T) -> T {
+        let share = self.shares[usize::from(element.body)] / load;
+        let error = element.error(self.thickness) * element.weight * share;
+        let part = self.load(element) / load;
+        let ramp = ramp(element.area / self.first, AREA_FADE)
+            .max(ramp(error / self.largest_error, FADE))
+            .max(ramp(part / self.largest_share, FADE));
+        ramp * ramp * (T::of(3.0) - T::of(2.0) * ramp)
+    }
+}
+
+/// From 0 at 1 to 1 at this number.
+fn ramp<T: Scalar>(excess: T, end: f64) -> T {
+    // In this form NaN is 0.
+    if excess > T::one() { ((excess - T::one()) / T::of(end - 1.0)).min(T::one()) } else { T::zero() }
+}
+
+impl<T: Scalar> Quadrature<T> {
+    /// The first elements of both bodies.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>, groups: &[Vec<u32>; 2]) {
+        let Self { counts, elements, fresh, marks, patches, .. } = self;
+        elements.clear();
+        fresh.clear();
+        for body in 0..2 {
+            if !pair.casts(body) {
+                continue;
+            }
+            let (tracer, first) = (pair.tracers[body], fresh.len());
+            tracer.patches_of_groups(frame.area(size.largest())).list(&groups[body], marks, patches);
+            for &patch in patches.iter() {
+                // Here the list is for those that may be too large.
+                memory::append(elements, Element::patch::<L>(body as u8, patch, tracer.mesh(), frame));
+                counts.without_normal +=
+                    u64::from(elements.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
+                while let Some(element) = elements.pop() {
+                    let is_large = element.area > size.largest();
+                    let may_halve = is_large && fresh.len() < MOST_ELEMENTS;
+                    if !may_halve || !element.halve::<L>(tracer.mesh(), frame, elements) {
+                        counts.uncut += u64::from(is_large);
+                        fresh.room_for(1).push(element);
+                    }
+                }
+            }
+            for place in first..fresh.len() {
+                let (before, after) = fresh.split_at_mut(place + 1);
+                before[place].note_other_half(after.first(), tracer.mesh());
+            }
+        }
+    }
+
+    /// Adds the halves of elements that need it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn halve<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
+        let Self { counts, elements, fresh, .. } = self;
+        // One by one, so that it does not matter which body comes first.
+        let mut loads = [T::zero(); 2];
+        for element in elements.iter() {
+            loads[usize::from(element.body)] += element.weight * size.load(element);
+        }
+        let load = loads[0] + loads[1];
+        for place in 0..elements.len() {
+            let element = &mut elements[place];
+            let halved = if element.is_halved { T::zero() } else { size.halved(element, load) };
+            if halved == T::zero() {
+                continue;
+            }
+            element.is_halved = true;
+            let (whole, before) = (*element, fresh.len());
+            let mesh = pair.tracers[usize::from(whole.body)].mesh();
+            if elements.len() + before < MOST_ELEMENTS && whole.halve::<L>(mesh, frame, fresh) {
+                elements[place].weight = whole.weight * (T::one() - halved);
+                fresh[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
+            } else {
+                counts.uncut += 1;
+            }
+        }
+    }
+
+    /// The samples of what counts.
+    fn sample(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>) {
+        let Self { samples, counts, elements, .. } = self;
+        samples.iter_mut().for_each(Vec::clear);
+        for element in elements.iter().filter(|element| element.weight > T::zero() && element.depth > T::zero()) {
+            let body = usize::from(element.body);
+            let Some(sample) = element.sample(pair.tracers[body], frame) else {
+                counts.without_normal += 1;
+                continue;
+            };
+            counts.patches += u64::from(element.is_patch());
+            let distance = frame.length(element.depth);
+            samples[body].room_for(1).push(MeasuredSample { sample, distance });
+        }
+    }
+}
+
+/// Whether a patch is a triangle without an area, inside a region.
+fn is_degenerate<T: Scalar>(mesh: &Mesh<T>, patch: u32, region: &Aabb<T>) -> bool {
+    let &[triangle] = mesh.patches().triangles_of(patch) else { return false };
+    Aabb::of_triangle(&mesh.corners(triangle)).overlaps(region) && direction(&mesh.scaled_normal(triangle)).is_none()
+}
+
+/// Holds halves against what they were expected to be together.
+fn compare_halves<T: Scalar>(elements: &mut [Element<T>]) {
+    for place in 1..elements.len() {
+        let (before, after) = elements.split_at_mut(place);
+        let first = &mut before[place - 1];
+        if first.is_first_half() {
+            Element::compare([first, &mut after[0]]);
+        }
+    }
+}
+
+/// Asks how deep the middles of elements lie.
+struct Measurement<'a, 'b, T: Scalar> {
+    pair: &'a Pair<'b, T>,
+    frame: &'a Frame<T>,
+    rays: RayPacket<T>,
+    hits: PacketHits<T>,
+    candidates: Candidates<T>,
+    distances: PointDistances<T>,
+}
+
+impl<'a, 'b, T: Scalar> Measurement<'a, 'b, T> {
+    fn new(pair: &'a Pair<'b, T>, frame: &'a Frame<T>) -> Self {
+        let (rays, hits) = (RayPacket::empty(), PacketHits::empty());
+        Self { pair, frame, rays, hits, candidates: Candidates::new(), distances: PointDistances::new() }
+    }
+
+    /// Measures one body's elements; gives how many rays it took.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(&mut self, body: usize, elements: &mut [Element<T>], crossings: &mut Vec<Hit<T>>) -> u64 {
+        let (mut next, mut ray_count) = (0, 0);
+        loop {
+            let (mut places, mut count) = ([0; LANE_COUNT], 0);
+            while count < LANE_COUNT && next < elements.len() {
+                if usize::from(elements[next].body) == body {
+                    places[count] = next;
+                    count += 1;
+                }
+                next += 1;
+            }
+            if count == 0 {
+                return ray_count;
+            }
+            ray_count += self.measure::<L>(body, &places[..count], elements, crossings);
+        }
+    }
+
+    /// Measures up to sixteen elements: by rays on which side of the surface they are, where that is not known, and then how far
+    /// the surface is, no farther than where the ray meets it, and outside no farther than the element reaches.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn measure<L: Lanes<T>>(
+        &mut self,
+        body: usize,
+        places: &[usize],
+        elements: &mut [Element<T>],
+        crossings: &mut Vec<Hit<T>>,
+    ) -> u64 {
+        let Self { pair, frame, rays, hits, candidates, distances } = self;
+        let other = pair.tracers[1 - body];
+        let (mut positions, mut normals) = ([[T::zero(); LANE_COUNT]; 3], [[T::zero(); LANE_COUNT]; 3]);
+        let mut unknown = 0;
+        for (lane, &place) in places.iter().enumerate() {
+            let element = &elements[place];
+            set_lane(&mut positions, lane, &frame.point(&element.centre));
+            set_lane(&mut normals, lane, &direction(&element.vector).unwrap_or_else(Vector3::z));
+            unknown |= Mask::from(element.side == Side::Unknown) << lane;
+        }
+        if unknown != 0 {
+            rays.set_inward::<L>(unknown, &positions, &normals, &pair.ray_regions[body]);
+            other.nearest_of_packet::<L>(rays, candidates, hits);
+            if pair.options.past_folds {
+                past_folds::follow(other, rays, hits, crossings);
+            }
+        }
+        let inside = hits.found & hits.exits;
+        let (mut bounds, mut near) = ([T::zero(); LANE_COUNT], [0; LANE_COUNT]);
+        let margin = T::one() + margins::margin(margins::DISTANCE_BOUND);
+        for (lane, &place) in places.iter().enumerate() {
+            let element = &mut elements[place];
+            let mut bound = frame.length(element.depth);
+            if element.side == Side::Unknown {
+                element.side = if inside >> lane & 1 == 1 { Side::Inside } else { Side::Outside };
+                if element.side == Side::Inside {
+                    bound = bound.min(hits.t[lane]);
+                    element.near = element.near.or(Some(hits.triangle[lane]));
+                }
+            }
+            if element.side == Side::Outside {
+                bound = bound.min(frame.length(element.radius));
+            }
+            bounds[lane] = bound;
+            near[lane] = element.near.unwrap_or(0);
+        }
+        // A triangle that was near before is the best guess, and its distance the best bound.
+        let mut to_near = [T::zero(); LANE_COUNT];
+        other.distances_to_triangles::<L>(&positions, &near, &mut to_near, distances);
+        for lane in 0..places.len() {
+            bounds[lane] = bounds[lane].min(to_near[lane]) * margin;
+        }
+        let asked = ((1u32 << places.len()) - 1) as Mask;
+        other.distances_of_packet::<L>(&positions, asked, &bounds, distances);
+        for (lane, &place) in places.iter().enumerate() {
+            let element = &mut elements[place];
+            let distance = frame.of_length(distances.distances[lane]);
+            element.depth = if element.side == Side::Inside { distance } else { -distance };
+            element.near = distances.triangle(lane).or(element.near);
+        }
+        u64::from(unknown.count_ones())
+    }
+}

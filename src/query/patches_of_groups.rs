@@ -1,0 +1,84 @@
+use crate::math::Scalar;
+use crate::memory::{self, Room};
+use crate::mesh::{Mesh, Patches};
+use std::sync::OnceLock;
+
+/// For each level of patches those of the groups of one octree, found when first asked for.
+#[derive(Debug, Default)]
+pub(crate) struct PatchLevels(OnceLock<Vec<OnceLock<PatchesOfGroups>>>);
+
+impl PatchLevels {
+    /// The patches of at most this area, rounded up. `group` offers the triangles of one.
+    pub(crate) fn at<T: Scalar>(
+        &self,
+        mesh: &Mesh<T>,
+        area: T,
+        group_count: u32,
+        group: impl FnMut(u32, &mut dyn FnMut(u32)),
+    ) -> &PatchesOfGroups {
+        let (number, area) = mesh.patches().level_above(area);
+        let levels = self.0.get_or_init(|| {
+            let count = mesh.patches().levels_above();
+            memory::listed((0..count).map(|_| OnceLock::new()))
+        });
+        levels[number].get_or_init(|| PatchesOfGroups::new(mesh.patches(), area, group_count, group))
+    }
+}
+
+/// Which patches of one level the triangles of each group belong to.
+#[derive(Debug)]
+pub(crate) struct PatchesOfGroups {
+    /// All, in their order.
+    patches: Vec<u32>,
+    /// Those of group g are `patches[p]` for p in `of_group[starts[g]..starts[g + 1]]`.
+    of_group: Vec<u32>,
+    starts: Vec<u32>,
+}
+
+impl PatchesOfGroups {
+    fn new<T: Scalar>(
+        all: &Patches<T>,
+        area: T,
+        group_count: u32,
+        mut group: impl FnMut(u32, &mut dyn FnMut(u32)),
+    ) -> Self {
+        let (mut of_group, mut starts) = (Vec::new(), memory::filled(0, 1));
+        for number in 0..group_count {
+            let first = of_group.len();
+            group(number, &mut |triangle| {
+                let patch = all.around(triangle, area);
+                if !of_group[first..].contains(&patch) {
+                    of_group.room_for(1).push(patch);
+                }
+            });
+            starts.room_for(1).push(of_group.len() as u32);
+        }
+        let mut patches = of_group.clone();
+        patches.sort_unstable_by_key(|&patch| all.start(patch));
+        patches.dedup();
+        for patch in &mut of_group {
+            let place = patches.partition_point(|&other| all.start(other) < all.start(*patch));
+            *patch = place as u32;
+        }
+        Self { patches, of_group, starts }
+    }
+
+    /// Those of some groups, each once, in their order, into `patches`; `marks` is scratch memory.
+    pub(crate) fn list(&self, groups: &[u32], marks: &mut Vec<u64>, patches: &mut Vec<u32>) {
+        memory::refill_with(marks, 0, self.patches.len().div_ceil(64));
+        for &group in groups {
+            let range = self.starts[group as usize] as usize..self.starts[group as usize + 1] as usize;
+            for &place in &self.of_group[range] {
+                marks[place as usize / 64] |= 1 << (place % 64);
+            }
+        }
+        patches.clear();
+        for (word, &marked) in marks.iter().enumerate() {
+            let mut left = marked;
+            while left != 0 {
+                patches.room_for(1).push(self.patches[word * 64 + left.trailing_zeros() as usize]);
+                left &= left - 1;
+            }
+        }
+    }
+}
