@@ -53,7 +53,7 @@ impl PatchesOfGroups {
             });
             starts.room_for(1).push(of_group.len() as u32);
         }
-        let mut patches = of_group.clone();
+        let mut patches = memory::listed(of_group.iter().copied());
         patches.sort_unstable_by_key(|&patch| all.start(patch));
         patches.dedup();
         for patch in &mut of_group {

@@ -22,11 +22,11 @@ pub enum rayc_sampling {
     /// from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
     /// and one ray starts from one triangle of each patch.
     RAYC_SAMPLING_SPACING = 1,
-    /// As automatic, but with fewer rays: as many as the error allowed takes. sampling_value is that error: by how much each
-    /// pair's net force may differ from the one that all rays would give, as a part of it. Triangles are joined to patches,
-    /// and one ray starts from each patch. Smaller patches are tried until two tries agree clearly better than the error
-    /// allowed. All triangles cast rays where two tries would take more than a third of them, or where tries cannot be
-    /// expected to agree.
+    /// Where the load needs them: from patches of connected, nearly flat triangles, from triangles, or from parts of
+    /// triangles, halved where the other surface crosses them, where the depth bends, and where they carry much of the load,
+    /// until the error is about the one allowed. sampling_value is that error, in (0, 1]: by how much each pair's net force,
+    /// and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of the force. It is an
+    /// estimate, not a bound. Under RAYC_LAW_RAY_LENGTH, and with an open mesh, as automatic.
     RAYC_SAMPLING_TOLERANCE = 2,
     /// At the vertices, as in the paper.
     RAYC_SAMPLING_VERTICES = 3,

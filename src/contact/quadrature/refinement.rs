@@ -161,12 +161,9 @@ impl<T: Scalar> Quadrature<T> {
         let Self { counts, elements, fresh, marks, patches, .. } = self;
         elements.clear();
         fresh.clear();
-        for body in 0..2 {
-            if !pair.casts(body) {
-                continue;
-            }
+        for (body, groups) in groups.iter().enumerate().filter(|&(body, _)| pair.casts(body)) {
             let (tracer, first) = (pair.tracers[body], fresh.len());
-            tracer.patches_of_groups(frame.area(size.largest())).list(&groups[body], marks, patches);
+            tracer.patches_of_groups(frame.area(size.largest())).list(groups, marks, patches);
             for &patch in patches.iter() {
                 // Here the list is for those that may be too large.
                 memory::append(elements, Element::patch::<L>(body as u8, patch, tracer.mesh(), frame));
