@@ -144,14 +144,14 @@ mod tests {
             // Round the torus, so that what was far comes near.
             let (y, x) = f64::from(step).sin_cos();
             let regions = [cube_about([x, y, 0.0], 0.2), cube_about([-y, x, 0.3], 0.1)];
-            octree.update_in(&mut mesh, &regions, None, true, &mut tiles).expect("its own");
+            octree.update_in(&mut mesh, &regions, usize::MAX, true, &mut tiles).expect("its own");
             assert!(!tiles.is_empty() && not_tight(&octree, &mesh), "step {step}");
             assert_same_hits(&octree, &mesh);
             match step % 3 {
                 0 => octree.update(&mesh).expect("its own"),
                 // At rest: the regions may be others.
                 1 => octree
-                    .update_in(&mut mesh, &[cube_about([-x, -y, 0.0], 0.2)], None, true, &mut tiles)
+                    .update_in(&mut mesh, &[cube_about([-x, -y, 0.0], 0.2)], usize::MAX, true, &mut tiles)
                     .expect("its own"),
                 _ => continue,
             }
@@ -160,9 +160,9 @@ mod tests {
         }
         mesh.set_positions(&torus_positions(SIDES, 0)).expect("finite");
         let whole = *mesh.aabb();
-        octree.update_in(&mut mesh, &[whole], None, true, &mut tiles).expect("its own");
+        octree.update_in(&mut mesh, &[whole], usize::MAX, true, &mut tiles).expect("its own");
         assert_eq!(octree.validate(&mesh), Ok(()), "all is near");
-        let refused = octree.update_in(&mut torus(SIDES), &[whole], None, true, &mut tiles);
+        let refused = octree.update_in(&mut torus(SIDES), &[whole], usize::MAX, true, &mut tiles);
         assert_eq!(refused, Err(OctreeError::OtherMesh));
     }
 
@@ -180,7 +180,9 @@ mod tests {
         let mut mesh = Mesh::new(&positions, &triangles).expect("it is closed");
         let (mut octree, mut tiles) = (Octree::new(&mesh), Vec::new());
         mesh.set_positions(&positions).expect("finite");
-        octree.update_in(&mut mesh, &[cube_about([1.3, 0.0, 0.0], 0.1)], None, true, &mut tiles).expect("its own");
+        octree
+            .update_in(&mut mesh, &[cube_about([1.3, 0.0, 0.0], 0.1)], usize::MAX, true, &mut tiles)
+            .expect("its own");
         assert!(!tiles.is_empty());
         assert_eq!(octree.validate(&mesh), Ok(()));
     }

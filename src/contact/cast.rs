@@ -5,7 +5,8 @@ use crate::contact::point_pair::{Contact, ContactKind};
 use crate::contact::quadrature::border::CutAtSurface;
 use crate::contact::quadrature::cutter::Cutter;
 use crate::contact::quadrature::packet::SamplePacket;
-use crate::contact::quadrature::pieces::{InsidePart, Pieces, Starts};
+use crate::contact::quadrature::pieces::{Pieces, Starts};
+use crate::contact::quadrature::sample::MeasuredSample;
 use crate::contact::quadrature::sampler::Sampler;
 use crate::contact::statistics::Statistics;
 use crate::contact::trace::Rays;
@@ -85,7 +86,7 @@ struct Tracing<'a, 'b, T: Scalar> {
     statistics: &'a mut Statistics,
     crossings: &'a mut Vec<Hit<T>>,
     /// For what is inside of pieces that the other body's surface crosses.
-    inside: &'a mut Vec<InsidePart<T>>,
+    inside: &'a mut Vec<MeasuredSample<T>>,
     contacts: &'a mut Vec<Contact<T>>,
 }
 

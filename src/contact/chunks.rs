@@ -49,15 +49,16 @@ impl<T: Scalar> Pair<'_, T> {
     pub(crate) fn cast_samples(&self, list: &mut ContactList<T>) {
         list.workspace.clear();
         let ContactList { contacts, workspace, statistics, .. } = list;
-        let Workspace { helpers, chunks, groups, places, quadrature, vertices, pieces, crossings, .. } = workspace;
+        let Workspace { helpers, chunks, groups, patches, marks, quadrature, vertices, pieces, crossings, .. } =
+            workspace;
         let starts = match self.options.sampling {
             Sampling::Tolerance(tolerance) if self.measures_distances() => {
-                dispatch::<T, _>(Refinement { pair: self, tolerance, groups, quadrature });
+                dispatch::<T, _>(Refinement { pair: self, tolerance, groups, patches, marks, quadrature });
                 quadrature.count(statistics);
                 quadrature.samples.each_ref().map(|samples| Starts::Measured(samples))
             }
             _ => {
-                let [first, second] = places;
+                let [first, second] = patches;
                 let groups = [0, 1].map(|side| if self.casts(side) { groups[side].as_slice() } else { &[] });
                 [self.starts(0, groups[0], first), self.starts(1, groups[1], second)]
             }
@@ -121,7 +122,7 @@ impl<T: Scalar> Pair<'_, T> {
         self.fixed_shares.is_none_or(|shares| shares[side] > T::zero())
     }
 
-    /// Where one direction's rays start; `places` is room for them.
+    /// Where one direction's rays start that follow no tolerance; `places` is room for them.
     fn starts<'a>(&'a self, side: usize, groups: &'a [u32], places: &'a mut Vec<u32>) -> Starts<'a, T> {
         let tracer = self.tracers[side];
         let Some(representatives) = self.patch_area.and_then(|area| tracer.representatives(area)) else {

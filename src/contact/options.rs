@@ -1,5 +1,5 @@
 use crate::contact::quadrature::Sampling;
-use crate::math::Scalar;
+use crate::math::{Aabb, Scalar};
 
 /// How contacts are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,26 @@ impl<T: Scalar> Default for DetectionOptions<T> {
     }
 }
 
+/// A body has at most about so many times the area of a region's largest face in it.
+const MOST_FACES: f64 = 5.0;
+/// About so many rays and distances at a tolerance of 1; at others more, in inverse proportion.
+const RAYS_AT_TOLERANCE_OF_ONE: f64 = 10.0;
+
 impl<T: Scalar> DetectionOptions<T> {
+    /// About how many rays of a body are expected in some regions.
+    pub(crate) fn expected_rays(&self, regions: &[Aabb<T>]) -> usize {
+        match (self.law, self.sampling) {
+            (ContactLaw::Pressure, Sampling::Tolerance(tolerance)) => {
+                regions.len() * (RAYS_AT_TOLERANCE_OF_ONE / tolerance.to_f64()) as usize
+            }
+            (_, Sampling::Spacing(spacing)) => {
+                let rays = |region: &Aabb<T>| region.largest_face() * T::of(MOST_FACES) / (spacing * spacing);
+                regions.iter().map(rays).fold(T::zero(), |sum, rays| sum + rays).to_f64() as usize
+            }
+            _ => usize::MAX,
+        }
+    }
+
     /// Just what the paper does: rays from the vertices, both filters, its law, nothing else.
     pub fn paper() -> Self {
         let (law, sampling) = (ContactLaw::RayLength, Sampling::Vertices);

@@ -37,6 +37,12 @@ impl<T: Scalar> Aabb<T> {
         self.lower + (self.upper - self.lower) * T::of(0.5)
     }
 
+    /// The area of the largest face.
+    pub(crate) fn largest_face(&self) -> T {
+        let sides = self.upper - self.lower;
+        (sides.x * sides.y).max(sides.y * sides.z).max(sides.z * sides.x)
+    }
+
     /// The box with all faces moved outward by `margin`.
     pub fn grown(&self, margin: T) -> Self {
         Self { lower: self.lower.add_scalar(-margin), upper: self.upper.add_scalar(margin) }

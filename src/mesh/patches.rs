@@ -14,9 +14,8 @@ pub(crate) struct Patches<T: Scalar> {
     /// All triangles; those of a patch are neighbours here.
     order: Vec<u32>,
     patches: Vec<Patch<T>>,
-    /// By triangle: the patch that is it alone, and the largest that it stands for.
+    /// By triangle: the patch that is it alone.
     smallest: Vec<u32>,
-    largest: Vec<u32>,
     /// The areas of the smallest and the largest patch of several triangles.
     bounds: Option<[T; 2]>,
     /// Some triangles, and their doubled area together, by which to tell how much the mesh has grown since.
@@ -31,15 +30,12 @@ struct Patch<T: Scalar> {
     end: u32,
     /// Its area, at least that of each patch within it; 0 for a triangle.
     area: T,
-    /// The same of the patch it was merged into; infinite where there is none.
-    next_area: T,
-    /// The patches it was merged from, the one first that has the same triangle stand for it; itself twice where there are
-    /// none.
+    /// The two patches it was merged from; itself twice where there are none.
     parts: [u32; 2],
     /// The patch it was merged into; itself where there is none.
     whole: u32,
-    /// The triangle in its middle.
-    middle: u32,
+    /// The triangle that stands for it.
+    triangle: u32,
 }
 
 /// A patch is flat enough if its triangles' areas, added as vectors, leave at least this part of their sum. A cap of a sphere
@@ -64,36 +60,29 @@ impl<T: Scalar> Patches<T> {
         let tree = Tree::grow(topology, positions, &in_space);
         let count = topology.triangles().len();
         let (ranges, mut order) = tree.ranges(count);
-        let mut representatives = tree.representatives(&ranges, &order);
-        for triangle in order.iter_mut().chain(&mut representatives) {
+        let mut middle_triangles = tree.middle_triangles(&ranges, &order);
+        for triangle in order.iter_mut().chain(&mut middle_triangles) {
             *triangle = in_space.order[*triangle as usize];
         }
-        let (mut largest, mut bounds) = (memory::filled(0, count), None);
         let mut smallest = memory::filled(0, count);
         (0..).zip(&in_space.order).for_each(|(patch, &triangle)| smallest[triangle as usize] = patch);
-        let patch_of = |(&[start, end], number): (&[u32; 2], u32)| {
-            let (area, next_area) = (T::zero(), T::INFINITY);
-            let middle = in_space.order[tree.middle_triangle(number as usize, count)];
-            Patch { start, end, area, next_area, parts: [number; 2], whole: number, middle }
+        let patch_of = |(number, &[start, end]): (u32, &[u32; 2])| {
+            let (area, triangle) = (T::zero(), middle_triangles[number as usize]);
+            Patch { start, end, area, parts: [number; 2], whole: number, triangle }
         };
-        let mut patches = memory::listed(ranges.iter().zip(0..).map(patch_of));
-        for (patch, &triangle) in representatives.iter().enumerate() {
-            // Later ones are larger.
-            largest[triangle as usize] = patch as u32;
+        let mut patches = memory::listed((0..).zip(&ranges).map(patch_of));
+        let mut bounds = None;
+        for patch in 0..patches.len() {
             let Some(parts) = tree.parts_of(patch, count) else { continue };
             let of_parts = parts.map(|part| patches[part as usize].area);
             let area = T::of(tree.moments[patch].area).max(of_parts[0]).max(of_parts[1]);
-            patches[patch].area = area;
             bounds = Some(bounds.map_or([area; 2], |[least, most]: [T; 2]| [least.min(area), most.max(area)]));
-            for part in parts {
-                (patches[part as usize].next_area, patches[part as usize].whole) = (area, patch as u32);
-            }
-            let same = usize::from(representatives[parts[0] as usize] != triangle);
-            patches[patch].parts = [parts[same], parts[1 - same]];
+            parts.iter().for_each(|&part| patches[part as usize].whole = patch as u32);
+            (patches[patch].area, patches[patch].parts) = (area, parts);
         }
         let probes = memory::listed(order.iter().copied().step_by(count.div_ceil(PROBE_COUNT)));
         let corners = |triangle: u32| topology.triangles()[triangle as usize].map(|vertex| positions[vertex as usize]);
-        let mut patches = Self { order, patches, smallest, largest, bounds, probes, probed_area: T::one() };
+        let mut patches = Self { order, patches, smallest, bounds, probes, probed_area: T::one() };
         patches.probed_area = patches.growth(corners);
         patches
     }
@@ -108,33 +97,36 @@ impl<T: Scalar> Patches<T> {
         doubled_area / self.probed_area
     }
 
-    /// The level of patches of at least `area`: its number, below [`levels_above`](Self::levels_above), and the area rounded up
-    /// to it. At level 0 each triangle is a patch of its own.
-    pub(crate) fn level_above(&self, area: T) -> (usize, T) {
+    /// The level of patches of at most `area`: its number, below [`level_count`](Self::level_count), and the area rounded down to
+    /// it. At level 0 each triangle is a patch of its own.
+    pub(crate) fn level(&self, area: T) -> (usize, T) {
         match self.bounds {
-            Some([_, most]) if area >= most => (self.levels_above() - 1, most),
+            Some([_, most]) if area >= most => (self.level_count() - 1, most),
             Some([least, _]) if area >= least => {
                 let level = level_of(area);
-                let rounded_up = T::of(f64::from_bits((level + 1) << LEVEL_SHIFT));
-                ((level - level_of(least)) as usize + 1, rounded_up)
+                let rounded_down = T::of(f64::from_bits(level << LEVEL_SHIFT));
+                ((level - level_of(least)) as usize + 1, rounded_down.max(least))
             }
             // NaN too.
             _ => (0, T::zero()),
         }
     }
 
-    /// How many such levels there are.
-    pub(crate) fn levels_above(&self) -> usize {
-        self.level_count() + 1
+    /// How many levels there are.
+    pub(crate) fn level_count(&self) -> usize {
+        self.bounds.map_or(1, |[least, most]| (level_of(most) - level_of(least)) as usize + 3)
     }
 
     /// The largest patch of at most this area around a triangle.
     pub(crate) fn around(&self, triangle: u32, area: T) -> u32 {
         let mut patch = self.smallest[triangle as usize];
-        while self.patches[patch as usize].next_area <= area {
-            patch = self.patches[patch as usize].whole;
+        loop {
+            let whole = self.patches[patch as usize].whole;
+            if whole == patch || self.patches[whole as usize].area > area {
+                return patch;
+            }
+            patch = whole;
         }
-        patch
     }
 
     /// The two that a patch was merged from; `None` for a triangle.
@@ -155,47 +147,14 @@ impl<T: Scalar> Patches<T> {
         &self.order[start as usize..end as usize]
     }
 
-    /// The triangle in the middle of a patch.
+    /// The triangle that stands for a patch: the one nearest to its middle.
     pub(crate) fn triangle(&self, patch: u32) -> u32 {
-        self.patches[patch as usize].middle
+        self.patches[patch as usize].triangle
     }
 
     /// Where a patch's triangles begin among those of all.
     pub(crate) fn start(&self, patch: u32) -> u32 {
         self.patches[patch as usize].start
-    }
-
-    /// The level of patches of at most `area`: its number, below [`level_count`](Self::level_count), and the area rounded
-    /// down to it. `None` where there is no patch of several triangles as small.
-    pub(crate) fn level(&self, area: T) -> Option<(usize, T)> {
-        let [least, most] = self.bounds?;
-        // In this form NaN has none.
-        (area >= least).then(|| {
-            if area >= most {
-                return (self.level_count() - 1, most);
-            }
-            let level = level_of(area);
-            ((level - level_of(least)) as usize, T::of(f64::from_bits(level << LEVEL_SHIFT)).max(least))
-        })
-    }
-
-    /// How many levels there are.
-    pub(crate) fn level_count(&self) -> usize {
-        self.bounds.map_or(0, |[least, most]| (level_of(most) - level_of(least)) as usize + 2)
-    }
-
-    /// The triangles of the largest patch of at most this area that `triangle` stands for; `None` where it stands for
-    /// none: another triangle does for a larger patch around it.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn of(&self, triangle: u32, area: T) -> Option<&[u32]> {
-        let mut patch = &self.patches[self.largest[triangle as usize] as usize];
-        if patch.next_area <= area {
-            return None;
-        }
-        while patch.area > area {
-            patch = &self.patches[patch.parts[0] as usize];
-        }
-        Some(&self.order[patch.start as usize..patch.end as usize])
     }
 }
 
@@ -331,45 +290,18 @@ impl Tree {
         (memory::listed(starts.iter().zip(sizes).map(|(&start, size)| [start, start + size])), order)
     }
 
-    /// A triangle near the middle of a patch, by its place in space: always on into the part whose middle is nearer.
-    fn middle_triangle(&self, mut patch: usize, triangle_count: usize) -> usize {
-        let middle_of = |patch: usize| self.moments[patch].first / self.moments[patch].area;
-        let middle = middle_of(patch);
-        while let Some(parts) = self.parts_of(patch, triangle_count) {
-            let gaps = parts.map(|part| (middle_of(part as usize) - middle).norm_squared());
-            // Equal ones, and triangles without an area: the first.
-            patch = parts[usize::from(gaps[1] < gaps[0])] as usize;
-        }
-        patch
-    }
-
-    /// Which triangle stands for each patch: the one nearest to its middle, or that of the larger patch around it where
-    /// this lies within.
-    fn representatives(&self, ranges: &[[u32; 2]], order: &[u32]) -> Vec<u32> {
-        const UNKNOWN: u32 = u32::MAX;
-        let mut places = memory::filled(0, order.len());
-        (0..).zip(order).for_each(|(place, &triangle)| places[triangle as usize] = place);
-        let mut representatives = memory::filled(UNKNOWN, ranges.len());
-        for patch in (0..ranges.len()).rev() {
-            let [start, end] = ranges[patch];
-            if representatives[patch] == UNKNOWN {
-                let middle = self.moments[patch].first / self.moments[patch].area;
-                let distance = |triangle: u32| (self.middles[triangle as usize] - middle).norm_squared();
-                let mut nearest = order[start as usize];
-                for &triangle in &order[start as usize..end as usize] {
-                    nearest = if distance(triangle) < distance(nearest) { triangle } else { nearest };
-                }
-                representatives[patch] = nearest;
-            }
-            let Some(parts) = self.parts_of(patch, order.len()) else { continue };
-            for part in parts {
-                let [start, end] = ranges[part as usize];
-                if (start..end).contains(&places[representatives[patch] as usize]) {
-                    representatives[part as usize] = representatives[patch];
-                }
-            }
-        }
-        representatives
+    /// The triangle nearest to the middle of each patch, by its place in space.
+    fn middle_triangles(&self, ranges: &[[u32; 2]], order: &[u32]) -> Vec<u32> {
+        let nearest = |(moments, &[start, end]): (&Moments, &[u32; 2])| {
+            let middle = moments.first / moments.area;
+            let distance = |triangle: u32| (self.middles[triangle as usize] - middle).norm_squared();
+            let triangles = &order[start as usize..end as usize];
+            // Of equal ones, and of triangles without an area, the first.
+            triangles[1..]
+                .iter()
+                .fold(triangles[0], |best, &other| if distance(other) < distance(best) { other } else { best })
+        };
+        memory::listed(self.moments.iter().zip(ranges).map(nearest))
     }
 }
 
@@ -393,32 +325,41 @@ mod tests {
     }
 
     #[test]
-    fn patches_of_any_area_cover_the_surface_once_and_those_who_stand_for_larger_ones_stand_for_smaller_ones() {
+    fn patches_of_any_area_cover_the_surface_once_and_the_triangle_in_their_middle_stands_for_them() {
         let mesh = torus([40, 20]);
         let patches = Patches::new(mesh.topology(), mesh.reference_positions());
         let count = mesh.topology().triangles().len() as u32;
-        let mut fewer_before: Option<Vec<u32>> = None;
+        let mut count_before = 0;
         for area in [1e9, 0.1, 0.04, 0.0] {
-            let representatives: Vec<u32> =
-                (0..count).filter(|&triangle| patches.of(triangle, area).is_some()).collect();
+            let mut all: Vec<u32> = (0..count).map(|triangle| patches.around(triangle, area)).collect();
+            all.sort_unstable();
+            all.dedup();
             let mut covered = Vec::new();
-            for &triangle in &representatives {
-                let patch = patches.of(triangle, area).expect("it stands for one");
-                assert!(patch.contains(&triangle) && is_connected(&mesh, patch));
-                let vectors = patch.iter().map(|&triangle| mesh.scaled_normal(triangle) / 2.0);
+            for &patch in &all {
+                let triangles = patches.triangles_of(patch);
+                assert!(triangles.contains(&patches.triangle(patch)) && is_connected(&mesh, triangles));
+                let vectors = triangles.iter().map(|&triangle| mesh.scaled_normal(triangle) / 2.0);
                 let size: f64 = vectors.clone().map(|vector| vector.norm()).sum();
-                assert!(patch.len() == 1 || size <= area, "{size}");
+                assert!(triangles.len() == 1 || size <= area, "{size}");
                 assert!(vectors.sum::<Vector3<f64>>().norm() >= size * 0.899);
-                covered.extend_from_slice(patch);
+                let middle = |triangle: u32| mesh.corners(triangle).iter().sum::<Vector3<f64>>() / 3.0;
+                let moment: Vector3<f64> = triangles
+                    .iter()
+                    .map(|&triangle| middle(triangle) * mesh.scaled_normal(triangle).norm() / 2.0)
+                    .sum();
+                let aside = |triangle: u32| (middle(triangle) - moment / size).norm();
+                let nearest = triangles.iter().map(|&triangle| aside(triangle)).fold(f64::MAX, f64::min);
+                assert!(aside(patches.triangle(patch)) <= nearest * (1.0 + 1e-9));
+                covered.extend_from_slice(triangles);
+                let Some([first, second]) = patches.parts(patch) else { continue };
+                assert_eq!([patches.triangles_of(first), patches.triangles_of(second)].concat(), triangles);
+                assert!(patches.are_halves(first, second) && !patches.are_halves(first, patch));
             }
             covered.sort_unstable();
             assert_eq!(covered, (0..count).collect::<Vec<_>>());
-            if let Some(fewer) = fewer_before {
-                assert!(fewer.iter().all(|triangle| representatives.contains(triangle)));
-                assert!(fewer.len() < representatives.len());
-            }
-            fewer_before = Some(representatives);
+            assert!(count_before < all.len());
+            count_before = all.len();
         }
-        assert_eq!(fewer_before.map(|all| all.len()), Some(count as usize));
+        assert_eq!(count_before as u32, count);
     }
 }

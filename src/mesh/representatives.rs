@@ -32,8 +32,12 @@ impl Representatives {
         let (mut border, mut border_starts) = (Vec::new(), memory::filled(0, 1));
         for number in 0..group_count {
             group(number, &mut |triangle| {
-                let Some(patch) = patches.of(triangle, area) else { return };
+                let patch = patches.around(triangle, area);
+                if patches.triangle(patch) != triangle {
+                    return;
+                }
                 triangles.room_for(1).push(triangle);
+                let patch = patches.triangles_of(patch);
                 let sides =
                     patch.iter().filter(|_| patch.len() > 1).flat_map(|&part| (0..3).map(move |side| (part, side)));
                 let outer = sides.filter(|&(part, side)| !is_inner[part as usize][side]);
@@ -47,11 +51,6 @@ impl Representatives {
             starts.room_for(1).push(triangles.len() as u32);
         }
         Self { triangles, starts, border, border_starts }
-    }
-
-    /// How many there are.
-    pub(crate) fn len(&self) -> usize {
-        self.triangles.len()
     }
 
     /// Adds the places of a group's triangles.
@@ -77,16 +76,11 @@ impl Representatives {
 /// By triangle and side, from each corner to the next: whether the same patch lies beyond.
 fn inner_sides<T: Scalar>(mesh: &Mesh<T>, patches: &Patches<T>, area: T) -> Vec<[bool; 3]> {
     let corners = mesh.topology().triangles();
-    let mut stands_for = memory::filled(0, corners.len());
-    for triangle in 0..corners.len() as u32 {
-        for &part in patches.of(triangle, area).unwrap_or_default() {
-            stands_for[part as usize] = triangle;
-        }
-    }
+    let patch_of = memory::listed((0..corners.len() as u32).map(|triangle| patches.around(triangle, area)));
     let mut is_inner = memory::filled([false; 3], corners.len());
     for edge in mesh.topology().edges() {
         let [a, b] = edge.triangles;
-        if stands_for[a as usize] != stands_for[b as usize] {
+        if patch_of[a as usize] != patch_of[b as usize] {
             continue;
         }
         for triangle in edge.triangles {
@@ -142,12 +136,14 @@ mod tests {
             });
             let mut places = Vec::new();
             (0..count.div_ceil(10)).for_each(|group| representatives.add_places_in(group, &mut places));
-            let stand = |triangle: &u32| mesh.patches().of(*triangle, area).is_some();
+            let patches = mesh.patches();
+            let patch_of = |triangle: u32| patches.triangles_of(patches.around(triangle, area));
+            let stand = |triangle: &u32| patches.triangle(patches.around(*triangle, area)) == *triangle;
             let expected: Vec<u32> = (0..count).filter(stand).collect();
             assert_eq!(places.iter().map(|&place| representatives.triangle(place)).collect::<Vec<_>>(), expected);
             assert!(places.len() * 2 < count as usize + places.len());
             for place in places {
-                let patch = mesh.patches().of(representatives.triangle(place), area).expect("it stands for one");
+                let patch = patch_of(representatives.triangle(place));
                 let border = representatives.border(place);
                 assert_eq!(border.is_empty(), patch.len() == 1);
                 if patch.len() > 1 {

@@ -2,10 +2,9 @@
 //! around a point.
 
 mod crossings;
-mod levels_of_detail;
 mod nearest_point;
 mod octree;
-mod patches_of_groups;
+mod patch_levels;
 mod surface;
 mod surface_groups;
 mod tracer;

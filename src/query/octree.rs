@@ -7,8 +7,7 @@ use crate::math::{Aabb, Pose, Scalar};
 use crate::memory;
 use crate::mesh::{Mesh, Representatives, Topology};
 use crate::paper_octree::PaperOctree;
-use crate::query::levels_of_detail::LevelsOfDetail;
-use crate::query::patches_of_groups::PatchLevels;
+use crate::query::patch_levels::{PatchLevels, PatchesOfGroups};
 use std::fmt;
 use std::sync::Arc;
 
@@ -19,8 +18,8 @@ pub struct Octree<T: Scalar> {
     pub(crate) stamp: u64,
     pub(crate) cells: Cells<T>,
     /// Clones have the same groups.
-    pub(crate) levels: Arc<LevelsOfDetail>,
-    pub(crate) patch_levels: Arc<PatchLevels>,
+    pub(crate) patches: Arc<PatchLevels<PatchesOfGroups>>,
+    pub(crate) representatives: Arc<PatchLevels<Representatives>>,
 }
 
 /// A ray passes a few tiles. With less than one ray for this many tiles, loading all of them would take longer than tracing
@@ -79,9 +78,9 @@ impl<T: Scalar> Octree<T> {
             Layout::Bvh => Cells::Bvh(Bvh::new(mesh)),
             Layout::PaperOctree => Cells::PaperOctree(PaperOctree::new(mesh)),
         };
-        let levels = memory::shared(LevelsOfDetail::default());
-        let patch_levels = memory::shared(PatchLevels::default());
-        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, levels, patch_levels }
+        let patches = memory::shared(PatchLevels::default());
+        let representatives = memory::shared(PatchLevels::default());
+        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, patches, representatives }
     }
 
     /// Follows the mesh to its present positions; memory is reused.
@@ -108,13 +107,12 @@ impl<T: Scalar> Octree<T> {
     }
 
     /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and rays
-    /// there take longer. Nothing is loaded where triangles are joined to patches so large that tiles outnumber rays.
-    /// `for_distances`: distances are asked for too. `tiles` is scratch memory.
+    /// there take longer. Nothing is loaded where tiles outnumber `ray_count`, the rays that are expected. `for_distances`: distances are asked for too. `tiles` is scratch memory.
     pub(crate) fn update_in(
         &mut self,
         mesh: &mut Mesh<T>,
         regions: &[Aabb<T>],
-        patch_area: Option<T>,
+        ray_count: usize,
         for_distances: bool,
         tiles: &mut Vec<u32>,
     ) -> Result<(), OctreeError> {
@@ -132,8 +130,6 @@ impl<T: Scalar> Octree<T> {
             }
             _ => self.update(mesh)?,
         }
-        let representatives = patch_area.and_then(|area| self.representatives(mesh, area));
-        let ray_count = representatives.map_or(usize::MAX, Representatives::len);
         if let Cells::Bvh(cells) = &mut self.cells
             && ray_count > cells.tile_count() as usize / RAYS_TO_LOAD
         {

@@ -49,10 +49,10 @@ impl<T: Scalar> Surface<T> {
     }
 
     /// The same for rays that mostly stay in some regions: what lies beside them is not prepared, and rays there take longer.
-    /// `patch_area`: what triangles are joined to, if they are; `for_distances`: distances are asked for too.
-    pub(crate) fn refit_in(&mut self, regions: &[Aabb<T>], patch_area: Option<T>, for_distances: bool) {
+    /// `ray_count`: about how many are expected; `for_distances`: distances are asked for too.
+    pub(crate) fn refit_in(&mut self, regions: &[Aabb<T>], ray_count: usize, for_distances: bool) {
         let Self { mesh, octree, tiles } = self;
-        let refitted = octree.update_in(mesh, regions, patch_area, for_distances, tiles);
+        let refitted = octree.update_in(mesh, regions, ray_count, for_distances, tiles);
         refitted.expect("the tree was built for this mesh");
     }
 

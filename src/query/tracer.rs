@@ -2,9 +2,8 @@ use crate::bvh::{Candidates, PacketHits};
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::mesh::{Mesh, Representatives};
-use crate::query::levels_of_detail::LevelsOfDetail;
 use crate::query::octree::{Cells, Octree, OctreeError};
-use crate::query::patches_of_groups::{PatchLevels, PatchesOfGroups};
+use crate::query::patch_levels::{PatchLevels, PatchesOfGroups};
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch};
 use crate::triangle::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
 use std::cmp::Ordering;
@@ -13,8 +12,8 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, T: Scalar> {
     pub(crate) cells: &'a Cells<T>,
-    pub(crate) levels: &'a LevelsOfDetail,
-    patch_levels: &'a PatchLevels,
+    patches: &'a PatchLevels<PatchesOfGroups>,
+    representatives: &'a PatchLevels<Representatives>,
     mesh: &'a Mesh<T>,
     pub(crate) test: TriangleTest,
 }
@@ -33,25 +32,12 @@ impl<T: Scalar> Octree<T> {
         }
         Ok(Tracer::new(self, mesh))
     }
-
-    /// [`Tracer::representatives`] of a mesh that the octree follows.
-    pub(crate) fn representatives<'a>(&'a self, mesh: &'a Mesh<T>, area: T) -> Option<&'a Representatives> {
-        Tracer::new(self, mesh).representatives(area)
-    }
 }
-
-/// How unevenly a mesh may be stretched until patches are smaller than they might be.
-const MARGIN_OF_AREA: f64 = 2.0;
 
 impl<'a, T: Scalar> Tracer<'a, T> {
     pub(crate) fn new(octree: &'a Octree<T>, mesh: &'a Mesh<T>) -> Self {
-        Self {
-            cells: &octree.cells,
-            levels: &octree.levels,
-            patch_levels: &octree.patch_levels,
-            mesh,
-            test: TriangleTest::default(),
-        }
+        let Octree { cells, patches, representatives, .. } = octree;
+        Self { cells, patches, representatives, mesh, test: TriangleTest::default() }
     }
 
     /// The same, deciding with another triangle test.
@@ -64,19 +50,19 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         self.mesh
     }
 
-    /// The triangles that stand for patches of at most about this area; `None` where each stands for itself.
-    pub(crate) fn representatives(&self, area: T) -> Option<&'a Representatives> {
-        self.levels.at(self.mesh, area, self.group_count(), |group, offer| self.triangles_of(group, offer))
+    /// The largest patches of at most about this area at the reference positions, by the groups that they reach into.
+    pub(crate) fn patches_of_groups(&self, area: T) -> &'a PatchesOfGroups {
+        let group = |group, offer: &mut dyn FnMut(u32)| self.triangles_of(group, offer);
+        let all = self.mesh.patches();
+        self.patches.at(self.mesh, area, |area| PatchesOfGroups::new(all, area, self.group_count(), group))
     }
 
-    /// Patches by the groups they reach into: those that are the largest of at most this area where the mesh is stretched alike
-    /// everywhere, and somewhat larger ones.
-    pub(crate) fn patches_of_groups(&self, area: T) -> &'a PatchesOfGroups {
-        // Those of too large an area are halved by whoever asks, those of too small an area cannot be joined.
-        let at_reference =
-            area * T::of(MARGIN_OF_AREA) / self.mesh.patches().growth(|triangle| self.mesh.corners(triangle));
+    /// The triangles that stand for these patches; `None` where each stands for itself alone.
+    pub(crate) fn representatives(&self, area: T) -> Option<&'a Representatives> {
         let group = |group, offer: &mut dyn FnMut(u32)| self.triangles_of(group, offer);
-        self.patch_levels.at(self.mesh, at_reference, self.group_count(), group)
+        let find = |area| Representatives::new(self.mesh, area, self.group_count(), group);
+        let (level, _) = self.mesh.patches().level(area);
+        (level > 0).then(|| self.representatives.at(self.mesh, area, find))
     }
 
     fn group_count(&self) -> u32 {

@@ -296,7 +296,8 @@ impl<T: Scalar> Body<T> {
         memory::refill(regions, others.map(|other| reach_region(surface.mesh().aabb(), other, options.law)));
         if !regions.is_empty() {
             let for_distances = options.law == ContactLaw::Pressure;
-            surface.refit_in(regions, options.sampling.patch_area(), for_distances);
+            let ray_count = options.expected_rays(regions);
+            surface.refit_in(regions, ray_count, for_distances);
         }
     }
 }

@@ -6,8 +6,7 @@ use crate::contact::point_pair::touched_of;
 use crate::contact::quadrature::cutter::CutPiece;
 use crate::contact::quadrature::packet::{KnownDistances, SamplePacket};
 use crate::contact::quadrature::part::{Cut, Part, Plane};
-use crate::contact::quadrature::pieces::InsidePart;
-use crate::contact::quadrature::sample::Sample;
+use crate::contact::quadrature::sample::{MeasuredSample, Sample};
 use crate::math::{Scalar, Vector3, direction};
 use crate::memory::Room;
 use crate::mesh::Mesh;
@@ -30,7 +29,7 @@ pub(crate) struct CutAtSurface<'a, 'b, T: Scalar> {
     pub(crate) distances: &'a mut PointDistances<T>,
     /// Scratch memory for the crossings of a ray.
     pub(crate) crossings: &'a mut Vec<Hit<T>>,
-    pub(crate) inside: &'a mut Vec<InsidePart<T>>,
+    pub(crate) inside: &'a mut Vec<MeasuredSample<T>>,
 }
 
 impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
@@ -102,7 +101,7 @@ impl<T: Scalar> Kernel<T> for CutAtSurface<'_, '_, T> {
                     sample.piece = sample.piece.wrapping_mul(4).wrapping_add(place as u32);
                 }
                 let distance = (planes.len() == 1 && known.lanes >> lane & 1 == 1).then(|| known.distances[lane]);
-                inside.room_for(1).push(InsidePart { sample, distance });
+                inside.room_for(1).push(MeasuredSample { sample, distance });
                 crossed |= exits & 1 << lane;
             }
         }

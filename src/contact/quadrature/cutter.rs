@@ -1,4 +1,5 @@
 use crate::contact::point_pair::SurfacePoint;
+use crate::contact::quadrature::corners::{DEEPEST, longest_edge};
 use crate::contact::quadrature::sample::{Sample, Sampling, WHOLE};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
@@ -36,12 +37,6 @@ pub(crate) fn part_of_rays<T: Scalar>(neighbours: u32) -> T {
     T::of(part.clamp(FEWEST_ON_LARGEST_FACE / RAYS_ON_LARGEST_FACE, 1.0))
 }
 
-/// The area of the largest face of a box.
-pub(crate) fn largest_face<T: Scalar>(aabb: &Aabb<T>) -> T {
-    let sides = aabb.upper - aabb.lower;
-    (sides.x * sides.y).max(sides.y * sides.z).max(sides.z * sides.x)
-}
-
 /// The triangle that pieces are cut from.
 struct Face<T: Scalar> {
     triangle: u32,
@@ -67,9 +62,6 @@ struct Piece<T: Scalar> {
     number: u32,
 }
 
-/// Halvings of halves beyond this change nothing in either precision; it bounds the recursion.
-const DEEPEST: u8 = 96;
-
 impl<T: Scalar> Piece<T> {
     fn whole(corners: [Vector3<T>; 3], area: T) -> Self {
         Self { corners, weights: [Vector3::x(), Vector3::y(), Vector3::z()], area, depth: 0, number: WHOLE }
@@ -89,7 +81,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         let (squared_spacing, halvings_left) = match sampling {
             Sampling::Vertices => return None,
             Sampling::Automatic | Sampling::Tolerance(_) => {
-                (largest_face(overlap) / T::of(RAYS_ON_LARGEST_FACE), MOST_HALVINGS_AUTOMATIC)
+                (overlap.largest_face() / T::of(RAYS_ON_LARGEST_FACE), MOST_HALVINGS_AUTOMATIC)
             }
             Sampling::Spacing(spacing) => (spacing * spacing, MOST_HALVINGS),
         };
@@ -135,21 +127,13 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         if !Aabb::of_triangle(&piece.corners).overlaps(self.region) {
             return;
         }
-        let squares: [T; 3] = std::array::from_fn(|i| (piece.corners[i] - piece.corners[(i + 1) % 3]).norm_squared());
-        // Of equal edges the first in space is cut, so that it does not matter with which corner the triangle begins.
-        let ends = |i: usize| {
-            let sum = piece.corners[i] + piece.corners[(i + 1) % 3];
-            [sum.x, sum.y, sum.z]
-        };
-        let is_longer =
-            |i: usize, best: usize| squares[i] > squares[best] || (squares[i] == squares[best] && ends(i) < ends(best));
-        let longest = (1..3).fold(0, |best, i| if is_longer(i, best) { i } else { best });
-        let [from, to] = [longest, (longest + 1) % 3];
+        let (from, square) = longest_edge(&piece.corners);
+        let to = (from + 1) % 3;
         let half = T::of(0.5);
         let middle = (piece.corners[from] + piece.corners[to]) * half;
         let can_halve = middle != piece.corners[from] && middle != piece.corners[to] && piece.depth < DEEPEST;
         // Written so that NaN stops too.
-        let is_too_long = squares[longest] > self.longest_allowed && can_halve;
+        let is_too_long = square > self.longest_allowed && can_halve;
         if is_too_long && self.halvings_left > 0 {
             self.halvings_left -= 1;
             let weights = (piece.weights[from] + piece.weights[to]) * half;

@@ -2,7 +2,6 @@
 
 use crate::contact::point_pair::{SurfacePoint, touched_of};
 use crate::contact::quadrature::cutter::CutPiece;
-use crate::contact::quadrature::pieces::InsidePart;
 use crate::contact::quadrature::sample::{MeasuredSample, Sample, VERTEX, WHOLE, vertex_point};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::{Mesh, NormalLanes};
@@ -74,33 +73,33 @@ impl<T: Scalar> SamplePacket<T> {
         !taken.is_empty()
     }
 
-    /// The same for the middles of elements.
-    pub(crate) fn take_measured(&mut self, samples: &[MeasuredSample<T>], next: &mut usize) -> bool {
+    /// The same for elements.
+    pub(crate) fn take_elements(&mut self, samples: &[MeasuredSample<T>], next: &mut usize) -> bool {
         let taken = &samples[*next..samples.len().min(*next + LANE_COUNT)];
         *next += taken.len();
-        for (lane, measured) in taken.iter().enumerate() {
-            self.set_sample(lane, &measured.sample);
-            self.known.distances[lane] = measured.distance;
-        }
-        self.lanes.found = ((1u32 << taken.len()) - 1) as Mask;
-        (self.known.lanes, self.known.are_of_elements) = (self.lanes.found, true);
-        !taken.is_empty()
+        self.known.are_of_elements = true;
+        self.set_measured(taken)
     }
 
     /// The last of these parts; false where there are none.
-    pub(crate) fn take_last(&mut self, parts: &mut Vec<InsidePart<T>>) -> bool {
+    pub(crate) fn take_last(&mut self, parts: &mut Vec<MeasuredSample<T>>) -> bool {
         let first = parts.len() - parts.len().min(LANE_COUNT);
-        let taken = &parts[first..];
-        for (lane, part) in taken.iter().enumerate() {
-            self.set_sample(lane, &part.sample);
-            if let Some(distance) = part.distance {
+        self.set_measured(&parts[first..]);
+        parts.truncate(first);
+        self.lanes.found != 0
+    }
+
+    fn set_measured(&mut self, taken: &[MeasuredSample<T>]) -> bool {
+        self.known.lanes = 0;
+        for (lane, measured) in taken.iter().enumerate() {
+            self.set_sample(lane, &measured.sample);
+            if let Some(distance) = measured.distance {
                 self.known.lanes |= 1 << lane;
                 self.known.distances[lane] = distance;
             }
         }
         self.lanes.found = ((1u32 << taken.len()) - 1) as Mask;
-        parts.truncate(first);
-        self.lanes.found != 0
+        !taken.is_empty()
     }
 
     pub(crate) fn set_sample(&mut self, lane: usize, sample: &Sample<T>) {

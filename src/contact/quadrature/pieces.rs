@@ -35,17 +35,9 @@ pub(crate) struct Pieces<T: Scalar> {
     /// Of one triangle, the last first.
     pub(crate) cut: Vec<CutPiece<T>>,
     /// The parts inside the other body of pieces that its surface crosses.
-    pub(crate) inside: Vec<InsidePart<T>>,
+    pub(crate) inside: Vec<MeasuredSample<T>>,
     /// In which order samples come: what they are ordered by, and their places.
     pub(crate) order: Vec<((u32, u32), u32)>,
-}
-
-/// The part inside the other body of a piece that its surface crosses.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct InsidePart<T: Scalar> {
-    pub(crate) sample: Sample<T>,
-    /// How far that surface is from the sample, where it is known.
-    pub(crate) distance: Option<T>,
 }
 
 impl<T: Scalar> Pieces<T> {

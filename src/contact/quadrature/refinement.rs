@@ -4,14 +4,13 @@
 use crate::bvh::{Candidates, PacketHits};
 use crate::contact::classify::past_folds;
 use crate::contact::pair::Pair;
-use crate::contact::quadrature::cutter::largest_face;
 use crate::contact::quadrature::element::{Element, Frame, Side};
 use crate::contact::quadrature::sample::MeasuredSample;
 use crate::contact::statistics::Statistics;
 use crate::math::{Aabb, Scalar, Vector3, direction, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::query::PointDistances;
+use crate::query::{PointDistances, Tracer};
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, set_lane};
 use crate::triangle::{Hit, RayPacket};
 
@@ -19,17 +18,16 @@ use crate::triangle::{Hit, RayPacket};
 
 /// About so many elements cover the overlap box's largest face at first.
 const FIRST_ELEMENTS: f64 = 192.0;
-/// An element is halved where its part of the load may be off by more than this, times the square of the tolerance, since errors
-/// of many add up as if by chance,
-const ERROR_BY_CHANCE: f64 = 3.0;
-/// or by more than this, times the tolerance, since those of few do not.
-const ERROR_AT_ONCE: f64 = 0.1;
-/// An element is halved where it carries more than the tolerance of the load, or more than this.
+/// At tolerances below this, what errors have in common shows as well: they add up to more than by chance.
+const SYSTEMATIC: f64 = 0.01;
+/// An element is halved where it carries more than this of the load.
 const LARGEST_SHARE: f64 = 1.0 / 40.0;
 /// Halves fade in while the error grows from the limit to so many times that,
 const FADE: f64 = 1.5;
 /// and while the area grows from that of the first elements to so many times that.
 const AREA_FADE: f64 = 1.1;
+/// How unevenly a mesh may be stretched until its first elements are smaller than they might be.
+const MARGIN_OF_AREA: f64 = 2.0;
 /// The most elements of a pair.
 const MOST_ELEMENTS: usize = 1 << 20;
 
@@ -40,8 +38,6 @@ pub(crate) struct Quadrature<T: Scalar> {
     counts: Counts,
     elements: Vec<Element<T>>,
     fresh: Vec<Element<T>>,
-    marks: Vec<u64>,
-    patches: Vec<u32>,
     crossings: Vec<Hit<T>>,
 }
 
@@ -73,6 +69,8 @@ pub(crate) struct Refinement<'a, 'b, T: Scalar> {
     pub(crate) pair: &'a Pair<'b, T>,
     pub(crate) tolerance: T,
     pub(crate) groups: &'a [Vec<u32>; 2],
+    pub(crate) patches: &'a mut [Vec<u32>; 2],
+    pub(crate) marks: &'a mut Vec<u64>,
     pub(crate) quadrature: &'a mut Quadrature<T>,
 }
 
@@ -81,11 +79,18 @@ impl<T: Scalar> Kernel<T> for Refinement<'_, '_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { pair, tolerance, groups, quadrature } = self;
+        let Self { pair, tolerance, groups, patches, marks, quadrature } = self;
         let frame = Frame::new(pair.overlap, pair.region);
         let size = Size::new(pair, tolerance, &frame);
         quadrature.counts = Counts::default();
-        quadrature.start::<L>(pair, &frame, &size, groups);
+        for body in 0..2 {
+            if pair.casts(body) {
+                list_patches(pair.tracers[body], frame.area(size.largest()), &groups[body], marks, &mut patches[body]);
+            } else {
+                patches[body].clear();
+            }
+        }
+        quadrature.start::<L>(pair, &frame, &size, patches);
         let mut measurement = Measurement::new(pair, &frame);
         while !quadrature.fresh.is_empty() {
             let Quadrature { counts, elements, fresh, crossings, .. } = &mut *quadrature;
@@ -106,9 +111,8 @@ impl<T: Scalar> Kernel<T> for Refinement<'_, '_, T> {
 struct Size<T: Scalar> {
     /// The area of the first ones.
     first: T,
-    /// How far an element's part of the load may be off, and how large that part may be, as parts of the load of all.
-    largest_error: T,
-    largest_share: T,
+    /// How far the load of all may be off.
+    tolerance: T,
     /// The overlap box's shortest side.
     thickness: T,
     /// The shares of the load that the two bodies carry.
@@ -117,13 +121,11 @@ struct Size<T: Scalar> {
 
 impl<T: Scalar> Size<T> {
     fn new(pair: &Pair<'_, T>, tolerance: T, frame: &Frame<T>) -> Self {
-        let face = frame.of_area(largest_face(pair.overlap));
+        let face = frame.of_area(pair.overlap.largest_face());
         // A region that is no more than a line or a point gives no measure.
         let first = if face > T::zero() { face / T::of(FIRST_ELEMENTS) } else { T::INFINITY };
         let thickness = frame.of_length((pair.overlap.upper - pair.overlap.lower).min());
-        let largest_error = (tolerance * tolerance * T::of(ERROR_BY_CHANCE)).min(tolerance * T::of(ERROR_AT_ONCE));
-        let largest_share = tolerance.min(T::of(LARGEST_SHARE));
-        Self { first, largest_error, largest_share, thickness, shares: pair.fixed_shares.unwrap_or([T::of(0.5); 2]) }
+        Self { first, tolerance, thickness, shares: pair.fixed_shares.unwrap_or([T::of(0.5); 2]) }
     }
 
     /// The area above which no part of the whole is left.
@@ -131,21 +133,43 @@ impl<T: Scalar> Size<T> {
         self.first * T::of(AREA_FADE)
     }
 
-    /// An element's part of the load of all.
-    fn load(&self, element: &Element<T>) -> T {
-        self.shares[usize::from(element.body)] * element.load(self.thickness)
+    /// An element's part of the load, and how far that may be off.
+    fn load_and_error(&self, element: &Element<T>) -> [T; 2] {
+        let share = self.shares[usize::from(element.body)];
+        [share * element.load(self.thickness), share * element.error(self.thickness)]
     }
 
-    /// How much of an element its halves stand for, from 0 to 1, given the load of all.
-    fn halved(&self, element: &Element<T>, load: T) -> T {
-        let share = self.shares[usize::from(element.body)] / load;
-        let error = element.error(self.thickness) * element.weight * share;
-        let part = self.load(element) / load;
+    /// How much of an element its halves stand for, from 0 to 1.
+    fn halved(&self, element: &Element<T>, limits: &Limits<T>) -> T {
+        let [load, error] = self.load_and_error(element);
         let ramp = ramp(element.area / self.first, AREA_FADE)
-            .max(ramp(error / self.largest_error, FADE))
-            .max(ramp(part / self.largest_share, FADE));
+            .max(ramp(error * element.weight / limits.error, FADE))
+            .max(ramp(load / limits.load, FADE));
         ramp * ramp * (T::of(3.0) - T::of(2.0) * ramp)
     }
+
+    /// The limits that follow from what all elements carry: errors add up as if by chance, so one of n like it may be off by a
+    /// part of 1/√n of what all may be.
+    fn limits(&self, elements: &[Element<T>]) -> Limits<T> {
+        // One by one, so that it does not matter which body comes first.
+        let mut sums = [[T::zero(); 3]; 2];
+        for element in elements {
+            let [load, error] = self.load_and_error(element);
+            let sums = &mut sums[usize::from(element.body)];
+            let of_this = [load, error, error * error];
+            of_this.iter().zip(sums).for_each(|(number, sum)| *sum += element.weight * *number);
+        }
+        let [load, error, square] = std::array::from_fn(|number| sums[0][number] + sums[1][number]);
+        let one_of_all = square.sqrt() / error;
+        let part = (self.tolerance / T::of(SYSTEMATIC)).min(T::one());
+        Limits { error: load * self.tolerance * one_of_all * part, load: load * T::of(LARGEST_SHARE) }
+    }
+}
+
+/// How far the load of an element may be off, and how large it may be.
+struct Limits<T> {
+    error: T,
+    load: T,
 }
 
 /// From 0 at 1 to 1 at this number.
@@ -155,24 +179,23 @@ fn ramp<T: Scalar>(excess: T, end: f64) -> T {
 }
 
 impl<T: Scalar> Quadrature<T> {
-    /// The first elements of both bodies.
+    /// The first elements of both bodies, out of these patches.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>, groups: &[Vec<u32>; 2]) {
-        let Self { counts, elements, fresh, marks, patches, .. } = self;
+    fn start<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>, patches: &[Vec<u32>; 2]) {
+        let Self { counts, elements, fresh, .. } = self;
         elements.clear();
         fresh.clear();
-        for (body, groups) in groups.iter().enumerate().filter(|&(body, _)| pair.casts(body)) {
+        for (body, patches) in patches.iter().enumerate() {
             let (tracer, first) = (pair.tracers[body], fresh.len());
-            tracer.patches_of_groups(frame.area(size.largest())).list(groups, marks, patches);
-            for &patch in patches.iter() {
+            for &patch in patches {
                 // Here the list is for those that may be too large.
-                memory::append(elements, Element::patch::<L>(body as u8, patch, tracer.mesh(), frame));
+                memory::append(elements, Element::patch::<L>(body as u8, patch, tracer, frame));
                 counts.without_normal +=
                     u64::from(elements.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
                 while let Some(element) = elements.pop() {
                     let is_large = element.area > size.largest();
                     let may_halve = is_large && fresh.len() < MOST_ELEMENTS;
-                    if !may_halve || !element.halve::<L>(tracer.mesh(), frame, elements) {
+                    if !may_halve || !element.halve::<L>(tracer, frame, elements) {
                         counts.uncut += u64::from(is_large);
                         fresh.room_for(1).push(element);
                     }
@@ -189,22 +212,17 @@ impl<T: Scalar> Quadrature<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn halve<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
         let Self { counts, elements, fresh, .. } = self;
-        // One by one, so that it does not matter which body comes first.
-        let mut loads = [T::zero(); 2];
-        for element in elements.iter() {
-            loads[usize::from(element.body)] += element.weight * size.load(element);
-        }
-        let load = loads[0] + loads[1];
+        let limits = size.limits(elements);
         for place in 0..elements.len() {
             let element = &mut elements[place];
-            let halved = if element.is_halved { T::zero() } else { size.halved(element, load) };
+            let halved = if element.is_halved { T::zero() } else { size.halved(element, &limits) };
             if halved == T::zero() {
                 continue;
             }
             element.is_halved = true;
             let (whole, before) = (*element, fresh.len());
-            let mesh = pair.tracers[usize::from(whole.body)].mesh();
-            if elements.len() + before < MOST_ELEMENTS && whole.halve::<L>(mesh, frame, fresh) {
+            let tracer = pair.tracers[usize::from(whole.body)];
+            if elements.len() + before < MOST_ELEMENTS && whole.halve::<L>(tracer, frame, fresh) {
                 elements[place].weight = whole.weight * (T::one() - halved);
                 fresh[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
             } else {
@@ -219,15 +237,27 @@ impl<T: Scalar> Quadrature<T> {
         samples.iter_mut().for_each(Vec::clear);
         for element in elements.iter().filter(|element| element.weight > T::zero() && element.depth > T::zero()) {
             let body = usize::from(element.body);
-            let Some(sample) = element.sample(pair.tracers[body], frame) else {
+            let Some(sample) = element.sample(pair.tracers[body].mesh(), frame) else {
                 counts.without_normal += 1;
                 continue;
             };
             counts.patches += u64::from(element.is_patch());
-            let distance = frame.length(element.depth);
+            let distance = Some(frame.length(element.depth));
             samples[body].room_for(1).push(MeasuredSample { sample, distance });
         }
     }
+}
+
+/// The patches of about this area or more in some groups: too large ones are halved, too small ones could not be joined.
+fn list_patches<T: Scalar>(
+    tracer: &Tracer<'_, T>,
+    area: T,
+    groups: &[u32],
+    marks: &mut Vec<u64>,
+    patches: &mut Vec<u32>,
+) {
+    let growth = tracer.mesh().patches().growth(|triangle| tracer.mesh().corners(triangle));
+    tracer.patches_of_groups(area * T::of(MARGIN_OF_AREA) / growth).list(groups, marks, patches);
 }
 
 /// Whether a patch is a triangle without an area, inside a region.

@@ -77,7 +77,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
         }
         match self.starts {
             Starts::Samples(samples) => packet.take(samples, &mut self.next),
-            Starts::Measured(samples) => packet.take_measured(samples, &mut self.next),
+            Starts::Measured(samples) => packet.take_elements(samples, &mut self.next),
             Starts::Groups(_) | Starts::Patches(..) => self.fill_from_vertices::<L>(packet),
         }
     }

@@ -53,9 +53,14 @@ const DENSE: f64 = 20_000.0;
 /// How far force and torque are from those of dense samples, as parts of the force and the force times the overlap box's half
 /// diagonal.
 pub fn errors<T: Scalar>(meshes: &[Mesh<T>; 2], found: &ContactList<T>) -> [f64; 2] {
+    errors_against(meshes, found, DENSE)
+}
+
+/// The same with another number of dense samples.
+pub fn errors_against<T: Scalar>(meshes: &[Mesh<T>; 2], found: &ContactList<T>, dense: f64) -> [f64; 2] {
     let overlap = meshes[0].aabb().intersection(meshes[1].aabb());
     let [x, y, z]: [T; 3] = (overlap.upper - overlap.lower).into();
-    let dense = Sampling::Spacing(((x * y).max(y * z).max(z * x) / T::of(DENSE)).sqrt());
+    let dense = Sampling::Spacing(((x * y).max(y * z).max(z * x) / T::of(dense)).sqrt());
     let finest = detect(meshes, Layout::Bvh, dense);
     let [exact, has] = [&finest, found].map(|list| load(&list.contacts, &overlap.centre()));
     let force = exact[0].norm();
@@ -79,7 +84,7 @@ fn a_spacing_larger_than_the_triangles_casts_fewer_rays() {
     let inside = surface_where(&meshes[0], |middle| is_inside(1, middle));
     let inside = inside + surface_where(&meshes[1], |middle| is_inside(0, middle));
     assert!(inside < 0.8 * in_box, "{inside} of {in_box}");
-    for (spacing, tolerance) in [(0.05, 0.005), (0.1, 0.01), (0.2, 0.05)] {
+    for (spacing, tolerance) in [(0.05, 0.008), (0.1, 0.01), (0.2, 0.05)] {
         let found = detect(&meshes, Layout::Bvh, Sampling::Spacing(spacing));
         let squares = found.statistics.rays as f64 * spacing * spacing;
         assert!(

@@ -3,29 +3,29 @@ use crate::memory::{self, Room};
 use crate::mesh::{Mesh, Patches};
 use std::sync::OnceLock;
 
-/// For each level of patches those of the groups of one octree, found when first asked for.
-#[derive(Debug, Default)]
-pub(crate) struct PatchLevels(OnceLock<Vec<OnceLock<PatchesOfGroups>>>);
+/// Something for each level of patches, found when first asked for.
+#[derive(Debug)]
+pub(crate) struct PatchLevels<V>(OnceLock<Vec<OnceLock<V>>>);
 
-impl PatchLevels {
-    /// The patches of at most this area, rounded up. `group` offers the triangles of one.
-    pub(crate) fn at<T: Scalar>(
-        &self,
-        mesh: &Mesh<T>,
-        area: T,
-        group_count: u32,
-        group: impl FnMut(u32, &mut dyn FnMut(u32)),
-    ) -> &PatchesOfGroups {
-        let (number, area) = mesh.patches().level_above(area);
-        let levels = self.0.get_or_init(|| {
-            let count = mesh.patches().levels_above();
-            memory::listed((0..count).map(|_| OnceLock::new()))
-        });
-        levels[number].get_or_init(|| PatchesOfGroups::new(mesh.patches(), area, group_count, group))
+impl<V> Default for PatchLevels<V> {
+    fn default() -> Self {
+        Self(OnceLock::new())
     }
 }
 
-/// Which patches of one level the triangles of each group belong to.
+impl<V> PatchLevels<V> {
+    /// That of the patches of at most about this area; `find` is given the area, rounded down to a level.
+    pub(crate) fn at<T: Scalar>(&self, mesh: &Mesh<T>, area: T, find: impl FnOnce(T) -> V) -> &V {
+        let (number, area) = mesh.patches().level(area);
+        let levels = self.0.get_or_init(|| {
+            let count = mesh.patches().level_count();
+            memory::listed((0..count).map(|_| OnceLock::new()))
+        });
+        levels[number].get_or_init(|| find(area))
+    }
+}
+
+/// Which patches of one level reach into each group of triangles.
 #[derive(Debug)]
 pub(crate) struct PatchesOfGroups {
     /// All, in their order.
@@ -36,7 +36,8 @@ pub(crate) struct PatchesOfGroups {
 }
 
 impl PatchesOfGroups {
-    fn new<T: Scalar>(
+    /// Those of the patches of at most this area; `group` offers the triangles of each group in turn.
+    pub(crate) fn new<T: Scalar>(
         all: &Patches<T>,
         area: T,
         group_count: u32,
@@ -63,7 +64,7 @@ impl PatchesOfGroups {
         Self { patches, of_group, starts }
     }
 
-    /// Those of some groups, each once, in their order, into `patches`; `marks` is scratch memory.
+    /// Those that reach into some groups, each once, in their order, into `patches`; `marks` is scratch memory.
     pub(crate) fn list(&self, groups: &[u32], marks: &mut Vec<u64>, patches: &mut Vec<u32>) {
         memory::refill_with(marks, 0, self.patches.len().div_ceil(64));
         for &group in groups {

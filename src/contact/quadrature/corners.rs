@@ -1,0 +1,55 @@
+use crate::math::{Scalar, Vector3};
+
+/// Halvings of halves beyond this change nothing in either precision.
+pub(crate) const DEEPEST: u8 = 96;
+
+/// Where a part of a triangle has its corners, and their barycentric weights.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corners<T: Scalar> {
+    pub(crate) positions: [Vector3<T>; 3],
+    pub(crate) weights: [Vector3<T>; 3],
+}
+
+impl<T: Scalar> Corners<T> {
+    /// Those of a whole triangle.
+    pub(crate) fn of_triangle(positions: [Vector3<T>; 3]) -> Self {
+        Self { positions, weights: [Vector3::x(), Vector3::y(), Vector3::z()] }
+    }
+
+    /// The middle: where it is, and its barycentric weights.
+    pub(crate) fn middle(&self) -> (Vector3<T>, Vector3<T>) {
+        let third = T::one() / T::of(3.0);
+        let mean = |[a, b, c]: [Vector3<T>; 3]| (a + b + c) * third;
+        (mean(self.positions), mean(self.weights))
+    }
+
+    /// The halves, cut at the middle of the longest edge; `None` where rounding leaves none.
+    pub(crate) fn halves(&self) -> Option<[Self; 2]> {
+        let (from, _) = longest_edge(&self.positions);
+        let (to, half) = ((from + 1) % 3, T::of(0.5));
+        let middle = (self.positions[from] + self.positions[to]) * half;
+        let can_halve = middle != self.positions[from] && middle != self.positions[to];
+        can_halve.then(|| {
+            [to, from].map(|replaced| {
+                let mut part = *self;
+                part.positions[replaced] = middle;
+                part.weights[replaced] = (self.weights[from] + self.weights[to]) * half;
+                part
+            })
+        })
+    }
+}
+
+/// The corner at which the longest edge of a triangle begins, and its squared length. Of equal edges the first in space is taken,
+/// so that it does not matter with which corner the triangle begins.
+pub(crate) fn longest_edge<T: Scalar>(corners: &[Vector3<T>; 3]) -> (usize, T) {
+    let squares: [T; 3] = std::array::from_fn(|i| (corners[i] - corners[(i + 1) % 3]).norm_squared());
+    let ends = |i: usize| {
+        let sum = corners[i] + corners[(i + 1) % 3];
+        [sum.x, sum.y, sum.z]
+    };
+    let is_longer =
+        |i: usize, best: usize| squares[i] > squares[best] || (squares[i] == squares[best] && ends(i) < ends(best));
+    let longest = (1..3).fold(0, |best, i| if is_longer(i, best) { i } else { best });
+    (longest, squares[longest])
+}
