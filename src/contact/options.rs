@@ -36,7 +36,7 @@ impl<T: Scalar> DetectionOptions<T> {
     pub(crate) fn expected_rays(&self, regions: &[Aabb<T>]) -> usize {
         match (self.law, self.sampling) {
             (ContactLaw::Pressure, Sampling::Tolerance(tolerance)) => {
-                regions.len() * (RAYS_AT_TOLERANCE_OF_ONE / tolerance.to_f64()) as usize
+                regions.len().saturating_mul((RAYS_AT_TOLERANCE_OF_ONE / tolerance.to_f64()) as usize)
             }
             (_, Sampling::Spacing(spacing)) => {
                 let rays = |region: &Aabb<T>| region.largest_face() * T::of(MOST_FACES) / (spacing * spacing);

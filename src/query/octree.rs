@@ -107,7 +107,8 @@ impl<T: Scalar> Octree<T> {
     }
 
     /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and rays
-    /// there take longer. Nothing is loaded where tiles outnumber `ray_count`, the rays that are expected. `for_distances`: distances are asked for too. `tiles` is scratch memory.
+    /// there take longer. Nothing is loaded where tiles outnumber `ray_count`, the rays that are expected. `for_distances`:
+    /// distances are asked for too. `tiles` is scratch memory.
     pub(crate) fn update_in(
         &mut self,
         mesh: &mut Mesh<T>,

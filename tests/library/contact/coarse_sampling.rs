@@ -21,7 +21,7 @@ pub fn detect<T: Scalar>(meshes: &[Mesh<T>; 2], layout: Layout, sampling: Sampli
 }
 
 /// Net force on the first body and its torque about `about`, for unit stiffness.
-fn load<T: Scalar>(contacts: &[Contact<T>], about: &Vector3<T>) -> [Vector3<T>; 2] {
+pub fn load<T: Scalar>(contacts: &[Contact<T>], about: &Vector3<T>) -> [Vector3<T>; 2] {
     let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
     for contact in contacts {
         let pressure = contact.area * contact.depth * contact.cos_alpha;
