@@ -121,7 +121,7 @@ impl<T: Scalar> Element<T> {
         let Moments { area, vector, first, second } = L::outlined(MomentsOf { mesh, triangles, middle, factor });
         let centroid = first / area;
         let radius = (second / area - centroid.norm_squared()).max(T::zero()).sqrt() * T::of(2.0);
-        let triangle = patches.triangle(patch);
+        let triangle = patches.middle(patch);
         let ClosestPoint { weights, position, .. } = tracer.closest_on(triangle, &frame.point(&centroid))?;
         let vertices = mesh.topology().triangles()[triangle as usize];
         let is_curved = patches.triangles_of(patch).len() >= FEWEST_OF_CURVED;

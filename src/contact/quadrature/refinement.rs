@@ -18,8 +18,12 @@ use crate::triangle::{Hit, RayPacket};
 
 /// About so many elements cover the overlap box's largest face at first.
 const FIRST_ELEMENTS: f64 = 192.0;
-/// At tolerances below this, what errors have in common shows as well: they add up to more than by chance.
+/// One of n elements may be off by this part of the tolerance, divided by √n, since errors of many add up as if by chance.
+const ERROR_BY_CHANCE: f64 = 0.85;
+/// At tolerances below this, what errors have in common shows as well: less in proportion.
 const SYSTEMATIC: f64 = 0.01;
+/// But it may always be off by this part of the tolerance, or by so many times its square, whichever is less.
+const ERROR_AT_ONCE: [f64; 2] = [0.1, 3.0];
 /// An element is halved where it carries more than this of the load.
 const LARGEST_SHARE: f64 = 1.0 / 40.0;
 /// Halves fade in while the error grows from the limit to so many times that,
@@ -148,21 +152,21 @@ impl<T: Scalar> Size<T> {
         ramp * ramp * (T::of(3.0) - T::of(2.0) * ramp)
     }
 
-    /// The limits that follow from what all elements carry: errors add up as if by chance, so one of n like it may be off by a
-    /// part of 1/√n of what all may be.
+    /// The limits that follow from what all elements carry.
     fn limits(&self, elements: &[Element<T>]) -> Limits<T> {
         // One by one, so that it does not matter which body comes first.
         let mut sums = [[T::zero(); 3]; 2];
         for element in elements {
             let [load, error] = self.load_and_error(element);
             let sums = &mut sums[usize::from(element.body)];
-            let of_this = [load, error, error * error];
-            of_this.iter().zip(sums).for_each(|(number, sum)| *sum += element.weight * *number);
+            [load, error, error * error].iter().zip(sums).for_each(|(number, sum)| *sum += element.weight * *number);
         }
         let [load, error, square] = std::array::from_fn(|number| sums[0][number] + sums[1][number]);
-        let one_of_all = square.sqrt() / error;
-        let part = (self.tolerance / T::of(SYSTEMATIC)).min(T::one());
-        Limits { error: load * self.tolerance * one_of_all * part, load: load * T::of(LARGEST_SHARE) }
+        // The root of how many of one size would add up to the same.
+        let root_of_count = error / square.sqrt();
+        let by_chance = T::of(ERROR_BY_CHANCE) * (self.tolerance / T::of(SYSTEMATIC)).min(T::one()) / root_of_count;
+        let always = T::of(ERROR_AT_ONCE[0]).min(T::of(ERROR_AT_ONCE[1]) * self.tolerance);
+        Limits { error: load * self.tolerance * by_chance.max(always), load: load * T::of(LARGEST_SHARE) }
     }
 }
 

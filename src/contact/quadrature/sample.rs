@@ -14,14 +14,15 @@ pub enum Sampling<T: Scalar> {
     /// About so far apart, a length > 0, whatever the triangulation. Larger triangles are cut into pieces of that size, and
     /// each piece casts from its middle. Smaller ones are joined to patches of at most the length's square, connected and
     /// nearly flat, of which one triangle casts from its middle along their mean normal, with their areas added as vectors. The
-    /// patches are those of the mesh as it is when they are first asked for. Their sizes go in steps, four to each doubling of
-    /// the area. Contacts of a body with itself know no patches.
+    /// patches are those of the mesh as it is when they are first asked for; of a larger spacing's triangles all cast at
+    /// smaller ones too. Their sizes go in steps, four to each doubling of the area. Contacts of a body with itself know no
+    /// patches.
     Spacing(T),
     /// Where the load needs them: from patches of nearly flat, connected triangles, from triangles, or from parts of
     /// triangles, each as large as leaves the net force of each pair, and its torque over the overlap box's half diagonal,
     /// within about this part of the force, in (0, 1]. Few large ones are halved where the other surface crosses them, where
     /// the depth bends, and where they carry much of the load, by the depth below the other body's surface that is measured in
-    /// their middles. So it is an estimate, not a bound: half of all are within 0.7 of it, nearly all within twice. Their
+    /// their middles. So it is an estimate, not a bound: half of all are within 0.6 of it, nearly all within twice. Their
     /// number hardly depends on the triangulation. Under [`ContactLaw::RayLength`](crate::contact::ContactLaw), and with an
     /// open mesh, as automatic.
     Tolerance(T),

@@ -68,11 +68,11 @@ fn rippled(shape: &Shape, step: usize) -> Shape {
     })
 }
 
-/// It is an estimate: half of all are within 0.7 of it, all within 3.5 times. How many rays that takes hardly depends on the mesh.
+/// It is an estimate: half of all are within 0.6 of it, all within 3.5 times. How many rays that takes hardly depends on the mesh.
 #[test]
 fn force_and_torque_keep_near_the_tolerance_on_every_workload() {
     fn check<T: Scalar>(step: usize) {
-        for (tolerance, most_rays) in [(0.1, 2500), (0.03, 5000), (0.01, 8000), (0.003, 40_000)] {
+        for (tolerance, most_rays) in [(0.1, 2500), (0.03, 3000), (0.01, 8000), (0.003, 25_000)] {
             let mut all = Vec::new();
             for (name, shapes) in workloads() {
                 let meshes: [Mesh<T>; 2] = shapes.map(|shape| rippled(&shape, step).mesh());
@@ -89,7 +89,7 @@ fn force_and_torque_keep_near_the_tolerance_on_every_workload() {
             all.sort_by(f64::total_cmp);
             let median = all[all.len() / 2];
             println!("{tolerance}: median {median}, worst {}", all[all.len() - 1]);
-            assert!(median <= 0.7 * tolerance, "{median} in the median for {tolerance}");
+            assert!(median <= 0.6 * tolerance, "{median} in the median for {tolerance}");
         }
     }
     check::<f64>(0);
@@ -139,7 +139,7 @@ fn hard_overlaps_keep_near_the_tolerance_too() {
     by_default.sort_by(f64::total_cmp);
     let middle = all.len() / 2;
     println!("median {}, by default {}", all[middle], by_default[middle]);
-    assert!(all[middle] <= 0.7 * tolerance, "{}", all[middle]);
+    assert!(all[middle] <= 0.6 * tolerance, "{}", all[middle]);
 }
 
 /// Elements come and go as bodies move. At small steps the force does not jump by half a per cent of its largest, and of the work
