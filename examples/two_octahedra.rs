@@ -57,7 +57,7 @@ pub fn run() -> Result<Vec<String>, Box<dyn Error>> {
         scene.query(&mut contacts);
         let mut forces = [vec![Vector3::zeros(); 6], vec![Vector3::zeros(); 6]];
         let velocities = bodies.each_ref().map(|body| body.velocities.clone());
-        add_forces(&contacts.contacts, &law, None, Some(&velocities), &mut forces);
+        add_forces(&contacts, &law, None, Some(&velocities), &mut forces);
         scene.advance(TIME_STEP)?;
         for (body, forces) in bodies.iter_mut().zip(&mut forces) {
             body.add_springs(forces);

@@ -235,7 +235,7 @@ fn hash_of<T: Scalar>(setting: &Setting, threads: usize, host: usize) -> u64 {
         hash.add_contacts(&contacts);
         patches += contacts.statistics.patches;
         let mut forces: Vec<_> = positions.iter().map(|of_body| vec![Vector3::zeros(); of_body.len()]).collect();
-        add_forces(&contacts.contacts, &law, None::<&[Vec<Vector3<T>>]>, None, &mut forces);
+        add_forces(&contacts, &law, None::<&[Vec<Vector3<T>>]>, None, &mut forces);
         for (positions, forces) in positions.iter_mut().zip(&forces) {
             forces.iter().for_each(|force| hash.add_numbers(force.as_slice()));
             // Each body goes a little along its force, so that what follows depends on it.

@@ -1,5 +1,6 @@
 use crate::contact::escape_push::EscapePush;
 use crate::contact::point_pair::Contact;
+use crate::contact::spread::Spreads;
 use crate::contact::statistics::Statistics;
 use crate::contact::workspace::Workspace;
 use crate::math::Scalar;
@@ -17,12 +18,16 @@ pub struct ContactList<T: Scalar> {
     /// How they were found.
     pub statistics: Statistics,
     pub(crate) pushes: Vec<EscapePush<T>>,
+    pub(crate) spreads: Spreads<T>,
     pub(crate) workspace: Workspace<T>,
 }
 
 impl<T: Scalar> PartialEq for ContactList<T> {
     fn eq(&self, other: &Self) -> bool {
-        self.contacts == other.contacts && self.statistics == other.statistics && self.pushes == other.pushes
+        self.contacts == other.contacts
+            && self.statistics == other.statistics
+            && self.pushes == other.pushes
+            && self.spreads == other.spreads
     }
 }
 
@@ -51,6 +56,7 @@ impl<T: Scalar> ContactList<T> {
     pub fn clear(&mut self) {
         self.contacts.clear();
         self.pushes.clear();
+        self.spreads.clear();
         self.statistics = Statistics::default();
     }
 
@@ -75,7 +81,8 @@ impl<T: Scalar> ContactList<T> {
         };
         helpers.append(&mut self.contacts, count, contacts_of, |_, contact| *contact);
         for number in 0..count {
-            let (_, other) = list(number);
+            let (before, other) = list(number);
+            self.take_spreads(before, other);
             memory::append(&mut self.pushes, other.pushes.iter().copied());
             self.statistics += other.statistics;
         }
@@ -85,13 +92,25 @@ impl<T: Scalar> ContactList<T> {
     pub(crate) fn take_from(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.contacts, &mut other.contacts);
         std::mem::swap(&mut self.pushes, &mut other.pushes);
+        std::mem::swap(&mut self.spreads, &mut other.spreads);
         self.statistics = other.statistics;
     }
 
     /// Adds the contacts and counts of `other` after its own.
     pub fn append(&mut self, other: &Self) {
+        let before = self.len();
         self.contacts.room_for(other.contacts.len()).extend_from_slice(&other.contacts);
+        self.take_spreads(before, other);
         self.pushes.room_for(other.pushes.len()).extend_from_slice(&other.pushes);
         self.statistics += other.statistics;
+    }
+    /// Adds what the contacts of `other` bear on, which stand after so many of its own.
+    fn take_spreads(&mut self, before: usize, other: &Self) {
+        if other.spreads.len() > 0 {
+            let spreads_before = self.spreads.len();
+            self.spreads.append(&other.spreads);
+            let contacts = &mut self.contacts[before..before + other.len()];
+            contacts.iter_mut().for_each(|contact| contact.spread = contact.spread.after(spreads_before));
+        }
     }
 }

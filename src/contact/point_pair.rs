@@ -1,4 +1,5 @@
 use crate::math::{Scalar, Vector3};
+use std::num::NonZeroU32;
 
 /// A point on a mesh's surface. It moves with its triangle: its position is the weighted sum of the three vertices'.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,17 @@ impl<T: Scalar> SurfacePoint<T> {
 pub(crate) fn touched_of<T: Scalar>(vertices: [u32; 3], weights: [T; 3]) -> [u32; 3] {
     let one = (0..3).find(|&k| weights[k] != T::zero()).unwrap_or(0);
     [0, 1, 2].map(|k| vertices[if weights[k] != T::zero() { k } else { one }])
+}
+
+/// Where a contact's spread stands in its list; by default it has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SpreadPlace(pub(crate) Option<NonZeroU32>);
+
+impl SpreadPlace {
+    /// The same in a list with so many before it.
+    pub(crate) fn after(self, before: usize) -> Self {
+        Self(self.0.and_then(|place| place.checked_add(before as u32)))
+    }
 }
 
 /// How a contact came about.
@@ -66,6 +78,8 @@ pub struct Contact<T: Scalar> {
     /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
     /// the rays of this direction carry; the two directions' shares sum to 1.
     pub area: T,
+    /// Over which vertices its load is spread, in the list in which it was found.
+    pub spread: SpreadPlace,
 }
 
 impl<T: Scalar> Contact<T> {

@@ -3,6 +3,7 @@ use crate::contact::point_pair::Contact;
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::pieces::Pieces;
 use crate::contact::quadrature::refinement::Quadrature;
+use crate::contact::spread::SpreadWorkspace;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::CastLoad;
 use crate::math::Scalar;
@@ -27,8 +28,9 @@ pub(crate) struct Workspace<T: Scalar> {
     /// those.
     pub(crate) patches: [Vec<u32>; 2],
     pub(crate) marks: Vec<u64>,
-    /// Where the load needs samples.
+    /// Where the load needs samples, and over what they spread it.
     pub(crate) quadrature: Quadrature<T>,
+    pub(crate) spread: SpreadWorkspace<T>,
     /// Of one chunk's groups the vertices in the overlap box.
     pub(crate) vertices: Vec<u32>,
     pub(crate) pieces: Pieces<T>,

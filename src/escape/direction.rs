@@ -20,7 +20,7 @@ const CLEARLY_SHORTER: f64 = 0.99;
 /// adds none where the bodies are apart.
 pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, contacts: &mut ContactList<T>) -> Option<T> {
     let start = contacts.len();
-    let ContactList { contacts, statistics, pushes, workspace } = contacts;
+    let ContactList { contacts, statistics, pushes, workspace, .. } = contacts;
     for side in [0, 1] {
         inside_samples(pair, side, away, workspace, statistics);
         add_contacts(pair, side, workspace, contacts);

@@ -73,6 +73,7 @@ pub(crate) fn detect_pair<T: Scalar>(
         memory.into_iter().for_each(|memory| *memory = PairMemory::default());
         return;
     }
+    let start = contacts.len();
     match memory {
         _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
         Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
@@ -82,4 +83,5 @@ pub(crate) fn detect_pair<T: Scalar>(
             pair.detect_without_memory(contacts);
         }
     }
+    pair.spread_loads(start, contacts);
 }

@@ -3,7 +3,8 @@
 //! Between detections a contact is a spring between two points that move with their triangles. With the direction d,
 //! the depth δ = (p2 − p1)·d at the present positions and the coefficient c = k · weight · cos α, the force on p1 is
 //! c (δ + τ δ̇) d and that on p2 its opposite; each is spread over its triangle's vertices by the barycentric weights
-//! (Hermann, Faure, Raffin 2008, section 4). The energy is ½ Σ c δ², so the elastic force is its negative gradient.
+//! (Hermann, Faure, Raffin 2008, section 4). A contact that stands for many triangles presses on all their vertices, by area,
+//! and the opposite lies on about as much of the other surface around p2, so that the pair gets no net force or torque. The energy is ½ Σ c δ², so the elastic force is its negative gradient.
 //! The differential is the rank-one part along d, positive semi-definite up to its sign: the turning of d with the
 //! surface is left out, so that conjugate gradients may be used.
 
@@ -15,57 +16,75 @@ pub use law::{LawError, PenaltyLaw, Weighting};
 pub use pair_forces::{ForcesByPair, PairForces};
 pub use vectors::{BodiesMut, Vectors, VectorsMut};
 
-use crate::contact::{Contact, SurfacePoint};
+use crate::contact::{Bearings, Contact, ContactList};
 use crate::math::{Scalar, Vector3};
 
 /// A contact as a spring.
 struct Spring<'a, T: Scalar> {
     contact: &'a Contact<T>,
+    /// What its ends bear on, and how far they were apart along the direction.
+    bearings: [Bearings<'a, T>; 2],
+    gap: T,
     coefficient: T,
 }
 
 impl<'a, T: Scalar> Spring<'a, T> {
-    fn new(contact: &'a Contact<T>, law: &PenaltyLaw) -> Self {
-        Self { contact, coefficient: law.coefficient(contact) }
+    fn new(list: &'a ContactList<T>, contact: &'a Contact<T>, law: &PenaltyLaw) -> Self {
+        let (bearings, gap) = (list.spreads.bearings(contact), list.spreads.gap(contact));
+        Self { contact, bearings, gap, coefficient: law.coefficient(contact) }
     }
 
     /// (u2 − u1)·d, for a field u given at the vertices of each body.
     fn closing<V: Vectors<T>>(&self, bodies: &[V]) -> T {
-        let at = |point: &SurfacePoint<T>, body: u32| {
-            let field = &bodies[body as usize];
-            (0..3).fold(Vector3::zeros(), |sum, i| sum + field.get(point.vertices[i]) * point.weights[i])
-        };
-        let Contact { p1, p2, colliding, collided, direction, .. } = self.contact;
-        (at(p2, *collided) - at(p1, *colliding)).dot(direction)
+        let Contact { colliding, collided, direction, .. } = self.contact;
+        let [first, second] = [0, 1].map(|end| {
+            let (field, mut sum) = (&bodies[[*colliding, *collided][end] as usize], Vector3::zeros());
+            self.bearings[end].for_each(|vertex, weight| sum += field.get(vertex) * weight);
+            sum
+        });
+        (second - first).dot(direction)
     }
 
     /// The contact's depth, and what has been added to it since detection.
     fn depth<V: Vectors<T>>(&self, positions: Option<&[V]>) -> T {
-        let Contact { p1, p2, direction, depth, .. } = self.contact;
-        positions
-            .map_or(*depth, |positions| self.closing(positions) - (p2.position - p1.position).dot(direction) + *depth)
+        let depth = self.contact.depth;
+        positions.map_or(depth, |positions| self.closing(positions) - self.gap + depth)
     }
 
-    /// Pulls p1 along the direction and p2 against it.
+    /// Pulls the first end along the direction and the second against it.
     fn pull<F: BodiesMut<T> + ?Sized>(&self, force: T, forces: &mut F) {
-        let Contact { p1, p2, colliding, collided, direction, .. } = self.contact;
-        for (point, body, force) in [(p1, colliding, *direction * force), (p2, collided, *direction * -force)] {
-            for i in 0..3 {
-                if point.weights[i] != T::zero() {
-                    forces.add_to(*body, point.vertices[i], force * point.weights[i]);
+        let Contact { colliding, collided, direction, .. } = self.contact;
+        for (end, (body, force)) in
+            [(colliding, *direction * force), (collided, *direction * -force)].into_iter().enumerate()
+        {
+            self.bearings[end].for_each(|vertex, weight| {
+                if weight != T::zero() {
+                    forces.add_to(*body, vertex, force * weight);
                 }
-            }
+            });
         }
     }
 }
 
-/// Adds the forces of `contacts` to `forces`, which holds one array per body, as do `positions` (`None`: as at
+/// Adds the forces of a list's contacts to `forces`, which holds one array per body, as do `positions` (`None`: as at
 /// detection) and `velocities` (`None`: no damping).
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
 pub fn add_forces<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
+    list: &ContactList<T>,
+    law: &PenaltyLaw,
+    positions: Option<&[P]>,
+    velocities: Option<&[P]>,
+    forces: &mut F,
+) {
+    add_forces_of(&list.contacts, list, law, positions, velocities, forces);
+}
+
+/// The same for some of the list's contacts.
+fn add_forces_of<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     contacts: &[Contact<T>],
+    list: &ContactList<T>,
     law: &PenaltyLaw,
     positions: Option<&[P]>,
     velocities: Option<&[P]>,
@@ -73,7 +92,7 @@ pub fn add_forces<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
 ) {
     let damping_time = T::of(law.damping_time());
     for contact in contacts {
-        let spring = Spring::new(contact, law);
+        let spring = Spring::new(list, contact, law);
         let closing_speed = velocities.map_or(T::zero(), |velocities| spring.closing(velocities));
         let stretch = spring.depth(positions) + damping_time * closing_speed;
         spring.pull(spring.coefficient * stretch, forces);
@@ -86,7 +105,7 @@ pub fn add_forces<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
 pub fn add_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
-    contacts: &[Contact<T>],
+    list: &ContactList<T>,
     law: &PenaltyLaw,
     stiffness_factor: f64,
     damping_factor: f64,
@@ -94,8 +113,8 @@ pub fn add_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     forces: &mut F,
 ) {
     let factor = T::of(stiffness_factor + damping_factor * law.damping_time());
-    for contact in contacts {
-        let spring = Spring::new(contact, law);
+    for contact in &list.contacts {
+        let spring = Spring::new(list, contact, law);
         spring.pull(factor * spring.coefficient * spring.closing(displacements), forces);
     }
 }
@@ -104,9 +123,9 @@ pub fn add_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
-pub fn energy<T: Scalar, P: Vectors<T>>(contacts: &[Contact<T>], law: &PenaltyLaw, positions: Option<&[P]>) -> T {
-    let doubled = contacts.iter().fold(T::zero(), |sum, contact| {
-        let spring = Spring::new(contact, law);
+pub fn energy<T: Scalar, P: Vectors<T>>(list: &ContactList<T>, law: &PenaltyLaw, positions: Option<&[P]>) -> T {
+    let doubled = list.contacts.iter().fold(T::zero(), |sum, contact| {
+        let spring = Spring::new(list, contact, law);
         let depth = spring.depth(positions);
         sum + spring.coefficient * depth * depth
     });

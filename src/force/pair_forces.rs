@@ -2,7 +2,7 @@
 //! pairs. Rounding makes these sums other ones than those of [`add_forces`](crate::force::add_forces), by a few last digits.
 
 use crate::contact::ContactList;
-use crate::force::add_forces;
+use crate::force::add_forces_of;
 use crate::force::law::PenaltyLaw;
 use crate::force::vectors::{BodiesMut, Vectors};
 use crate::math::{Scalar, Vector3};
@@ -96,7 +96,7 @@ impl<T: Scalar> ForcesByPair<T> {
             let (of_pair, others) = contacts.split_at(end.unwrap_or(contacts.len()));
             contacts = others;
             let mut collector = Collector { first: bodies[0], sums: &mut self.sums, places: &mut self.places };
-            add_forces(of_pair, law, positions, velocities, &mut collector);
+            add_forces_of(of_pair, list, law, positions, velocities, &mut collector);
             self.take_sums(bodies);
         }
     }

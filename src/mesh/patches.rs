@@ -154,6 +154,11 @@ impl<T: Scalar> Patches<T> {
         self.patches[patch as usize].middle
     }
 
+    /// The patch with this number, if there is one with this triangle in its middle.
+    pub(crate) fn named(&self, number: u32, middle: u32) -> Option<u32> {
+        self.patches.get(number as usize).filter(|patch| patch.middle == middle).map(|_| number)
+    }
+
     /// The triangle that stands for a patch.
     pub(crate) fn triangle(&self, patch: u32) -> u32 {
         self.patches[patch as usize].triangle

@@ -75,7 +75,7 @@ pub fn net_force(mode: Mode, a: &Mesh<f64>, b: &Mesh<f64>, about: &Vector) -> Ne
         .expect("the octrees belong to the meshes");
     let law = PenaltyLaw::new(1.0, 0.0, mode.weighting()).expect("a valid law");
     let mut forces = [a, b].map(|mesh| vec![Vector::zeros(); mesh.positions().len()]);
-    add_forces(&contacts.contacts, &law, None::<&[Vec<Vector>]>, None, &mut forces);
+    add_forces(&contacts, &law, None::<&[Vec<Vector>]>, None, &mut forces);
     let mut net = Net { force: Vector::zeros(), torque: Vector::zeros(), rays: contacts.statistics.rays };
     for (force, position) in forces[0].iter().zip(a.positions()) {
         net.force += force;

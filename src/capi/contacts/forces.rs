@@ -2,7 +2,7 @@ use super::{AnyContacts, rayc_contacts};
 use crate::capi::base::{rayc_status, rayc_vectors, rayc_vectors_mut};
 use crate::capi::ffi::{
     Arrays, BodyArray, BodyArraysMut, Failure, Options, Output, beyond_range, check_reserved, growing, guard,
-    read_options, reading, size_of_vector, unknown_enum, with_precision, write_defaults,
+    read_options, reading, unknown_enum, with_precision, write_defaults,
 };
 use crate::contact::{Contact, ContactList};
 use crate::force::{PenaltyLaw, Weighting, add_differential, add_forces, energy};
@@ -76,7 +76,9 @@ pub unsafe extern "C" fn rayc_default_response_options(
 }
 
 /// Adds the contact forces to `forces`, in N. Each contact gives stiffness · weight · cos α · depth along the ray at
-/// p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4).
+/// p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4). A contact of
+/// RAYC_SAMPLING_TOLERANCE that stands for many triangles presses on all their vertices, by area, and the opposite lies on
+/// about as much of the other surface around p2. The two loads have no net force and no net torque.
 ///
 /// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
 /// order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
@@ -205,17 +207,20 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 }
 
 /// What a contact exerts at most, where its vertices' positions and velocities sum up to these sizes.
-pub(in crate::capi) fn most_force<T: Scalar>(law: &PenaltyLaw, is_moved: bool) -> impl Fn(&Contact<T>, [T; 2]) -> T {
+pub(in crate::capi) fn most_force<T: Scalar>(
+    list: &ContactList<T>,
+    law: &PenaltyLaw,
+    is_moved: bool,
+) -> impl Fn(&Contact<T>, [T; 2]) -> T {
     let damping_time = T::of(law.damping_time());
     move |contact, [positions, velocities]| {
-        law.coefficient(contact) * (most_depth(contact, positions, is_moved) + damping_time * velocities)
+        law.coefficient(contact) * (most_depth(list, contact, positions, is_moved) + damping_time * velocities)
     }
 }
 
 /// How deep it is at most, there or as it was found.
-fn most_depth<T: Scalar>(contact: &Contact<T>, positions: T, is_moved: bool) -> T {
-    let Contact { p1, p2, depth, .. } = contact;
-    if is_moved { *depth + positions + size_of_vector(&(p2.position - p1.position)) } else { *depth }
+fn most_depth<T: Scalar>(list: &ContactList<T>, contact: &Contact<T>, positions: T, is_moved: bool) -> T {
+    if is_moved { contact.depth + positions + list.spreads.gap(contact).abs() } else { contact.depth }
 }
 
 /// NULL for none, where there is something to damp, is refused: the damping would be lost.
@@ -249,8 +254,8 @@ fn add_all_forces<T: Scalar>(
     mut forces: BodyArraysMut<'_>,
 ) -> Result<(), Failure> {
     let read = [("positions", positions), ("velocities", velocities)];
-    Arrays { read, written: Some(&forces) }.check(list, most_force(law, positions.is_some()))?;
-    add_forces(&list.contacts, law, positions, velocities, &mut forces);
+    Arrays { read, written: Some(&forces) }.check(list, most_force(list, law, positions.is_some()))?;
+    add_forces(list, law, positions, velocities, &mut forces);
     Ok(())
 }
 
@@ -264,7 +269,7 @@ fn add_all_differentials<T: Scalar>(
     let factor = T::of(stiffness + damping * law.damping_time());
     let most = |contact: &Contact<T>, [size]: [T; 1]| factor * law.coefficient(contact) * size;
     Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list, most)?;
-    add_differential(&list.contacts, law, stiffness, damping, displacements, &mut forces);
+    add_differential(list, law, stiffness, damping, displacements, &mut forces);
     Ok(())
 }
 
@@ -274,9 +279,9 @@ fn all_energy<T: Scalar>(
     positions: Option<&[BodyArray]>,
 ) -> Result<f64, Failure> {
     let most = |contact: &Contact<T>, [size]: [T; 1]| {
-        let depth = most_depth(contact, size, positions.is_some());
+        let depth = most_depth(list, contact, size, positions.is_some());
         law.coefficient(contact) * depth * depth
     };
     Arrays { read: [("positions", positions)], written: None }.check(list, most)?;
-    Ok(energy(&list.contacts, law, positions).to_f64())
+    Ok(energy(list, law, positions).to_f64())
 }

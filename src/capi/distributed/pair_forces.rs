@@ -73,7 +73,7 @@ fn sum<T: Scalar>(
     velocities: Option<&[BodyArray]>,
 ) -> Result<[usize; 2], Failure> {
     let read = [("positions", positions), ("velocities", velocities)];
-    Arrays { read, written: None }.check(list, most_force(law, positions.is_some()))?;
+    Arrays { read, written: None }.check(list, most_force(list, law, positions.is_some()))?;
     forces.sum(list, law, positions, velocities);
     Ok([forces.pairs().len(), forces.forces().len()])
 }

@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::pointers::slice;
 use super::strided::Strided;
 use crate::capi::base::{rayc_status, rayc_vectors, rayc_vectors_mut};
-use crate::contact::{Contact, ContactList};
+use crate::contact::{Bearings, Contact, ContactList};
 use crate::force::{BodiesMut, Vectors, VectorsMut};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
@@ -115,8 +115,9 @@ impl<const N: usize> Arrays<'_, N> {
         self.check_apart()?;
         let count = T::of(list.contacts.len() as f64);
         for contact in &list.contacts {
-            let first = self.check_vertices::<T, _>(contact.colliding, contact.p1.vertices)?;
-            let second = self.check_vertices::<T, _>(contact.collided, contact.p2.vertices)?;
+            let bearings = list.spreads.bearings(contact);
+            let first = self.check_bearings(contact.colliding, &bearings[0])?;
+            let second = self.check_bearings(contact.collided, &bearings[1])?;
             let most = most(contact, std::array::from_fn(|array| first[array] + second[array]));
             if !(most * count).is_finite() {
                 return Err(beyond_range(contact));
@@ -151,6 +152,17 @@ impl<const N: usize> Arrays<'_, N> {
     }
 
     #[inline(always)]
+    fn check_bearings<T: Scalar>(&self, body: u32, bearings: &Bearings<'_, T>) -> Result<[T; N], Failure> {
+        match bearings {
+            Bearings::Point(point) => self.check_vertices(body, point.vertices),
+            Bearings::Spread(bearings) => bearings.iter().try_fold([T::zero(); N], |sizes, &(vertex, _)| {
+                let of_vertex: [T; N] = self.check_vertices(body, [vertex])?;
+                Ok(std::array::from_fn(|array| sizes[array] + of_vertex[array]))
+            }),
+        }
+    }
+
+    #[inline(always)]
     fn check_vertices<T: Scalar, const M: usize>(&self, body: u32, vertices: [u32; M]) -> Result<[T; N], Failure> {
         let mut sizes = [T::zero(); N];
         for (size, (name, arrays)) in sizes.iter_mut().zip(&self.read) {
@@ -175,7 +187,7 @@ impl<const N: usize> Arrays<'_, N> {
 
 /// The sum of its numbers' sizes, at least its length.
 #[inline(always)]
-pub(in crate::capi) fn size_of_vector<T: Scalar>(vector: &Vector3<T>) -> T {
+fn size_of_vector<T: Scalar>(vector: &Vector3<T>) -> T {
     vector.x.abs() + vector.y.abs() + vector.z.abs()
 }
 

@@ -12,7 +12,7 @@ mod precision;
 mod sized_structs;
 mod strided;
 
-pub(super) use body_arrays::{Arrays, BodyArray, BodyArraysMut, beyond_range, size_of_vector};
+pub(super) use body_arrays::{Arrays, BodyArray, BodyArraysMut, beyond_range};
 pub(super) use checks::{check_numbers, check_reserved, flag};
 pub(super) use failure::{Failure, mesh_status, unknown_enum};
 pub(super) use float_mode::DefaultMode;

@@ -8,7 +8,7 @@ pub(crate) mod shares;
 
 use crate::bvh::PacketHits;
 use crate::contact::pair::Direction;
-use crate::contact::point_pair::{Contact, ContactKind, SurfacePoint};
+use crate::contact::point_pair::{Contact, ContactKind, SpreadPlace, SurfacePoint};
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::packet::SamplePacket;
 use crate::contact::trace::Rays;
@@ -73,7 +73,8 @@ pub(crate) fn make_contact<T: Scalar>(
         position: sample.point.position + direction * hit.t,
     };
     let (p1, depth, area, piece) = (sample.point, hit.t, sample.area, sample.piece);
-    Contact { kind, colliding, collided, piece, p1, p2, direction, depth, cos_alpha, area }
+    let spread = SpreadPlace::default();
+    Contact { kind, colliding, collided, piece, p1, p2, direction, depth, cos_alpha, area, spread }
 }
 
 /// The cosines between rays and the normals where they end, of those in `asked`; zero where a triangle has no normal.

@@ -142,7 +142,7 @@ fn prongs_of_a_fork_part() {
 
     let law = PenaltyLaw::new(100.0, 0.0, Weighting::Area).expect("a valid law");
     let mut forces = vec![vec![Vector3::zeros(); shape.positions.len()]];
-    add_forces(&found.contacts, &law, None::<&[Vec<Vector3<f64>>]>, None, &mut forces);
+    add_forces(&found, &law, None::<&[Vec<Vector3<f64>>]>, None, &mut forces);
     let (mut net, mut moment, mut on_first, mut on_second) = (Vector3::zeros(), Vector3::zeros(), 0.0, 0.0);
     for (force, position) in forces[0].iter().zip(&shape.positions) {
         let position = Vector3::from(*position);

@@ -49,7 +49,7 @@ fn a_push_is_the_sum_of_its_contacts() {
     assert!((push.direction.norm() - 1.0).abs() < 1e-14);
     let law = PenaltyLaw::new(7.0, 0.0, Weighting::Area).expect("a valid law");
     let mut forces = zeros(&positions);
-    add_forces(&contacts.contacts, &law, None::<&[Vec<_>]>, None, &mut forces);
+    add_forces(&contacts, &law, None::<&[Vec<_>]>, None, &mut forces);
     let expected = push.direction * (7.0 * push.area * push.depth);
     for (body, sign) in [(0, 1.0), (1, -1.0)] {
         let sum = total(&forces, body);
@@ -85,7 +85,7 @@ fn bodies_without_stiffness_leave_in_their_own_shape() {
             }
             let mut forces = zeros(&rest);
             if !evenly {
-                add_forces(&contacts.contacts, &law, None::<&[Vec<_>]>, None, &mut forces);
+                add_forces(&contacts, &law, None::<&[Vec<_>]>, None, &mut forces);
             }
             for push in contacts.pushes() {
                 for (body, sign) in [(0, 1.0), (1, -1.0)] {

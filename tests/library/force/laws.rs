@@ -2,7 +2,7 @@
 //! ∂force/∂position with the contacts held, momentum and angular momentum conserved.
 
 use crate::common::shapes;
-use raycontact::contact::{Contact, ContactKind, ContactList, DetectionOptions, Sampling};
+use raycontact::contact::{ContactKind, ContactList, DetectionOptions, Sampling};
 use raycontact::escape::query_pair;
 use raycontact::force::{PenaltyLaw, Weighting, add_differential, add_forces, energy};
 use raycontact::math::Vector3;
@@ -12,9 +12,9 @@ use raycontact::scene::Scene;
 
 type Field = [Vec<Vector3<f64>>; 2];
 
-/// A torus of 2 · 24 · 12 triangles around z, turned by `angle` about x and moved by `shift`.
-fn torus(angle: f64, shift: [f64; 3]) -> Mesh<f64> {
-    let (around, across) = (24u32, 12u32);
+/// A torus of 2 · 24 · 12 triangles, or as many more as the square of `detail`, around z, turned by `angle` about x and moved by `shift`.
+fn torus(detail: u32, angle: f64, shift: [f64; 3]) -> Mesh<f64> {
+    let (around, across) = (24 * detail, 12 * detail);
     let part = |i: u32, count: u32| std::f64::consts::TAU * f64::from(i) / f64::from(count);
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for i in 0..around {
@@ -33,21 +33,25 @@ fn torus(angle: f64, shift: [f64; 3]) -> Mesh<f64> {
 
 struct Overlap {
     positions: Field,
-    contacts: Vec<Contact<f64>>,
+    list: ContactList<f64>,
 }
 
-fn overlap(sampling: Sampling<f64>) -> Overlap {
-    let meshes = [torus(0.0, [0.0; 3]), torus(0.7, [0.3, 0.15, 0.5])];
+fn overlap([first, second]: [u32; 2], sampling: Sampling<f64>) -> Overlap {
+    let meshes = [torus(first, 0.0, [0.0; 3]), torus(second, 0.7, [0.3, 0.15, 0.5])];
     let octrees = [Octree::new(&meshes[0]), Octree::new(&meshes[1])];
     let mut list = ContactList::default();
     let options = DetectionOptions { sampling, ..DetectionOptions::default() };
     query_pair(&meshes[0], &octrees[0], &meshes[1], &octrees[1], &options, &mut list).expect("octrees are new");
     assert!(list.len() > 40, "the tori overlap well");
-    Overlap { positions: meshes.map(|mesh| mesh.positions().to_vec()), contacts: list.contacts }
+    Overlap { positions: meshes.map(|mesh| mesh.positions().to_vec()), list }
 }
 
 fn overlaps() -> Vec<Overlap> {
-    [Sampling::Vertices, Sampling::Automatic, Sampling::Spacing(0.1)].map(overlap).into()
+    let of_triangles = [Sampling::Vertices, Sampling::Automatic, Sampling::Spacing(0.1)];
+    // With few contacts, most of which stand for many triangles of either body.
+    let of_patches = [[1, 1], [4, 4], [1, 4], [4, 1]].map(|details| (details, Sampling::Tolerance(0.05)));
+    let all = of_triangles.map(|sampling| ([1, 1], sampling)).into_iter().chain(of_patches);
+    all.map(|(details, sampling)| overlap(details, sampling)).collect()
 }
 
 /// A ball that escapes from a block which has swallowed it: its contacts are all as deep as the deepest of them, however far
@@ -64,7 +68,7 @@ fn escape() -> Overlap {
     let mut list = ContactList::default();
     scene.query(&mut list);
     assert!(list.len() > 20 && list.contacts.iter().all(|contact| contact.kind == ContactKind::Escape));
-    Overlap { positions, contacts: list.contacts }
+    Overlap { positions, list }
 }
 
 /// Numbers between −1 and 1 without a pattern, the same in every run.
@@ -102,10 +106,10 @@ fn force_is_the_negative_gradient_of_the_energy() {
             let displacement = noise(&overlap.positions, 0.5);
             let at = moved(&overlap.positions, &displacement, 0.01);
             let mut forces = zero(&at);
-            add_forces(&overlap.contacts, &law, Some(&at), None, &mut forces);
+            add_forces(&overlap.list, &law, Some(&at), None, &mut forces);
 
             let h = 1e-4;
-            let energy_at = |factor: f64| energy(&overlap.contacts, &law, Some(&moved(&at, &displacement, factor)));
+            let energy_at = |factor: f64| energy(&overlap.list, &law, Some(&moved(&at, &displacement, factor)));
             let slope = (energy_at(h) - energy_at(-h)) / (2.0 * h);
             let expected = -dot(&forces, &displacement);
             assert!((slope - expected).abs() <= 1e-6 * expected.abs(), "{slope} against {expected}");
@@ -123,14 +127,14 @@ fn differential_is_the_derivative_of_the_force() {
                 let mut forces = zero(&overlap.positions);
                 let at = moved(&overlap.positions, &displacement, x);
                 let velocities = moved(&rest, &displacement, v);
-                add_forces(&overlap.contacts, &law, Some(&at), Some(&velocities), &mut forces);
+                add_forces(&overlap.list, &law, Some(&at), Some(&velocities), &mut forces);
                 forces
             };
             let h = 1e-3;
             for (stiffness_factor, damping_factor) in [(1.0, 0.0), (0.0, 1.0), (-0.3, 2.0)] {
                 let mut differential = zero(&overlap.positions);
                 let (s, d) = (stiffness_factor, damping_factor);
-                add_differential(&overlap.contacts, &law, s, d, &displacement, &mut differential);
+                add_differential(&overlap.list, &law, s, d, &displacement, &mut differential);
                 let difference = moved(&force_at(s * h, d * h), &force_at(-s * h, -d * h), -1.0);
                 let error = moved(&moved(&rest, &difference, 1.0 / (2.0 * h)), &differential, -1.0);
                 assert!(dot(&error, &error) <= 1e-12 * dot(&differential, &differential));
@@ -146,7 +150,7 @@ fn differential_is_symmetric_and_takes_energy_out() {
         let (a, b) = (noise(&overlap.positions, 0.5), noise(&overlap.positions, 7.5));
         let differential = |displacement: &Field| {
             let mut result = zero(&overlap.positions);
-            add_differential(&overlap.contacts, law, 1.0, 0.0, displacement, &mut result);
+            add_differential(&overlap.list, law, 1.0, 0.0, displacement, &mut result);
             result
         };
         let (da, db) = (differential(&a), differential(&b));
@@ -160,7 +164,7 @@ fn momentum_and_angular_momentum_are_kept() {
     for overlap in overlaps() {
         for law in laws() {
             let mut forces = zero(&overlap.positions);
-            add_forces(&overlap.contacts, &law, None::<&Field>.map(|f| &f[..]), None, &mut forces);
+            add_forces(&overlap.list, &law, None::<&Field>.map(|f| &f[..]), None, &mut forces);
             let all = || overlap.positions.iter().flatten().zip(forces.iter().flatten());
             let force = all().fold(Vector3::zeros(), |sum, (_, f)| sum + f);
             let torque = all().fold(Vector3::zeros(), |sum, (x, f)| sum + x.cross(f));
@@ -187,18 +191,20 @@ fn laws_that_mean_nothing_are_refused_by_name() {
 #[test]
 fn springs_are_as_long_as_bodies_have_moved_apart() {
     let law = PenaltyLaw::new(70.0, 0.0, Weighting::Area).expect("a valid law");
-    for Overlap { positions, contacts } in overlaps().into_iter().chain([escape()]) {
+    for Overlap { positions, mut list } in overlaps().into_iter().chain([escape()]) {
+        let contacts = list.contacts.clone();
         for by in [[0.0; 3], [0.02, -0.05, 0.04]].map(Vector3::from) {
             let mut moved = positions.clone();
             moved[0].iter_mut().for_each(|position| *position -= by);
             for contact in &contacts {
+                list.contacts = vec![*contact];
                 let sign = if contact.colliding == 0 { 1.0 } else { -1.0 };
                 let depth = contact.depth + sign * by.dot(&contact.direction);
                 let expected = 0.5 * law.coefficient(contact) * depth * depth;
-                let found = energy(&[*contact], &law, Some(&moved));
+                let found = energy(&list, &law, Some(&moved));
                 assert!((found - expected).abs() < 1e-12, "{found}, {expected}");
                 let mut forces = moved.each_ref().map(|body| vec![Vector3::zeros(); body.len()]);
-                add_forces(&[*contact], &law, Some(&moved), None, &mut forces);
+                add_forces(&list, &law, Some(&moved), None, &mut forces);
                 let net: Vector3<f64> = forces[contact.colliding as usize].iter().sum();
                 assert!((net - contact.direction * (law.coefficient(contact) * depth)).norm() < 1e-12);
             }

@@ -1,3 +1,4 @@
 //! Forces, derivative and energy.
 
 mod laws;
+mod spread;

@@ -174,7 +174,7 @@ fn the_forces_of_all_pairs_are_those_of_all_contacts() {
     for (_, shape) in bodies() {
         expected.push(vec![Vector3::zeros(); shape.mesh::<f64>().positions().len()]);
     }
-    add_forces(&list.contacts, &law(), no_velocities(), no_velocities(), &mut expected);
+    add_forces(&list, &law(), no_velocities(), no_velocities(), &mut expected);
     let mut sums = Forces::new();
     for ((key, vertex), force) in parts(&list, &keys).into_values().flatten() {
         *sums.entry((key, vertex)).or_default() += force;

@@ -301,7 +301,7 @@ fn force_at(depth: f64, levels: usize, sampling: Sampling<f64>, weighting: Weigh
     let found = contacts(&a, &b, Layout::Bvh, sampling);
     let law = PenaltyLaw::new(1.0, 0.0, weighting).expect("the law is valid");
     let mut forces = [a, b].map(|mesh| vec![Vector3::zeros(); mesh.positions().len()]);
-    add_forces::<f64, Vec<Vector3<f64>>, _>(&found.contacts, &law, None, None, &mut forces);
+    add_forces::<f64, Vec<Vector3<f64>>, _>(&found, &law, None, None, &mut forces);
     forces[0].iter().sum()
 }
 

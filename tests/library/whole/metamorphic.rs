@@ -23,11 +23,15 @@ impl Pair {
     }
 
     fn contacts(&self, layout: Layout, options: &DetectionOptions<f64>) -> Vec<Contact<f64>> {
+        sorted_along_surface(self.list(layout, options).contacts)
+    }
+
+    fn list(&self, layout: Layout, options: &DetectionOptions<f64>) -> ContactList<f64> {
         let [a, b] = self.0.each_ref().map(Shape::mesh::<f64>);
         let octrees = [&a, &b].map(|mesh| Octree::with_layout(mesh, layout));
         let mut list = ContactList::default();
         query_pair(&a, &octrees[0], &b, &octrees[1], options, &mut list).expect("the octrees are fresh");
-        sorted_along_surface(list.contacts)
+        list
     }
 }
 
@@ -83,10 +87,10 @@ fn mapped(contacts: Vec<Contact<f64>>, map: impl Fn(Point) -> Point) -> Vec<Cont
 
 /// Net force and torque on the first body, and the size of all its forces.
 fn load(pair: &Pair, options: &DetectionOptions<f64>) -> ([Vector3<f64>; 2], f64) {
-    let contacts = pair.contacts(Layout::Bvh, options);
+    let list = pair.list(Layout::Bvh, options);
     let law = PenaltyLaw::new(1.0, 0.0, Weighting::Area).expect("the law is valid");
     let mut forces = pair.0.each_ref().map(|shape| vec![Vector3::zeros(); shape.positions.len()]);
-    add_forces::<f64, Vec<Vector3<f64>>, _>(&contacts, &law, None, None, &mut forces);
+    add_forces::<f64, Vec<Vector3<f64>>, _>(&list, &law, None, None, &mut forces);
     let torques = forces[0].iter().zip(&pair.0[0].positions).map(|(force, &point)| Vector3::from(point).cross(force));
     ([forces[0].iter().sum(), torques.sum()], forces[0].iter().map(|force| force.norm()).sum())
 }

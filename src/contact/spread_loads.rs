@@ -1,0 +1,200 @@
+//! Over which vertices a contact's load is spread. Where one ray stands for many triangles, its load lies on the vertices of
+//! all of them, as that of an even pressure does, and its opposite on about as much of the other surface around the ray's end.
+
+use crate::contact::list::ContactList;
+use crate::contact::pair::Pair;
+use crate::contact::point_pair::{Contact, ContactKind, SurfacePoint};
+use crate::contact::quadrature::Sampling;
+use crate::contact::spread::{Marks, SpreadWorkspace};
+use crate::math::{Scalar, Vector3, normalising_factor};
+use crate::memory::{self, Room};
+use crate::mesh::Mesh;
+
+impl<T: Scalar> Pair<'_, T> {
+    /// Spreads the loads of its contacts, from `start` on, where samples follow the load.
+    pub(crate) fn spread_loads(&self, start: usize, list: &mut ContactList<T>) {
+        let is_adaptive = matches!(self.options.sampling, Sampling::Tolerance(_)) && self.measures_distances();
+        let Some(shares) = self.fixed_shares.filter(|_| is_adaptive && list.len() > start) else { return };
+        let ContactList { contacts, spreads, workspace, .. } = list;
+        let SpreadWorkspace { ends, marks } = &mut workspace.spread;
+        let meshes = self.tracers.map(|tracer| tracer.mesh());
+        marks.start(meshes.map(Mesh::topology));
+        for contact in contacts[start..].iter_mut().filter(|contact| contact.kind == ContactKind::Ray) {
+            let side = usize::from(contact.colliding != self.bodies[0]);
+            let area = contact.area / shares[side];
+            if area > T::zero() {
+                let [first, second] = &mut *ends;
+                let mut first = End::new(meshes[side], contact, area, first);
+                let mut second = End::new(meshes[1 - side], contact, area, second);
+                if bear(contact, [&mut first, &mut second], area, marks) {
+                    let gap = (second.mean() - first.mean()).dot(&contact.direction) / first.factor;
+                    contact.spread = spreads.add([first.bearings, second.bearings], gap);
+                }
+            }
+        }
+        marks.is_unfinished = false;
+    }
+}
+
+/// Finds what the two ends of a contact bear on that stands for this area; false where that is no more than a triangle of either.
+fn bear<T: Scalar>(contact: &Contact<T>, [first, second]: [&mut End<'_, T>; 2], area: T, marks: &mut Marks) -> bool {
+    let patches = first.mesh.patches();
+    let patch = patches.named(!contact.piece, contact.p1.triangle);
+    match patch {
+        Some(patch) => first.bear_on_patch(patches.triangles_of(patch), marks),
+        None => first.bear_on_corners(&contact.p1),
+    }
+    // Nothing turns the pair if the means of both ends lie on one line along the force.
+    let from = first.local(&contact.p1.position);
+    let aside = first.mean() - from;
+    if second.bear_around(contact.p2.triangle, &aside, area, marks) {
+        return true;
+    }
+    second.bear_on_corners(&contact.p2);
+    if patch.is_none() || second.move_mean(&aside) {
+        return patch.is_some();
+    }
+    second.bear_on_corners(&contact.p2);
+    first.move_mean(&from)
+}
+
+/// What one end of a contact bears on, in coordinates about the contact's second point, with its area between 1 and 4.
+struct End<'a, T: Scalar> {
+    mesh: &'a Mesh<T>,
+    origin: Vector3<T>,
+    factor: T,
+    /// Of the push.
+    direction: Vector3<T>,
+    bearings: &'a mut Vec<(u32, T)>,
+}
+
+impl<'a, T: Scalar> End<'a, T> {
+    fn new(mesh: &'a Mesh<T>, contact: &Contact<T>, area: T, bearings: &'a mut Vec<(u32, T)>) -> Self {
+        let (factor, _) = normalising_factor(area.sqrt());
+        bearings.clear();
+        Self { mesh, origin: contact.p2.position, factor, direction: contact.direction, bearings }
+    }
+
+    fn local(&self, point: &Vector3<T>) -> Vector3<T> {
+        (point - self.origin) * self.factor
+    }
+
+    fn position(&self, vertex: u32) -> Vector3<T> {
+        self.local(&self.mesh.position(vertex))
+    }
+
+    fn mean(&self) -> Vector3<T> {
+        self.bearings.iter().fold(Vector3::zeros(), |sum, &(vertex, weight)| sum + self.position(vertex) * weight)
+    }
+
+    /// The corners of a point's triangle.
+    fn bear_on_corners(&mut self, point: &SurfacePoint<T>) {
+        let corners = (0..3).map(|corner| (point.vertices[corner], point.weights[corner]));
+        memory::refill(self.bearings, corners);
+    }
+
+    /// The vertices of a patch, as an even pressure loads them.
+    fn bear_on_patch(&mut self, triangles: &[u32], marks: &mut Marks) {
+        let all = self.mesh.topology().triangles();
+        for &triangle in triangles {
+            let vertices = all[triangle as usize];
+            let [a, b, c] = vertices.map(|vertex| self.position(vertex));
+            self.load(vertices, (b - a).cross(&(c - a)).norm(), marks);
+        }
+        self.normalise(marks);
+    }
+
+    /// The vertices of the triangles about the origin, from this one on, that face the push, on about this area, the nearest the
+    /// most. Their mean is this far beside the origin, seen along the push. False where that is one triangle.
+    fn bear_around(&mut self, triangle: u32, aside: &Vector3<T>, area: T, marks: &mut Marks) -> bool {
+        // With weights that fall to 0 there, the area counts once.
+        let mut square = area * self.factor * self.factor * T::of(std::f64::consts::FRAC_2_PI);
+        loop {
+            let count = self.load_around(triangle, square, marks);
+            self.normalise(marks);
+            if count > 1 && self.move_mean(aside) {
+                return true;
+            }
+            // Beside an edge less can be borne on around the origin.
+            self.bearings.clear();
+            square *= T::of(0.25);
+            if count < 2 {
+                return false;
+            }
+        }
+    }
+
+    /// Loads the triangles within a distance of the origin that face the push; gives how many there are.
+    fn load_around(&mut self, triangle: u32, square: T, marks: &mut Marks) -> usize {
+        let topology = self.mesh.topology();
+        let (mut next, mut count) = (0, 0);
+        memory::refill(&mut marks.met, [triangle]);
+        marks.is_met[triangle as usize] = true;
+        while let Some(&triangle) = marks.met.get(next) {
+            next += 1;
+            let vertices = topology.triangles()[triangle as usize];
+            let [a, b, c] = vertices.map(|vertex| self.position(vertex));
+            let facing = (b - a).cross(&(c - a)).dot(&self.direction);
+            let away = ((a + b + c) / T::of(3.0)).norm_squared();
+            // Written so that NaN is left out.
+            if !(away < square && facing > T::zero()) {
+                continue;
+            }
+            count += 1;
+            self.load(vertices, facing * (square - away), marks);
+            for &neighbour in vertices.iter().flat_map(|&vertex| topology.triangles_around(vertex)) {
+                if !std::mem::replace(&mut marks.is_met[neighbour as usize], true) {
+                    marks.met.room_for(1).push(neighbour);
+                }
+            }
+        }
+        marks.met.iter().for_each(|&triangle| marks.is_met[triangle as usize] = false);
+        count
+    }
+
+    /// Adds the same weight to three vertices.
+    fn load(&mut self, vertices: [u32; 3], weight: T, marks: &mut Marks) {
+        for vertex in vertices {
+            let place = &mut marks.places[vertex as usize];
+            if *place == 0 {
+                self.bearings.room_for(1).push((vertex, T::zero()));
+                *place = self.bearings.len() as u32;
+            }
+            self.bearings[*place as usize - 1].1 += weight;
+        }
+    }
+
+    /// Makes the weights sum to 1, and forgets where each vertex stands.
+    fn normalise(&mut self, marks: &mut Marks) {
+        let sum = self.bearings.iter().fold(T::zero(), |sum, &(_, weight)| sum + weight);
+        for (vertex, weight) in &mut *self.bearings {
+            marks.places[*vertex as usize] = 0;
+            *weight /= sum;
+        }
+    }
+
+    /// Changes the weights evenly across the push, so that their mean lies there, seen along it; false where one would be below
+    /// 0, and then they are of no use.
+    fn move_mean(&mut self, to: &Vector3<T>) -> bool {
+        let direction = self.direction;
+        let other = if direction.x.abs() < direction.y.abs() { Vector3::x() } else { Vector3::y() };
+        let u = direction.cross(&other).normalize();
+        let axes = [u, direction.cross(&u)];
+        let along = |vector: Vector3<T>| axes.each_ref().map(|axis| vector.dot(axis));
+        let mean = self.mean();
+        let (mut uu, mut uv, mut vv) = (T::zero(), T::zero(), T::zero());
+        for &(vertex, weight) in &*self.bearings {
+            let [u, v] = along(self.position(vertex) - mean);
+            (uu, uv, vv) = (uu + weight * u * u, uv + weight * u * v, vv + weight * v * v);
+        }
+        let [u, v] = along(to - mean);
+        let determinant = uu * vv - uv * uv;
+        let change = [(vv * u - uv * v) / determinant, (uu * v - uv * u) / determinant];
+        (0..self.bearings.len()).all(|place| {
+            let (vertex, weight) = self.bearings[place];
+            let [u, v] = along(self.position(vertex) - mean);
+            self.bearings[place].1 = weight * (T::one() + change[0] * u + change[1] * v);
+            self.bearings[place].1 >= T::zero()
+        })
+    }
+}
