@@ -2,7 +2,7 @@
 
 use crate::common::assert_every_ray_is_counted;
 use crate::common::shapes::{self, Point, Shape};
-use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling};
+use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, SpreadPlace};
 use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 
@@ -61,6 +61,8 @@ fn bodies_left_out_change_nothing_for_others() {
                 .map(|contact| Contact {
                     colliding: count(contact.colliding),
                     collided: count(contact.collided),
+                    // In lists of their own.
+                    spread: SpreadPlace::default(),
                     ..contact
                 })
                 .collect()
