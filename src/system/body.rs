@@ -299,6 +299,11 @@ impl<T: Scalar> Body<T> {
         }
     }
 
+    /// Whether each of its surface's vertices is a node.
+    pub(super) fn are_vertices_nodes(&self) -> bool {
+        matches!(self.mover, Mover::Nodes { table: Table::Nodes { .. }, .. })
+    }
+
     /// Where a surface vertex was at the last detection.
     pub(super) fn vertex_ahead(&self, vertex: u32) -> V3 {
         match &self.mover {

@@ -7,7 +7,7 @@ use super::loads::{Key, PairLoads, Surface, in_order};
 use super::row::{Entry, Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
-use crate::contact::{Contact, ContactKind, EscapePush};
+use crate::contact::{Bearings, Contact, ContactKind, ContactList, EscapePush};
 use crate::force::Weighting;
 use crate::math::{Scalar, direction};
 use crate::memory;
@@ -86,26 +86,58 @@ struct Ends {
     given_before: V3,
 }
 
+/// Where a contact acts on one body.
+struct End<'a, T: Scalar> {
+    at: &'a Corners,
+    /// The vertices over which it is spread, with their weights.
+    on: Option<&'a [(u32, T)]>,
+}
+
+impl<T: Scalar> End<'_, T> {
+    fn for_each(&self, mut each: impl FnMut(u32, f64)) {
+        match self.on {
+            None => (0..3).for_each(|corner| each(self.at.vertices[corner], self.at.weights[corner])),
+            Some(spread) => spread.iter().for_each(|&(vertex, weight)| each(vertex, weight.to_f64())),
+        }
+    }
+
+    /// Its middle, at the last detection.
+    fn point_ahead(&self, body: &Body<T>) -> V3 {
+        if self.on.is_none() {
+            return body.point_ahead(self.at);
+        }
+        let mut sum = V3::zeros();
+        self.for_each(|vertex, weight| sum += body.vertex_ahead(vertex) * weight);
+        sum
+    }
+}
+
 /// If the vertex on the far side would need a larger weight than this, the body is too flat there.
 const MOST_FAR_WEIGHT: f64 = 2.0;
 
 impl<T: Scalar> RowBuilder<'_, T> {
     /// `wanted` tells by two bodies' numbers whether to take their contacts.
-    pub(super) fn add_contacts(&mut self, contacts: &[Contact<T>], wanted: impl Fn(u32, u32) -> bool) {
+    pub(super) fn add_contacts(&mut self, list: &ContactList<T>, wanted: impl Fn(u32, u32) -> bool) {
         let pair = |contact: &Contact<T>| {
             let Contact { colliding, collided, .. } = *contact;
             (colliding.min(collided), colliding.max(collided))
         };
-        for contacts in contacts.chunk_by(|one, next| pair(one) == pair(next)) {
+        for contacts in list.contacts.chunk_by(|one, next| pair(one) == pair(next)) {
             let net = net_direction(contacts, self.weighting);
             for contact in contacts {
                 let pushes = if contact.colliding <= contact.collided { net } else { -net };
-                self.add_contact(contact, pushes, &wanted);
+                self.add_contact(contact, list.spreads.bearings(contact), pushes, &wanted);
             }
         }
     }
 
-    fn add_contact(&mut self, contact: &Contact<T>, pushes: V3, wanted: impl Fn(u32, u32) -> bool) {
+    fn add_contact(
+        &mut self,
+        contact: &Contact<T>,
+        bearings: [Bearings<'_, T>; 2],
+        pushes: V3,
+        wanted: impl Fn(u32, u32) -> bool,
+    ) {
         let area = pressed_area(contact, self.weighting).to_f64();
         let bodies = self.bodies;
         let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
@@ -116,7 +148,14 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let (p1, p2) = (&contact.p1, &contact.p2);
         let direction: V3 = contact.direction.map(T::to_f64);
         let from = sorted(p1.vertices, weights_of(p1));
-        let point = first.point_ahead(&from);
+        let own = Corners { vertices: p2.vertices, weights: weights_of(p2), height: 0.0 };
+        // Cages spread loads by themselves, and rigid bodies need not.
+        let spreads = bearings.map(|bearings| match bearings {
+            Bearings::Spread(spread) if first.are_vertices_nodes() || second.are_vertices_nodes() => Some(spread),
+            _ => None,
+        });
+        let [on_first, on_second] = [(&from, spreads[0]), (&own, spreads[1])].map(|(at, on)| End { at, on });
+        let point = on_first.point_ahead(first);
         let key = (contact.colliding, Surface::Body(contact.collided));
         let pair = self.pair(key, None);
         let rubs = self.loads.now[pair].material.friction > 0.0;
@@ -129,10 +168,9 @@ impl<T: Scalar> RowBuilder<'_, T> {
             pushes,
         };
         let mut ends = Ends::default();
-        self.add_end(&mut ends, 0, first, &from, None, &point);
-        let own = Corners { vertices: p2.vertices, weights: weights_of(p2), height: 0.0 };
+        self.add_end(&mut ends, 0, first, &on_first, None, &point);
         let held = if rubs { held_inside(second, &own, &point) } else { None };
-        self.add_end(&mut ends, 1, second, &own, held, &point);
+        self.add_end(&mut ends, 1, second, &on_second, held, &point);
         self.finish(spring, pair, ends, rubs.then_some((p1.triangle, from, Some(p2.vertices))));
     }
 
@@ -205,7 +243,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
             let from = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
             let (own, point) = (body.number, body.vertex_ahead(vertex));
             let mut ends = Ends::default();
-            self.add_end(&mut ends, 0, body, &from, None, &point);
+            self.add_end(&mut ends, 0, body, &End { at: &from, on: None }, None, &point);
             let key = (own, Surface::HalfSpace(number));
             let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
             let pair = self.pair(key, Some(half_space));
@@ -233,35 +271,31 @@ impl<T: Scalar> RowBuilder<'_, T> {
         })
     }
 
-    /// Adds one body's entries to the row under way: at `corners` for the normal force, and where `held` says for friction.
+    /// Adds one body's entries to the row under way: at its end for the normal force, and where `held` says for friction.
     fn add_end(
         &mut self,
         ends: &mut Ends,
         side: usize,
         body: &Body<T>,
-        corners: &Corners,
+        end: &End<'_, T>,
         held: Option<[(u32, f64); 4]>,
         point: &V3,
     ) {
         let sign = [-1.0, 1.0][side];
         match &body.mover {
             Mover::Nodes { table, .. } => {
-                let [a, b, c] = corners.weights;
-                // The fourth vertex is there for friction alone; without it, its weights are none.
-                let across = held.map_or([a, b, c, 0.0], |held| held.map(|(_, weight)| weight));
-                let fourth = held.map_or(0, |held| held[3].0);
-                let [first, second, third] = corners.vertices;
                 let begin = self.rows.rows.last().map_or(0, |row| row.end);
-                for (vertex, along, across) in
-                    [(first, a, across[0]), (second, b, across[1]), (third, c, across[2]), (fourth, 0.0, across[3])]
-                {
+                let mut add = |vertex: u32, along: f64, across: f64| {
                     if along != 0.0 || across != 0.0 {
                         let (along, across) = (sign * along, sign * across);
                         table.for_each(vertex, |node, weight| {
                             self.rows.add(begin, Entry { node, along: along * weight, across: across * weight });
                         });
                     }
-                }
+                };
+                end.for_each(|vertex, weight| add(vertex, weight, if held.is_some() { 0.0 } else { weight }));
+                // The fourth vertex is there for friction alone.
+                held.iter().flatten().for_each(|&(vertex, weight)| add(vertex, 0.0, weight));
             }
             Mover::Rigid { place, .. } => {
                 let arm = point - body.ahead_pose.0;

@@ -209,7 +209,7 @@ impl<T: Scalar> ContactSystem<T> {
         rows.make_room(node_masses.len());
         let mut builder =
             RowBuilder { weighting, bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
-        builder.add_contacts(&contacts.contacts, wanted);
+        builder.add_contacts(contacts, wanted);
         if let Some(scene) = scene {
             builder.add_escapes(contacts.pushes());
             for (number, half_space) in self.half_spaces.iter().enumerate() {

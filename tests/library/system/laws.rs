@@ -5,7 +5,7 @@ use crate::common::host::{Host, at, dot, rotation};
 use crate::common::random::Random;
 use crate::common::shapes;
 use nalgebra::{DMatrix, Vector3};
-use raycontact::contact::DetectionOptions;
+use raycontact::contact::{DetectionOptions, Sampling};
 use raycontact::system::{Material, RigidUnknowns};
 
 type V3 = Vector3<f64>;
@@ -24,8 +24,9 @@ pub fn overlap(kinds: [&str; 2], rigid: RigidUnknowns, material: Material) -> Ho
         let nodes = host.masses.len();
         match kind {
             "rigid" => add_box(&mut host, material, V3::new(0.0, 0.0, 0.2), turn),
-            "soft" => {
-                let shape = shapes::cube(3).scaled(0.2).moved([0.0, 0.0, 0.2]);
+            "soft" | "fine" | "finest" => {
+                let cells = [("soft", 3), ("fine", 16), ("finest", 40)].into_iter().find(|(name, _)| *name == kind);
+                let shape = shapes::cube(cells.expect("it is one of them").1).scaled(0.2).moved([0.0, 0.0, 0.2]);
                 add_soft(&mut host, &shape, material, turn);
             }
             "cage" => add_cage(&mut host, material, turn),
@@ -85,13 +86,17 @@ fn net(host: &Host, forces: &[f64]) -> (V3, V3, f64, f64) {
     (force, torque, size, lever)
 }
 
+/// With few contacts too, which are spread where vertices are nodes.
 #[test]
 fn momentum_and_angular_momentum_are_kept() {
-    for pair in PAIRS {
+    let fine = [["fine", "fine"], ["soft", "fine"], ["fine", "cage"], ["fine", "rigid"]];
+    let of_patches = PAIRS.into_iter().chain(fine).map(|pair| (pair, Sampling::Tolerance(0.1)));
+    let all = PAIRS.into_iter().map(|pair| (pair, Sampling::default())).chain(of_patches);
+    for (pair, sampling) in all {
         for friction in [0.0, 0.6] {
             let mut host = overlap(pair, RigidUnknowns::Kept, material(friction, 0.02));
             // Whole-body pushes keep linear momentum alone.
-            host.scene.set_options(DetectionOptions { escape: false, ..DetectionOptions::default() });
+            host.scene.set_options(DetectionOptions { sampling, escape: false, ..DetectionOptions::default() });
             let velocities = begin(&mut host, 3);
             for linearised in [false, true] {
                 if linearised {
@@ -106,6 +111,23 @@ fn momentum_and_angular_momentum_are_kept() {
             }
         }
     }
+}
+
+/// With less than a tenth of the contacts; what is left out has next to no load.
+#[test]
+fn contacts_for_patches_push_more_nodes_than_their_triangles_have() {
+    let [of_patches, of_triangles] = [Sampling::Tolerance(0.1), Sampling::Automatic].map(|sampling| {
+        let mut host = overlap(["finest", "finest"], RigidUnknowns::Kept, material(0.0, 0.02));
+        host.scene.set_options(DetectionOptions { sampling, ..DetectionOptions::default() });
+        let velocities = begin(&mut host, 3);
+        let mut forces = vec![0.0; velocities.len()];
+        host.system.add_forces(&velocities, &mut forces).expect("a step is under way");
+        let pushed = forces.chunks(3).filter(|force| force.iter().any(|x| *x != 0.0)).count();
+        (host.system.contacts().len(), pushed)
+    });
+    println!("contacts and nodes: {of_patches:?}, {of_triangles:?}");
+    // The corners of their triangles are six at most.
+    assert!(10 * of_patches.0 < of_triangles.0 && of_patches.1 > 7 * of_patches.0);
 }
 
 #[test]
