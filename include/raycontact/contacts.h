@@ -108,8 +108,9 @@ typedef struct rayc_contact {
   /**
    * Which part of p1's triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and 2
    * n + 1. Where several faces of the other body cut piece n, what is nearest to the k-th of them, from 0, is 4 n + k.
-   * 0 for a ray from a vertex. For a contact of an edge it is 3 n + k: the edge lies across from corner k,
-   * and the contact is on its n-th stretch inside the other body, counted from 0.
+   * 2³¹ or more where the ray stands for a patch of triangles. 0 for a ray from a vertex. For a contact of an edge it is
+   * 3 n + k: the edge lies across from corner k, and the contact is on its n-th stretch inside the other body, counted
+   * from 0.
    */
   uint32_t piece;
   /**

@@ -101,8 +101,9 @@ pub struct rayc_contact {
     pub collided: u32,
     /// Which part of p1's triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and 2
     /// n + 1. Where several faces of the other body cut piece n, what is nearest to the k-th of them, from 0, is 4 n + k.
-    /// 0 for a ray from a vertex. For a contact of an edge it is 3 n + k: the edge lies across from corner k,
-    /// and the contact is on its n-th stretch inside the other body, counted from 0.
+    /// 2³¹ or more where the ray stands for a patch of triangles. 0 for a ray from a vertex. For a contact of an edge it is
+    /// 3 n + k: the edge lies across from corner k, and the contact is on its n-th stretch inside the other body, counted
+    /// from 0.
     pub piece: u32,
     /// Names the contact from step to step, for hosts that keep something for each: the same as long as the same piece
     /// of surface meets the same body, and another for every other contact. It is a hash of 64 bits of kind, bodies,

@@ -1,7 +1,7 @@
 //! A contact that stands for many triangles bears on all their vertices, and its opposite on as much of the other surface.
 
 use crate::common::shapes;
-use raycontact::contact::{ContactList, DetectionOptions, Sampling};
+use raycontact::contact::{ContactList, DetectionOptions, Sampling, SpreadPlace};
 use raycontact::escape::query_pair;
 use raycontact::force::{PenaltyLaw, Weighting, add_differential, add_forces};
 use raycontact::math::Vector3;
@@ -133,7 +133,14 @@ fn stable_steps_are_as_long_as_with_a_sample_for_each_triangle() {
             let list = found(meshes, Sampling::Tolerance(tolerance));
             let step = |of_others: f64| (of_others / largest_eigenvalue(meshes, &list)).sqrt();
             let (step, of_vertices) = (step(of_triangles), step(of_vertices));
-            println!("{name}, {tolerance}: {} contacts, step {step:.2}, {of_vertices:.2}", list.len());
+            // Each contact on its triangle alone.
+            let mut alone = list.clone();
+            alone.contacts.iter_mut().for_each(|contact| contact.spread = SpreadPlace::default());
+            let alone = (of_triangles / largest_eigenvalue(meshes, &alone)).sqrt();
+            println!(
+                "{name}, {tolerance}: {} contacts, step {step:.2}, {of_vertices:.2}, alone {alone:.2}",
+                list.len()
+            );
             assert!(step > 0.95, "{name}, {tolerance}: {step}");
         }
     }
