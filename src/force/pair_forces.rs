@@ -71,7 +71,7 @@ impl<T: Scalar> ForcesByPair<T> {
         &self.forces
     }
 
-    /// Sums the forces of `list` anew. The arrays are as in [`add_forces`].
+    /// Sums the forces of `list` anew. The arrays are as in [`add_forces`](crate::force::add_forces).
     ///
     /// # Panics
     /// Where a body or vertex of a contact lies beyond the given arrays.
