@@ -104,6 +104,7 @@ impl<T: Scalar> ContactList<T> {
         self.pushes.room_for(other.pushes.len()).extend_from_slice(&other.pushes);
         self.statistics += other.statistics;
     }
+
     /// Adds what the contacts of `other` bear on, which stand after so many of its own.
     fn take_spreads(&mut self, before: usize, other: &Self) {
         if other.spreads.len() > 0 {
