@@ -3,7 +3,6 @@
 use super::row_builder::pressed_area;
 use super::step::Step;
 use super::{ContactSystem, SystemError};
-use crate::contact::Contact;
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::scene::Scene;
@@ -11,7 +10,7 @@ use crate::scene::Scene;
 impl<T: Scalar> ContactSystem<T> {
     /// Looks for contacts where bodies end with these velocities, instead of where they were predicted: a body that was stopped
     /// may be in the way of another one, though the prediction had it moving on. To be called after a solve. Pairs that had no
-    /// rows, or less than half as many, get new ones, and all rows are linearised at these velocities; true if there are such
+    /// rows, or rows of less than half the area, get new ones, and all rows are linearised at these velocities; true if there are such
     /// pairs, and then another solve is due. If no node or rigid body ends farther from its prediction than the smallest depth
     /// cap, nothing is done.
     ///
@@ -38,11 +37,11 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(has_news)
     }
 
-    /// Makes new rows for pairs of which the last detection found more contacts; true if there are any.
+    /// Makes new rows for pairs that the last detection found more of pressed together; true if there are any.
     pub(super) fn add_new_rows(&mut self, step: Step) -> bool {
-        self.count_pairs();
+        self.measure_pairs();
         let mut pairs = std::mem::take(&mut self.buffers.pairs);
-        pairs.retain(|&(_, found, rows)| found > 2 * rows);
+        pairs.retain(|&(_, found, rows)| found > 2.0 * rows);
         let is_news = |a: u32, b: u32| pairs.binary_search_by_key(&[a.min(b), a.max(b)], |(pair, ..)| *pair).is_ok();
         for row in &mut self.rows.rows {
             let (first, second) = self.loads.now[row.pair].key;
@@ -58,25 +57,26 @@ impl<T: Scalar> ContactSystem<T> {
         has_news
     }
 
-    /// How many contacts and rows each pair of the last detection has.
-    fn count_pairs(&mut self) {
+    /// The area of the contacts and of the rows of each pair of the last detection.
+    fn measure_pairs(&mut self) {
         let Self { weighting, contacts, rows, loads, buffers, .. } = self;
         let pairs = &mut buffers.pairs;
         pairs.clear();
         // Contacts of escaping pairs have no area: such pairs keep their one row.
-        let pushing = |contact: &&Contact<T>| pressed_area(contact, *weighting) > T::zero();
-        for contact in contacts.contacts.iter().filter(pushing) {
+        let areas = contacts.contacts.iter().map(|contact| (contact, pressed_area(contact, *weighting).to_f64()));
+        for (contact, area) in areas.filter(|(_, area)| *area > 0.0) {
             let pair = [contact.colliding.min(contact.collided), contact.colliding.max(contact.collided)];
             match pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
-                Ok(place) => pairs[place].1 += 1,
-                Err(place) => pairs.room_for(1).insert(place, (pair, 1, 0)),
+                Ok(place) => pairs[place].1 += area,
+                Err(place) => pairs.room_for(1).insert(place, (pair, area, 0.0)),
             }
         }
         for row in rows.rows.iter().filter(|row| row.coefficient > 0.0) {
-            let (first, super::Surface::Body(second)) = loads.now[row.pair].key else { continue };
+            let load = &loads.now[row.pair];
+            let (first, super::Surface::Body(second)) = load.key else { continue };
             let pair = [first.min(second), first.max(second)];
             if let Ok(place) = pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
-                pairs[place].2 += 1;
+                pairs[place].2 += row.coefficient / load.material.stiffness;
             }
         }
     }

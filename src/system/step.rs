@@ -36,8 +36,8 @@ pub(super) struct Buffers {
     pub(super) pressed: Vec<[f64; 2]>,
     pub(super) sums: Vec<f64>,
     pub(super) unknowns: Vec<f64>,
-    /// Each pair with the number of contacts that a later detection found, and the number of its rows.
-    pub(super) pairs: Vec<([u32; 2], usize, usize)>,
+    /// Each pair with the area of the contacts that a later detection found, and that of its rows.
+    pub(super) pairs: Vec<([u32; 2], f64, f64)>,
 }
 
 impl Buffers {

@@ -67,7 +67,7 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
    * For a solver of the host's own that takes Newton steps: to be called after each, with its result in the nodes' m_v.
    * One body that is stopped may be in the way of the next, which detection took to be moving on. Looks for contacts
    * where the bodies would end now, if that is further than the depth cap from where they were sought before, and takes
-   * those of pairs that had none, or less than half as many. True if there are such, or if a twentieth of all force
+   * those of pairs that had none, or rows of less than half the area. True if there are such, or if a twentieth of all force
    * proves to be wrong then: another step is due.
    */
   bool detect_again() {
