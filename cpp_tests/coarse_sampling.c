@@ -68,6 +68,18 @@ static double force(rayc_mesh* const meshes[2], rayc_octree* const octrees[2], c
   return sum;
 }
 
+/* How many triangles of both spheres have their middles where the boxes of both overlap. */
+static uint64_t triangles_of_the_overlap(void) {
+  uint64_t count = 0;
+  for (size_t triangle = 0; triangle < 2 * (size_t)TRIANGLES; ++triangle) {
+    const uint32_t* corners = triangles + 3 * (triangle % TRIANGLES);
+    const double* points = positions[triangle / TRIANGLES];
+    const double middle = (points[3 * corners[0]] + points[3 * corners[1]] + points[3 * corners[2]]) / 3;
+    count += middle > 0.3 && middle < 1;
+  }
+  return count;
+}
+
 int main(void) {
   make_triangles();
   rayc_mesh* meshes[2];
@@ -79,26 +91,40 @@ int main(void) {
     CHECK_OK(rayc_octree_create(NULL, meshes[i], &octrees[i]));
   }
 
+  const uint64_t in_overlap = triangles_of_the_overlap();
+
   rayc_detection_options options;
   CHECK_OK(rayc_default_detection_options(sizeof options, &options));
   rayc_statistics all, few;
+  CHECK(options.sampling == RAYC_SAMPLING_ACCURACY && options.sampling_value == 0);
+  const double by_default = force(meshes, octrees, &options, &few);
+  /* The judge: a dozen rays from each triangle. */
+  options.sampling = RAYC_SAMPLING_SPACING;
+  options.sampling_value = 0.02;
   const double exact = force(meshes, octrees, &options, &all);
-  CHECK(all.patches == 0 && all.estimate_rays == 0);
-  /* Where tries do not agree well enough, all rays are cast in the end. */
-  const double tolerances[2] = {0.02, 0.1};
-  options.sampling = RAYC_SAMPLING_TOLERANCE;
-  for (int i = 0; i < 2; ++i) {
-    options.sampling_value = tolerances[i];
+  CHECK(exact < 0 && all.patches == 0 && all.estimate_rays == 0);
+  /* Of true spheres it is 2π ∫ (1 − r) μ dμ, r² = 2.69 − 2.6 μ, μ from 0.65 to 1. */
+  CHECK(fabs(exact + 0.56332) <= 0.01 * 0.56332);
+  printf("exact %g from %g rays; %g triangles\n", exact, (double)all.rays, (double)in_overlap);
+  const double accuracies[3] = {0.01, 0.02, 0.1};
+  options.sampling = RAYC_SAMPLING_ACCURACY;
+  for (int i = 0; i < 3; ++i) {
+    options.sampling_value = accuracies[i];
     const double near_enough = force(meshes, octrees, &options, &few);
-    CHECK(exact < 0 && fabs(near_enough - exact) <= tolerances[i] * fabs(exact));
+    printf("accuracy %g: %.3g %% off, %g + %g rays\n", accuracies[i], 100 * fabs(near_enough / exact - 1),
+           (double)few.rays, (double)few.estimate_rays);
+    CHECK(fabs(near_enough - exact) <= accuracies[i] * fabs(exact));
     CHECK(few.estimate_rays > 0);
+    CHECK(i > 0 || near_enough == by_default); /* 0 stands for 0.01 */
   }
-  CHECK(few.patches > 0 && 2 * (few.rays + few.estimate_rays) < all.rays);
+  CHECK(few.patches > 0 && 2 * (few.rays + few.estimate_rays) < in_overlap);
 
   options.sampling = RAYC_SAMPLING_SPACING;
   options.sampling_value = 0.15;
-  CHECK(fabs(force(meshes, octrees, &options, &few) - exact) <= 0.05 * fabs(exact));
-  CHECK(few.patches > 0 && few.estimate_rays == 0 && 4 * few.rays < all.rays);
+  const double apart = force(meshes, octrees, &options, &few);
+  printf("%g rays 0.15 apart: %.3g %% off\n", (double)few.rays, 100 * fabs(apart / exact - 1));
+  CHECK(fabs(apart - exact) <= 0.05 * fabs(exact));
+  CHECK(few.patches > 0 && few.estimate_rays == 0 && 4 * few.rays < in_overlap);
 
   /* Each way to choose has values of its own. */
   rayc_contacts* contacts;
@@ -108,14 +134,13 @@ int main(void) {
     double value;
     const char* message;
   } bad[] = {
-      {RAYC_SAMPLING_AUTOMATIC, 0.15, "RAYC_SAMPLING_AUTOMATIC; give 0"},
       {RAYC_SAMPLING_VERTICES, 0.15, "RAYC_SAMPLING_VERTICES; give 0"},
       {RAYC_SAMPLING_SPACING, 0, "a finite length > 0"},
       {RAYC_SAMPLING_SPACING, -1, "a finite length > 0"},
       {RAYC_SAMPLING_SPACING, INFINITY, "a finite length > 0"},
-      {RAYC_SAMPLING_TOLERANCE, 0, "a part > 0 and at most 1"},
-      {RAYC_SAMPLING_TOLERANCE, 1.5, "a part > 0 and at most 1"},
-      {RAYC_SAMPLING_TOLERANCE, NAN, "a part > 0 and at most 1"},
+      {RAYC_SAMPLING_ACCURACY, -0.1, "RAYC_SAMPLING_ACCURACY; give a part > 0 and at most 1, or 0 for the default"},
+      {RAYC_SAMPLING_ACCURACY, 1.5, "a part > 0 and at most 1, or 0 for the default"},
+      {RAYC_SAMPLING_ACCURACY, NAN, "a part > 0 and at most 1, or 0 for the default"},
   };
   for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
     options.sampling = bad[i].sampling;
@@ -123,7 +148,7 @@ int main(void) {
     CHECK_STATUS(rayc_query_pair(&options, meshes[0], octrees[0], meshes[1], octrees[1], contacts),
                  RAYC_STATUS_INVALID_OPTION, bad[i].message);
   }
-  options.sampling = 4;
+  options.sampling = 3;
   CHECK_STATUS(rayc_query_pair(&options, meshes[0], octrees[0], meshes[1], octrees[1], contacts),
                RAYC_STATUS_UNKNOWN_ENUM, "rayc_sampling");
   CHECK_OK(rayc_default_detection_options(sizeof options, &options));

@@ -122,12 +122,17 @@ Bytes of_meshes(const Mode& mode, uint32_t precision, double size) {
 
   const raycontact::Contacts contacts;
   std::vector<rayc_contact> list;
-  for (const uint32_t sampling : {RAYC_SAMPLING_AUTOMATIC, RAYC_SAMPLING_VERTICES, RAYC_SAMPLING_TOLERANCE}) {
+  struct Sampling {
+    uint32_t kind;
+    double value;
+  };
+  for (const Sampling& sampling : {Sampling{RAYC_SAMPLING_ACCURACY, 0}, Sampling{RAYC_SAMPLING_ACCURACY, 0.05},
+                                   Sampling{RAYC_SAMPLING_SPACING, 0.1 * size}, Sampling{RAYC_SAMPLING_VERTICES, 0}}) {
     for (const uint32_t law : {RAYC_LAW_PRESSURE, RAYC_LAW_RAY_LENGTH}) {
       rayc_detection_options detection = raycontact::default_detection_options();
-      detection.sampling = sampling;
+      detection.sampling = sampling.kind;
+      detection.sampling_value = sampling.value;
       detection.law = law;
-      detection.sampling_value = sampling == RAYC_SAMPLING_TOLERANCE ? 0.05 : 0;
       in_mode(mode, RAYC_STATUS_OK,
               [&] { return rayc_query_pair(&detection, mesh[0], octree[0], mesh[1], octree[1], contacts.get()); });
       contacts.copy_to(list);

@@ -106,8 +106,7 @@ static void* everything(void* context) {
     all[1].sampling = RAYC_SAMPLING_VERTICES;
     all[2].sampling = RAYC_SAMPLING_SPACING;
     all[2].sampling_value = 0.2;
-    all[3].sampling = RAYC_SAMPLING_TOLERANCE;
-    all[3].sampling_value = 0.1;
+    all[3].sampling_value = 0.1; /* of RAYC_SAMPLING_ACCURACY */
     all[4].past_folds = 1;
     for (int i = 0; i < 5; ++i) {
       use_pair(precision, &all[i]);

@@ -16,14 +16,14 @@ SCENE = "deep-tori"
 OWN = "law={} sampling={} precision={} layout=wide edges={} weights={}"
 # Method and settings, the label, and where that stands beside its point in the left and the right panel, in points.
 POINTS = [
-    ("raycontact", OWN.format("pressure", "automatic", "f64", "on", "area"), "default", (8, -3), (8, -3)),
-    ("raycontact", OWN.format("pressure", "automatic", "f32", "on", "area"), "single precision", (-8, -3), (-8, -3)),
+    ("raycontact", OWN.format("pressure", "accuracy:0.01", "f64", "on", "area"), "default", (8, -3), (8, -3)),
+    ("raycontact", OWN.format("pressure", "accuracy:0.01", "f32", "on", "area"), "single precision", (-8, -3), (-8, -3)),
     ("raycontact", OWN.format("pressure", "vertices", "f64", "on", "area"), "vertices", (8, -3), (8, -3)),
     ("raycontact", OWN.format("pressure", "spacing:0.16", "f64", "on", "area"), "spacing of four edges", (-8, -8), (-8, -8)),
     ("raycontact", OWN.format("pressure", "spacing:0.32", "f64", "on", "area"), "spacing of eight edges", (8, 2), (-8, -3)),
-    ("raycontact", OWN.format("pressure", "tolerance:0.1", "f64", "on", "area"), "tolerance 0.1", (8, -1), (8, -1)),
-    ("raycontact", OWN.format("pressure", "tolerance:0.03", "f64", "on", "area"), "tolerance 0.03", (8, -3), (8, -3)),
-    ("raycontact", OWN.format("ray-length", "automatic", "f64", "on", "area"), "ray lengths", (-8, -3), (8, -9)),
+    ("raycontact", OWN.format("pressure", "accuracy:0.1", "f64", "on", "area"), "accuracy 0.1", (8, -1), (8, -1)),
+    ("raycontact", OWN.format("pressure", "accuracy:0.03", "f64", "on", "area"), "accuracy 0.03", (8, -3), (8, -3)),
+    ("raycontact", OWN.format("ray-length", "accuracy:0.01", "f64", "on", "area"), "ray lengths", (-8, -3), (8, -9)),
     ("paper", OWN.format("ray-length", "vertices", "f32", "off", "paper"), "the paper's mode, single", (-8, 1), (-8, -1)),
     ("embree-refit", "precision=f32 weights=paper", "Embree, Algorithm 1", (8, 3), (4, 5)),
     ("embree-refit", "precision=f32 weights=area", "Embree, area weights", (8, -3), None),

@@ -1,7 +1,8 @@
 //! Contact between deformable bodies, found by tracing rays.
 //!
-//! Each body is a closed triangle surface. Rays start from the middle of its triangles, of which large ones are cut first,
-//! where these lie inside another body. They run along the inward normal and end where they leave that body. Each such ray
+//! Each body is a closed triangle surface. Rays start where it lies inside another body: from the middles of patches of
+//! triangles, of triangles, or of parts of them, by default as many as it takes for the net force of a pair to be right to
+//! about a hundredth. They run along the inward normal and end where they leave that body. Each such ray
 //! is a contact between its two ends (Hermann, Faure, Raffin 2008, "Ray-traced collision detection for deformable bodies").
 //! Its force is a pressure that grows with the distance from the ray's start to the other body's surface, times the area
 //! that the ray stands for. A [`Scene`](scene::Scene) also lets pairs *escape* that contacts cannot part: it pushes them

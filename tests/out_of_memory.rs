@@ -167,10 +167,10 @@ fn without_a_scene(run: &mut Run) {
         let mut options: rayc_detection_options = std::mem::zeroed();
         run.ok(|| rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options));
         for (sampling, value) in [
-            (rayc_sampling::RAYC_SAMPLING_AUTOMATIC, 0.0),
+            (rayc_sampling::RAYC_SAMPLING_ACCURACY, 0.0),
             (rayc_sampling::RAYC_SAMPLING_VERTICES, 0.0),
             (rayc_sampling::RAYC_SAMPLING_SPACING, 0.5),
-            (rayc_sampling::RAYC_SAMPLING_TOLERANCE, 0.1),
+            (rayc_sampling::RAYC_SAMPLING_ACCURACY, 0.1),
         ] {
             (options.sampling, options.sampling_value, options.past_folds) = (sampling as u32, value, 1);
             run.ok(|| rayc_query_pair(&options, meshes[0], octrees[0], meshes[1], octrees[1], contacts));

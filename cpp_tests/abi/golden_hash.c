@@ -188,7 +188,7 @@ static void make_settings(struct setting settings[5]) {
 
   ++setting;
   setting->name = "sheet and patches";
-  setting->detection.sampling = RAYC_SAMPLING_TOLERANCE;
+  setting->detection.sampling = RAYC_SAMPLING_ACCURACY;
   setting->detection.sampling_value = 0.3;
   add_body(setting, sheet(8, 3));
   add_body(setting, moved(torus(64, 32, 1, 0.4), 0.1, 0.2, 0.25));

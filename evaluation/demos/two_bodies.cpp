@@ -195,11 +195,10 @@ int simulate(const Options& options) {
   contact.damping_time = options.damping;
   contact.depth_cap = options.depth_cap * edge;
   // The skins are much finer than the cages: their vertices are enough.
-  contact.sampling = options.tolerance > 0 ? RAYC_SAMPLING_TOLERANCE
-                     : options.spacing > 0 ? RAYC_SAMPLING_SPACING
-                     : options.spacing < 0 ? RAYC_SAMPLING_AUTOMATIC
+  contact.sampling = options.spacing > 0   ? RAYC_SAMPLING_SPACING
+                     : options.spacing < 0 ? RAYC_SAMPLING_ACCURACY
                                            : RAYC_SAMPLING_VERTICES;
-  contact.sampling_value = options.tolerance > 0 ? options.tolerance : std::max(options.spacing, 0.0);
+  contact.sampling_value = options.spacing < 0 ? options.accuracy : options.spacing;
   contact.threads = static_cast<uint32_t>(options.threads);
 
   demo::SoftWorld world(options.youngs_modulus, 0.3, contact);

@@ -24,8 +24,8 @@ struct Options {
   double density = 30;           // kg/m^3
   double cells = 5;              // along the longest side
   double around = 40;            // quads around each torus
-  double spacing = 0;            // of the rays, m; 0 = at the vertices, -1 = automatic
-  double tolerance = 0;          // of the net force; 0 = no triangles are joined
+  double spacing = 0;            // of the rays, m; 0 = at the vertices, -1 = by accuracy
+  double accuracy = 0;           // with spacing -1: by which part the net force may be off; 0 = 0.01
   double threads = 1;
   double every = 2;  // steps between frames
   bool help = false;
@@ -48,8 +48,8 @@ inline const char* usage() {
          "  --density KG_PER_M3   (30)\n"
          "  --cells N             cage cells along the longest side of an .obj surface (5)\n"
          "  --around N            quads around each torus, half as many across (40)\n"
-         "  --spacing METRES      of the rays; 0 = at the vertices of the skins, -1 = automatic (0)\n"
-         "  --tolerance PART      of the net force, with --spacing -1: as few rays as that allows; 0 = all (0)\n"
+         "  --spacing METRES      of the rays; 0 = at the vertices of the skins, -1 = by --accuracy (0)\n"
+         "  --accuracy PART       with --spacing -1: by which part the net force may be off, at most 1; 0 = 0.01 (0)\n"
          "  --threads N           for detection; 0 = one for each core (1)\n"
          "  --help                this text\n"
          "\n"
@@ -92,7 +92,7 @@ inline Options parse_options(int argc, char** argv) {
       {"--threads", {&options.threads, true, 0}},
       {"--around", {&options.around, true, 6}},
       {"--spacing", {&options.spacing, false, -1}},
-      {"--tolerance", {&options.tolerance, false, 0}},
+      {"--accuracy", {&options.accuracy, false, 0}},
   };
   // Whatever else is asked for.
   for (int i = 1; i < argc; ++i)
@@ -116,6 +116,8 @@ inline Options parse_options(int argc, char** argv) {
   }
   if (!options.surfaces.empty() && options.surfaces.size() != 2)
     throw UsageError("give two .obj files, or none for the two tori; got " + std::to_string(options.surfaces.size()));
+  if (options.accuracy > 1) throw UsageError("--accuracy is at most 1, a part of the net force");
+  if (options.accuracy > 0 && options.spacing >= 0) throw UsageError("--accuracy needs --spacing -1");
   return options;
 }
 

@@ -240,7 +240,7 @@ fn net_forces() {
     let mut next = random(11);
     let places = (0..COUNT).map(|_| Vector::new(next(), next(), next())).collect();
     let ray = |sampling| DetectionOptions { sampling, edges: false, escape: false, ..DetectionOptions::default() };
-    let mut timed = crowd("", ray(Sampling::Automatic), places);
+    let mut timed = crowd("", ray(Sampling::default()), places);
     timed.run(0);
     let meshes: Vec<_> = (0..COUNT as u32).map(|body| timed.scene.mesh(body).expect("it was added").clone()).collect();
     let octrees: Vec<_> = meshes.iter().map(Octree::new).collect();
@@ -257,7 +257,7 @@ fn net_forces() {
     add_net_forces(&timed.contacts, std::array::from_fn::<_, COUNT, _>(|body| body), &mut shared);
     let Statistics { pairs, crowded_pairs, .. } = timed.contacts.statistics;
     println!("{COUNT} tetrahedra, {pairs} pairs, {crowded_pairs} crowded: net forces of the bodies off by");
-    for (name, forces) in [("as a scene casts", shared), ("each pair alone", alone(ray(Sampling::Automatic)))] {
+    for (name, forces) in [("as a scene casts", shared), ("each pair alone", alone(ray(Sampling::default())))] {
         let mut errors: Vec<f64> =
             forces.iter().zip(&finest).map(|(f, exact)| (f - exact).norm() / exact.norm()).collect();
         errors.sort_by(f64::total_cmp);

@@ -19,7 +19,7 @@ Runs steps of detection on a workload of moving tori, for tools that count what 
                     a fifth of their size apart (default stack2)
   --steps N         how many steps (default 10)
   --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults; ray-length:
-                    the defaults with the paper's law; spacing:LENGTH and tolerance:PART: the defaults with such a sampling (default paper)
+                    the defaults with the paper's law; spacing:LENGTH and accuracy:PART: the defaults with such a sampling (default paper)
   --precision P     single or double, the C interface's default (default single)
   --help            this text
 
@@ -105,7 +105,7 @@ fn options<T: Scalar>(mode: &str) -> Option<DetectionOptions<T>> {
             Some(DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() })
         }
         Some(("spacing", length)) => Some(with(Sampling::Spacing(positive(length)?))),
-        Some(("tolerance", part)) => Some(with(Sampling::Tolerance(positive(part)?))),
+        Some(("accuracy", part)) => Some(with(Sampling::Accuracy(positive(part)?))),
         _ => None,
     }
 }
@@ -120,7 +120,7 @@ fn main() -> ExitCode {
     let mode = arguments.value("--mode", "paper".to_owned());
     let precision = arguments.value("--precision", "single".to_owned());
     let (Some(singles), Some(doubles)) = (options::<f32>(&mode), options::<f64>(&mode)) else {
-        arguments.fail(&format!("unknown mode '{mode}': paper, default, ray-length, spacing:LENGTH or tolerance:PART"))
+        arguments.fail(&format!("unknown mode '{mode}': paper, default, ray-length, spacing:LENGTH or accuracy:PART"))
     };
     let Some((poses, sides)) = parse(&workload) else {
         arguments.fail(&format!("unknown workload '{workload}': stackN, pairMxN or deepN"))

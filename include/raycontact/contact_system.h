@@ -391,7 +391,7 @@ enum rayc_status rayc_contact_system_misjudged(struct rayc_contact_system *syste
 /**
  * Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped may
  * be in the way of another one, although detection took it to be moving on. *is_more: 1 where pairs have contacts that
- * had none, or less than half as many; then solve again. It looks only if some node or rigid body ends farther than
+ * had none, or rows of less than half the area; then solve again. It looks only if some node or rigid body ends farther than
  * the smallest depth cap from where it was when contacts were last looked for.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,

@@ -214,8 +214,8 @@ enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_r
 
 /**
  * Adds the contact forces to `forces`, in N. Each contact gives stiffness · weight · cos α · depth along the ray at
- * p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4). A contact of
- * RAYC_SAMPLING_TOLERANCE that stands for many triangles presses on all their vertices, by area, and the opposite lies on
+ * p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4). A contact under
+ * RAYC_LAW_PRESSURE that stands for many triangles presses on all their vertices, by area, and the opposite lies on
  * about as much of the other surface around p2. The two loads have no net force and no net torque.
  *
  * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
@@ -285,7 +285,7 @@ enum rayc_status rayc_contacts_copy_coefficients(const struct rayc_contacts *con
 
 /**
  * What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
- * reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced + border_pieces.
+ * reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced.
  */
 typedef struct rayc_statistics {
   /**
@@ -371,7 +371,7 @@ typedef struct rayc_statistics {
    */
   uint64_t patches;
   /**
-   * Rays beside those, traced only to find out how fine the sampling has to be (RAYC_SAMPLING_TOLERANCE),
+   * Rays beside those, traced only to find out how fine the sampling has to be (RAYC_SAMPLING_ACCURACY),
    * or whether and which way a pair is to escape.
    */
   uint64_t estimate_rays;
@@ -385,14 +385,9 @@ typedef struct rayc_statistics {
    */
   uint64_t tangled_bodies;
   /**
-   * Pairs of a crowd, whose triangles are cut into fewer pieces: see RAYC_SAMPLING_AUTOMATIC.
+   * Pairs of a crowd, which get fewer samples: see RAYC_SAMPLING_ACCURACY.
    */
   uint64_t crowded_pairs;
-  /**
-   * Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead, from its
-   * own middle. Only under RAYC_LAW_PRESSURE between closed bodies.
-   */
-  uint64_t border_pieces;
   /**
    * Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
    * left to tell. docs/architecture.md says how they are known.
@@ -415,31 +410,30 @@ enum rayc_status rayc_contacts_statistics(const struct rayc_contacts *contacts,
  */
 typedef enum rayc_sampling {
   /**
-   * In the middle of each triangle. Triangles that are large beside the overlap are cut first, so that about 128
-   * rays start from an area as large as the largest face of the overlap box. So forces hardly depend on the
-   * triangulation; on fine meshes it is about two rays for each vertex. A crowd gets fewer rays: where the boxes of
-   * both bodies of a pair overlap those of at least n others, n > 12, it is 128 · 12 / n, but no fewer than 8. Such
-   * pairs are counted as crowded_pairs in rayc_statistics.
-   */
-  RAYC_SAMPLING_AUTOMATIC = 0,
-  /**
-   * About sampling_value apart, a length > 0. Larger triangles are cut into pieces of that size, and a ray starts
-   * from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
-   * and one ray starts from one triangle of each patch.
-   */
-  RAYC_SAMPLING_SPACING = 1,
-  /**
    * Where the load needs them: from patches of connected, nearly flat triangles, from triangles, or from parts of
    * triangles, halved where the other surface crosses them, where the depth bends, and where they carry much of the load,
    * until the error is about the one allowed. sampling_value is that error, in (0, 1]: by how much each pair's net force,
-   * and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of the force. It is an
-   * estimate, not a bound. Under RAYC_LAW_RAY_LENGTH, and with an open mesh, as automatic.
+   * and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of the force; 0 stands
+   * for 0.01. It is an estimate, not a bound.
+   *
+   * In a crowd each pair may be off by more: where the boxes of both bodies overlap those of at least n others, n > 12,
+   * n / 12 times as much, at most 16 times. Such pairs are counted as crowded_pairs in rayc_statistics.
+   *
+   * Under RAYC_LAW_RAY_LENGTH and with an open mesh, a ray starts in the middle of each triangle. Triangles that are large
+   * beside the overlap are cut first, so that about 128 rays start from an area as large as the largest face of the overlap
+   * box; in a crowd 128 · 12 / n, but no fewer than 8. Of a body with itself each triangle casts one ray.
    */
-  RAYC_SAMPLING_TOLERANCE = 2,
+  RAYC_SAMPLING_ACCURACY = 0,
+  /**
+   * About sampling_value apart, a length > 0. Larger triangles are cut into pieces of that size, and a ray starts
+   * from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
+   * and one ray starts from the middle of each patch.
+   */
+  RAYC_SAMPLING_SPACING = 1,
   /**
    * At the vertices, as in the paper.
    */
-  RAYC_SAMPLING_VERTICES = 3,
+  RAYC_SAMPLING_VERTICES = 2,
 } rayc_sampling;
 
 /**
@@ -471,13 +465,13 @@ typedef struct rayc_detection_options {
    */
   size_t struct_size;
   /**
-   * With RAYC_SAMPLING_SPACING it is the distance between rays, a length above 0. With RAYC_SAMPLING_TOLERANCE it is the
-   * error allowed of each pair's net force, as a part of that force: above 0 and at most 1. With all others it is 0.
-   * Default 0.
+   * With RAYC_SAMPLING_ACCURACY it is the error allowed of each pair's net force, as a part of that force: above 0 and at
+   * most 1, or 0 for 0.01. With RAYC_SAMPLING_SPACING it is the distance between rays, a length above 0. With
+   * RAYC_SAMPLING_VERTICES it is 0. Default 0.
    */
   double sampling_value;
   /**
-   * Where rays start, a rayc_sampling. Default RAYC_SAMPLING_AUTOMATIC.
+   * Where rays start, a rayc_sampling. Default RAYC_SAMPLING_ACCURACY.
    */
   uint32_t sampling;
   /**

@@ -91,7 +91,7 @@ typedef struct rayc_pair_cost {
  * ghosts. The contacts of a ghost and a body of this scene are found by only one of the two scenes. The two keys
  * (rayc_scene_add_mesh_with_key()) decide which one; each of the two is about as likely. 0 for a body of this scene.
  * neighbours: how many bodies of all scenes together have boxes that overlap its own, which decides how many rays a
- * crowd gets (RAYC_SAMPLING_AUTOMATIC); or RAYC_NEIGHBOURS_COUNTED. overlaps_itself: for a ghost, what
+ * crowd gets (RAYC_SAMPLING_ACCURACY); or RAYC_NEIGHBOURS_COUNTED. overlaps_itself: for a ghost, what
  * rayc_scene_body_state() says in its own scene; otherwise 0.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a flag is neither 0 nor 1.

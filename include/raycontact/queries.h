@@ -298,7 +298,7 @@ enum rayc_status rayc_query_pair(const struct rayc_detection_options *options,
  * Finds the contacts between parts of one mesh, body 0: points of its surface that lie inside another part of the body,
  * where the surface winds around more than once, and the points through which they leave that part. Replaces what
  * `contacts` held; each contact has colliding = collided = 0, and stands for half its surface, as both parts cast rays.
- * options: NULL for the defaults; of them only the sampling counts, automatic being one ray for each triangle.
+ * options: NULL for the defaults; of them only the sampling counts, an accuracy being one ray for each triangle.
  *
  * Where the surface touches nothing of itself, no ray is traced; a scene also remembers that from step to step. An open
  * mesh has no inside, and so no contacts with itself; it is counted in open_bodies.

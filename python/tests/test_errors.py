@@ -61,9 +61,9 @@ def test_arrays_that_are_none(positions, triangles, error, text):
     "options, error, text",
     [
         ({"sampling": Sampling.SPACING, "sampling_value": -2.0}, Error, "sampling_value"),
-        ({"sampling": Sampling.TOLERANCE, "sampling_value": float("nan")}, Error, "sampling_value"),
-        ({"sampling_value": 0.1}, Error, "RAYC_SAMPLING_AUTOMATIC"),
-        ({"sampling": 4}, Error, "sampling"),
+        ({"sampling": Sampling.ACCURACY, "sampling_value": float("nan")}, Error, "sampling_value"),
+        ({"sampling_value": 1.5}, Error, "RAYC_SAMPLING_ACCURACY; give a part > 0 and at most 1, or 0 for the default"),
+        ({"sampling": 3}, Error, "sampling"),
         ({"law": 7}, Error, "law"),
         ({"law": "pressure"}, TypeError, "option law"),
         ({"edges": -1}, OverflowError, "option edges"),

@@ -2,11 +2,8 @@ use crate::contact::classify::{past_folds, starts_outside};
 use crate::contact::options::ContactLaw;
 use crate::contact::pair::Direction;
 use crate::contact::point_pair::{Contact, ContactKind};
-use crate::contact::quadrature::border::CutAtSurface;
-use crate::contact::quadrature::cutter::Cutter;
 use crate::contact::quadrature::packet::SamplePacket;
 use crate::contact::quadrature::pieces::{Pieces, Starts};
-use crate::contact::quadrature::sample::MeasuredSample;
 use crate::contact::quadrature::sampler::Sampler;
 use crate::contact::statistics::Statistics;
 use crate::contact::trace::Rays;
@@ -28,7 +25,7 @@ pub(crate) struct Cast<'a, T: Scalar> {
     pub(crate) surface: &'a mut Turning<T>,
     pub(crate) statistics: &'a mut Statistics,
     pub(crate) contacts: &'a mut Vec<Contact<T>>,
-    /// Scratch memory for the pieces of a triangle, and for the inside parts of those that the other body's surface crosses.
+    /// Scratch memory for the pieces of a triangle.
     pub(crate) pieces: &'a mut Pieces<T>,
     /// Scratch memory for the vertices in the overlap box.
     pub(crate) vertices: &'a mut Vec<u32>,
@@ -43,7 +40,7 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
     fn run<L: Lanes<T>>(self) {
         let Direction { pair, side } = *self.direction;
         let own = pair.tracers[side];
-        let cutter = self.cutter();
+        let cutter = pair.cutter();
         let mut sampler = Sampler::new::<L>(own, pair.region, self.starts, cutter, self.pieces, self.vertices);
         let (mut samples, mut rays, mut surface) = (sampler.packet(), Rays::new(), CastSurfaceLanes::new());
         // Packets are filled by a small function and traced in one loop, because the code inlined into the loop is large.
@@ -51,31 +48,11 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
             // What is left out because it lies outside the other body counts neither here.
             surface.add::<L>(&samples.lanes);
             let (statistics, crossings) = (&mut *self.statistics, &mut *self.crossings);
-            let inside = &mut sampler.pieces.inside;
-            Tracing {
-                direction: self.direction,
-                kind: self.kind,
-                statistics,
-                crossings,
-                inside,
-                contacts: self.contacts,
-            }
-            .trace::<L>(&samples, &mut rays);
+            Tracing { direction: self.direction, kind: self.kind, statistics, crossings, contacts: self.contacts }
+                .trace::<L>(&samples, &mut rays);
         }
         *self.surface = surface.total();
         sampler.count(self.statistics);
-    }
-}
-
-impl<'a, T: Scalar> Cast<'a, T> {
-    /// What cuts triangles into pieces, where rays start on them.
-    fn cutter(&self) -> Option<Cutter<'a, T>> {
-        let pair = self.direction.pair;
-        let mut cutter = pair.cutter()?;
-        if let Some(area) = pair.patch_area {
-            cutter = cutter.with_patches(area);
-        }
-        Some(if pair.measures_distances() { cutter.with_border() } else { cutter })
     }
 }
 
@@ -85,8 +62,6 @@ struct Tracing<'a, 'b, T: Scalar> {
     kind: ContactKind,
     statistics: &'a mut Statistics,
     crossings: &'a mut Vec<Hit<T>>,
-    /// For what is inside of pieces that the other body's surface crosses.
-    inside: &'a mut Vec<MeasuredSample<T>>,
     contacts: &'a mut Vec<Contact<T>>,
 }
 
@@ -97,7 +72,7 @@ impl<T: Scalar> Tracing<'_, '_, T> {
         let Direction { pair, side } = *self.direction;
         let other = pair.tracers[1 - side];
         let Rays { packet, candidates, hits, .. } = rays;
-        let present = samples.lanes.found & !samples.beside::<L>(pair.region);
+        let present = samples.lanes.found;
         self.statistics.rays += u64::from(present.count_ones());
         let (position, normal) = (&samples.lanes.position, &samples.lanes.normal);
         packet.set_inward::<L>(present, position, normal, &pair.ray_regions[side]);
@@ -107,19 +82,9 @@ impl<T: Scalar> Tracing<'_, '_, T> {
             followed = past_folds::follow(other, packet, hits, self.crossings);
             self.statistics.past_folds += u64::from(followed.count_ones());
         }
-        let mut known = samples.known;
         let exits = hits.found & hits.exits;
         self.statistics.misses += u64::from((packet.present & !hits.found).count_ones());
         self.statistics.entry_hits += u64::from((hits.found & !exits).count_ones());
-        let crossed = if samples.cut != 0 && pair.measures_distances() {
-            let (direction, known, distances) = (self.direction, &mut known, &mut rays.distances);
-            let (crossings, inside) = (&mut *self.crossings, &mut *self.inside);
-            L::outlined(CutAtSurface { direction, samples, exits, known, distances, crossings, inside })
-        } else {
-            0
-        };
-        self.statistics.border_pieces += u64::from(crossed.count_ones());
-        let exits = exits & !crossed;
         if exits == 0 {
             return;
         }
@@ -133,7 +98,7 @@ impl<T: Scalar> Tracing<'_, '_, T> {
             cos_alpha = cosines::<T, L>(&rays.packet, &rays.hits, by_normals, other.mesh());
         }
         let Rays { packet, hits, distances, .. } = rays;
-        distances_over_depths::<T, L>(other, packet, measured, &known, hits, distances, &mut cos_alpha);
+        distances_over_depths::<T, L>(other, packet, measured, &samples.known, hits, distances, &mut cos_alpha);
         accept::<T, L>(self.kind, self.direction, samples, rays, accepted, &cos_alpha, self.contacts);
     }
 

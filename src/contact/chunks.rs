@@ -2,7 +2,6 @@ use crate::contact::cast::Cast;
 use crate::contact::list::ContactList;
 use crate::contact::pair::{Direction, Pair};
 use crate::contact::point_pair::{Contact, ContactKind};
-use crate::contact::quadrature::Sampling;
 use crate::contact::quadrature::pieces::Starts;
 use crate::contact::quadrature::refinement::Refinement;
 use crate::contact::statistics::Statistics;
@@ -35,9 +34,6 @@ impl<'a, T: Scalar> Starts<'a, T> {
         let lanes = length * LANE_COUNT;
         match self {
             Self::Groups(groups) => Self::Groups(&groups[part(groups.len(), length)]),
-            Self::Patches(representatives, places) => {
-                Self::Patches(representatives, &places[part(places.len(), lanes)])
-            }
             Self::Samples(samples) => Self::Samples(&samples[part(samples.len(), lanes)]),
             Self::Measured(samples) => Self::Measured(&samples[part(samples.len(), lanes)]),
         }
@@ -51,17 +47,12 @@ impl<T: Scalar> Pair<'_, T> {
         let ContactList { contacts, workspace, statistics, .. } = list;
         let Workspace { helpers, chunks, groups, patches, marks, quadrature, vertices, pieces, crossings, .. } =
             workspace;
-        let starts = match self.options.sampling {
-            Sampling::Tolerance(tolerance) if self.measures_distances() => {
-                dispatch::<T, _>(Refinement { pair: self, tolerance, groups, patches, marks, quadrature });
-                quadrature.count(statistics);
-                quadrature.samples.each_ref().map(|samples| Starts::Measured(samples))
-            }
-            _ => {
-                let [first, second] = patches;
-                let groups = [0, 1].map(|side| if self.casts(side) { groups[side].as_slice() } else { &[] });
-                [self.starts(0, groups[0], first), self.starts(1, groups[1], second)]
-            }
+        let starts = if self.has_elements() {
+            dispatch::<T, _>(Refinement { pair: self, groups, patches, marks, quadrature });
+            quadrature.count(statistics);
+            quadrature.samples.each_ref().map(|samples| Starts::Measured(samples))
+        } else {
+            [0, 1].map(|side| Starts::Groups(if self.casts(side) { &groups[side] } else { &[] }))
         };
         let [of_first, of_second] = starts.map(Starts::chunk_count);
         let count = of_first + of_second;
@@ -120,17 +111,6 @@ impl<T: Scalar> Pair<'_, T> {
     /// Whether a direction carries any of the load.
     pub(crate) fn casts(&self, side: usize) -> bool {
         self.fixed_shares.is_none_or(|shares| shares[side] > T::zero())
-    }
-
-    /// Where one direction's rays start that follow no tolerance; `places` is room for them.
-    fn starts<'a>(&'a self, side: usize, groups: &'a [u32], places: &'a mut Vec<u32>) -> Starts<'a, T> {
-        let tracer = self.tracers[side];
-        let Some(representatives) = self.patch_area.and_then(|area| tracer.representatives(area)) else {
-            return Starts::Groups(groups);
-        };
-        places.clear();
-        groups.iter().for_each(|&group| representatives.add_places_in(group, places));
-        Starts::Patches(representatives, places)
     }
 }
 

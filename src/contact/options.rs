@@ -35,7 +35,7 @@ impl<T: Scalar> DetectionOptions<T> {
     /// About how many rays of a body are expected in some regions.
     pub(crate) fn expected_rays(&self, regions: &[Aabb<T>]) -> usize {
         match (self.law, self.sampling) {
-            (ContactLaw::Pressure, Sampling::Tolerance(tolerance)) => {
+            (ContactLaw::Pressure, Sampling::Accuracy(tolerance)) => {
                 regions.len().saturating_mul((RAYS_AT_TOLERANCE_OF_ONE / tolerance.to_f64()) as usize)
             }
             (_, Sampling::Spacing(spacing)) => {

@@ -44,8 +44,6 @@ pub(crate) struct Pair<'a, T: Scalar> {
     pub(crate) region: &'a Aabb<T>,
     pub(crate) options: &'a DetectionOptions<T>,
     pub(crate) may_escape: bool,
-    /// Triangles are joined to patches of at most this area; `None`: each casts for itself.
-    pub(crate) patch_area: Option<T>,
     /// The part of the usual rays on the overlap box's largest face that this pair casts.
     pub(crate) part_of_rays: T,
     /// Where the rays of either body end.
@@ -83,7 +81,6 @@ impl<'a, T: Scalar> Pair<'a, T> {
         // With rays from vertices a coarse flat body may cast nothing. Then the other direction must carry all of the load.
         let is_fixed = !hides_behind_own_surface && options.sampling != Sampling::Vertices;
         let fixed_shares = is_fixed.then(|| fixed_shares(meshes.map(Mesh::roundness)));
-        let patch_area = options.sampling.patch_area();
         let (may_escape, part_of_rays) = (true, T::one());
         Self {
             bodies,
@@ -92,7 +89,6 @@ impl<'a, T: Scalar> Pair<'a, T> {
             region,
             options,
             may_escape,
-            patch_area,
             part_of_rays,
             ray_regions,
             hides_behind_own_surface,
@@ -122,6 +118,15 @@ impl<T: Scalar> Pair<'_, T> {
         let (own, region, cutter) = (self.tracers[side], self.region, self.cutter());
         own.groups_not_outside(self.tracers[1 - side], region, groups, sides);
         dispatch::<T, _>(Collect { own, region, cutter, groups, pieces, vertices, samples });
+    }
+
+    /// Whether rays start from elements: patches, triangles or parts of them.
+    pub(crate) fn has_elements(&self) -> bool {
+        match self.options.sampling {
+            Sampling::Accuracy(_) => self.measures_distances(),
+            Sampling::Spacing(_) => true,
+            Sampling::Vertices => false,
+        }
     }
 
     /// Whether forces grow with the distance to the other body's surface, at all points inside.

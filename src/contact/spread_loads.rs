@@ -4,17 +4,15 @@
 use crate::contact::list::ContactList;
 use crate::contact::pair::Pair;
 use crate::contact::point_pair::{Contact, ContactKind, SurfacePoint};
-use crate::contact::quadrature::Sampling;
 use crate::contact::spread::{Marks, SpreadWorkspace};
 use crate::math::{Scalar, Vector3, normalising_factor};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 
 impl<T: Scalar> Pair<'_, T> {
-    /// Spreads the loads of its contacts, from `start` on, where samples follow the load.
+    /// Spreads the loads of its contacts, from `start` on, where they are those of elements.
     pub(crate) fn spread_loads(&self, start: usize, list: &mut ContactList<T>) {
-        let is_adaptive = matches!(self.options.sampling, Sampling::Tolerance(_)) && self.measures_distances();
-        let Some(shares) = self.fixed_shares.filter(|_| is_adaptive && list.len() > start) else { return };
+        let Some(shares) = self.fixed_shares.filter(|_| self.has_elements() && list.len() > start) else { return };
         let ContactList { contacts, spreads, workspace, .. } = list;
         let SpreadWorkspace { ends, marks } = &mut workspace.spread;
         let meshes = self.tracers.map(|tracer| tracer.mesh());

@@ -1,5 +1,5 @@
 /// What a query did. Every ray is either a contact or counted under the one reason why it is none: `rays` is the number of
-/// contacts + `misses` + `entry_hits` + `own_surface_hits` + `replaced` + `border_pieces`.
+/// contacts + `misses` + `entry_hits` + `own_surface_hits` + `replaced`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Pairs of meshes whose boxes overlap.
@@ -12,10 +12,10 @@ pub struct Statistics {
     pub rays: u64,
     /// Of these, rays that stand for a patch of several triangles.
     pub patches: u64,
-    /// Rays beside those, traced only to find out how fine the sampling has to be ([`Sampling::Tolerance`]), or whether
+    /// Rays beside those, traced only to find out how fine the sampling has to be ([`Sampling::Accuracy`]), or whether
     /// and which way a pair is to escape.
     ///
-    /// [`Sampling::Tolerance`]: crate::contact::Sampling::Tolerance
+    /// [`Sampling::Accuracy`]: crate::contact::Sampling::Accuracy
     pub estimate_rays: u64,
     /// Rays that left the overlap box without meeting the other mesh, or along an escape its box; for a body with itself,
     /// rays from points that lie inside no other part of it.
@@ -54,10 +54,8 @@ pub struct Statistics {
     /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: nearly everything touches
     /// everything, and no inside is left to tell. docs/architecture.md says by which signs they are known.
     pub tangled_bodies: u64,
-    /// Pairs of a crowd, whose triangles are cut into fewer pieces ([`Sampling::Automatic`](crate::contact::Sampling::Automatic)).
+    /// Pairs of a crowd, which get fewer samples ([`Sampling::Accuracy`](crate::contact::Sampling::Accuracy)).
     pub crowded_pairs: u64,
-    /// Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead.
-    pub border_pieces: u64,
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
     /// left to tell. docs/architecture.md says how they are known.
     pub tangled_pairs: u64,
@@ -70,8 +68,7 @@ macro_rules! with_counters {
             pairs, open_pairs, rays, patches, estimate_rays, misses, entry_hits, own_surface_hits,
             replaced, without_normal, uncut_pieces, edge_contacts, self_contacts, open_bodies,
             past_folds, escapes_started, escaping_pairs, escape_contacts, escapes_turned,
-            escapes_forbidden, tangled_bodies, crowded_pairs, border_pieces,
-            tangled_pairs
+            escapes_forbidden, tangled_bodies, crowded_pairs, tangled_pairs
         }
     };
 }

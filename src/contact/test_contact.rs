@@ -31,5 +31,5 @@ pub(crate) fn with_pair<R>(
     let tracers = [0, 1].map(|side| octrees[side].tracer(meshes[side]).expect("it is new"));
     let (overlap, region) = overlap_region(meshes[0].aabb(), meshes[1].aabb());
     let (bodies, tracers) = ([0, 1], [&tracers[0], &tracers[1]]);
-    ask(&Pair { patch_area: None, ..Pair::new(bodies, tracers, [&overlap, &region], options) })
+    ask(&Pair::new(bodies, tracers, [&overlap, &region], options))
 }

@@ -22,7 +22,7 @@ use crate::simd::dispatch;
 use crate::triangle::{Hit, Ray};
 
 /// Finds the contacts between parts of one mesh, body 0; replaces what `contacts` held. Of the options only the sampling
-/// counts; automatic is one ray for each triangle.
+/// counts; an accuracy is one ray for each triangle.
 ///
 /// Rays start where the surface touches others of its triangles, and where it winds around more than once: if it touches
 /// itself nowhere, at no more than one point of each connected part. A scene also remembers that from step to step. An
@@ -145,7 +145,7 @@ impl<T: Scalar> Body<'_, T> {
         let region = mesh.aabb();
         // The body's own box is no measure of an overlap: one ray for each triangle, unless the caller says how many.
         let overlap = match self.options.sampling {
-            Sampling::Automatic | Sampling::Tolerance(_) => Aabb { lower: region.lower, upper: region.lower },
+            Sampling::Accuracy(_) => Aabb { lower: region.lower, upper: region.lower },
             _ => *region,
         };
         let largest = region.lower.amax().max(region.upper.amax());

@@ -24,8 +24,7 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) groups: [Vec<u32>; 2],
     /// For which of them lie outside the other body.
     pub(crate) sides: [SidesScratch<T>; 2],
-    /// Of these the places of the triangles that cast for patches, or the patches that reach into them; and room for finding
-    /// those.
+    /// The patches that reach into these, and room for finding them.
     pub(crate) patches: [Vec<u32>; 2],
     pub(crate) marks: Vec<u64>,
     /// Where the load needs samples, and over what they spread it.

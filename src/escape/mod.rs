@@ -62,7 +62,7 @@ pub(crate) fn detect_pair<T: Scalar>(
         [true, true] => return,
     };
     let part_of_rays = match options.sampling {
-        Sampling::Automatic | Sampling::Tolerance(_) => part_of_rays(neighbours),
+        Sampling::Accuracy(_) => part_of_rays(neighbours),
         Sampling::Spacing(_) | Sampling::Vertices => T::one(),
     };
     contacts.statistics.crowded_pairs += u64::from(part_of_rays < T::one());

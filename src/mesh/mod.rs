@@ -13,7 +13,6 @@ mod packed;
 mod patches;
 mod posed;
 mod positions;
-mod representatives;
 mod roundness;
 #[cfg(test)]
 pub(crate) mod test_mesh;
@@ -36,7 +35,6 @@ pub(crate) use packed::packed_number_size;
 pub(crate) use patches::Patches;
 pub(crate) use positions::PositionSource;
 use positions::{FiniteBounds, Numbered};
-pub(crate) use representatives::Representatives;
 use topology::RING_LENGTH;
 pub use topology::Topology;
 

@@ -178,28 +178,6 @@ impl<T: Scalar> Mesh<T> {
         }
     }
 
-    /// The sum of [`scaled_normal`](Self::scaled_normal) over a part of the surface, given all sides at which it ends, as
-    /// its triangles have them; there must be one. By Stokes' theorem the rest cancels out.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn doubled_area_within<L: Lanes<T>>(&self, border: &[[u32; 2]]) -> Vector3<T> {
-        let first = border[0][0];
-        let base = Vectors::<T, L>::splat(&self.position(first));
-        let mut sum = Vectors::<T, L>::zeros();
-        for some in border.chunks(LANE_COUNT) {
-            // Lanes beyond the last are sides of no length at the base.
-            let mut ends = [[first; LANE_COUNT]; 2];
-            for (lane, &[from, to]) in some.iter().enumerate() {
-                (ends[0][lane], ends[1][lane]) = (from, to);
-            }
-            let [from, to] = [self.gather::<L>(&ends[0]).sub(base), self.gather::<L>(&ends[1]).sub(base)];
-            sum = sum.add(from.cross(to));
-        }
-        let mut lanes = [[T::zero(); LANE_COUNT]; 3];
-        sum.store(&mut lanes);
-        let total = lanes.map(|lanes| lanes.into_iter().fold(T::zero(), |sum, part| sum + part));
-        total.into()
-    }
-
     /// The lane's normal with all care that too large and too small squares need.
     #[cold]
     fn one_face(&self, lane: usize, triangle: u32, found: &mut NormalLanes<T>) {

@@ -230,30 +230,6 @@ impl<T: Scalar> Tracer<'_, T> {
         nearest.set::<L>(self.mesh(), packet, factors);
         *distances = nearest.points.distance;
     }
-
-    /// Makes ready what [`closest_of_packet`](Self::closest_of_packet) gives.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn resolve_packet<L: Lanes<T>>(&self, room: &mut PointDistances<T>) {
-        if room.are_of_packet {
-            let factors = MeshScale::new(self.mesh().aabb()).factors;
-            room.nearest.set::<L>(self.mesh(), &room.packet, factors);
-        }
-    }
-
-    /// [`closest_point`](Self::closest_point) of one of the points that [`distances_of_packet`](Self::distances_of_packet) was
-    /// last asked about with this room, given its bound there.
-    pub(crate) fn closest_of_packet(
-        &self,
-        point: &Vector3<T>,
-        bound: T,
-        lane: usize,
-        room: &PointDistances<T>,
-    ) -> Option<ClosestPoint<T>> {
-        match room.are_of_packet {
-            true => room.nearest.get(&room.packet, lane, bound),
-            false => self.closest_point(point, bound),
-        }
-    }
 }
 
 /// [`Tracer::closest_points`].

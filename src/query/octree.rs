@@ -5,7 +5,7 @@
 use crate::bvh::Bvh;
 use crate::math::{Aabb, Pose, Scalar};
 use crate::memory;
-use crate::mesh::{Mesh, Representatives, Topology};
+use crate::mesh::{Mesh, Topology};
 use crate::paper_octree::PaperOctree;
 use crate::query::patch_levels::{PatchLevels, PatchesOfGroups};
 use std::fmt;
@@ -19,7 +19,6 @@ pub struct Octree<T: Scalar> {
     pub(crate) cells: Cells<T>,
     /// Clones have the same groups.
     pub(crate) patches: Arc<PatchLevels<PatchesOfGroups>>,
-    pub(crate) representatives: Arc<PatchLevels<Representatives>>,
 }
 
 /// A ray passes a few tiles. With less than one ray for this many tiles, loading all of them would take longer than tracing
@@ -79,8 +78,7 @@ impl<T: Scalar> Octree<T> {
             Layout::PaperOctree => Cells::PaperOctree(PaperOctree::new(mesh)),
         };
         let patches = memory::shared(PatchLevels::default());
-        let representatives = memory::shared(PatchLevels::default());
-        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, patches, representatives }
+        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, patches }
     }
 
     /// Follows the mesh to its present positions; memory is reused.

@@ -1,7 +1,7 @@
 use crate::bvh::{Candidates, PacketHits};
 use crate::math::Scalar;
 use crate::memory::Room;
-use crate::mesh::{Mesh, Representatives};
+use crate::mesh::Mesh;
 use crate::query::octree::{Cells, Octree, OctreeError};
 use crate::query::patch_levels::{PatchLevels, PatchesOfGroups};
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch};
@@ -13,7 +13,6 @@ use std::cmp::Ordering;
 pub struct Tracer<'a, T: Scalar> {
     pub(crate) cells: &'a Cells<T>,
     patches: &'a PatchLevels<PatchesOfGroups>,
-    representatives: &'a PatchLevels<Representatives>,
     mesh: &'a Mesh<T>,
     pub(crate) test: TriangleTest,
 }
@@ -36,8 +35,8 @@ impl<T: Scalar> Octree<T> {
 
 impl<'a, T: Scalar> Tracer<'a, T> {
     pub(crate) fn new(octree: &'a Octree<T>, mesh: &'a Mesh<T>) -> Self {
-        let Octree { cells, patches, representatives, .. } = octree;
-        Self { cells, patches, representatives, mesh, test: TriangleTest::default() }
+        let Octree { cells, patches, .. } = octree;
+        Self { cells, patches, mesh, test: TriangleTest::default() }
     }
 
     /// The same, deciding with another triangle test.
@@ -55,14 +54,6 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         let group = |group, offer: &mut dyn FnMut(u32)| self.triangles_of(group, offer);
         let all = self.mesh.patches();
         self.patches.at(self.mesh, area, |area| PatchesOfGroups::new(all, area, self.group_count(), group))
-    }
-
-    /// The triangles that stand for these patches; `None` where each stands for itself alone.
-    pub(crate) fn representatives(&self, area: T) -> Option<&'a Representatives> {
-        let group = |group, offer: &mut dyn FnMut(u32)| self.triangles_of(group, offer);
-        let find = |area| Representatives::new(self.mesh, area, self.group_count(), group);
-        let (level, _) = self.mesh.patches().level(area);
-        (level > 0).then(|| self.representatives.at(self.mesh, area, find))
     }
 
     fn group_count(&self) -> u32 {

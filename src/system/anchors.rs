@@ -134,17 +134,17 @@ impl Anchors {
         };
         let triangles = &self.triangles[of_pair.clone()];
         let start = of_pair.start + triangles.partition_point(|&other| other < triangle);
+        let end = start + self.triangles[start..of_pair.end].partition_point(|&other| other == triangle);
+        let of_triangle = &self.kept[start..end];
+        // Mostly a contact starts where one did before.
+        let same = of_triangle.partition_point(|anchor| compare(&anchor.from.weights, &from.weights).is_lt());
         let distance =
             |anchor: &Anchor| -> f64 { (0..3).map(|k| (anchor.from.weights[k] - from.weights[k]).powi(2)).sum() };
-        let mut nearest: Option<(f64, usize)> = None;
-        for place in (start..of_pair.end).take_while(|&place| self.triangles[place] == triangle) {
-            let far = distance(&self.kept[place]);
-            if nearest.is_none_or(|(least, _)| far < least) {
-                nearest = Some((far, place));
-            }
-        }
+        let nearest =
+            || (0..of_triangle.len()).min_by(|&a, &b| distance(&of_triangle[a]).total_cmp(&distance(&of_triangle[b])));
+        let is_same = of_triangle.get(same).is_some_and(|anchor| anchor.from.weights == from.weights);
+        let found = if is_same { Some(start + same) } else { nearest().map(|place| start + place) };
         self.searched = Some((key, of_pair));
-        let found = nearest.map(|(_, place)| place);
         self.pending.room_for(1).push(Pending { key, triangle, from, on, found });
         (self.pending.len() - 1, found)
     }
@@ -213,6 +213,10 @@ impl Anchors {
     }
 }
 
+fn compare(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
+    a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)))
+}
+
 /// Of several as near as each other the first is taken, which must not depend on other pairs.
 fn in_order(a: &Anchor, b: &Anchor) -> Ordering {
     let order = |anchor: &Anchor| (anchor.key, anchor.triangle);
@@ -220,8 +224,6 @@ fn in_order(a: &Anchor, b: &Anchor) -> Ordering {
         Hold::Material(corners) => (corners.vertices, corners.weights),
         Hold::Space(point) => ([0; 3], point.into()),
     };
-    let compare =
-        |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)));
     let ((vertices, weights), (other_vertices, other_weights)) = (held(a), held(b));
     order(a)
         .cmp(&order(b))

@@ -141,7 +141,7 @@ impl Drop for Surface {
     }
 }
 
-/// All bodies in a scene, as a C program has them that changes no option: double precision, automatic sampling, the pressure
+/// All bodies in a scene, as a C program has them that changes no option: double precision, an accuracy of 0.01, the pressure
 /// law, one thread.
 pub struct Defaults {
     library: Arc<Library>,

@@ -3,9 +3,8 @@
 /** What has one colour; the first that fits counts. */
 export const families = [
   { name: "ray lengths", colour: "#d0a020", fits: (row) => row.method === "raycontact" && row.settings.includes("law=ray-length") },
-  { name: "tolerance", colour: "#3b8fd0", fits: (row) => is(row, "sampling=tolerance") },
+  { name: "accuracy", colour: "#dd4422", fits: (row) => is(row, "sampling=accuracy") },
   { name: "spacing", colour: "#0b9c88", fits: (row) => is(row, "sampling=spacing") },
-  { name: "automatic", colour: "#dd4422", fits: (row) => is(row, "sampling=automatic") },
   { name: "vertices", colour: "#ee8833", fits: (row) => is(row, "sampling=vertices") },
   { name: "the paper's mode", colour: "#7766cc", fits: (row) => row.method === "paper" },
   { name: "Embree, Algorithm 1", colour: "#c2489c", fits: (row) => row.method.startsWith("embree") },
@@ -52,7 +51,7 @@ function percent(part) {
 }
 
 /** C's. */
-const defaults = "law=pressure sampling=automatic precision=f64 layout=wide edges=on weights=area";
+const defaults = "law=pressure sampling=accuracy:0.01 precision=f64 layout=wide edges=on weights=area";
 
 export function isDefault(row) {
   return row.method === "raycontact" && row.settings === defaults;
@@ -107,8 +106,8 @@ export function code(row) {
   if (!isPaper) {
     const [kind, amount] = sampling.split(":");
     if (law === "ray-length") lines.push("detection.law = RAYC_LAW_RAY_LENGTH;");
-    if (kind !== "automatic") lines.push(`detection.sampling = RAYC_SAMPLING_${kind.toUpperCase()};`);
-    if (amount) lines.push(`detection.sampling_value = ${amount};${kind === "spacing" ? " /* in the scene's unit of length */" : ""}`);
+    if (kind !== "accuracy") lines.push(`detection.sampling = RAYC_SAMPLING_${kind.toUpperCase()};`);
+    if (amount && sampling !== "accuracy:0.01") lines.push(`detection.sampling_value = ${amount};${kind === "spacing" ? " /* in the scene's unit of length */" : ""}`);
     if (edges === "off") lines.push("detection.edges = 0;");
   }
   lines.push("rayc_response_options response;", "rayc_default_response_options(sizeof response, &response);");

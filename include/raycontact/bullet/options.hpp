@@ -40,9 +40,8 @@ struct ContactOptions {
   double friction = 0;  ///< Coulomb's coefficient, >= 0; 0 = none. Bodies at rest hold on to one another
   /// m, > 0; asked of one step, or what the bodies close in it if that is more: a tenth to half an element edge.
   double depth_cap = std::numeric_limits<double>::infinity();
-  /// Where rays start: at the vertices of the skins is the least that a skin finer than its cage needs; with
-  /// RAYC_SAMPLING_TOLERANCE there are as few rows for the solver as the force allows.
-  rayc_sampling sampling = RAYC_SAMPLING_AUTOMATIC;
+  /// Where rays start. A larger sampling_value than 0.01 leaves fewer rows for the solver.
+  rayc_sampling sampling = RAYC_SAMPLING_ACCURACY;
   double sampling_value = 0;  ///< what `sampling` is told: see rayc_sampling
   /// Detect where the bodies will be at the end of the step if nothing stops them, so that an impact is met in the step
   /// in which it happens; false: where they are at its start, as in the paper.

@@ -51,12 +51,11 @@ inline rayc_sampling plugin_sampling(const mjModel* m, int instance, rayc_sampli
   const char* text = mj_getPluginConfig(m, instance, "sampling");
   const std::string name = text == nullptr ? "" : text;
   if (name.empty()) return otherwise;
-  if (name == "automatic") return RAYC_SAMPLING_AUTOMATIC;
+  if (name == "accuracy") return RAYC_SAMPLING_ACCURACY;
   if (name == "spacing") return RAYC_SAMPLING_SPACING;
-  if (name == "tolerance") return RAYC_SAMPLING_TOLERANCE;
   if (name == "vertices") return RAYC_SAMPLING_VERTICES;
   throw std::invalid_argument("raycontact: sampling=\"" + name +
-                              "\" is none; it is automatic, spacing, tolerance or vertices");
+                              "\" is none; it is accuracy, spacing or vertices");
 }
 
 inline ContactOptions plugin_options(const mjModel* m, int instance) {

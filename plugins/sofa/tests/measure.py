@@ -84,7 +84,7 @@ VARIANTS = {
     "ours, SOFA's response": lambda scene: ours(bare(scene)),
     "ours, own response, a common solver": lambda scene: common_solver(ours(bare(scene), **QUIET)),
     "ours, own response, a solver each": lambda scene: own_response(ours(bare(scene), **QUIET)),
-    "the same with rays from all faces, a common solver": lambda scene: common_solver(
+    "the same by accuracy, a common solver": lambda scene: common_solver(
         ours(bare(scene), sampleSpacing="-1", **QUIET)),
     "no collision, a solver each": lambda scene: no_collision(bare(scene)),
 }

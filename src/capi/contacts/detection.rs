@@ -12,24 +12,25 @@ use crate::memory::text;
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub enum rayc_sampling {
-    /// In the middle of each triangle. Triangles that are large beside the overlap are cut first, so that about 128
-    /// rays start from an area as large as the largest face of the overlap box. So forces hardly depend on the
-    /// triangulation; on fine meshes it is about two rays for each vertex. A crowd gets fewer rays: where the boxes of
-    /// both bodies of a pair overlap those of at least n others, n > 12, it is 128 · 12 / n, but no fewer than 8. Such
-    /// pairs are counted as crowded_pairs in rayc_statistics.
-    RAYC_SAMPLING_AUTOMATIC = 0,
-    /// About sampling_value apart, a length > 0. Larger triangles are cut into pieces of that size, and a ray starts
-    /// from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
-    /// and one ray starts from one triangle of each patch.
-    RAYC_SAMPLING_SPACING = 1,
     /// Where the load needs them: from patches of connected, nearly flat triangles, from triangles, or from parts of
     /// triangles, halved where the other surface crosses them, where the depth bends, and where they carry much of the load,
     /// until the error is about the one allowed. sampling_value is that error, in (0, 1]: by how much each pair's net force,
-    /// and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of the force. It is an
-    /// estimate, not a bound. Under RAYC_LAW_RAY_LENGTH, and with an open mesh, as automatic.
-    RAYC_SAMPLING_TOLERANCE = 2,
+    /// and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of the force; 0 stands
+    /// for 0.01. It is an estimate, not a bound.
+    ///
+    /// In a crowd each pair may be off by more: where the boxes of both bodies overlap those of at least n others, n > 12,
+    /// n / 12 times as much, at most 16 times. Such pairs are counted as crowded_pairs in rayc_statistics.
+    ///
+    /// Under RAYC_LAW_RAY_LENGTH and with an open mesh, a ray starts in the middle of each triangle. Triangles that are large
+    /// beside the overlap are cut first, so that about 128 rays start from an area as large as the largest face of the overlap
+    /// box; in a crowd 128 · 12 / n, but no fewer than 8. Of a body with itself each triangle casts one ray.
+    RAYC_SAMPLING_ACCURACY = 0,
+    /// About sampling_value apart, a length > 0. Larger triangles are cut into pieces of that size, and a ray starts
+    /// from the middle of each piece. Smaller triangles are joined to patches of that size, connected and nearly flat,
+    /// and one ray starts from the middle of each patch.
+    RAYC_SAMPLING_SPACING = 1,
     /// At the vertices, as in the paper.
-    RAYC_SAMPLING_VERTICES = 3,
+    RAYC_SAMPLING_VERTICES = 2,
 }
 
 /// What a contact's force grows with.
@@ -54,11 +55,11 @@ pub enum rayc_law {
 pub struct rayc_detection_options {
     /// sizeof(rayc_detection_options).
     pub struct_size: usize,
-    /// With RAYC_SAMPLING_SPACING it is the distance between rays, a length above 0. With RAYC_SAMPLING_TOLERANCE it is the
-    /// error allowed of each pair's net force, as a part of that force: above 0 and at most 1. With all others it is 0.
-    /// Default 0.
+    /// With RAYC_SAMPLING_ACCURACY it is the error allowed of each pair's net force, as a part of that force: above 0 and at
+    /// most 1, or 0 for 0.01. With RAYC_SAMPLING_SPACING it is the distance between rays, a length above 0. With
+    /// RAYC_SAMPLING_VERTICES it is 0. Default 0.
     pub sampling_value: f64,
-    /// Where rays start, a rayc_sampling. Default RAYC_SAMPLING_AUTOMATIC.
+    /// Where rays start, a rayc_sampling. Default RAYC_SAMPLING_ACCURACY.
     pub sampling: u32,
     /// 1: edges are traced too where no ray settles whether bodies overlap; 0: not. Default 1.
     pub edges: u32,
@@ -83,20 +84,21 @@ impl rayc_detection_options {
         use rayc_sampling::*;
         let value = self.sampling_value;
         let (sampling, is_valid, valid) = match self.sampling {
-            s if s == RAYC_SAMPLING_AUTOMATIC as u32 => (Sampling::Automatic, value == 0.0, "0"),
+            s if s == RAYC_SAMPLING_ACCURACY as u32 && value == 0.0 => (Sampling::default(), true, ""),
+            s if s == RAYC_SAMPLING_ACCURACY as u32 => {
+                let valid = "a part > 0 and at most 1, or 0 for the default";
+                (Sampling::Accuracy(T::of(value)), value > 0.0 && value <= 1.0, valid)
+            }
             s if s == RAYC_SAMPLING_VERTICES as u32 => (Sampling::Vertices, value == 0.0, "0"),
             s if s == RAYC_SAMPLING_SPACING as u32 => {
                 (Sampling::Spacing(T::of(value)), value > 0.0 && value.is_finite(), "a finite length > 0")
-            }
-            s if s == RAYC_SAMPLING_TOLERANCE as u32 => {
-                (Sampling::Tolerance(T::of(value)), value > 0.0 && value <= 1.0, "a part > 0 and at most 1")
             }
             other => return Err(unknown_enum("sampling", other, "rayc_sampling")),
         };
         if is_valid {
             return Ok(sampling);
         }
-        let name = ["AUTOMATIC", "SPACING", "TOLERANCE", "VERTICES"][self.sampling as usize];
+        let name = ["ACCURACY", "SPACING", "VERTICES"][self.sampling as usize];
         let message = text!("sampling_value is {value} with RAYC_SAMPLING_{name}; give {valid}");
         Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message))
     }
@@ -123,7 +125,7 @@ impl Options for rayc_detection_options {
         Self {
             struct_size: size_of::<Self>(),
             sampling_value: 0.0,
-            sampling: rayc_sampling::RAYC_SAMPLING_AUTOMATIC as u32,
+            sampling: rayc_sampling::RAYC_SAMPLING_ACCURACY as u32,
             edges: 1,
             escape: 1,
             past_folds: 0,

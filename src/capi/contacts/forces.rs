@@ -76,8 +76,8 @@ pub unsafe extern "C" fn rayc_default_response_options(
 }
 
 /// Adds the contact forces to `forces`, in N. Each contact gives stiffness · weight · cos α · depth along the ray at
-/// p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4). A contact of
-/// RAYC_SAMPLING_TOLERANCE that stands for many triangles presses on all their vertices, by area, and the opposite lies on
+/// p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4). A contact under
+/// RAYC_LAW_PRESSURE that stands for many triangles presses on all their vertices, by area, and the opposite lies on
 /// about as much of the other surface around p2. The two loads have no net force and no net torque.
 ///
 /// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the

@@ -4,7 +4,7 @@ use crate::capi::ffi::{growing, guard, reading, with_precision, write_known};
 use crate::contact::{Statistics, with_counters};
 
 /// What a query did; later versions may count more, at the end. Every ray is either a contact or counted under the one
-/// reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced + border_pieces.
+/// reason why it is none: rays = contacts + misses + entry_hits + own_surface_hits + replaced.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct rayc_statistics {
@@ -52,7 +52,7 @@ pub struct rayc_statistics {
     pub escapes_forbidden: u64,
     /// Of the rays, those that stand for a patch of several triangles.
     pub patches: u64,
-    /// Rays beside those, traced only to find out how fine the sampling has to be (RAYC_SAMPLING_TOLERANCE),
+    /// Rays beside those, traced only to find out how fine the sampling has to be (RAYC_SAMPLING_ACCURACY),
     /// or whether and which way a pair is to escape.
     pub estimate_rays: u64,
     /// Contacts found and replaced by those of an escape that began in the same query.
@@ -60,11 +60,8 @@ pub struct rayc_statistics {
     /// Bodies whose contacts with themselves were asked for, but that are tangled and have none: nearly everything touches
     /// everything, and no inside is left to tell. docs/architecture.md says by which signs they are known.
     pub tangled_bodies: u64,
-    /// Pairs of a crowd, whose triangles are cut into fewer pieces: see RAYC_SAMPLING_AUTOMATIC.
+    /// Pairs of a crowd, which get fewer samples: see RAYC_SAMPLING_ACCURACY.
     pub crowded_pairs: u64,
-    /// Rays from pieces of triangles that the other body's surface crosses: the part inside casts another instead, from its
-    /// own middle. Only under RAYC_LAW_PRESSURE between closed bodies.
-    pub border_pieces: u64,
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
     /// left to tell. docs/architecture.md says how they are known.
     pub tangled_pairs: u64,

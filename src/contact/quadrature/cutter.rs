@@ -12,16 +12,14 @@ pub(crate) struct Cutter<'a, T: Scalar> {
     /// Pieces left larger than asked.
     pub(crate) uncut: u64,
     halvings_left: u32,
-    /// Whether pieces are offered too that touch the region, but have their middles beside it.
-    keeps_border: bool,
 }
 
 /// The largest number of cuts of one surface, so that cutting ends for needles and for whatever spacing a caller asks. It is
 /// ten times what an overlap with equal sides takes, and gives about a million pieces.
-const MOST_HALVINGS_AUTOMATIC: u32 = 1 << 13;
+const MOST_HALVINGS_OF_REGION: u32 = 1 << 13;
 const MOST_HALVINGS: u32 = 1 << 20;
 
-/// How many rays stand on the largest face of the overlap box where the sampling is automatic. docs/accuracy.md has the errors
+/// How many rays stand on the largest face of the overlap box where samples do not follow the load. docs/accuracy.md has the errors
 /// with half as many, under *rays on its largest face*.
 const RAYS_ON_LARGEST_FACE: f64 = 128.0;
 
@@ -42,14 +40,6 @@ struct Face<T: Scalar> {
     triangle: u32,
     vertices: [u32; 3],
     normal: Vector3<T>,
-}
-
-/// A part of a triangle that casts a ray from its middle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CutPiece<T: Scalar> {
-    pub(crate) sample: Sample<T>,
-    /// Barycentric weights of each corner in the triangle.
-    pub(crate) corner_weights: [Vector3<T>; 3],
 }
 
 /// A part of a triangle.
@@ -80,31 +70,18 @@ impl<'a, T: Scalar> Cutter<'a, T> {
     pub(crate) fn new(sampling: Sampling<T>, overlap: &Aabb<T>, region: &'a Aabb<T>) -> Option<Self> {
         let (squared_spacing, halvings_left) = match sampling {
             Sampling::Vertices => return None,
-            Sampling::Automatic | Sampling::Tolerance(_) => {
-                (overlap.largest_face() / T::of(RAYS_ON_LARGEST_FACE), MOST_HALVINGS_AUTOMATIC)
-            }
+            Sampling::Accuracy(_) => (overlap.largest_face() / T::of(RAYS_ON_LARGEST_FACE), MOST_HALVINGS_OF_REGION),
             Sampling::Spacing(spacing) => (spacing * spacing, MOST_HALVINGS),
         };
         // A region that is no more than a line or a point gives no measure: one ray for each triangle then.
         let longest_allowed = if squared_spacing > T::zero() { squared_spacing * T::of(2.0) } else { T::INFINITY };
-        Some(Self { region, longest_allowed, uncut: 0, halvings_left, keeps_border: false })
+        Some(Self { region, longest_allowed, uncut: 0, halvings_left })
     }
 
     /// The same with so many times as few rays.
     pub(crate) fn with_part_of_rays(mut self, part: T) -> Self {
         self.longest_allowed /= part;
         self
-    }
-
-    /// The same with no piece smaller than patches of this area.
-    pub(crate) fn with_patches(mut self, area: T) -> Self {
-        self.longest_allowed = self.longest_allowed.max(area * T::of(2.0));
-        self
-    }
-
-    /// The same, but offering also pieces that only touch the region.
-    pub(crate) fn with_border(self) -> Self {
-        Self { keeps_border: true, ..self }
     }
 
     /// Offers the triangle's pieces whose middles lie in the region, given its normal and area.
@@ -114,7 +91,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         triangle: u32,
         normal: Vector3<T>,
         area: T,
-        offer: &mut impl FnMut(CutPiece<T>),
+        offer: &mut impl FnMut(Sample<T>),
     ) {
         let face = Face { triangle, vertices: mesh.topology().triangles()[triangle as usize], normal };
         self.halve(&face, &Piece::whole(mesh.corners(triangle), area), offer);
@@ -123,7 +100,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
     /// Halves the piece at the middle of its longest edge until that edge is short enough, and offers the middle of
     /// each part that lies in the region. Parts beside the region are dropped whole, so that a floor costs what lies
     /// under the body.
-    fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, offer: &mut impl FnMut(CutPiece<T>)) {
+    fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, offer: &mut impl FnMut(Sample<T>)) {
         if !Aabb::of_triangle(&piece.corners).overlaps(self.region) {
             return;
         }
@@ -151,11 +128,10 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         }
         self.uncut += u64::from(is_too_long);
         let (position, weights) = piece.middle();
-        if self.keeps_border || self.region.contains(&position) {
+        if self.region.contains(&position) {
             let point =
                 SurfacePoint { triangle: face.triangle, vertices: face.vertices, weights: weights.into(), position };
-            let sample = Sample { point, normal: face.normal, area: piece.area, piece: piece.number };
-            offer(CutPiece { sample, corner_weights: piece.weights });
+            offer(Sample { point, normal: face.normal, area: piece.area, piece: piece.number });
         }
     }
 }
@@ -171,7 +147,7 @@ mod tests {
     fn areas(cutter: &mut Cutter<'_, f64>, corners: [[f64; 3]; 3], area: f64) -> Vec<f64> {
         let mesh = Mesh::open(&corners, &[[0, 1, 2]]).expect("it has an area");
         let mut areas = Vec::new();
-        cutter.cut(&mesh, 0, Vector3::z(), area, &mut |piece| areas.push(piece.sample.area));
+        cutter.cut(&mesh, 0, Vector3::z(), area, &mut |sample| areas.push(sample.area));
         areas
     }
 
@@ -189,11 +165,6 @@ mod tests {
             let mut cutter = with_spacing(spacing, &EVERYWHERE);
             assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), vec![32.0 / pieces as f64; pieces], "{spacing}");
             assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (pieces as u32 - 1, 0));
-        }
-        // No smaller than the halves of squares as large as the patches.
-        for (patch, pieces) in [(0.25, 64), (1.0, 64), (4.0, 16), (16.0, 4)] {
-            let mut cutter = with_spacing(1.0, &EVERYWHERE).with_patches(patch);
-            assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0).len(), pieces, "patches of {patch}");
         }
     }
 

@@ -2,7 +2,7 @@
 //! distance in its middle.
 
 use crate::contact::point_pair::SurfacePoint;
-use crate::contact::quadrature::corners::{Corners, DEEPEST};
+use crate::contact::quadrature::corners::{Corners, DEEPEST, longest_edge};
 use crate::contact::quadrature::moments::{Moments, MomentsOf};
 use crate::contact::quadrature::sample::{Sample, WHOLE};
 use crate::math::{Aabb, Scalar, Vector3, direction, length, normalising_factor};
@@ -176,6 +176,11 @@ impl<T: Scalar> Element<T> {
         matches!(self.extent, Extent::Patch(..))
     }
 
+    /// Whether it is a triangle, or a part of one, with an edge whose square is more than this.
+    pub(crate) fn has_edge_beyond(&self, square: T) -> bool {
+        matches!(self.extent, Extent::Piece { corners, .. } if longest_edge(&corners.positions).1 > square)
+    }
+
     /// Adds its two halves, which know of its depth; fewer where some have no area or lie beside the overlap box. Gives false
     /// where it cannot be halved.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -250,7 +255,7 @@ impl<T: Scalar> Element<T> {
 
     /// How far its part of the load may be off, for unit stiffness.
     pub(crate) fn error(&self, thickness: T) -> T {
-        let unseen = self.radius * T::of(UNSEEN) * (self.radius / self.depth.abs()).min(T::one());
+        let unseen = self.radius.min(thickness) * T::of(UNSEEN) * (self.radius / self.depth.abs()).min(T::one());
         self.area * (self.bend + self.cut(thickness)).max(unseen)
     }
 
@@ -283,5 +288,6 @@ impl<T: Scalar> Element<T> {
 const FEWEST_OF_CURVED: usize = 8;
 /// Parts of this many times how far the depth reaches are left out where the surface crosses an element in its middle.
 const CUT: f64 = 0.2;
-/// What an element may hide beyond what it and its neighbours show, as a part of its size.
+/// What an element may hide beyond what it and its neighbours show, as a part of its size, or of the overlap's thickness where
+/// that is less.
 const UNSEEN: f64 = 0.1;

@@ -1,10 +1,10 @@
-use crate::contact::quadrature::cutter::{CutPiece, Cutter};
+use crate::contact::quadrature::cutter::Cutter;
 use crate::contact::quadrature::packet::SamplePacket;
-use crate::contact::quadrature::pieces::{Pieces, Starts};
-use crate::contact::quadrature::sample::WHOLE;
-use crate::math::{Aabb, Scalar, Vector3, direction, length};
+use crate::contact::quadrature::pieces::Pieces;
+use crate::contact::quadrature::sample::{Sample, WHOLE};
+use crate::math::{Aabb, Scalar, Vector3};
 use crate::memory::Room;
-use crate::mesh::{Mesh, NormalLanes, Representatives};
+use crate::mesh::{Mesh, NormalLanes};
 use crate::query::Tracer;
 use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane, vector_in_lane};
 
@@ -17,8 +17,6 @@ pub(crate) struct FaceSource<'a, T: Scalar> {
     pub(crate) left: Mask,
     /// Which need not be cut.
     pub(crate) short: Mask,
-    /// How many stood for others too.
-    pub(crate) patch_count: u64,
     /// How many triangles in the region have no normal.
     pub(crate) without_normal: u64,
 }
@@ -29,7 +27,7 @@ const ENOUGH: u32 = 8;
 impl<'a, T: Scalar> FaceSource<'a, T> {
     pub(crate) fn new(cutter: Cutter<'a, T>) -> Self {
         let (triangles, lanes) = ([0; LANE_COUNT], NormalLanes::empty());
-        Self { cutter, triangles, lanes, left: 0, short: 0, patch_count: 0, without_normal: 0 }
+        Self { cutter, triangles, lanes, left: 0, short: 0, without_normal: 0 }
     }
 
     /// The next packet of samples; false where there are no more.
@@ -37,22 +35,17 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
     pub(crate) fn fill<L: Lanes<T>>(
         &mut self,
         own: &Tracer<'_, T>,
-        starts: Starts<'_, T>,
+        groups: &[u32],
         next_group: &mut usize,
         pieces: &mut Pieces<T>,
         packet: &mut SamplePacket<T>,
     ) -> bool {
         let mut count = 0;
         let thirds = Vector3::repeat(T::one() / T::of(3.0));
-        (packet.cut, packet.known.lanes) = (0, 0);
-        if pieces.inside.len() >= LANE_COUNT {
-            return packet.take_last(&mut pieces.inside);
-        }
+        packet.known.lanes = 0;
         while count < LANE_COUNT {
-            if let Some(piece) = pieces.cut.pop() {
-                packet.set_sample(count, &piece.sample);
-                packet.corner_weights[count] = piece.corner_weights;
-                packet.cut |= 1 << count;
+            if let Some(sample) = pieces.cut.pop() {
+                packet.set_sample(count, &sample);
                 count += 1;
             } else if self.left != 0 {
                 let lane = self.left.trailing_zeros() as usize;
@@ -69,8 +62,8 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
                 packet.pieces[count] = WHOLE;
                 set_lane(&mut packet.weights, count, &thirds);
                 count += 1;
-            } else if *next_group < starts.len() {
-                self.without_normal += self.next::<L>(own, starts, *next_group);
+            } else if let Some(&group) = groups.get(*next_group) {
+                self.without_normal += self.next::<L>(own, group);
                 *next_group += 1;
                 // A group that nearly fills a packet goes as it is.
                 if count == 0 && self.left & !self.short == 0 && self.left.count_ones() >= ENOUGH {
@@ -81,8 +74,6 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
                     packet.pieces = [WHOLE; LANE_COUNT];
                     return true;
                 }
-            } else if count == 0 {
-                return packet.take_last(&mut pieces.inside);
             } else {
                 break;
             }
@@ -91,24 +82,14 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
         count > 0
     }
 
-    /// Turns to another group, or the next sixteen patches; gives how many of the triangles in the region have no normal.
+    /// Turns to another group; gives how many of its triangles in the region have no normal.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn next<L: Lanes<T>>(&mut self, own: &Tracer<'_, T>, starts: Starts<'_, T>, number: usize) -> u64 {
+    pub(crate) fn next<L: Lanes<T>>(&mut self, own: &Tracer<'_, T>, group: u32) -> u64 {
         let mut count = 0;
-        let mut add = |triangle| {
+        own.triangles_of(group, |triangle| {
             self.triangles[count] = triangle;
             count += 1;
-        };
-        let mut patches = None;
-        match starts {
-            Starts::Groups(groups) => own.triangles_of(groups[number], add),
-            Starts::Patches(representatives, places) => {
-                let places = &places[number * LANE_COUNT..places.len().min((number + 1) * LANE_COUNT)];
-                places.iter().for_each(|&place| add(representatives.triangle(place)));
-                patches = Some((representatives, places));
-            }
-            Starts::Samples(_) | Starts::Measured(_) => unreachable!("samples need no source"),
-        }
+        });
         let mut corners = [[[T::zero(); LANE_COUNT]; 3]; 3];
         own.mesh().face_normals::<L>(&self.triangles[..count], &mut corners, &mut self.lanes);
         let Aabb { lower, upper } = self.cutter.region;
@@ -122,48 +103,14 @@ impl<'a, T: Scalar> FaceSource<'a, T> {
         let middle = Vectors::load(&self.lanes.position);
         let middles_inside = lower.are_at_most(middle) & middle.are_at_most(upper);
         self.short = !L::splat(self.cutter.longest_allowed).is_less(longest);
-        if let Some((representatives, places)) = patches {
-            self.stand_for_patches::<L>(own.mesh(), representatives, places, middles_inside & touching);
-        }
         self.left = touching & self.lanes.found & (middles_inside | !self.short);
         u64::from((touching & !self.lanes.found).count_ones())
     }
 
-    /// Gives the triangles the normals and areas of the patches that they stand for: of the sum of area · normal, so that
-    /// an even pressure pushes a patch just as its triangles.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn stand_for_patches<L: Lanes<T>>(
-        &mut self,
-        mesh: &Mesh<T>,
-        representatives: &Representatives,
-        places: &[u32],
-        mut wanted: Mask,
-    ) {
-        while wanted != 0 {
-            let lane = wanted.trailing_zeros() as usize;
-            wanted &= wanted - 1;
-            let border = representatives.border(places[lane]);
-            if border.is_empty() {
-                continue;
-            }
-            self.patch_count += 1;
-            self.short |= 1 << lane;
-            let vector = mesh.doubled_area_within::<L>(border) * T::of(0.5);
-            match direction(&vector) {
-                Some(normal) => {
-                    set_lane(&mut self.lanes.normal, lane, &normal);
-                    self.lanes.area[lane] = length(&vector);
-                    self.lanes.found |= 1 << lane;
-                }
-                None => self.lanes.found &= !(1 << lane),
-            }
-        }
-    }
-
     /// The pieces of one triangle, the last first.
-    pub(crate) fn cut(&mut self, mesh: &Mesh<T>, lane: usize, pieces: &mut Vec<CutPiece<T>>) {
+    pub(crate) fn cut(&mut self, mesh: &Mesh<T>, lane: usize, pieces: &mut Vec<Sample<T>>) {
         let (normal, area) = (vector_in_lane(&self.lanes.normal, lane), self.lanes.area[lane]);
-        self.cutter.cut(mesh, self.triangles[lane], normal, area, &mut |piece| pieces.room_for(1).push(piece));
+        self.cutter.cut(mesh, self.triangles[lane], normal, area, &mut |sample| pieces.room_for(1).push(sample));
         pieces.reverse();
     }
 }

@@ -1,6 +1,5 @@
 //! Where rays start: points on a body's surface, each with a normal and the area that it stands for.
 
-pub(crate) mod border;
 pub(crate) mod corners;
 pub(crate) mod cutter;
 pub(crate) mod edges;
@@ -8,7 +7,6 @@ pub(crate) mod element;
 pub(crate) mod face_source;
 pub(crate) mod moments;
 pub(crate) mod packet;
-pub(crate) mod part;
 pub(crate) mod pieces;
 pub(crate) mod refinement;
 pub(crate) mod sample;

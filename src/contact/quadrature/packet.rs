@@ -1,11 +1,10 @@
 //! Up to sixteen samples side by side.
 
 use crate::contact::point_pair::{SurfacePoint, touched_of};
-use crate::contact::quadrature::cutter::CutPiece;
 use crate::contact::quadrature::sample::{MeasuredSample, Sample, VERTEX, WHOLE, vertex_point};
-use crate::math::{Aabb, Scalar, Vector3};
+use crate::math::Scalar;
 use crate::mesh::{Mesh, NormalLanes};
-use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane, vector_in_lane};
+use crate::simd::{LANE_COUNT, Lanes, Mask, set_lane, vector_in_lane};
 
 /// Up to sixteen samples.
 pub(crate) struct SamplePacket<T: Scalar> {
@@ -19,9 +18,6 @@ pub(crate) struct SamplePacket<T: Scalar> {
     pub(crate) weights: [[T; LANE_COUNT]; 3],
     /// As [`Contact::piece`](crate::contact::Contact::piece).
     pub(crate) pieces: [u32; LANE_COUNT],
-    /// Which lanes stand for a piece of their triangle, and the barycentric weights of its corners.
-    pub(crate) cut: Mask,
-    pub(crate) corner_weights: [[Vector3<T>; 3]; LANE_COUNT],
     /// How far the other body's surface is, where it was found out before.
     pub(crate) known: KnownDistances<T>,
 }
@@ -43,8 +39,6 @@ impl<T: Scalar> SamplePacket<T> {
             indices: [0; LANE_COUNT],
             weights: [[T::zero(); LANE_COUNT]; 3],
             pieces: [if are_vertices { VERTEX } else { WHOLE }; LANE_COUNT],
-            cut: 0,
-            corner_weights: [[Vector3::zeros(); 3]; LANE_COUNT],
             known: KnownDistances { lanes: 0, distances: [T::zero(); LANE_COUNT], are_of_elements: false },
         }
     }
@@ -81,14 +75,6 @@ impl<T: Scalar> SamplePacket<T> {
         self.set_measured(taken)
     }
 
-    /// The last of these parts; false where there are none.
-    pub(crate) fn take_last(&mut self, parts: &mut Vec<MeasuredSample<T>>) -> bool {
-        let first = parts.len() - parts.len().min(LANE_COUNT);
-        self.set_measured(&parts[first..]);
-        parts.truncate(first);
-        self.lanes.found != 0
-    }
-
     fn set_measured(&mut self, taken: &[MeasuredSample<T>]) -> bool {
         self.known.lanes = 0;
         for (lane, measured) in taken.iter().enumerate() {
@@ -109,17 +95,6 @@ impl<T: Scalar> SamplePacket<T> {
         self.indices[lane] = sample.point.triangle;
         set_lane(&mut self.weights, lane, &sample.point.weights.into());
         self.pieces[lane] = sample.piece;
-    }
-
-    /// Which lanes start beside the region: their pieces only reach into it.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn beside<L: Lanes<T>>(&self, region: &Aabb<T>) -> Mask {
-        if self.cut == 0 {
-            return 0;
-        }
-        let at = Vectors::<T, L>::load(&self.lanes.position);
-        let within = Vectors::splat(&region.lower).are_at_most(at) & at.are_at_most(Vectors::splat(&region.upper));
-        self.cut & !within
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -152,10 +127,5 @@ impl<T: Scalar> SamplePacket<T> {
     pub(crate) fn sample(&self, lane: usize, own: &Mesh<T>) -> Sample<T> {
         let (normal, area) = (vector_in_lane(&self.lanes.normal, lane), self.lanes.area[lane]);
         Sample { point: self.point(lane, own), normal, area, piece: self.pieces[lane] }
-    }
-
-    /// The piece that a lane in `cut` stands for.
-    pub(crate) fn piece(&self, lane: usize, own: &Mesh<T>) -> CutPiece<T> {
-        CutPiece { sample: self.sample(lane, own), corner_weights: self.corner_weights[lane] }
     }
 }

@@ -1,7 +1,5 @@
-use crate::contact::quadrature::cutter::CutPiece;
 use crate::contact::quadrature::sample::{MeasuredSample, Sample};
 use crate::math::Scalar;
-use crate::mesh::Representatives;
 use crate::simd::LANE_COUNT;
 
 /// Where rays start.
@@ -9,8 +7,6 @@ use crate::simd::LANE_COUNT;
 pub(crate) enum Starts<'a, T: Scalar> {
     /// From the vertices or triangles of these groups.
     Groups(&'a [u32]),
-    /// From the triangles at these places, each for its patch.
-    Patches(&'a Representatives, &'a [u32]),
     /// From these.
     Samples(&'a [Sample<T>]),
     /// From these, in the middles of elements.
@@ -22,7 +18,6 @@ impl<T: Scalar> Starts<'_, T> {
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Groups(groups) => groups.len(),
-            Self::Patches(_, places) => places.len().div_ceil(LANE_COUNT),
             Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
             Self::Measured(samples) => samples.len().div_ceil(LANE_COUNT),
         }
@@ -33,9 +28,7 @@ impl<T: Scalar> Starts<'_, T> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pieces<T: Scalar> {
     /// Of one triangle, the last first.
-    pub(crate) cut: Vec<CutPiece<T>>,
-    /// The parts inside the other body of pieces that its surface crosses.
-    pub(crate) inside: Vec<MeasuredSample<T>>,
+    pub(crate) cut: Vec<Sample<T>>,
     /// In which order samples come: what they are ordered by, and their places.
     pub(crate) order: Vec<((u32, u32), u32)>,
 }
@@ -43,6 +36,5 @@ pub(crate) struct Pieces<T: Scalar> {
 impl<T: Scalar> Pieces<T> {
     pub(crate) fn clear(&mut self) {
         self.cut.clear();
-        self.inside.clear();
     }
 }

@@ -5,12 +5,12 @@ use crate::bvh::{Candidates, PacketHits};
 use crate::contact::classify::past_folds;
 use crate::contact::pair::Pair;
 use crate::contact::quadrature::element::{Element, Frame, Side};
-use crate::contact::quadrature::sample::MeasuredSample;
+use crate::contact::quadrature::sample::{MeasuredSample, Sampling};
 use crate::contact::statistics::Statistics;
 use crate::math::{Aabb, Scalar, Vector3, direction, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::query::{PointDistances, Tracer};
+use crate::query::{PatchesOfGroups, PointDistances};
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, set_lane};
 use crate::triangle::{Hit, RayPacket};
 
@@ -32,8 +32,9 @@ const FADE: f64 = 1.5;
 const AREA_FADE: f64 = 1.1;
 /// How unevenly a mesh may be stretched until its first elements are smaller than they might be.
 const MARGIN_OF_AREA: f64 = 2.0;
-/// The most elements of a pair.
-const MOST_ELEMENTS: usize = 1 << 20;
+/// The most elements of a pair: so many at a tolerance of 1 and more at others, in inverse proportion, but within these bounds.
+const ELEMENTS_AT_TOLERANCE_OF_ONE: f64 = 200.0;
+const MOST_ELEMENTS: [f64; 2] = [8192.0, 1_048_576.0];
 
 /// Where the samples of both bodies are, and room for finding out.
 #[derive(Clone, Debug, Default)]
@@ -42,6 +43,8 @@ pub(crate) struct Quadrature<T: Scalar> {
     counts: Counts,
     elements: Vec<Element<T>>,
     fresh: Vec<Element<T>>,
+    /// So many elements may there be.
+    most: usize,
     crossings: Vec<Hit<T>>,
 }
 
@@ -71,7 +74,6 @@ impl<T: Scalar> Quadrature<T> {
 /// Finds the samples of a pair, given the groups of either body's triangles that may lie inside the other.
 pub(crate) struct Refinement<'a, 'b, T: Scalar> {
     pub(crate) pair: &'a Pair<'b, T>,
-    pub(crate) tolerance: T,
     pub(crate) groups: &'a [Vec<u32>; 2],
     pub(crate) patches: &'a mut [Vec<u32>; 2],
     pub(crate) marks: &'a mut Vec<u64>,
@@ -83,31 +85,49 @@ impl<T: Scalar> Kernel<T> for Refinement<'_, '_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { pair, tolerance, groups, patches, marks, quadrature } = self;
+        let Self { pair, groups, patches, marks, quadrature } = self;
         let frame = Frame::new(pair.overlap, pair.region);
-        let size = Size::new(pair, tolerance, &frame);
         quadrature.counts = Counts::default();
-        for body in 0..2 {
+        for (body, patches) in patches.iter_mut().enumerate() {
+            patches.clear();
             if pair.casts(body) {
-                list_patches(pair.tracers[body], frame.area(size.largest()), &groups[body], marks, &mut patches[body]);
-            } else {
-                patches[body].clear();
+                patches_of_groups(pair, body, &frame).list(&groups[body], marks, patches);
             }
         }
-        quadrature.start::<L>(pair, &frame, &size, patches);
-        let mut measurement = Measurement::new(pair, &frame);
-        while !quadrature.fresh.is_empty() {
-            let Quadrature { counts, elements, fresh, crossings, .. } = &mut *quadrature;
-            for body in 0..2 {
-                counts.rays += measurement.run::<L>(body, fresh, crossings);
+        match pair.options.sampling {
+            Sampling::Accuracy(accuracy) => {
+                let size = Size::new(pair, accuracy, &frame);
+                let [fewest, most] = MOST_ELEMENTS;
+                quadrature.most = (ELEMENTS_AT_TOLERANCE_OF_ONE / size.tolerance.to_f64()).clamp(fewest, most) as usize;
+                quadrature.start::<L>(pair, &frame, patches, Largest::Area(size.largest()));
+                quadrature.refine::<L>(pair, &frame, &size);
             }
-            compare_halves(fresh);
-            // What lies outside as a whole is of no use any more.
-            fresh.retain(|element| element.depth > -element.radius);
-            memory::append(elements, fresh.drain(..));
-            quadrature.halve::<L>(pair, &frame, &size);
+            Sampling::Spacing(spacing) => {
+                quadrature.most = MOST_ELEMENTS[1] as usize;
+                quadrature.start::<L>(pair, &frame, patches, Largest::Edge(spacing * spacing * T::of(2.0)));
+                std::mem::swap(&mut quadrature.elements, &mut quadrature.fresh);
+            }
+            Sampling::Vertices => unreachable!("vertices are no elements"),
         }
         quadrature.sample(pair, &frame);
+    }
+}
+
+/// The largest elements to begin with.
+#[derive(Clone, Copy)]
+enum Largest<T> {
+    /// Of this area.
+    Area(T),
+    /// Parts of triangles with no edge whose square is more; patches are as they are.
+    Edge(T),
+}
+
+impl<T: Scalar> Largest<T> {
+    fn is_exceeded_by(self, element: &Element<T>) -> bool {
+        match self {
+            Self::Area(area) => element.area > area,
+            Self::Edge(square) => element.has_edge_beyond(square),
+        }
     }
 }
 
@@ -117,6 +137,8 @@ struct Size<T: Scalar> {
     first: T,
     /// How far the load of all may be off.
     tolerance: T,
+    /// What part of the load one element may carry.
+    largest_share: T,
     /// The overlap box's shortest side.
     thickness: T,
     /// The shares of the load that the two bodies carry.
@@ -125,11 +147,21 @@ struct Size<T: Scalar> {
 
 impl<T: Scalar> Size<T> {
     fn new(pair: &Pair<'_, T>, tolerance: T, frame: &Frame<T>) -> Self {
+        let (first, part) = (Self::first(pair, frame), pair.part_of_rays);
+        let thickness = frame.of_length((pair.overlap.upper - pair.overlap.lower).min());
+        Self {
+            first,
+            tolerance: tolerance / part,
+            largest_share: T::of(LARGEST_SHARE) / part,
+            thickness,
+            shares: pair.fixed_shares.unwrap_or([T::of(0.5); 2]),
+        }
+    }
+
+    fn first(pair: &Pair<'_, T>, frame: &Frame<T>) -> T {
         let face = frame.of_area(pair.overlap.largest_face());
         // A region that is no more than a line or a point gives no measure.
-        let first = if face > T::zero() { face / T::of(FIRST_ELEMENTS) } else { T::INFINITY };
-        let thickness = frame.of_length((pair.overlap.upper - pair.overlap.lower).min());
-        Self { first, tolerance, thickness, shares: pair.fixed_shares.unwrap_or([T::of(0.5); 2]) }
+        if face > T::zero() { face / (T::of(FIRST_ELEMENTS) * pair.part_of_rays) } else { T::INFINITY }
     }
 
     /// The area above which no part of the whole is left.
@@ -166,7 +198,7 @@ impl<T: Scalar> Size<T> {
         let root_of_count = error / square.sqrt();
         let by_chance = T::of(ERROR_BY_CHANCE) * (self.tolerance / T::of(SYSTEMATIC)).min(T::one()) / root_of_count;
         let always = T::of(ERROR_AT_ONCE[0]).min(T::of(ERROR_AT_ONCE[1]) * self.tolerance);
-        Limits { error: load * self.tolerance * by_chance.max(always), load: load * T::of(LARGEST_SHARE) }
+        Limits { error: load * self.tolerance * by_chance.max(always), load: load * self.largest_share }
     }
 }
 
@@ -185,8 +217,14 @@ fn ramp<T: Scalar>(excess: T, end: f64) -> T {
 impl<T: Scalar> Quadrature<T> {
     /// The first elements of both bodies, out of these patches.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>, patches: &[Vec<u32>; 2]) {
-        let Self { counts, elements, fresh, .. } = self;
+    fn start<L: Lanes<T>>(
+        &mut self,
+        pair: &Pair<'_, T>,
+        frame: &Frame<T>,
+        patches: &[Vec<u32>; 2],
+        largest: Largest<T>,
+    ) {
+        let Self { counts, elements, fresh, most, .. } = self;
         elements.clear();
         fresh.clear();
         for (body, patches) in patches.iter().enumerate() {
@@ -197,8 +235,8 @@ impl<T: Scalar> Quadrature<T> {
                 counts.without_normal +=
                     u64::from(elements.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
                 while let Some(element) = elements.pop() {
-                    let is_large = element.area > size.largest();
-                    let may_halve = is_large && fresh.len() < MOST_ELEMENTS;
+                    let is_large = largest.is_exceeded_by(&element);
+                    let may_halve = is_large && fresh.len() < *most;
                     if !may_halve || !element.halve::<L>(tracer, frame, elements) {
                         counts.uncut += u64::from(is_large);
                         fresh.room_for(1).push(element);
@@ -212,10 +250,27 @@ impl<T: Scalar> Quadrature<T> {
         }
     }
 
+    /// Measures elements and halves those that need it, until none do.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn refine<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
+        let mut measurement = Measurement::new(pair, frame);
+        while !self.fresh.is_empty() {
+            let Self { counts, elements, fresh, crossings, .. } = &mut *self;
+            for body in 0..2 {
+                counts.rays += measurement.run::<L>(body, fresh, crossings);
+            }
+            compare_halves(fresh);
+            // What lies outside as a whole is of no use any more.
+            fresh.retain(|element| element.depth > -element.radius);
+            memory::append(elements, fresh.drain(..));
+            self.halve::<L>(pair, frame, size);
+        }
+    }
+
     /// Adds the halves of elements that need it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn halve<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
-        let Self { counts, elements, fresh, .. } = self;
+        let Self { counts, elements, fresh, most, .. } = self;
         let limits = size.limits(elements);
         for place in 0..elements.len() {
             let element = &mut elements[place];
@@ -226,7 +281,7 @@ impl<T: Scalar> Quadrature<T> {
             element.is_halved = true;
             let (whole, before) = (*element, fresh.len());
             let tracer = pair.tracers[usize::from(whole.body)];
-            if elements.len() + before < MOST_ELEMENTS && whole.halve::<L>(tracer, frame, fresh) {
+            if elements.len() + before < *most && whole.halve::<L>(tracer, frame, fresh) {
                 elements[place].weight = whole.weight * (T::one() - halved);
                 fresh[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
             } else {
@@ -241,27 +296,32 @@ impl<T: Scalar> Quadrature<T> {
         samples.iter_mut().for_each(Vec::clear);
         for element in elements.iter().filter(|element| element.weight > T::zero() && element.depth > T::zero()) {
             let body = usize::from(element.body);
+            let is_measured = element.depth < T::INFINITY;
+            if !is_measured && !pair.region.contains(&frame.point(&element.centre)) {
+                continue;
+            }
             let Some(sample) = element.sample(pair.tracers[body].mesh(), frame) else {
                 counts.without_normal += 1;
                 continue;
             };
             counts.patches += u64::from(element.is_patch());
-            let distance = Some(frame.length(element.depth));
+            let distance = is_measured.then(|| frame.length(element.depth));
             samples[body].room_for(1).push(MeasuredSample { sample, distance });
         }
     }
 }
 
-/// The patches of about this area or more in some groups: too large ones are halved, too small ones could not be joined.
-fn list_patches<T: Scalar>(
-    tracer: &Tracer<'_, T>,
-    area: T,
-    groups: &[u32],
-    marks: &mut Vec<u64>,
-    patches: &mut Vec<u32>,
-) {
-    let growth = tracer.mesh().patches().growth(|triangle| tracer.mesh().corners(triangle));
-    tracer.patches_of_groups(area * T::of(MARGIN_OF_AREA) / growth).list(groups, marks, patches);
+/// The patches to begin with. Those of a spacing stay as a body bends; of those that are halved where they are too large, there
+/// have to be large enough ones.
+fn patches_of_groups<'a, T: Scalar>(pair: &Pair<'a, T>, body: usize, frame: &Frame<T>) -> &'a PatchesOfGroups {
+    let (tracer, mesh) = (pair.tracers[body], pair.tracers[body].mesh());
+    tracer.patches_of_groups(match pair.options.sampling {
+        Sampling::Spacing(spacing) => spacing * spacing,
+        _ => {
+            let growth = mesh.patches().growth(|triangle| mesh.corners(triangle));
+            frame.area(Size::first(pair, frame) * T::of(AREA_FADE * MARGIN_OF_AREA)) / growth
+        }
+    })
 }
 
 /// Whether a patch is a triangle without an area, inside a region.

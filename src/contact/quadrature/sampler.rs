@@ -15,13 +15,12 @@ use crate::simd::{Kernel, LANE_COUNT, Lanes};
 pub(crate) struct Sampler<'a, T: Scalar> {
     own: &'a Tracer<'a, T>,
     starts: Starts<'a, T>,
-    /// The next vertex, group or sixteen patches.
+    /// The next vertex or group.
     next: usize,
     /// Instead of vertices, or of samples that are given.
     faces: Option<FaceSource<'a, T>>,
-    /// Room for the pieces of a triangle; and what is found inside of those that the other body's surface crosses, which is
-    /// a sample too.
-    pub(crate) pieces: &'a mut Pieces<T>,
+    /// Room for the pieces of a triangle.
+    pieces: &'a mut Pieces<T>,
     vertices: &'a mut Vec<u32>,
     /// How many vertices in the region have no normal.
     without_normal: u64,
@@ -43,7 +42,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
         vertices.clear();
         let faces = match starts {
             Starts::Samples(_) | Starts::Measured(_) => None,
-            Starts::Groups(_) | Starts::Patches(..) => cutter.map(FaceSource::new),
+            Starts::Groups(_) => cutter.map(FaceSource::new),
         };
         if let (Starts::Groups(groups), None) = (starts, &faces) {
             // A closure would be compiled without the lanes' instructions.
@@ -59,26 +58,25 @@ impl<'a, T: Scalar> Sampler<'a, T> {
         SamplePacket::new(self.faces.is_none() && matches!(self.starts, Starts::Groups(_)))
     }
 
-    /// Counts samples that cast no ray, pieces left larger than asked, and patches.
+    /// Counts samples that cast no ray, and pieces left larger than asked.
     pub(crate) fn count(&self, statistics: &mut Statistics) {
         statistics.without_normal += self.without_normal;
         if let Some(faces) = &self.faces {
             statistics.without_normal += faces.without_normal;
             statistics.uncut_pieces += faces.cutter.uncut;
-            statistics.patches += faces.patch_count;
         }
     }
 
     /// The next packet of samples; false where there are no more.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn fill<L: Lanes<T>>(&mut self, packet: &mut SamplePacket<T>) -> bool {
-        if let Some(faces) = &mut self.faces {
-            return faces.fill::<L>(self.own, self.starts, &mut self.next, self.pieces, packet);
-        }
         match self.starts {
             Starts::Samples(samples) => packet.take(samples, &mut self.next),
             Starts::Measured(samples) => packet.take_elements(samples, &mut self.next),
-            Starts::Groups(_) | Starts::Patches(..) => self.fill_from_vertices::<L>(packet),
+            Starts::Groups(groups) => match &mut self.faces {
+                Some(faces) => faces.fill::<L>(self.own, groups, &mut self.next, self.pieces, packet),
+                None => self.fill_from_vertices::<L>(packet),
+            },
         }
     }
 

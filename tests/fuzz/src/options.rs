@@ -46,9 +46,9 @@ fn options(bytes: &mut Bytes, meshes: &[Mesh<f64>]) -> DetectionOptions<f64> {
         sampling: match bytes.below(6) {
             0 => Sampling::Vertices,
             1 if spacing > 0.0 && spacing.is_finite() => Sampling::Spacing(spacing),
-            2 => Sampling::Tolerance(fraction),
-            3 => Sampling::Tolerance(fraction * fraction * fraction),
-            _ => Sampling::Automatic,
+            2 => Sampling::Accuracy(fraction),
+            3 => Sampling::Accuracy(fraction * fraction * fraction),
+            _ => Sampling::default(),
         },
         edges: bytes.flag(),
         escape: bytes.flag(),
@@ -59,7 +59,7 @@ fn options(bytes: &mut Bytes, meshes: &[Mesh<f64>]) -> DetectionOptions<f64> {
 
 fn check(list: &ContactList<f64>) {
     let counts = &list.statistics;
-    let none = counts.misses + counts.entry_hits + counts.own_surface_hits + counts.replaced + counts.border_pieces;
+    let none = counts.misses + counts.entry_hits + counts.own_surface_hits + counts.replaced;
     assert_eq!(counts.rays, list.len() as u64 + none, "{counts:?}");
     let is_sound = |contact: &raycontact::contact::Contact<f64>| {
         contact.depth >= 0.0 && contact.area >= 0.0 && (0.0..=1.0).contains(&contact.cos_alpha)

@@ -2,7 +2,7 @@
 //! normals, and the number of threads, which must not matter.
 
 use crate::common::shapes::{self, Point, Shape, cross, dot, unit};
-use raycontact::contact::{Contact, ContactList, DetectionOptions};
+use raycontact::contact::{Contact, ContactList, DetectionOptions, Statistics};
 use raycontact::escape::query_pair;
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
@@ -188,8 +188,11 @@ fn both_layouts_give_the_same_contacts() {
     let (a, b) = (stacked(0).mesh::<f32>(), stacked(1).mesh::<f32>());
     for options in [DetectionOptions::paper(), DetectionOptions::default()] {
         let [wide, classic] = [Layout::Bvh, Layout::PaperOctree].map(|layout| contacts(&a, &b, layout, &options));
-        assert_eq!(wide.statistics, classic.statistics);
+        // Only the wide layout knows beforehand of what lies outside.
+        let of_rays = |Statistics { rays, own_surface_hits, patches, .. }| [rays, own_surface_hits, patches];
+        assert_eq!(of_rays(wide.statistics), of_rays(classic.statistics));
         let [wide, classic] = [wide, classic].map(|list| crate::common::sorted_along_surface(list.contacts));
+        assert_eq!(wide.len(), classic.len());
         for (wide, classic) in wide.iter().zip(&classic) {
             // The load's shares are sums in the order of the leaves.
             assert!((wide.area - classic.area).abs() <= 1e-5 * classic.area, "{wide:?}, {classic:?}");
@@ -207,16 +210,24 @@ fn what_lies_outside_the_other_body_casts_no_rays() {
         let (a, b) = (torus.mesh::<f32>(), torus.turned(turn, turn).moved([0.3, 0.4, 0.25]).mesh::<f32>());
         for options in [DetectionOptions::paper(), DetectionOptions::default()] {
             let [wide, classic] = [Layout::Bvh, Layout::PaperOctree].map(|layout| contacts(&a, &b, layout, &options));
-            let rays = [&wide, &classic].map(|list| list.statistics.rays);
-            assert!(rays[0] * 5 < rays[1] * 4, "{rays:?}");
+            let asked = [&wide, &classic].map(|list| list.statistics.rays + list.statistics.estimate_rays);
+            // Samples that follow the load stay away by themselves, but for the first look.
+            let [less, all] = if options == DetectionOptions::paper() { [5, 4] } else { [10, 9] };
+            assert!(asked[0] * less < asked[1] * all, "{asked:?}");
             assert_eq!(wide.statistics.own_surface_hits, classic.statistics.own_surface_hits);
             crate::common::assert_every_ray_is_counted(&wide);
             let [wide, classic] = [wide, classic].map(|list| crate::common::sorted_along_surface(list.contacts));
             assert_eq!(wide.len(), classic.len());
+            let load = |contacts: &[Contact<f32>]| -> f32 {
+                contacts.iter().map(|contact| contact.area * contact.depth * contact.cos_alpha).sum()
+            };
+            assert!((load(&wide) / load(&classic) - 1.0).abs() < 2e-3, "{} {}", load(&wide), load(&classic));
             for (wide, classic) in wide.iter().zip(&classic) {
-                // Shares of the paper's law count the surface that casts.
-                assert!((wide.area - classic.area).abs() <= 1e-2 * classic.area, "{wide:?}, {classic:?}");
-                assert_eq!(Contact { area: classic.area, ..*wide }, *classic);
+                // Shares of the paper's law count the surface that casts, and halves of elements fade in by the errors of all.
+                let is_near = (wide.area - classic.area).abs() <= 1e-2 * classic.area;
+                assert!(is_near || options != DetectionOptions::paper(), "{wide:?}, {classic:?}");
+                // Where in its list a contact has what it bears on is another place in each.
+                assert_eq!(Contact { area: classic.area, spread: classic.spread, ..*wide }, *classic);
             }
         }
     }

@@ -113,7 +113,7 @@ fn layouts_and_scales_do_not_matter_to_the_last_bit() {
     let meshes = shapes.clone().map(|shape| shape.mesh::<f64>());
     for (sampling, scaled) in [
         (Sampling::Spacing(0.1), Sampling::Spacing(0.1 * 1024.0)),
-        (Sampling::Tolerance(0.02), Sampling::Tolerance(0.02)),
+        (Sampling::Accuracy(0.02), Sampling::Accuracy(0.02)),
     ] {
         let [wide, classic] = LAYOUTS.map(|layout| sorted_along_surface(detect(&meshes, layout, sampling).contacts));
         assert!(wide.len() > 200, "{} contacts", wide.len());

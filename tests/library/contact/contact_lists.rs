@@ -35,7 +35,6 @@ fn counts(first: u64, step: u64) -> Statistics {
         escapes_forbidden: count(),
         tangled_bodies: count(),
         crowded_pairs: count(),
-        border_pieces: count(),
         tangled_pairs: count(),
     }
 }

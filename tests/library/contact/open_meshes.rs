@@ -104,7 +104,7 @@ fn nothing_is_found_where_the_sheet_does_not_cut_the_body() {
 /// A body the sheet cuts deep, or a needle through it, step after step: it never escapes, and no edge is traced.
 #[test]
 fn a_pair_with_a_sheet_never_escapes() {
-    for sampling in [Sampling::Automatic, Sampling::Vertices] {
+    for sampling in [Sampling::default(), Sampling::Vertices] {
         for body in
             [shapes::sphere(1).moved([0.0, 0.0, -0.7]), shapes::cube(1).map(|[x, y, z]| [0.01 * x, 0.01 * y, z])]
         {

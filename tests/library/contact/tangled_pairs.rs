@@ -37,7 +37,7 @@ fn all_options<T: Scalar>() -> [DetectionOptions<T>; 6] {
         DetectionOptions { escape: false, ..default() },
         DetectionOptions { law: ContactLaw::RayLength, ..default() },
         DetectionOptions { sampling: Sampling::Vertices, ..default() },
-        DetectionOptions { sampling: Sampling::Tolerance(T::of(0.03)), ..default() },
+        DetectionOptions { sampling: Sampling::Accuracy(T::of(0.03)), ..default() },
         DetectionOptions { sampling: Sampling::Spacing(T::of(0.1)), ..default() },
     ]
 }

@@ -71,7 +71,7 @@ fn rays_from_edges_stay_in_their_own_body() {
 #[test]
 fn crossing_surfaces_never_go_unreported() {
     let a = cuboid([1.0, 0.11, 0.13], [0.0; 3]);
-    for sampling in [Sampling::Vertices, Sampling::Automatic, Sampling::Spacing(0.2)] {
+    for sampling in [Sampling::Vertices, Sampling::default(), Sampling::Spacing(0.2)] {
         let options = DetectionOptions { sampling, ..DetectionOptions::default() };
         for step in (0..400).step_by(STRIDE) {
             let along = f64::from(step) / 400.0;

@@ -99,7 +99,7 @@ fn check<T: Scalar>(seed: u64) {
         }
         crossings += 1;
         let octrees = [Octree::new(&a), Octree::new(&b)];
-        for sampling in [Sampling::Automatic, Sampling::Vertices, Sampling::Spacing(T::of(0.3))] {
+        for sampling in [Sampling::default(), Sampling::Vertices, Sampling::Spacing(T::of(0.3))] {
             let options = DetectionOptions { sampling, ..DetectionOptions::default() };
             query_pair(&a, &octrees[0], &b, &octrees[1], &options, &mut list).expect("the octrees are fresh");
             crate::common::assert_every_ray_is_counted(&list);

@@ -47,9 +47,9 @@ fn overlap([first, second]: [u32; 2], sampling: Sampling<f64>) -> Overlap {
 }
 
 fn overlaps() -> Vec<Overlap> {
-    let of_triangles = [Sampling::Vertices, Sampling::Automatic, Sampling::Spacing(0.1)];
+    let of_triangles = [Sampling::Vertices, Sampling::default(), Sampling::Spacing(0.1)];
     // With few contacts, most of which stand for many triangles of either body.
-    let of_patches = [[1, 1], [4, 4], [1, 4], [4, 1]].map(|details| (details, Sampling::Tolerance(0.05)));
+    let of_patches = [[1, 1], [4, 4], [1, 4], [4, 1]].map(|details| (details, Sampling::Accuracy(0.05)));
     let all = of_triangles.map(|sampling| ([1, 1], sampling)).into_iter().chain(of_patches);
     all.map(|(details, sampling)| overlap(details, sampling)).collect()
 }

@@ -197,6 +197,8 @@ fn check_regions<T: Scalar>(options: &DetectionOptions<T>) {
                 ..contact
             }));
         }
+        // Where in its list a contact has what it bears on is another place in each.
+        found.contacts.iter_mut().chain(&mut expected.contacts).for_each(|contact| contact.spread = Default::default());
         assert_eq!(found.contacts, expected.contacts, "step {step}");
         touching += usize::from(!found.is_empty());
     }

@@ -24,7 +24,7 @@ fn crowd(count: usize, width: f64, sampling: Sampling<f64>) -> (ContactList<f64>
 /// Eight times as many bodies in the same place, eight times as many pairs of each: no more rays of each.
 #[test]
 fn rays_of_a_body_do_not_grow_with_the_pairs_it_is_in() {
-    let found = [25, 50, 200].map(|count| crowd(count, 2.0, Sampling::Automatic));
+    let found = [25, 50, 200].map(|count| crowd(count, 2.0, Sampling::default()));
     let rays = found.each_ref().map(|(_, rays)| *rays);
     let pairs = found.each_ref().map(|(list, _)| list.statistics.pairs);
     assert!(pairs[2] > 50 * pairs[0], "{pairs:?}");
@@ -36,7 +36,7 @@ fn rays_of_a_body_do_not_grow_with_the_pairs_it_is_in() {
 /// Bodies that meet few others, and rays as dense as the caller asks, are left alone.
 #[test]
 fn few_neighbours_and_given_spacings_are_no_crowd() {
-    for (count, sampling) in [(13, Sampling::Automatic), (60, Sampling::Spacing(0.2)), (60, Sampling::Vertices)] {
+    for (count, sampling) in [(13, Sampling::default()), (60, Sampling::Spacing(0.2)), (60, Sampling::Vertices)] {
         let (contacts, _) = crowd(count, 1.0, sampling);
         assert!(contacts.statistics.pairs > 0);
         assert_eq!(contacts.statistics.crowded_pairs, 0, "{count} with {sampling:?}");

@@ -66,7 +66,7 @@ fn all_options<T: Scalar>() -> Vec<DetectionOptions<T>> {
         DetectionOptions { edges: true, ..DetectionOptions::paper() },
         with(Sampling::Vertices),
         with(Sampling::Spacing(T::of(0.15))),
-        with(Sampling::Tolerance(T::of(0.02))),
+        with(Sampling::Accuracy(T::of(0.02))),
         ray_length,
         folds,
     ]

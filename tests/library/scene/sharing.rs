@@ -7,7 +7,7 @@ use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 
 const SAMPLINGS: [Sampling<f64>; 4] =
-    [Sampling::Automatic, Sampling::Spacing(0.3), Sampling::Tolerance(0.03), Sampling::Vertices];
+    [Sampling::Accuracy(0.01), Sampling::Spacing(0.3), Sampling::Accuracy(0.03), Sampling::Vertices];
 
 fn rest() -> Shape {
     shapes::torus(64, 32, 0.4)

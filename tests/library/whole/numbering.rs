@@ -179,7 +179,7 @@ fn check_pairs(pairs: Vec<(String, [Shape; 2])>, options: DetectionOptions<f64>)
 
 #[test]
 fn numbers_do_not_matter_to_force_and_torque() {
-    check(Sampling::Automatic);
+    check(Sampling::default());
 }
 
 #[test]
@@ -190,14 +190,14 @@ fn numbers_do_not_matter_where_rays_start_from_vertices() {
 #[test]
 fn numbers_do_not_matter_where_rays_stand_for_patches() {
     check(Sampling::Spacing(0.3));
-    check(Sampling::Tolerance(0.05));
+    check(Sampling::Accuracy(0.05));
 }
 
 /// Which points are inside, and where a body's border is, does not depend on the direction of the ray that tells it, though it
 /// may enter another part first, or pass a sharp edge.
 #[test]
 fn numbers_do_not_matter_to_bodies_whose_parts_overlap() {
-    for sampling in [Sampling::Automatic, Sampling::Vertices] {
+    for sampling in [Sampling::default(), Sampling::Vertices] {
         for past_folds in [false, true] {
             check_pairs(clumps(), DetectionOptions { sampling, past_folds, ..DetectionOptions::default() });
         }
@@ -207,7 +207,7 @@ fn numbers_do_not_matter_to_bodies_whose_parts_overlap() {
 /// A ray may leave its own body and the other through faces in one plane.
 #[test]
 fn numbers_do_not_matter_to_the_law_of_ray_lengths() {
-    for sampling in [Sampling::Automatic, Sampling::Spacing(0.3)] {
+    for sampling in [Sampling::default(), Sampling::Spacing(0.3)] {
         let options = DetectionOptions { law: ContactLaw::RayLength, sampling, ..DetectionOptions::default() };
         check_pairs(pairs(), options);
     }

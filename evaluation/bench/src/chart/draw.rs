@@ -18,13 +18,12 @@ const PANEL: u32 = 328;
 type Family = (&'static str, RGBColor, fn(&Row) -> bool);
 
 /// Told apart by most eyes (after Paul Tol). The first that fits counts.
-const FAMILIES: [Family; 10] = [
+const FAMILIES: [Family; 9] = [
     ("ray lengths", RGBColor(221, 170, 51), |row| {
         row.method == "raycontact" && row.settings.contains("law=ray-length")
     }),
-    ("tolerance", RGBColor(0, 119, 187), |row| is_ours(row, "sampling=tolerance")),
+    ("accuracy", RGBColor(204, 51, 17), |row| is_ours(row, "sampling=accuracy")),
     ("spacing", RGBColor(0, 153, 136), |row| is_ours(row, "sampling=spacing")),
-    ("automatic", RGBColor(204, 51, 17), |row| is_ours(row, "sampling=automatic")),
     ("vertices", RGBColor(238, 119, 51), |row| is_ours(row, "sampling=vertices")),
     ("the paper's mode", RGBColor(51, 34, 136), |row| row.method == "paper"),
     ("Embree, Algorithm 1", RGBColor(170, 51, 119), |row| row.method.starts_with("embree")),

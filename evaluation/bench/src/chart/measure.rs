@@ -132,7 +132,7 @@ fn truths(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Truth>, String> {
     say(progress, format!("{}: {inside} vertices inside", scene.name));
     for (number, law) in LAWS.into_iter().enumerate() {
         let [coarser, finer] = match &scene.limits {
-            Limits::Finer(workloads) => [0, 1].map(|level| limit_loads(&workloads[level], law, Sampling::Automatic)),
+            Limits::Finer(workloads) => [0, 1].map(|level| limit_loads(&workloads[level], law, Sampling::default())),
             Limits::Spacings(spacings) => {
                 spacings.map(|spacing| limit_loads(&scene.workload, law, Sampling::Spacing(spacing)))
             }

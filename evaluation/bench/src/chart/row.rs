@@ -21,7 +21,7 @@ pub struct Row {
 }
 
 /// C's default options, as settings are written.
-pub const DEFAULT: &str = "law=pressure sampling=automatic precision=f64 layout=wide edges=on weights=area";
+pub const DEFAULT: &str = "law=pressure sampling=accuracy:0.01 precision=f64 layout=wide edges=on weights=area";
 
 /// What is drawn upward against the time; less is better.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn settings_in_short_say_what_is_not_as_in_the_defaults() {
         let short = |settings: &str| Row { settings: settings.to_owned(), ..row(1.0, 1.0) }.short();
-        assert_eq!(short(DEFAULT), "automatic");
+        assert_eq!(short(DEFAULT), "accuracy 0.01");
         let other = "law=ray-length sampling=spacing:0.1 precision=f32 layout=classic edges=off weights=paper";
         assert_eq!(short(other), "spacing 0.1, single, classic, ray lengths, no edges, paper's weights");
     }

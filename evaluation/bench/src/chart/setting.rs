@@ -32,7 +32,7 @@ pub enum Setting {
 
 const DEFAULT: Ours = Ours {
     law: ContactLaw::Pressure,
-    sampling: Sampling::Automatic,
+    sampling: Sampling::Accuracy(0.01),
     precision: Precision::F64,
     layout: Layout::Bvh,
     edges: true,
@@ -41,21 +41,21 @@ const DEFAULT: Ours = Ours {
 const PAPER: Ours =
     Ours { law: ContactLaw::RayLength, sampling: Sampling::Vertices, edges: false, escape: false, ..DEFAULT };
 
-const TOLERANCES: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
+const ACCURACIES: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
 
 /// Every setting for a scene: one thing at a time beside the defaults, or with `full` each with each. Rays' own length is the
 /// force at every sampling, but with no other option changed.
 pub fn all(spacings: impl Iterator<Item = f64>, full: bool) -> Vec<Setting> {
-    let mut samplings = vec![Sampling::Vertices, Sampling::Automatic];
+    let mut samplings = vec![Sampling::Vertices];
     samplings.extend(spacings.map(|length| Sampling::Spacing(round(length))));
-    samplings.extend(TOLERANCES.map(Sampling::Tolerance));
+    samplings.extend(ACCURACIES.map(Sampling::Accuracy));
     let mut settings = Vec::new();
     for &sampling in &samplings {
         for precision in [Precision::F32, Precision::F64] {
             for layout in [Layout::Bvh, Layout::PaperOctree] {
                 for edges in [true, false] {
                     let changed = usize::from(layout == Layout::PaperOctree) + usize::from(!edges);
-                    let is_plain = matches!(sampling, Sampling::Vertices | Sampling::Automatic);
+                    let is_plain = sampling == Sampling::Vertices || sampling == DEFAULT.sampling;
                     let most = if is_plain && precision == DEFAULT.precision { 1 } else { 0 };
                     if full || changed <= most {
                         settings.push(Setting::Ours(Ours { sampling, precision, layout, edges, ..DEFAULT }));
@@ -100,9 +100,8 @@ impl Setting {
         match self {
             Self::Ours(ours) => {
                 let sampling = match ours.sampling {
-                    Sampling::Automatic => "automatic".to_owned(),
                     Sampling::Spacing(length) => format!("spacing:{}", format!("{length:.6}").trim_end_matches('0')),
-                    Sampling::Tolerance(part) => format!("tolerance:{part}"),
+                    Sampling::Accuracy(part) => format!("accuracy:{part}"),
                     Sampling::Vertices => "vertices".to_owned(),
                 };
                 let layout = if ours.layout == Layout::Bvh { "wide" } else { "classic" };
@@ -190,10 +189,9 @@ impl Ours {
 
     fn options<T: Scalar>(&self) -> DetectionOptions<T> {
         let sampling = match self.sampling {
-            Sampling::Automatic => Sampling::Automatic,
             Sampling::Vertices => Sampling::Vertices,
             Sampling::Spacing(length) => Sampling::Spacing(T::of(length)),
-            Sampling::Tolerance(part) => Sampling::Tolerance(T::of(part)),
+            Sampling::Accuracy(part) => Sampling::Accuracy(T::of(part)),
         };
         let Self { law, edges, escape, .. } = *self;
         DetectionOptions { law, sampling, edges, escape, ..DetectionOptions::default() }

@@ -38,7 +38,7 @@ RaycontactNarrowPhase::RaycontactNarrowPhase()
       d_sampleSpacing(
           initData(&d_sampleSpacing, SReal(0), "sampleSpacing",
                    "Where rays start. 0: at the vertices. A length: about so far apart, in the middles of "
-                   "faces. -1: in the middle of each triangle, larger ones being cut; a RaycontactForceField "
+                   "faces. -1: as many as the accuracy needs, and where the load is; a RaycontactForceField "
                    "with friction takes that unless this is set.")),
       d_law(initData(&d_law, std::string("automatic"), "law",
                      "What forces grow with. rayLength: the way to where the ray leaves the other body. pressure: the "
@@ -48,10 +48,11 @@ RaycontactNarrowPhase::RaycontactNarrowPhase()
                         "Lead bodies apart along one direction where their contacts cannot part them.")),
       d_pastFolds(initData(&d_pastFolds, false, "pastFolds",
                            "Rays go past other folds of either body. On by itself for models with selfCollision.")),
-      d_forceTolerance(
-          initData(&d_forceTolerance, SReal(0), "forceTolerance",
-                   "How far the net force of a pair may be from that of all rays, 0 to 1: fewer rays where "
-                   "that leaves room. With sampleSpacing -1 alone.")),
+      d_accuracy(
+          initData(&d_accuracy, SReal(0.01), "accuracy",
+                   "With sampleSpacing -1: by which part a pair's net force may differ from the exact one, above 0 and "
+                   "at most 1. Where forces grow with the length of rays, for open models and for a model with itself, "
+                   "rays start in the middle of each triangle instead, larger ones being cut.")),
       d_singlePrecision(initData(&d_singlePrecision, false, "singlePrecision",
                                  "Look for contacts in single precision. Read when the models are first seen.")),
       d_parallel(initData(&d_parallel, false, "parallel",
@@ -96,12 +97,11 @@ void RaycontactNarrowPhase::start() {
 
 void RaycontactNarrowPhase::setDetectionOptions() {
   rayc_detection_options options = raycontact::default_detection_options();
-  const double spacing = d_sampleSpacing.getValue(), tolerance = d_forceTolerance.getValue();
-  options.sampling = spacing > 0     ? RAYC_SAMPLING_SPACING
-                     : spacing == 0  ? RAYC_SAMPLING_VERTICES
-                     : tolerance > 0 ? RAYC_SAMPLING_TOLERANCE
-                                     : RAYC_SAMPLING_AUTOMATIC;
-  options.sampling_value = std::max(spacing, spacing < 0 ? tolerance : 0.0);
+  const double spacing = d_sampleSpacing.getValue();
+  options.sampling = spacing > 0    ? RAYC_SAMPLING_SPACING
+                     : spacing == 0 ? RAYC_SAMPLING_VERTICES
+                                    : RAYC_SAMPLING_ACCURACY;
+  options.sampling_value = spacing < 0 ? d_accuracy.getValue() : spacing;
   options.edges = d_edges.getValue();
   options.escape = d_escape.getValue();
   options.past_folds = d_pastFolds.getValue();

@@ -50,7 +50,7 @@ class SOFARAYCONTACT_API RaycontactNarrowPhase : public sofa::core::collision::N
   sofa::Data<bool> d_edges;
   sofa::Data<bool> d_escape;
   sofa::Data<bool> d_pastFolds;
-  sofa::Data<SReal> d_forceTolerance;
+  sofa::Data<SReal> d_accuracy;
   sofa::Data<bool> d_singlePrecision;
   sofa::Data<bool> d_parallel;
   sofa::Data<unsigned> d_contactCount;
