@@ -7,7 +7,7 @@ pub mod limits;
 pub mod shapes;
 
 use nalgebra::Vector3;
-use raycontact::contact::{ContactLaw, ContactList, DetectionOptions};
+use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling};
 use raycontact::escape::query_pair;
 use raycontact::force::{PenaltyLaw, Weighting, add_forces};
 use raycontact::mesh::Mesh;
@@ -27,6 +27,8 @@ pub enum Mode {
     RayLength,
     /// The library's defaults.
     Default,
+    /// The same, ten times as accurate.
+    Accurate,
 }
 
 impl Mode {
@@ -37,6 +39,7 @@ impl Mode {
             Self::Vertices => "vertices",
             Self::RayLength => "ray length",
             Self::Default => "default",
+            Self::Accurate => "accuracy 0.001",
         }
     }
 
@@ -46,13 +49,14 @@ impl Mode {
             Self::Vertices => DetectionOptions { law: ContactLaw::default(), ..DetectionOptions::paper() },
             Self::RayLength => DetectionOptions { law: ContactLaw::RayLength, ..DetectionOptions::default() },
             Self::Default => DetectionOptions::default(),
+            Self::Accurate => DetectionOptions { sampling: Sampling::Accuracy(0.001), ..DetectionOptions::default() },
         }
     }
 
     fn weighting(self) -> Weighting {
         match self {
             Self::Paper => Weighting::Vertex,
-            Self::Vertices | Self::RayLength | Self::Default => Weighting::Area,
+            Self::Vertices | Self::RayLength | Self::Default | Self::Accurate => Weighting::Area,
         }
     }
 }

@@ -272,6 +272,15 @@ impl<T: Scalar> Quadrature<T> {
     fn halve<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
         let Self { counts, elements, fresh, most, .. } = self;
         let limits = size.limits(elements);
+        // All that need it or none, so that it does not matter which come first.
+        if 3 * elements.len() > *most {
+            let is_wanted = |element: &&Element<T>| !element.is_halved && size.halved(element, &limits) > T::zero();
+            let wanted = elements.iter().filter(is_wanted).count();
+            if elements.len() + 2 * wanted > *most {
+                counts.uncut += wanted as u64;
+                return;
+            }
+        }
         for place in 0..elements.len() {
             let element = &mut elements[place];
             let halved = if element.is_halved { T::zero() } else { size.halved(element, &limits) };
@@ -281,7 +290,7 @@ impl<T: Scalar> Quadrature<T> {
             element.is_halved = true;
             let (whole, before) = (*element, fresh.len());
             let tracer = pair.tracers[usize::from(whole.body)];
-            if elements.len() + before < *most && whole.halve::<L>(tracer, frame, fresh) {
+            if whole.halve::<L>(tracer, frame, fresh) {
                 elements[place].weight = whole.weight * (T::one() - halved);
                 fresh[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
             } else {

@@ -136,6 +136,40 @@ fn hard_overlaps_keep_near_the_tolerance_too() {
     assert!(all[middle] <= 0.6 * tolerance, "{}", all[middle]);
 }
 
+/// Two cubes, one a little into the other's top and beside its middle: the force is the area that they share times the depth, and
+/// how many samples it takes does not depend on how deep that is. Once what an element may hide was a part of its own size alone,
+/// and at 1e-5 there were 307 948.
+#[test]
+fn shallow_flush_bodies_take_no_more_samples() {
+    let cube = || shapes::cube(1).scaled(0.5);
+    for depth in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-7] {
+        let meshes = [cube().mesh::<f64>(), cube().moved([0.1, 0.13, 1.0 - depth]).mesh()];
+        let found = detect(&meshes, Layout::Bvh, Sampling::default());
+        let force = load(&found.contacts, &Vector3::zeros())[0];
+        let ratio = -force.z / (0.9 * 0.87 * depth);
+        let Statistics { rays, estimate_rays, uncut_pieces, .. } = found.statistics;
+        println!("{depth}: {rays} + {estimate_rays} rays, {ratio} of the force");
+        assert!(rays + estimate_rays < 3000 && uncut_pieces == 0, "{depth}: {rays} + {estimate_rays} rays");
+        assert!((ratio - 1.0).abs() < 0.01, "{depth}: {ratio}");
+    }
+}
+
+/// A pair whose numbers are so far apart that no element is small enough comes to an end, and what is left is counted.
+#[test]
+fn odd_numbers_come_to_an_end() {
+    let octahedron = shapes::octahedron();
+    for size in [1e5, 1e10, 1e30] {
+        let mut odd = octahedron.clone();
+        odd.positions[0][0] += size;
+        let meshes = [octahedron.moved([0.3, 0.2, 0.1]).mesh::<f64>(), odd.mesh()];
+        let found = detect(&meshes, Layout::Bvh, Sampling::default());
+        let Statistics { rays, estimate_rays, uncut_pieces, .. } = found.statistics;
+        println!("{size}: {rays} + {estimate_rays} rays, {uncut_pieces} left");
+        assert!(rays + estimate_rays <= 4 * 20_000, "{size}: {rays} + {estimate_rays} rays");
+        assert!(uncut_pieces > 0 || rays + estimate_rays < 8000, "{size}: {uncut_pieces}");
+    }
+}
+
 /// Elements come and go as bodies move. At small steps the force does not jump by half a per cent of its largest, and of the work
 /// done on a way round at most three hundredths are lost or gained.
 #[test]
