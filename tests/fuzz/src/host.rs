@@ -174,7 +174,7 @@ impl Host {
         let status = unsafe {
             let mut options: rayc_detection_options = std::mem::zeroed();
             rayc_default_detection_options(size_of::<rayc_detection_options>(), &mut options);
-            options.sampling = bytes.below(5) as u32;
+            options.sampling = bytes.below(4) as u32;
             options.sampling_value = [0.0, 0.1, self.largest / 8.0, f64::NAN, 2.0][bytes.below(5)];
             (options.escape, options.past_folds) = (bytes.flag().into(), bytes.flag().into());
             match bytes.below(5) {

@@ -151,7 +151,7 @@ fn shallow_flush_bodies_take_no_more_samples() {
         let Statistics { rays, estimate_rays, uncut_pieces, .. } = found.statistics;
         println!("{depth}: {rays} + {estimate_rays} rays, {ratio} of the force");
         assert!(rays + estimate_rays < 3000 && uncut_pieces == 0, "{depth}: {rays} + {estimate_rays} rays");
-        assert!((ratio - 1.0).abs() < 0.01, "{depth}: {ratio}");
+        assert!((ratio - 1.0).abs() < 0.02, "{depth}: {ratio}");
     }
 }
 
