@@ -19,8 +19,8 @@ pub(crate) struct Cutter<'a, T: Scalar> {
 const MOST_HALVINGS_OF_REGION: u32 = 1 << 13;
 const MOST_HALVINGS: u32 = 1 << 20;
 
-/// How many rays stand on the largest face of the overlap box where samples do not follow the load. docs/accuracy.md has the errors
-/// with half as many, under *rays on its largest face*.
+/// How many rays stand on the largest face of the overlap box where samples do not follow the load. docs/accuracy.md has the
+/// errors with half as many, under *rays on its largest face*.
 const RAYS_ON_LARGEST_FACE: f64 = 128.0;
 
 /// If both bodies of a pair meet more than this many others, they share out their rays among these, so that the number of rays

@@ -219,7 +219,8 @@ fn edges_across_edges_push_by_the_integral_of_the_pressure() {
 }
 
 /// A ball through a thin plate, nearly up to its middle and beyond: samples that follow the load give the force in closed form;
-/// where no ray starts inside, as from vertices, edges do not push by more than twice that. Before, the plate's diagonals, which lie in its faces, pushed 1300 times as much.
+/// where no ray starts inside, as from vertices, edges do not push by more than twice that. Before, the plate's diagonals, which
+/// lie in its faces, pushed 1300 times as much.
 #[test]
 fn edges_across_a_thin_plate_push_no_more_than_the_pressure() {
     const THICKNESS: f64 = 0.02;
