@@ -1,5 +1,5 @@
 use crate::contact::point_pair::SurfacePoint;
-use crate::contact::quadrature::corners::{DEEPEST, longest_edge};
+use crate::contact::quadrature::corners::{Corners, DEEPEST, longest_edge};
 use crate::contact::quadrature::sample::{Sample, Sampling, WHOLE};
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::Mesh;
@@ -44,25 +44,10 @@ struct Face<T: Scalar> {
 
 /// A part of a triangle.
 struct Piece<T: Scalar> {
-    corners: [Vector3<T>; 3],
-    /// Barycentric weights of each corner in the triangle.
-    weights: [Vector3<T>; 3],
+    corners: Corners<T>,
     area: T,
     depth: u8,
     number: u32,
-}
-
-impl<T: Scalar> Piece<T> {
-    fn whole(corners: [Vector3<T>; 3], area: T) -> Self {
-        Self { corners, weights: [Vector3::x(), Vector3::y(), Vector3::z()], area, depth: 0, number: WHOLE }
-    }
-
-    /// The middle: where it is, and its barycentric weights.
-    fn middle(&self) -> (Vector3<T>, Vector3<T>) {
-        let third = T::one() / T::of(3.0);
-        let mean = |[a, b, c]: [Vector3<T>; 3]| (a + b + c) * third;
-        (mean(self.corners), mean(self.weights))
-    }
 }
 
 impl<'a, T: Scalar> Cutter<'a, T> {
@@ -94,40 +79,33 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         offer: &mut impl FnMut(Sample<T>),
     ) {
         let face = Face { triangle, vertices: mesh.topology().triangles()[triangle as usize], normal };
-        self.halve(&face, &Piece::whole(mesh.corners(triangle), area), offer);
+        let corners = Corners::of_triangle(mesh.corners(triangle));
+        self.halve(&face, &Piece { corners, area, depth: 0, number: WHOLE }, offer);
     }
 
     /// Halves the piece at the middle of its longest edge until that edge is short enough, and offers the middle of
     /// each part that lies in the region. Parts beside the region are dropped whole, so that a floor costs what lies
     /// under the body.
     fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, offer: &mut impl FnMut(Sample<T>)) {
-        if !Aabb::of_triangle(&piece.corners).overlaps(self.region) {
+        if !Aabb::of_triangle(&piece.corners.positions).overlaps(self.region) {
             return;
         }
-        let (from, square) = longest_edge(&piece.corners);
-        let to = (from + 1) % 3;
-        let half = T::of(0.5);
-        let middle = (piece.corners[from] + piece.corners[to]) * half;
-        let can_halve = middle != piece.corners[from] && middle != piece.corners[to] && piece.depth < DEEPEST;
         // Written so that NaN stops too.
-        let is_too_long = square > self.longest_allowed && can_halve;
-        if is_too_long && self.halvings_left > 0 {
-            self.halvings_left -= 1;
-            let weights = (piece.weights[from] + piece.weights[to]) * half;
-            for (half, kept) in [from, to].into_iter().enumerate() {
-                let (mut corners, mut all_weights) = (piece.corners, piece.weights);
-                let replaced = from + to - kept;
-                corners[replaced] = middle;
-                all_weights[replaced] = weights;
+        let is_long = longest_edge(&piece.corners.positions).1 > self.longest_allowed && piece.depth < DEEPEST;
+        let halves = if is_long { piece.corners.halves() } else { None };
+        match halves {
+            Some(halves) if self.halvings_left > 0 => {
+                self.halvings_left -= 1;
                 let (area, depth) = (piece.area * T::of(0.5), piece.depth + 1);
-                let number = piece.number.wrapping_mul(2).wrapping_add(half as u32);
-                let part = Piece { corners, weights: all_weights, area, depth, number };
-                self.halve(face, &part, offer);
+                for (half, corners) in (0..).zip(halves) {
+                    let number = piece.number.wrapping_mul(2).wrapping_add(half);
+                    self.halve(face, &Piece { corners, area, depth, number }, offer);
+                }
+                return;
             }
-            return;
+            _ => self.uncut += u64::from(halves.is_some()),
         }
-        self.uncut += u64::from(is_too_long);
-        let (position, weights) = piece.middle();
+        let (position, weights) = piece.corners.middle();
         if self.region.contains(&position) {
             let point =
                 SurfacePoint { triangle: face.triangle, vertices: face.vertices, weights: weights.into(), position };
