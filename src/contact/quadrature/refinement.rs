@@ -281,8 +281,7 @@ impl<T: Scalar> Quadrature<T> {
                 return;
             }
         }
-        for place in 0..elements.len() {
-            let element = &mut elements[place];
+        for element in elements.iter_mut() {
             let halved = if element.is_halved { T::zero() } else { size.halved(element, &limits) };
             if halved == T::zero() {
                 continue;
@@ -291,7 +290,7 @@ impl<T: Scalar> Quadrature<T> {
             let (whole, before) = (*element, fresh.len());
             let tracer = pair.tracers[usize::from(whole.body)];
             if whole.halve::<L>(tracer, frame, fresh) {
-                elements[place].weight = whole.weight * (T::one() - halved);
+                element.weight = whole.weight * (T::one() - halved);
                 fresh[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
             } else {
                 counts.uncut += 1;
