@@ -393,6 +393,17 @@ typedef struct rayc_statistics {
    * left to tell. docs/architecture.md says how they are known.
    */
   uint64_t tangled_pairs;
+  /**
+   * By what part of the force a pair's net force and torque were allowed to be off (RAYC_SAMPLING_ACCURACY, more in crowds): the
+   * most of all pairs; 0 where no pair was sampled by accuracy.
+   */
+  double error_asked;
+  /**
+   * By what part of the sizes of all forces a pair's are expected to be off, the most of all pairs: the root of the sum of the squares of
+   * what each sample may be off. An estimate, not a bound. Where the sampling ended before it was fine enough
+   * (uncut_pieces), it is larger than error_asked.
+   */
+  double error_estimated;
 } rayc_statistics;
 
 /**

@@ -49,7 +49,7 @@ class Contacts:
         contacts = self.to_array()
         return contacts if dtype is None else contacts.astype(dtype)
 
-    def statistics(self) -> dict[str, int]:
+    def statistics(self) -> dict[str, float]:
         """What the query did, by the names of rayc_statistics."""
         found = answer(library.rayc_contacts_statistics, self._handle, ffi.sizeof("rayc_statistics"))
         return {name: getattr(found, name) for name, _ in ffi.typeof(found).fields}

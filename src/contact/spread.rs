@@ -1,7 +1,7 @@
 //! Over which vertices contacts spread their loads.
 
 use crate::contact::point_pair::{Contact, SpreadPlace, SurfacePoint};
-use crate::math::Scalar;
+use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
 use crate::mesh::Topology;
 use std::num::NonZeroU32;
@@ -89,9 +89,16 @@ impl<T: Scalar> Spreads<T> {
 
 /// Room for finding what contacts bear on.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct SpreadWorkspace<T> {
-    pub(crate) ends: [Vec<(u32, T)>; 2],
+pub(crate) struct SpreadWorkspace<T: Scalar> {
+    pub(crate) ends: [EndWorkspace<T>; 2],
     pub(crate) marks: Marks,
+}
+
+/// The vertices that one end bears on, their weights, and where they are.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct EndWorkspace<T: Scalar> {
+    pub(crate) bearings: Vec<(u32, T)>,
+    pub(crate) positions: Vec<Vector3<T>>,
 }
 
 #[derive(Clone, Debug, Default)]

@@ -4,8 +4,8 @@
 use crate::contact::list::ContactList;
 use crate::contact::pair::Pair;
 use crate::contact::point_pair::{Contact, ContactKind, SurfacePoint};
-use crate::contact::spread::{Marks, SpreadWorkspace};
-use crate::math::{Scalar, Vector3, normalising_factor};
+use crate::contact::spread::{EndWorkspace, Marks, SpreadWorkspace};
+use crate::math::{Scalar, Vector3, length, normalising_factor};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 
@@ -38,6 +38,9 @@ impl<T: Scalar> Pair<'_, T> {
 fn bear<T: Scalar>(contact: &Contact<T>, [first, second]: [&mut End<'_, T>; 2], area: T, marks: &mut Marks) -> bool {
     let patches = first.mesh.patches();
     let patch = patches.named(!contact.piece, contact.p1.triangle);
+    if patch.is_none() && area + area <= length(&second.mesh.scaled_normal(contact.p2.triangle)) {
+        return false;
+    }
     match patch {
         Some(patch) => first.bear_on_patch(patches.triangles_of(patch), marks),
         None => first.bear_on_corners(&contact.p1),
@@ -64,31 +67,46 @@ struct End<'a, T: Scalar> {
     /// Of the push.
     direction: Vector3<T>,
     bearings: &'a mut Vec<(u32, T)>,
+    /// Where these vertices are.
+    positions: &'a mut Vec<Vector3<T>>,
 }
 
 impl<'a, T: Scalar> End<'a, T> {
-    fn new(mesh: &'a Mesh<T>, contact: &Contact<T>, area: T, bearings: &'a mut Vec<(u32, T)>) -> Self {
+    fn new(mesh: &'a Mesh<T>, contact: &Contact<T>, area: T, room: &'a mut EndWorkspace<T>) -> Self {
         let (factor, _) = normalising_factor(area.sqrt());
-        bearings.clear();
-        Self { mesh, origin: contact.p2.position, factor, direction: contact.direction, bearings }
+        let EndWorkspace { bearings, positions } = room;
+        let mut end =
+            Self { mesh, origin: contact.p2.position, factor, direction: contact.direction, bearings, positions };
+        end.clear();
+        end
+    }
+
+    fn clear(&mut self) {
+        self.bearings.clear();
+        self.positions.clear();
     }
 
     fn local(&self, point: &Vector3<T>) -> Vector3<T> {
         (point - self.origin) * self.factor
     }
 
-    fn position(&self, vertex: u32) -> Vector3<T> {
-        self.local(&self.mesh.position(vertex))
+    fn corners(&self, vertices: [u32; 3]) -> [Vector3<T>; 3] {
+        vertices.map(|vertex| self.local(&self.mesh.position(vertex)))
     }
 
     fn mean(&self) -> Vector3<T> {
-        self.bearings.iter().fold(Vector3::zeros(), |sum, &(vertex, weight)| sum + self.position(vertex) * weight)
+        self.weights().fold(Vector3::zeros(), |sum, (position, weight)| sum + position * weight)
+    }
+
+    fn weights(&self) -> impl Iterator<Item = (Vector3<T>, T)> {
+        self.positions.iter().zip(&*self.bearings).map(|(&position, &(_, weight))| (position, weight))
     }
 
     /// The corners of a point's triangle.
     fn bear_on_corners(&mut self, point: &SurfacePoint<T>) {
         let corners = (0..3).map(|corner| (point.vertices[corner], point.weights[corner]));
         memory::refill(self.bearings, corners);
+        memory::refill(self.positions, self.corners(point.vertices));
     }
 
     /// The vertices of a patch, as an even pressure loads them.
@@ -96,8 +114,8 @@ impl<'a, T: Scalar> End<'a, T> {
         let all = self.mesh.topology().triangles();
         for &triangle in triangles {
             let vertices = all[triangle as usize];
-            let [a, b, c] = vertices.map(|vertex| self.position(vertex));
-            self.load(vertices, (b - a).cross(&(c - a)).norm(), marks);
+            let [a, b, c] = self.corners(vertices);
+            self.load(vertices, [a, b, c], (b - a).cross(&(c - a)).norm(), marks);
         }
         self.normalise(marks);
     }
@@ -114,7 +132,7 @@ impl<'a, T: Scalar> End<'a, T> {
                 return true;
             }
             // Beside an edge less can be borne on around the origin.
-            self.bearings.clear();
+            self.clear();
             square *= T::of(0.25);
             if count < 2 {
                 return false;
@@ -131,7 +149,7 @@ impl<'a, T: Scalar> End<'a, T> {
         while let Some(&triangle) = marks.met.get(next) {
             next += 1;
             let vertices = topology.triangles()[triangle as usize];
-            let [a, b, c] = vertices.map(|vertex| self.position(vertex));
+            let [a, b, c] = self.corners(vertices);
             let facing = (b - a).cross(&(c - a)).dot(&self.direction);
             let away = ((a + b + c) / T::of(3.0)).norm_squared();
             // Written so that NaN is left out.
@@ -139,7 +157,7 @@ impl<'a, T: Scalar> End<'a, T> {
                 continue;
             }
             count += 1;
-            self.load(vertices, facing * (square - away), marks);
+            self.load(vertices, [a, b, c], facing * (square - away), marks);
             for &neighbour in vertices.iter().flat_map(|&vertex| topology.triangles_around(vertex)) {
                 if !std::mem::replace(&mut marks.is_met[neighbour as usize], true) {
                     marks.met.room_for(1).push(neighbour);
@@ -151,11 +169,12 @@ impl<'a, T: Scalar> End<'a, T> {
     }
 
     /// Adds the same weight to three vertices.
-    fn load(&mut self, vertices: [u32; 3], weight: T, marks: &mut Marks) {
-        for vertex in vertices {
+    fn load(&mut self, vertices: [u32; 3], corners: [Vector3<T>; 3], weight: T, marks: &mut Marks) {
+        for (vertex, corner) in vertices.into_iter().zip(corners) {
             let place = &mut marks.places[vertex as usize];
             if *place == 0 {
                 self.bearings.room_for(1).push((vertex, T::zero()));
+                self.positions.room_for(1).push(corner);
                 *place = self.bearings.len() as u32;
             }
             self.bearings[*place as usize - 1].1 += weight;
@@ -181,18 +200,17 @@ impl<'a, T: Scalar> End<'a, T> {
         let along = |vector: Vector3<T>| axes.each_ref().map(|axis| vector.dot(axis));
         let mean = self.mean();
         let (mut uu, mut uv, mut vv) = (T::zero(), T::zero(), T::zero());
-        for &(vertex, weight) in &*self.bearings {
-            let [u, v] = along(self.position(vertex) - mean);
+        for (position, weight) in self.weights() {
+            let [u, v] = along(position - mean);
             (uu, uv, vv) = (uu + weight * u * u, uv + weight * u * v, vv + weight * v * v);
         }
         let [u, v] = along(to - mean);
         let determinant = uu * vv - uv * uv;
         let change = [(vv * u - uv * v) / determinant, (uu * v - uv * u) / determinant];
-        (0..self.bearings.len()).all(|place| {
-            let (vertex, weight) = self.bearings[place];
-            let [u, v] = along(self.position(vertex) - mean);
-            self.bearings[place].1 = weight * (T::one() + change[0] * u + change[1] * v);
-            self.bearings[place].1 >= T::zero()
+        self.positions.iter().zip(&mut *self.bearings).all(|(position, (_, weight))| {
+            let [u, v] = along(position - mean);
+            *weight *= T::one() + change[0] * u + change[1] * v;
+            *weight >= T::zero()
         })
     }
 }

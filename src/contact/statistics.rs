@@ -1,6 +1,6 @@
 /// What a query did. Every ray is either a contact or counted under the one reason why it is none: `rays` is the number of
 /// contacts + `misses` + `entry_hits` + `own_surface_hits` + `replaced`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// Pairs of meshes whose boxes overlap.
     pub pairs: u64,
@@ -59,6 +59,15 @@ pub struct Statistics {
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
     /// left to tell. docs/architecture.md says how they are known.
     pub tangled_pairs: u64,
+    /// By what part of the force a pair's net force and torque were allowed to be off ([`Sampling::Accuracy`], more in crowds): the
+    /// most of all pairs; 0 where no pair was sampled by accuracy.
+    ///
+    /// [`Sampling::Accuracy`]: crate::contact::Sampling::Accuracy
+    pub error_asked: f64,
+    /// By what part of the sizes of all forces a pair's are expected to be off, the most of all pairs: the root of the sum of the squares
+    /// of what each sample may be off. An estimate, not a bound. Where the sampling ended before it was fine enough
+    /// (`uncut_pieces`), it is larger than what was asked.
+    pub error_estimated: f64,
 }
 
 /// Calls a macro with the names of all counters.
@@ -78,7 +87,9 @@ impl std::ops::AddAssign for Statistics {
     fn add_assign(&mut self, more: Self) {
         macro_rules! add {
             ($($counter:ident),*) => {{
-                let Self { $($counter),* } = more;
+                let Self { $($counter),*, error_asked, error_estimated } = more;
+                self.error_asked = self.error_asked.max(error_asked);
+                self.error_estimated = self.error_estimated.max(error_estimated);
                 $(self.$counter += $counter;)*
             }};
         }

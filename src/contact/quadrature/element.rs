@@ -59,8 +59,8 @@ impl<T: Scalar> Frame<T> {
 /// What an element is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Extent<T: Scalar> {
-    /// A patch of several triangles, and the point on the surface near its centroid.
-    Patch(u32, SurfacePoint<T>),
+    /// A patch of several triangles.
+    Patch(u32),
     /// A triangle or a half of a half of it.
     Piece { triangle: u32, corners: Corners<T>, number: u32, depth: u8 },
 }
@@ -98,6 +98,9 @@ pub(crate) struct Element<T: Scalar> {
     bend: T,
     /// How steeply the depth changes along it.
     slope: T,
+    /// Its part of the load, for unit stiffness, and how far that may be off; known once it is measured.
+    pub(crate) load: T,
+    pub(crate) error: T,
     /// How much of it counts: its parts fade in.
     pub(crate) weight: T,
     /// The depth of what it is a half of, where that was measured.
@@ -121,13 +124,10 @@ impl<T: Scalar> Element<T> {
         let Moments { area, vector, first, second } = L::outlined(MomentsOf { mesh, triangles, middle, factor });
         let centroid = first / area;
         let radius = (second / area - centroid.norm_squared()).max(T::zero()).sqrt() * T::of(2.0);
-        let triangle = patches.middle(patch);
-        let ClosestPoint { weights, position, .. } = tracer.closest_on(triangle, &frame.point(&centroid))?;
-        let vertices = mesh.topology().triangles()[triangle as usize];
-        let is_curved = patches.triangles_of(patch).len() >= FEWEST_OF_CURVED;
-        let centre = if is_curved { frame.local(&position) } else { centroid };
-        let extent = Extent::Patch(patch, SurfacePoint { triangle, vertices, weights, position });
-        Self::new(body, extent, area, vector, centre, radius, frame)
+        let is_curved = triangles.len() >= FEWEST_OF_CURVED;
+        let on_surface = is_curved.then(|| tracer.closest_on(patches.middle(patch), &frame.point(&centroid)));
+        let centre = on_surface.flatten().map_or(centroid, |closest| frame.local(&closest.position));
+        Self::new(body, Extent::Patch(patch), area, vector, centre, radius, frame)
     }
 
     fn piece(body: u8, triangle: u32, corners: Corners<T>, number: u32, depth: u8, frame: &Frame<T>) -> Option<Self> {
@@ -164,6 +164,8 @@ impl<T: Scalar> Element<T> {
             near: None,
             bend: T::zero(),
             slope: T::one(),
+            load: T::zero(),
+            error: T::zero(),
             weight: T::one(),
             expected: None,
             is_first_half: false,
@@ -187,7 +189,7 @@ impl<T: Scalar> Element<T> {
     pub(crate) fn halve<L: Lanes<T>>(&self, tracer: &Tracer<'_, T>, frame: &Frame<T>, halves: &mut Vec<Self>) -> bool {
         let body = self.body;
         let found = match self.extent {
-            Extent::Patch(patch, _) => {
+            Extent::Patch(patch) => {
                 let Some(parts) = tracer.mesh().patches().parts(patch) else { return false };
                 parts.map(|part| Self::patch::<L>(body, part, tracer, frame))
             }
@@ -233,7 +235,7 @@ impl<T: Scalar> Element<T> {
     /// Notes whether the next element is the other half of what this one is a half of.
     pub(crate) fn note_other_half(&mut self, next: Option<&Self>, mesh: &Mesh<T>) {
         self.is_first_half = match (self.extent, next.map(|next| next.extent)) {
-            (Extent::Patch(this, _), Some(Extent::Patch(next, _))) => mesh.patches().are_halves(this, next),
+            (Extent::Patch(this), Some(Extent::Patch(next))) => mesh.patches().are_halves(this, next),
             (Extent::Piece { triangle, number, .. }, Some(Extent::Piece { triangle: of_next, number: next, .. })) => {
                 triangle == of_next && number == next ^ 1
             }
@@ -243,7 +245,7 @@ impl<T: Scalar> Element<T> {
 
     /// What the depth in the middle leaves out where the other surface crosses the element: at most about a fifth of how
     /// far the depth reaches across it, and nothing where it does not cross.
-    pub(crate) fn cut(&self, thickness: T) -> T {
+    fn cut(&self, thickness: T) -> T {
         let reach = self.slope * self.radius;
         if reach > T::zero() {
             let crossed = (T::one() - self.depth.abs() / reach).max(T::zero());
@@ -253,19 +255,18 @@ impl<T: Scalar> Element<T> {
         }
     }
 
-    /// How far its part of the load may be off, for unit stiffness.
-    pub(crate) fn error(&self, thickness: T) -> T {
+    /// Finds its part of the load, and how far that may be off, where the bodies' shares are these.
+    pub(crate) fn assess(&mut self, thickness: T, shares: [T; 2]) {
+        let share = shares[usize::from(self.body)];
+        let cut = self.cut(thickness);
+        self.load = share * length(&self.vector) * (self.depth.max(T::zero()) + cut);
         let unseen = self.radius.min(thickness) * T::of(UNSEEN) * (self.radius / self.depth.abs()).min(T::one());
-        self.area * (self.bend + self.cut(thickness)).max(unseen)
-    }
-
-    /// Its part of the load, for unit stiffness.
-    pub(crate) fn load(&self, thickness: T) -> T {
-        length(&self.vector) * (self.depth.max(T::zero()) + self.cut(thickness))
+        self.error = share * self.area * (self.bend + cut).max(unseen);
     }
 
     /// What casts for it, from its middle, as much as it counts. `None` where it has no normal.
-    pub(crate) fn sample(&self, mesh: &Mesh<T>, frame: &Frame<T>) -> Option<Sample<T>> {
+    pub(crate) fn sample(&self, tracer: &Tracer<'_, T>, frame: &Frame<T>) -> Option<Sample<T>> {
+        let mesh = tracer.mesh();
         let area = frame.area(length(&self.vector) * self.weight);
         match self.extent {
             Extent::Piece { triangle, corners, number, .. } => {
@@ -277,7 +278,11 @@ impl<T: Scalar> Element<T> {
                 Some(Sample { point, normal, area, piece: number })
             }
             // Apart from all pieces of the triangle.
-            Extent::Patch(patch, point) => {
+            Extent::Patch(patch) => {
+                let triangle = mesh.patches().middle(patch);
+                let ClosestPoint { weights, position, .. } = tracer.closest_on(triangle, &frame.point(&self.centre))?;
+                let vertices = mesh.topology().triangles()[triangle as usize];
+                let point = SurfacePoint { triangle, vertices, weights, position };
                 Some(Sample { point, normal: direction(&self.vector)?, area, piece: !patch })
             }
         }

@@ -58,16 +58,21 @@ struct Counts {
     without_normal: u64,
     /// Samples that stand for patches of several triangles.
     patches: u64,
+    /// By what part the load may be off, and by what part it is expected to be.
+    asked: f64,
+    estimated: f64,
 }
 
 impl<T: Scalar> Quadrature<T> {
     /// Counts what was done for the samples.
     pub(crate) fn count(&self, statistics: &mut Statistics) {
-        let Counts { rays, uncut, without_normal, patches } = self.counts;
+        let Counts { rays, uncut, without_normal, patches, asked, estimated } = self.counts;
         statistics.estimate_rays += rays;
         statistics.uncut_pieces += uncut;
         statistics.without_normal += without_normal;
         statistics.patches += patches;
+        statistics.error_asked = statistics.error_asked.max(asked);
+        statistics.error_estimated = statistics.error_estimated.max(estimated);
     }
 }
 
@@ -97,6 +102,7 @@ impl<T: Scalar> Kernel<T> for Refinement<'_, '_, T> {
         match pair.options.sampling {
             Sampling::Accuracy(accuracy) => {
                 let size = Size::new(pair, accuracy, &frame);
+                quadrature.counts.asked = size.tolerance.to_f64();
                 let [fewest, most] = MOST_ELEMENTS;
                 quadrature.most = (ELEMENTS_AT_TOLERANCE_OF_ONE / size.tolerance.to_f64()).clamp(fewest, most) as usize;
                 quadrature.start::<L>(pair, &frame, patches, Largest::Area(size.largest()));
@@ -169,18 +175,11 @@ impl<T: Scalar> Size<T> {
         self.first * T::of(AREA_FADE)
     }
 
-    /// An element's part of the load, and how far that may be off.
-    fn load_and_error(&self, element: &Element<T>) -> [T; 2] {
-        let share = self.shares[usize::from(element.body)];
-        [share * element.load(self.thickness), share * element.error(self.thickness)]
-    }
-
     /// How much of an element its halves stand for, from 0 to 1.
     fn halved(&self, element: &Element<T>, limits: &Limits<T>) -> T {
-        let [load, error] = self.load_and_error(element);
         let ramp = ramp(element.area / self.first, AREA_FADE)
-            .max(ramp(error * element.weight / limits.error, FADE))
-            .max(ramp(load / limits.load, FADE));
+            .max(ramp(element.error * element.weight / limits.error, FADE))
+            .max(ramp(element.load / limits.load, FADE));
         ramp * ramp * (T::of(3.0) - T::of(2.0) * ramp)
     }
 
@@ -189,16 +188,18 @@ impl<T: Scalar> Size<T> {
         // One by one, so that it does not matter which body comes first.
         let mut sums = [[T::zero(); 3]; 2];
         for element in elements {
-            let [load, error] = self.load_and_error(element);
+            let Element { load, error, .. } = *element;
             let sums = &mut sums[usize::from(element.body)];
             [load, error, error * error].iter().zip(sums).for_each(|(number, sum)| *sum += element.weight * *number);
         }
         let [load, error, square] = std::array::from_fn(|number| sums[0][number] + sums[1][number]);
-        // The root of how many of one size would add up to the same.
-        let root_of_count = error / square.sqrt();
+        // Errors add up as if by chance, and root_of_count² of one size would add up to the same.
+        let by_all = square.sqrt();
+        let root_of_count = error / by_all;
+        let estimate = if load > T::zero() { by_all / load } else { T::zero() };
         let by_chance = T::of(ERROR_BY_CHANCE) * (self.tolerance / T::of(SYSTEMATIC)).min(T::one()) / root_of_count;
         let always = T::of(ERROR_AT_ONCE[0]).min(T::of(ERROR_AT_ONCE[1]) * self.tolerance);
-        Limits { error: load * self.tolerance * by_chance.max(always), load: load * self.largest_share }
+        Limits { error: load * self.tolerance * by_chance.max(always), load: load * self.largest_share, estimate }
     }
 }
 
@@ -206,6 +207,8 @@ impl<T: Scalar> Size<T> {
 struct Limits<T> {
     error: T,
     load: T,
+    /// By what part the load of all is expected to be off.
+    estimate: T,
 }
 
 /// From 0 at 1 to 1 at this number.
@@ -262,6 +265,7 @@ impl<T: Scalar> Quadrature<T> {
             compare_halves(fresh);
             // What lies outside as a whole is of no use any more.
             fresh.retain(|element| element.depth > -element.radius);
+            fresh.iter_mut().for_each(|element| element.assess(size.thickness, size.shares));
             memory::append(elements, fresh.drain(..));
             self.halve::<L>(pair, frame, size);
         }
@@ -272,6 +276,7 @@ impl<T: Scalar> Quadrature<T> {
     fn halve<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
         let Self { counts, elements, fresh, most, .. } = self;
         let limits = size.limits(elements);
+        counts.estimated = limits.estimate.to_f64();
         // All that need it or none, so that it does not matter which come first.
         if 3 * elements.len() > *most {
             let is_wanted = |element: &&Element<T>| !element.is_halved && size.halved(element, &limits) > T::zero();
@@ -308,7 +313,7 @@ impl<T: Scalar> Quadrature<T> {
             if !is_measured && !pair.region.contains(&frame.point(&element.centre)) {
                 continue;
             }
-            let Some(sample) = element.sample(pair.tracers[body].mesh(), frame) else {
+            let Some(sample) = element.sample(pair.tracers[body], frame) else {
                 counts.without_normal += 1;
                 continue;
             };

@@ -36,14 +36,16 @@ fn counts(first: u64, step: u64) -> Statistics {
         tangled_bodies: count(),
         crowded_pairs: count(),
         tangled_pairs: count(),
+        error_asked: first as f64,
+        error_estimated: step as f64,
     }
 }
 
 #[test]
-fn each_count_is_added_to_its_own() {
+fn each_count_is_added_to_its_own_and_of_errors_the_largest_stays() {
     let mut sum = counts(100, 7);
     sum += counts(3, 2);
-    assert_eq!(sum, counts(103, 9));
+    assert_eq!(sum, Statistics { error_asked: 100.0, error_estimated: 7.0, ..counts(103, 9) });
 }
 
 /// A swallowed body: contacts, one push, counts.

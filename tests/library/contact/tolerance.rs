@@ -77,11 +77,13 @@ fn force_and_torque_keep_near_the_tolerance_on_every_workload() {
             for (name, shapes) in workloads() {
                 let meshes: [Mesh<T>; 2] = shapes.map(|shape| rippled(&shape, step).mesh());
                 let found = detect(&meshes, Layout::Bvh, Sampling::Accuracy(T::of(tolerance)));
-                let Statistics { rays, estimate_rays, .. } = found.statistics;
+                let Statistics { rays, estimate_rays, error_asked, error_estimated, .. } = found.statistics;
                 let errors = errors(&meshes, &found);
-                let what =
-                    format!("{name}, step {step}, {tolerance}: {rays} + {estimate_rays} rays, off by {errors:?}");
+                let what = format!(
+                    "{name}, step {step}, {tolerance}: {rays} + {estimate_rays} rays, off by {errors:?}, {error_estimated} estimated"
+                );
                 println!("{what}");
+                assert_eq!(error_asked as f32, tolerance as f32, "{what}");
                 assert!(errors.iter().all(|error| *error <= 3.5 * tolerance), "{what}");
                 assert!(rays + estimate_rays <= most_rays, "{what}");
                 all.push(errors[0].max(errors[1]));
