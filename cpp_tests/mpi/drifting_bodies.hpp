@@ -124,7 +124,8 @@ struct Outcome {
   uint64_t hash = 0, contacts = 0, escapes = 0, self_contacts = 0, crowded = 0;
 
   void add(uint64_t step_hash, const rayc_statistics& statistics) {
-    hash = (hash ^ (step_hash + statistics.contacts + 3 * statistics.rays)) * 0x100000001b3ull;
+    const auto estimated = static_cast<uint64_t>(1e15 * statistics.error_estimated);
+    hash = (hash ^ (step_hash + statistics.contacts + 3 * statistics.rays + 5 * estimated)) * 0x100000001b3ull;
     contacts += statistics.contacts;
     escapes += statistics.escaping_pairs;
     self_contacts += statistics.self_contacts;

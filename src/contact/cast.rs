@@ -3,8 +3,7 @@ use crate::contact::options::ContactLaw;
 use crate::contact::pair::Direction;
 use crate::contact::point_pair::{Contact, ContactKind};
 use crate::contact::quadrature::packet::SamplePacket;
-use crate::contact::quadrature::pieces::{Pieces, Starts};
-use crate::contact::quadrature::sampler::Sampler;
+use crate::contact::quadrature::sampler::{Sampler, Starts};
 use crate::contact::statistics::Statistics;
 use crate::contact::trace::Rays;
 use crate::contact::weigh::distance::distances_over_depths;
@@ -25,8 +24,6 @@ pub(crate) struct Cast<'a, T: Scalar> {
     pub(crate) surface: &'a mut Turning<T>,
     pub(crate) statistics: &'a mut Statistics,
     pub(crate) contacts: &'a mut Vec<Contact<T>>,
-    /// Scratch memory for the pieces of a triangle.
-    pub(crate) pieces: &'a mut Pieces<T>,
     /// Scratch memory for the vertices in the overlap box.
     pub(crate) vertices: &'a mut Vec<u32>,
     /// Scratch memory for the crossings of a ray.
@@ -40,8 +37,7 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
     fn run<L: Lanes<T>>(self) {
         let Direction { pair, side } = *self.direction;
         let own = pair.tracers[side];
-        let cutter = pair.cutter();
-        let mut sampler = Sampler::new::<L>(own, pair.region, self.starts, cutter, self.pieces, self.vertices);
+        let mut sampler = Sampler::new::<L>(own, pair.region, self.starts, self.vertices);
         let (mut samples, mut rays, mut surface) = (sampler.packet(), Rays::new(), CastSurfaceLanes::new());
         // Packets are filled by a small function and traced in one loop, because the code inlined into the loop is large.
         while sampler.fill::<L>(&mut samples) {

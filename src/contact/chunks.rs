@@ -2,8 +2,9 @@ use crate::contact::cast::Cast;
 use crate::contact::list::ContactList;
 use crate::contact::pair::{Direction, Pair};
 use crate::contact::point_pair::{Contact, ContactKind};
-use crate::contact::quadrature::pieces::Starts;
+use crate::contact::quadrature::Sampling;
 use crate::contact::quadrature::refinement::Refinement;
+use crate::contact::quadrature::sampler::Starts;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::{CastLoad, scale_contacts, shares};
 use crate::contact::workspace::{Chunk, Workspace};
@@ -45,14 +46,23 @@ impl<T: Scalar> Pair<'_, T> {
     pub(crate) fn cast_samples(&self, list: &mut ContactList<T>) {
         list.workspace.clear();
         let ContactList { contacts, workspace, statistics, .. } = list;
-        let Workspace { helpers, chunks, groups, patches, marks, quadrature, vertices, pieces, crossings, .. } =
+        let Workspace { helpers, chunks, groups, patches, marks, quadrature, faces, vertices, crossings, .. } =
             workspace;
         let starts = if self.has_elements() {
             dispatch::<T, _>(Refinement { pair: self, groups, patches, marks, quadrature });
             quadrature.count(statistics);
             quadrature.samples.each_ref().map(|samples| Starts::Measured(samples))
+        } else if self.options.sampling == Sampling::Vertices {
+            groups.each_ref().map(|groups| Starts::Groups(groups))
         } else {
-            [0, 1].map(|side| Starts::Groups(if self.casts(side) { &groups[side] } else { &[] }))
+            for (side, faces) in faces.iter_mut().enumerate() {
+                faces.clear();
+                if let Some(mut cutter) = self.cutter() {
+                    cutter.cut_groups(self.tracers[side], &groups[side], faces);
+                    cutter.count(statistics);
+                }
+            }
+            faces.each_ref().map(|faces| Starts::Samples(faces))
         };
         let [of_first, of_second] = starts.map(Starts::chunk_count);
         let count = of_first + of_second;
@@ -71,7 +81,6 @@ impl<T: Scalar> Pair<'_, T> {
                     surface: &mut load.surface,
                     statistics,
                     contacts,
-                    pieces,
                     vertices,
                     crossings,
                 });
@@ -118,10 +127,10 @@ impl<T: Scalar> Chunk<T> {
     fn cast(&mut self, direction: &Direction<'_, T>, starts: Starts<'_, T>) {
         (self.load, self.statistics) = (CastLoad::default(), Statistics::default());
         self.contacts.clear();
-        let Self { load, statistics, contacts, pieces, vertices, crossings, .. } = self;
+        let Self { load, statistics, contacts, vertices, crossings, .. } = self;
         let surface = &mut load.surface;
         let kind = ContactKind::Ray;
-        dispatch::<T, _>(Cast { kind, direction, starts, surface, statistics, contacts, pieces, vertices, crossings });
+        dispatch::<T, _>(Cast { kind, direction, starts, surface, statistics, contacts, vertices, crossings });
         load.add_contacts(contacts, direction.pair.options.law);
     }
 }

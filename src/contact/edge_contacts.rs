@@ -4,7 +4,7 @@ use crate::contact::pair::Direction;
 use crate::contact::point_pair::{Contact, ContactKind};
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::edges::for_each_inside_stretch;
-use crate::contact::quadrature::pieces::Starts;
+use crate::contact::quadrature::sampler::Starts;
 use crate::contact::weigh::shares::CastLoad;
 use crate::contact::workspace::Workspace;
 use crate::math::{Scalar, cosine};
@@ -22,7 +22,7 @@ impl<T: Scalar> Direction<'_, T> {
     /// bend, so no strip is wider than the middle is deep.
     pub(crate) fn cast_edges(&self, list: &mut ContactList<T>) -> (usize, CastLoad<T>) {
         let ContactList { contacts, statistics, workspace, .. } = list;
-        let Workspace { samples, groups, vertices, pieces, edge_sides, crossings, .. } = workspace;
+        let Workspace { samples, groups, vertices, edge_sides, crossings, .. } = workspace;
         let first = contacts.len();
         let mut load = CastLoad::default();
         let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
@@ -43,7 +43,6 @@ impl<T: Scalar> Direction<'_, T> {
             surface: &mut load.surface,
             statistics,
             contacts,
-            pieces,
             vertices,
             crossings,
         });

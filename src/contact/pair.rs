@@ -4,8 +4,7 @@ use crate::bvh::SidesScratch;
 use crate::contact::fixed_shares::fixed_shares;
 use crate::contact::options::{ContactLaw, DetectionOptions};
 use crate::contact::quadrature::cutter::Cutter;
-use crate::contact::quadrature::pieces::Pieces;
-use crate::contact::quadrature::sampler::Collect;
+use crate::contact::quadrature::sampler::{Collect, Place};
 use crate::contact::quadrature::{Sample, Sampling};
 use crate::math::{Aabb, Scalar, Vector3, direction, margins};
 use crate::mesh::Mesh;
@@ -111,13 +110,13 @@ impl<T: Scalar> Pair<'_, T> {
         side: usize,
         groups: &mut Vec<u32>,
         sides: &mut SidesScratch<T>,
-        pieces: &mut Pieces<T>,
         vertices: &mut Vec<u32>,
+        order: &mut Vec<Place>,
         samples: &mut Vec<Sample<T>>,
     ) {
         let (own, region, cutter) = (self.tracers[side], self.region, self.cutter());
         own.groups_not_outside(self.tracers[1 - side], region, groups, sides);
-        dispatch::<T, _>(Collect { own, region, cutter, groups, pieces, vertices, samples });
+        dispatch::<T, _>(Collect { own, region, cutter, groups, vertices, order, samples });
     }
 
     /// Whether rays start from elements: patches, triangles or parts of them.

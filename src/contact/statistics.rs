@@ -64,9 +64,9 @@ pub struct Statistics {
     ///
     /// [`Sampling::Accuracy`]: crate::contact::Sampling::Accuracy
     pub error_asked: f64,
-    /// By what part of the sizes of all forces a pair's are expected to be off, the most of all pairs: the root of the sum of the squares
-    /// of what each sample may be off. An estimate, not a bound. Where the sampling ended before it was fine enough
-    /// (`uncut_pieces`), it is larger than what was asked.
+    /// By what part of the sizes of all its forces a pair is expected to be off, the most of all pairs: the root of the sum of
+    /// the squares of what each sample may be off. An estimate, not a bound. It is larger than what was asked where the
+    /// sampling ended before it was fine enough (`uncut_pieces`).
     pub error_estimated: f64,
 }
 

@@ -129,7 +129,7 @@ impl<T: Scalar> Body<'_, T> {
         let ContactList { statistics, workspace, .. } = contacts;
         workspace.clear();
         workspace.hits.clear();
-        let Workspace { samples, rays, hits, crossings, pieces, vertices, groups, own, .. } = workspace;
+        let Workspace { samples, rays, hits, crossings, vertices, order, groups, own, .. } = workspace;
         let [groups, _] = groups;
         let wanted = &own.culling.is_wanted;
         let is_wanted = |sample: &Sample<T>| {
@@ -160,7 +160,7 @@ impl<T: Scalar> Body<'_, T> {
                 is_any_wanted
             });
         }
-        dispatch::<T, _>(Collect { own: &self.tracer, region, cutter, groups, pieces, vertices, samples });
+        dispatch::<T, _>(Collect { own: &self.tracer, region, cutter, groups, vertices, order, samples });
         samples.retain(|sample| {
             if !is_wanted(sample) {
                 return false;

@@ -1,8 +1,8 @@
 use crate::bvh::SidesScratch;
 use crate::contact::point_pair::Contact;
 use crate::contact::quadrature::Sample;
-use crate::contact::quadrature::pieces::Pieces;
 use crate::contact::quadrature::refinement::Quadrature;
+use crate::contact::quadrature::sampler::Place;
 use crate::contact::spread::SpreadWorkspace;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::CastLoad;
@@ -32,8 +32,11 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) spread: SpreadWorkspace<T>,
     /// Of one chunk's groups the vertices in the overlap box.
     pub(crate) vertices: Vec<u32>,
-    pub(crate) pieces: Pieces<T>,
+    /// The triangles in the overlap box, or their pieces, of either body, where no elements are measured.
+    pub(crate) faces: [Vec<Sample<T>>; 2],
     pub(crate) samples: Vec<Sample<T>>,
+    /// Room for sorting these.
+    pub(crate) order: Vec<Place>,
     pub(crate) rays: Vec<Ray<T>>,
     pub(crate) hits: Vec<Option<Hit<T>>>,
     /// Of each ray the vertices shared by the triangles it starts from.
@@ -92,7 +95,6 @@ pub(crate) struct Chunk<T: Scalar> {
     pub(crate) contacts: Vec<Contact<T>>,
     /// The number of contacts in the chunks before.
     pub(crate) before: usize,
-    pub(crate) pieces: Pieces<T>,
     pub(crate) vertices: Vec<u32>,
     pub(crate) crossings: Vec<Hit<T>>,
 }

@@ -155,8 +155,8 @@ fn inside_samples<T: Scalar>(
     workspace: &mut Workspace<T>,
     statistics: &mut Statistics,
 ) {
-    let Workspace { samples, rays, groups, sides, vertices, pieces, .. } = workspace;
-    pair.collect(side, &mut groups[side], &mut sides[side], pieces, vertices, samples);
+    let Workspace { samples, rays, groups, sides, vertices, order, .. } = workspace;
+    pair.collect(side, &mut groups[side], &mut sides[side], vertices, order, samples);
     memory::refill(rays, samples.iter().map(|sample| pair.ray_out(side, sample.point.position, away)));
     keep_inside(pair, side, workspace, statistics);
 }

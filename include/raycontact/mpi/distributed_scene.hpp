@@ -204,16 +204,17 @@ class DistributedScene {
     return detail::outcome(status, statistics);
   }
 
-  /** Collective: the same of all ranks together. */
+  /** Collective: the same of all ranks together, of the two errors the largest. */
   Outcome<rayc_statistics> statistics() const {
     rayc_statistics statistics{};
     mpi_detail::Fault fault;
     fault.check(rayc_contacts_statistics(state_->bodies.contacts.get(), sizeof statistics, &statistics), "statistics");
     fault = state_->comm.agree(fault);
     if (fault) return detail::failure<rayc_statistics>(error(fault));
-    static_assert(sizeof statistics % sizeof(uint64_t) == 0, "it is made of counts alone");
-    MPI_Allreduce(MPI_IN_PLACE, &statistics, sizeof statistics / sizeof(uint64_t), MPI_UINT64_T, MPI_SUM,
-                  state_->comm.get());
+    constexpr size_t counts = offsetof(rayc_statistics, error_asked);
+    static_assert(sizeof statistics == counts + 2 * sizeof(double), "two errors follow the counts");
+    MPI_Allreduce(MPI_IN_PLACE, &statistics, counts / sizeof(uint64_t), MPI_UINT64_T, MPI_SUM, state_->comm.get());
+    MPI_Allreduce(MPI_IN_PLACE, &statistics.error_asked, 2, MPI_DOUBLE, MPI_MAX, state_->comm.get());
     return statistics;
   }
 

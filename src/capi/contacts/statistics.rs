@@ -65,12 +65,11 @@ pub struct rayc_statistics {
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
     /// left to tell. docs/architecture.md says how they are known.
     pub tangled_pairs: u64,
-    /// By what part of the force a pair's net force and torque were allowed to be off (RAYC_SAMPLING_ACCURACY, more in crowds): the
-    /// most of all pairs; 0 where no pair was sampled by accuracy.
+    /// By what part of the force a pair was allowed to be off, the most of all pairs (RAYC_SAMPLING_ACCURACY, more in crowds).
     pub error_asked: f64,
-    /// By what part of the sizes of all forces a pair's are expected to be off, the most of all pairs: the root of the sum of the squares of
-    /// what each sample may be off. An estimate, not a bound. Where the sampling ended before it was fine enough
-    /// (uncut_pieces), it is larger than error_asked.
+    /// By what part of the sizes of all its forces a pair is expected to be off, the most of all pairs: the root of the sum of
+    /// the squares of what each sample may be off. An estimate, not a bound; more than was asked for where the sampling ended
+    /// too early (uncut_pieces).
     pub error_estimated: f64,
 }
 
@@ -78,14 +77,10 @@ growing!(rayc_statistics, escapes_forbidden: u64);
 
 impl rayc_statistics {
     pub(super) fn of(found: Statistics, contacts: usize) -> Self {
+        let Statistics { error_asked, error_estimated, .. } = found;
         macro_rules! copy {
             ($($counter:ident),*) => {
-                Self {
-                    contacts: contacts as u64,
-                    error_asked: found.error_asked,
-                    error_estimated: found.error_estimated,
-                    $($counter: found.$counter),*
-                }
+                Self { contacts: contacts as u64, error_asked, error_estimated, $($counter: found.$counter),* }
             };
         }
         with_counters!(copy)

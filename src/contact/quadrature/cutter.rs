@@ -1,16 +1,21 @@
 use crate::contact::point_pair::SurfacePoint;
 use crate::contact::quadrature::corners::{Corners, DEEPEST, longest_edge};
 use crate::contact::quadrature::sample::{Sample, Sampling, WHOLE};
-use crate::math::{Aabb, Scalar, Vector3};
+use crate::contact::statistics::Statistics;
+use crate::math::{Aabb, Scalar, Vector3, direction, length};
+use crate::memory::Room;
 use crate::mesh::Mesh;
+use crate::query::Tracer;
 
 /// Cuts triangles into pieces of the size asked for.
 pub(crate) struct Cutter<'a, T: Scalar> {
-    pub(crate) region: &'a Aabb<T>,
+    region: &'a Aabb<T>,
     /// The square of the longest edge that a piece may have.
-    pub(crate) longest_allowed: T,
+    longest_allowed: T,
     /// Pieces left larger than asked.
-    pub(crate) uncut: u64,
+    uncut: u64,
+    /// Triangles in the region that have no normal.
+    without_normal: u64,
     halvings_left: u32,
 }
 
@@ -60,7 +65,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         };
         // A region that is no more than a line or a point gives no measure: one ray for each triangle then.
         let longest_allowed = if squared_spacing > T::zero() { squared_spacing * T::of(2.0) } else { T::INFINITY };
-        Some(Self { region, longest_allowed, uncut: 0, halvings_left })
+        Some(Self { region, longest_allowed, uncut: 0, without_normal: 0, halvings_left })
     }
 
     /// The same with so many times as few rays.
@@ -69,24 +74,36 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         self
     }
 
-    /// Offers the triangle's pieces whose middles lie in the region, given its normal and area.
-    pub(crate) fn cut(
-        &mut self,
-        mesh: &Mesh<T>,
-        triangle: u32,
-        normal: Vector3<T>,
-        area: T,
-        offer: &mut impl FnMut(Sample<T>),
-    ) {
-        let face = Face { triangle, vertices: mesh.topology().triangles()[triangle as usize], normal };
-        let corners = Corners::of_triangle(mesh.corners(triangle));
-        self.halve(&face, &Piece { corners, area, depth: 0, number: WHOLE }, offer);
+    /// Counts pieces left larger than asked, and triangles without a normal.
+    pub(crate) fn count(&self, statistics: &mut Statistics) {
+        statistics.uncut_pieces += self.uncut;
+        statistics.without_normal += self.without_normal;
     }
 
-    /// Halves the piece at the middle of its longest edge until that edge is short enough, and offers the middle of
-    /// each part that lies in the region. Parts beside the region are dropped whole, so that a floor costs what lies
-    /// under the body.
-    fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, offer: &mut impl FnMut(Sample<T>)) {
+    /// Adds the pieces of all triangles of some groups.
+    pub(crate) fn cut_groups(&mut self, own: &Tracer<'_, T>, groups: &[u32], samples: &mut Vec<Sample<T>>) {
+        groups.iter().for_each(|&group| own.triangles_of(group, |triangle| self.cut(own.mesh(), triangle, samples)));
+    }
+
+    /// Adds the triangle's pieces whose middles lie in the region.
+    fn cut(&mut self, mesh: &Mesh<T>, triangle: u32, samples: &mut Vec<Sample<T>>) {
+        let corners = Corners::of_triangle(mesh.corners(triangle));
+        if !Aabb::of_triangle(&corners.positions).overlaps(self.region) {
+            return;
+        }
+        let scaled = mesh.scaled_normal(triangle);
+        let Some(normal) = direction(&scaled) else {
+            self.without_normal += 1;
+            return;
+        };
+        let face = Face { triangle, vertices: mesh.topology().triangles()[triangle as usize], normal };
+        let area = length(&scaled) * T::of(0.5);
+        self.halve(&face, &Piece { corners, area, depth: 0, number: WHOLE }, samples);
+    }
+
+    /// Halves the piece at the middle of its longest edge until that edge is short enough, and adds the middle of each part that
+    /// lies in the region. Parts beside the region are dropped whole, so that a floor costs what lies under the body.
+    fn halve(&mut self, face: &Face<T>, piece: &Piece<T>, samples: &mut Vec<Sample<T>>) {
         if !Aabb::of_triangle(&piece.corners.positions).overlaps(self.region) {
             return;
         }
@@ -99,7 +116,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
                 let (area, depth) = (piece.area * T::of(0.5), piece.depth + 1);
                 for (half, corners) in (0..).zip(halves) {
                     let number = piece.number.wrapping_mul(2).wrapping_add(half);
-                    self.halve(face, &Piece { corners, area, depth, number }, offer);
+                    self.halve(face, &Piece { corners, area, depth, number }, samples);
                 }
                 return;
             }
@@ -109,7 +126,7 @@ impl<'a, T: Scalar> Cutter<'a, T> {
         if self.region.contains(&position) {
             let point =
                 SurfacePoint { triangle: face.triangle, vertices: face.vertices, weights: weights.into(), position };
-            offer(Sample { point, normal: face.normal, area: piece.area, piece: piece.number });
+            samples.room_for(1).push(Sample { point, normal: face.normal, area: piece.area, piece: piece.number });
         }
     }
 }
@@ -122,11 +139,11 @@ mod tests {
     const EVERYWHERE: Aabb<f64> = Aabb { lower: Vector3::new(-1e9, -1e9, -1e9), upper: Vector3::new(1e17, 1e17, 1e17) };
 
     /// The areas of the pieces of a triangle in the region.
-    fn areas(cutter: &mut Cutter<'_, f64>, corners: [[f64; 3]; 3], area: f64) -> Vec<f64> {
+    fn areas(cutter: &mut Cutter<'_, f64>, corners: [[f64; 3]; 3]) -> Vec<f64> {
         let mesh = Mesh::open(&corners, &[[0, 1, 2]]).expect("it has an area");
-        let mut areas = Vec::new();
-        cutter.cut(&mesh, 0, Vector3::z(), area, &mut |sample| areas.push(sample.area));
-        areas
+        let mut samples = Vec::new();
+        cutter.cut(&mesh, 0, &mut samples);
+        samples.iter().map(|sample| sample.area).collect()
     }
 
     fn with_spacing(spacing: f64, region: &Aabb<f64>) -> Cutter<'_, f64> {
@@ -141,7 +158,7 @@ mod tests {
     fn triangles_are_halved_until_no_side_is_longer_than_the_diagonal_of_a_square_of_the_spacing() {
         for (spacing, pieces) in [(1.0, 64), (1.01, 64), (0.99, 128), (2.0, 16), (7.99, 2), (8.0, 1)] {
             let mut cutter = with_spacing(spacing, &EVERYWHERE);
-            assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), vec![32.0 / pieces as f64; pieces], "{spacing}");
+            assert_eq!(areas(&mut cutter, HALF_A_SQUARE), vec![32.0 / pieces as f64; pieces], "{spacing}");
             assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (pieces as u32 - 1, 0));
         }
     }
@@ -151,9 +168,9 @@ mod tests {
     fn pieces_left_uncut_are_counted() {
         let mut cutter = with_spacing(2.9, &EVERYWHERE);
         cutter.halvings_left = 3;
-        assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), [4.0, 4.0, 8.0, 16.0]);
+        assert_eq!(areas(&mut cutter, HALF_A_SQUARE), [4.0, 4.0, 8.0, 16.0]);
         assert_eq!(cutter.uncut, 2);
-        assert_eq!(areas(&mut cutter, HALF_A_SQUARE, 32.0), [32.0]);
+        assert_eq!(areas(&mut cutter, HALF_A_SQUARE), [32.0]);
         assert_eq!(cutter.uncut, 3);
     }
 
@@ -162,7 +179,7 @@ mod tests {
     fn halves_of_halves_come_to_an_end() {
         let tiny = Aabb { lower: Vector3::repeat(-1e-60), upper: Vector3::repeat(1e-60) };
         let mut cutter = with_spacing(1e-40, &tiny);
-        assert_eq!(areas(&mut cutter, [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 0.5), [0.0; 0]);
+        assert_eq!(areas(&mut cutter, [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]), [0.0; 0]);
         assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (u32::from(DEEPEST), 0));
     }
 
@@ -172,7 +189,7 @@ mod tests {
         let far = 2f64.powi(53);
         let mut cutter = with_spacing(1e-3, &EVERYWHERE);
         let corners = [[far, far, 0.0], [far + 2.0, far, 0.0], [far, far + 2.0, 0.0]];
-        assert_eq!(areas(&mut cutter, corners, 2.0), [1.0, 1.0]);
+        assert_eq!(areas(&mut cutter, corners), [1.0, 1.0]);
         assert_eq!((MOST_HALVINGS - cutter.halvings_left, cutter.uncut), (1, 0));
     }
 }

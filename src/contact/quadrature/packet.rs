@@ -27,8 +27,6 @@ pub(crate) struct SamplePacket<T: Scalar> {
 pub(crate) struct KnownDistances<T> {
     pub(crate) lanes: Mask,
     pub(crate) distances: [T; LANE_COUNT],
-    /// Of the middles of elements, which stand for all of them, and not of the samples themselves.
-    pub(crate) are_of_elements: bool,
 }
 
 impl<T: Scalar> SamplePacket<T> {
@@ -39,7 +37,7 @@ impl<T: Scalar> SamplePacket<T> {
             indices: [0; LANE_COUNT],
             weights: [[T::zero(); LANE_COUNT]; 3],
             pieces: [if are_vertices { VERTEX } else { WHOLE }; LANE_COUNT],
-            known: KnownDistances { lanes: 0, distances: [T::zero(); LANE_COUNT], are_of_elements: false },
+            known: KnownDistances { lanes: 0, distances: [T::zero(); LANE_COUNT] },
         }
     }
 
@@ -68,14 +66,9 @@ impl<T: Scalar> SamplePacket<T> {
     }
 
     /// The same for elements.
-    pub(crate) fn take_elements(&mut self, samples: &[MeasuredSample<T>], next: &mut usize) -> bool {
+    pub(crate) fn take_measured(&mut self, samples: &[MeasuredSample<T>], next: &mut usize) -> bool {
         let taken = &samples[*next..samples.len().min(*next + LANE_COUNT)];
         *next += taken.len();
-        self.known.are_of_elements = true;
-        self.set_measured(taken)
-    }
-
-    fn set_measured(&mut self, taken: &[MeasuredSample<T>]) -> bool {
         self.known.lanes = 0;
         for (lane, measured) in taken.iter().enumerate() {
             self.set_sample(lane, &measured.sample);

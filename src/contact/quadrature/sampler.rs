@@ -1,70 +1,74 @@
 //! Samples of one body's surface, a packet at a time.
 
 use crate::contact::quadrature::cutter::Cutter;
-use crate::contact::quadrature::face_source::FaceSource;
 use crate::contact::quadrature::packet::SamplePacket;
-use crate::contact::quadrature::pieces::{Pieces, Starts};
-use crate::contact::quadrature::sample::Sample;
+use crate::contact::quadrature::sample::{MeasuredSample, Sample};
 use crate::contact::statistics::Statistics;
 use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 use crate::query::Tracer;
 use crate::simd::{Kernel, LANE_COUNT, Lanes};
 
+/// Where rays start.
+#[derive(Clone, Copy)]
+pub(crate) enum Starts<'a, T: Scalar> {
+    /// From the vertices of these groups.
+    Groups(&'a [u32]),
+    /// From these.
+    Samples(&'a [Sample<T>]),
+    /// From these, in the middles of elements.
+    Measured(&'a [MeasuredSample<T>]),
+}
+
+impl<T: Scalar> Starts<'_, T> {
+    /// How many steps it takes to go through them.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Groups(groups) => groups.len(),
+            Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
+            Self::Measured(samples) => samples.len().div_ceil(LANE_COUNT),
+        }
+    }
+}
+
 /// Fills packets with the samples of one body inside a region.
 pub(crate) struct Sampler<'a, T: Scalar> {
     own: &'a Tracer<'a, T>,
     starts: Starts<'a, T>,
-    /// The next vertex or group.
+    /// The next vertex or sample.
     next: usize,
-    /// Instead of vertices, or of samples that are given.
-    faces: Option<FaceSource<'a, T>>,
-    /// Room for the pieces of a triangle.
-    pieces: &'a mut Pieces<T>,
     vertices: &'a mut Vec<u32>,
     /// How many vertices in the region have no normal.
     without_normal: u64,
 }
 
 impl<'a, T: Scalar> Sampler<'a, T> {
-    /// Without a cutter samples are vertices in `region`. `pieces` and `vertices` are scratch memory.
+    /// `vertices` is scratch memory.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new<L: Lanes<T>>(
         own: &'a Tracer<'a, T>,
         region: &Aabb<T>,
         starts: Starts<'a, T>,
-        cutter: Option<Cutter<'a, T>>,
-        pieces: &'a mut Pieces<T>,
         vertices: &'a mut Vec<u32>,
     ) -> Self {
-        // Where memory ended on the way, some are left.
-        pieces.clear();
         vertices.clear();
-        let faces = match starts {
-            Starts::Samples(_) | Starts::Measured(_) => None,
-            Starts::Groups(_) => cutter.map(FaceSource::new),
-        };
-        if let (Starts::Groups(groups), None) = (starts, &faces) {
+        if let Starts::Groups(groups) = starts {
             // A closure would be compiled without the lanes' instructions.
             for &group in groups {
                 own.add_vertices_in::<L>(group, region, vertices);
             }
         }
-        Self { own, starts, next: 0, faces, pieces, vertices, without_normal: 0 }
+        Self { own, starts, next: 0, vertices, without_normal: 0 }
     }
 
     /// A packet for these samples.
     pub(crate) fn packet(&self) -> SamplePacket<T> {
-        SamplePacket::new(self.faces.is_none() && matches!(self.starts, Starts::Groups(_)))
+        SamplePacket::new(matches!(self.starts, Starts::Groups(_)))
     }
 
-    /// Counts samples that cast no ray, and pieces left larger than asked.
+    /// Counts vertices that cast no ray.
     pub(crate) fn count(&self, statistics: &mut Statistics) {
         statistics.without_normal += self.without_normal;
-        if let Some(faces) = &self.faces {
-            statistics.without_normal += faces.without_normal;
-            statistics.uncut_pieces += faces.cutter.uncut;
-        }
     }
 
     /// The next packet of samples; false where there are no more.
@@ -72,11 +76,8 @@ impl<'a, T: Scalar> Sampler<'a, T> {
     pub(crate) fn fill<L: Lanes<T>>(&mut self, packet: &mut SamplePacket<T>) -> bool {
         match self.starts {
             Starts::Samples(samples) => packet.take(samples, &mut self.next),
-            Starts::Measured(samples) => packet.take_elements(samples, &mut self.next),
-            Starts::Groups(groups) => match &mut self.faces {
-                Some(faces) => faces.fill::<L>(self.own, groups, &mut self.next, self.pieces, packet),
-                None => self.fill_from_vertices::<L>(packet),
-            },
+            Starts::Measured(samples) => packet.take_measured(samples, &mut self.next),
+            Starts::Groups(_) => self.fill_from_vertices::<L>(packet),
         }
     }
 
@@ -97,34 +98,42 @@ impl<'a, T: Scalar> Sampler<'a, T> {
     }
 }
 
-/// All samples at once, into `samples`: by vertex or triangle, and of a triangle the first half before the second.
+/// All samples at once, into `samples`: by vertex or triangle, and of a triangle the first half before the second. Without a
+/// cutter they are vertices.
 pub(crate) struct Collect<'a, T: Scalar> {
     pub(crate) own: &'a Tracer<'a, T>,
     pub(crate) region: &'a Aabb<T>,
     pub(crate) cutter: Option<Cutter<'a, T>>,
     pub(crate) groups: &'a [u32],
-    pub(crate) pieces: &'a mut Pieces<T>,
     pub(crate) vertices: &'a mut Vec<u32>,
+    pub(crate) order: &'a mut Vec<Place>,
     pub(crate) samples: &'a mut Vec<Sample<T>>,
 }
+
+/// By what a sample is sorted, and where it is in a list.
+pub(crate) type Place = ((u32, u32), u32);
 
 impl<T: Scalar> Kernel<T> for Collect<'_, T> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { own, region, cutter, groups, pieces, vertices, samples } = self;
+        let Self { own, region, cutter, groups, vertices, order, samples } = self;
         samples.clear();
-        let mut sampler = Sampler::new::<L>(own, region, Starts::Groups(groups), cutter, pieces, vertices);
-        let mut packet = sampler.packet();
-        while sampler.fill::<L>(&mut packet) {
-            let found = packet.lanes.found;
-            let lanes = (0..LANE_COUNT).filter(|lane| found >> lane & 1 == 1);
-            samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
+        if let Some(mut cutter) = cutter {
+            cutter.cut_groups(own, groups, samples);
+        } else {
+            let mut sampler = Sampler::new::<L>(own, region, Starts::Groups(groups), vertices);
+            let mut packet = sampler.packet();
+            while sampler.fill::<L>(&mut packet) {
+                let found = packet.lanes.found;
+                let lanes = (0..LANE_COUNT).filter(|lane| found >> lane & 1 == 1);
+                samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
+            }
         }
         // In an order that does not depend on the layout of the tree.
-        memory::refill(&mut pieces.order, samples.iter().map(Sample::place).zip(0..));
-        sort(samples, &mut pieces.order);
+        memory::refill(order, samples.iter().map(Sample::place).zip(0..));
+        sort(samples, order);
     }
 }
 

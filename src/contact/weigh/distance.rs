@@ -21,13 +21,12 @@ pub(crate) fn distances_over_depths<T: Scalar, L: Lanes<T>>(
 ) {
     other.distances_of_packet::<L>(&packet.origin, asked & !known.lanes, &hits.t, room);
     for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
-        let is_known = known.lanes >> lane & 1 == 1;
-        if is_known && known.are_of_elements && hits.t[lane] > T::zero() {
-            cosines[lane] = known.distances[lane] / hits.t[lane];
-            continue;
-        }
-        let distance = if is_known { known.distances[lane].min(hits.t[lane]) } else { room.distances[lane] };
-        cosines[lane] = ratio(distance, hits.t[lane], cosines[lane]);
+        let is_known = known.lanes >> lane & 1 == 1 && hits.t[lane] > T::zero();
+        cosines[lane] = if is_known {
+            known.distances[lane] / hits.t[lane]
+        } else {
+            ratio(room.distances[lane], hits.t[lane], cosines[lane])
+        };
     }
 }
 
