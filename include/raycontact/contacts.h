@@ -394,14 +394,13 @@ typedef struct rayc_statistics {
    */
   uint64_t tangled_pairs;
   /**
-   * By what part of the force a pair's net force and torque were allowed to be off (RAYC_SAMPLING_ACCURACY, more in crowds): the
-   * most of all pairs; 0 where no pair was sampled by accuracy.
+   * By what part of the force a pair was allowed to be off, the most of all pairs (RAYC_SAMPLING_ACCURACY, more in crowds).
    */
   double error_asked;
   /**
-   * By what part of the sizes of all forces a pair's are expected to be off, the most of all pairs: the root of the sum of the squares of
-   * what each sample may be off. An estimate, not a bound. Where the sampling ended before it was fine enough
-   * (uncut_pieces), it is larger than error_asked.
+   * By what part of the sizes of all its forces a pair is expected to be off, the most of all pairs: the root of the sum of
+   * the squares of what each sample may be off. An estimate, not a bound; more than was asked for where the sampling ended
+   * too early (uncut_pieces).
    */
   double error_estimated;
 } rayc_statistics;
