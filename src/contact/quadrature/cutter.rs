@@ -87,18 +87,26 @@ impl<'a, T: Scalar> Cutter<'a, T> {
 
     /// Adds the triangle's pieces whose middles lie in the region.
     fn cut(&mut self, mesh: &Mesh<T>, triangle: u32, samples: &mut Vec<Sample<T>>) {
-        let corners = Corners::of_triangle(mesh.corners(triangle));
-        if !Aabb::of_triangle(&corners.positions).overlaps(self.region) {
+        let [a, b, c] = mesh.corners(triangle);
+        if !Aabb::of_triangle(&[a, b, c]).overlaps(self.region) {
             return;
         }
-        let scaled = mesh.scaled_normal(triangle);
+        let (ab, ac) = (b - a, c - a);
+        let scaled = ab.cross(&ac);
         let Some(normal) = direction(&scaled) else {
             self.without_normal += 1;
             return;
         };
-        let face = Face { triangle, vertices: mesh.topology().triangles()[triangle as usize], normal };
-        let area = length(&scaled) * T::of(0.5);
-        self.halve(&face, &Piece { corners, area, depth: 0, number: WHOLE }, samples);
+        let vertices = mesh.topology().triangles()[triangle as usize];
+        let (area, corners) = (length(&scaled) * T::of(0.5), Corners::of_triangle([a, b, c]));
+        let longest = ab.norm_squared().max(ac.norm_squared()).max((c - b).norm_squared());
+        let (face, whole) = (Face { triangle, vertices, normal }, Piece { corners, area, depth: 0, number: WHOLE });
+        // Most triangles of fine meshes are short enough.
+        if longest <= self.longest_allowed {
+            self.add(&face, &whole, samples);
+        } else {
+            self.halve(&face, &whole, samples);
+        }
     }
 
     /// Halves the piece at the middle of its longest edge until that edge is short enough, and adds the middle of each part that
@@ -122,6 +130,11 @@ impl<'a, T: Scalar> Cutter<'a, T> {
             }
             _ => self.uncut += u64::from(halves.is_some()),
         }
+        self.add(face, piece, samples);
+    }
+
+    /// Adds the middle of a piece, if it lies in the region.
+    fn add(&self, face: &Face<T>, piece: &Piece<T>, samples: &mut Vec<Sample<T>>) {
         let (position, weights) = piece.corners.middle();
         if self.region.contains(&position) {
             let point =
