@@ -7,10 +7,11 @@ use crate::mesh::Mesh;
 pub enum Sampling<T: Scalar> {
     /// Where the load needs them: from patches of nearly flat, connected triangles, from triangles, or from parts of
     /// triangles, each as large as leaves the net force of each pair, and its torque over the overlap box's half diagonal,
-    /// within about this part of the force, in (0, 1]. Few large ones are halved where the other surface crosses them, where
-    /// the depth bends, and where they carry much of the load, by the depth below the other body's surface that is measured in
-    /// their middles. So it is an estimate, not a bound: half of all are within 0.6 of it, nearly all within twice. Their
-    /// number hardly depends on the triangulation. Default: 0.01.
+    /// within about this part of the sizes of all its forces, in (0, 1]; where they cancel, the net force is little of that.
+    /// Few large ones are halved where the other surface crosses them, where the depth bends, and where they carry much of the
+    /// load, by the depth below the other body's surface that is measured in their middles. So it is an estimate, not a bound:
+    /// half of all are within 0.6 of it, nearly all within twice. Their number hardly depends on the triangulation.
+    /// Default: 0.01.
     ///
     /// In a scene, where both bodies of a pair overlap more than 12 others, n at the least, by their boxes, it is n/12 times
     /// as much, at most 16 times: what pushes a body is off by less, since the errors of many pairs are independent. Such pairs
