@@ -4,13 +4,14 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 usage() {
     cat <<END
-usage: scripts/penetration.sh [--quick|--full|--check]
+usage: scripts/penetration.sh [--quick|--full|--own|--check]
 
 Runs evaluation/penetration-benchmark/ in a virtual environment of its own in target/penetration, with this library as a wheel and
 its peers from PyPI and Debian, in fixed versions.
   --quick   (default) every tenth pose; the CSV files go to target/penetration/quick. A few minutes
   --full    installs the peers, runs all poses, scenes and bodies, and renews the CSV files in docs/penetration, the
             charts beside them and the tables of docs/penetration.md. About an hour
+  --own     without peers: renews docs/penetration/quick, this library's own answers that --check asks for. A minute
   --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
             still answers as in docs/penetration/quick. Under a minute
 Exit status: 0 when done, 1 when something fails, 2 for a wrong command line.
@@ -19,7 +20,7 @@ END
 
 size="${1:---quick}"
 case "$size" in
-    --quick | --full | --check) ;;
+    --quick | --full | --own | --check) ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
@@ -43,6 +44,20 @@ if [[ $size == --check ]]; then
     exit 0
 fi
 
+run() { "$environment/bin/python" -m penetration_benchmark "$@" || fail 'a task failed, see above'; }
+docs="$root/docs/penetration"
+renew_own() {
+    run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper,raycontact-own-exits \
+        --tasks measure,free,detect,simulate,self
+    mkdir -p "$docs/quick"
+    cp "$folder/own"/*.csv "$docs/quick/"
+}
+if [[ $size == --own ]]; then
+    say 'Measuring'
+    renew_own
+    exit 0
+fi
+
 say 'Installing and building the peers'
 install_packages libembree-dev libbullet-dev
 "$environment/bin/pip" install "${peers[@]}" || fail "pip could not install ${peers[*]}"
@@ -55,7 +70,6 @@ cc -std=c99 "${flags[@]}" c/embree.c -o "$PENETRATION_BUILD/embree.so" -lembree3
         -lBulletCollision -lLinearMath || fail 'the peers behind c/penetration.h could not be built'
 
 say 'Measuring'
-run() { "$environment/bin/python" -m penetration_benchmark "$@" || fail 'a task failed, see above'; }
 if [[ $size == --quick ]]; then
     run "$folder/quick" --share 0.1
     say "Figures: $folder/quick"
@@ -66,14 +80,9 @@ run "$folder/full" --tasks detect,measure,intersecting,simulate,self
 run "$folder/free" --tasks free --share 53 \
     --libraries raycontact,raycontact-paper,raycontact-no-escape,embree,trimesh,fcl,coal,bullet
 run "$folder/free-slow" --tasks free --share 5.3 --libraries mujoco,drake,ipc-toolkit
-# What --check asks again.
-run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper,raycontact-own-exits \
-    --tasks measure,free,detect,simulate,self
-docs="$root/docs/penetration"
-mkdir -p "$docs/quick"
+renew_own
 cp "$folder/full"/*.csv "$docs/"
 { cat "$folder/free/free.csv" && tail --lines=+2 "$folder/free-slow/free.csv"; } >"$docs/free.csv"
-cp "$folder/own"/*.csv "$docs/quick/"
 "$environment/bin/python" "$root/scripts/draw_penetration.py" "$docs" || fail 'the charts could not be drawn, see above'
 "$environment/bin/python" "$root/scripts/tabulate_penetration.py" "$root/docs" || fail 'the tables could not be written'
 say "Figures and charts: $docs"

@@ -15,8 +15,8 @@ pub enum rayc_sampling {
     /// Where the load needs them: from patches of connected, nearly flat triangles, from triangles, or from parts of
     /// triangles, halved where the other surface crosses them, where the depth bends, and where they carry much of the load,
     /// until the error is about the one allowed. sampling_value is that error, in (0, 1]: by how much each pair's net force,
-    /// and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of the sizes of all
-    /// forces, of which the net force is little where they cancel; 0 stands for 0.01. It is an estimate, not a bound.
+    /// and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of that force, or of a
+    /// tenth of the sizes of all forces where these cancel; 0 stands for 0.01. It is an estimate, not a bound.
     ///
     /// In a crowd each pair may be off by more: where the boxes of both bodies overlap those of at least n others, n > 12,
     /// n / 12 times as much, at most 16 times. Such pairs are counted as crowded_pairs in rayc_statistics.

@@ -65,10 +65,10 @@ pub struct rayc_statistics {
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
     /// left to tell. docs/architecture.md says how they are known.
     pub tangled_pairs: u64,
-    /// By what part of all its forces a pair was allowed to be off, the most of all (RAYC_SAMPLING_ACCURACY, more in crowds).
+    /// By what part of its net force a pair was allowed to be off, the most of all (RAYC_SAMPLING_ACCURACY, more in crowds).
     pub error_asked: f64,
-    /// By what part of the sizes of all its forces a pair is expected to be off, the most of all pairs: the root of the sum of
-    /// the squares of what each sample may be off. An estimate, not a bound. It may be more than was asked for: a third at
+    /// By what part of its net force, or of a tenth of the sizes of all its forces if that is more, a pair is expected to be
+    /// off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a bound. It may be more than was asked for: a third at
     /// 0.01, four times at 0.1 (docs/options.md), and any number of times where the sampling ended too early (uncut_pieces).
     pub error_estimated: f64,
 }

@@ -98,7 +98,8 @@ pub(crate) struct Element<T: Scalar> {
     bend: T,
     /// How steeply the depth changes along it.
     slope: T,
-    /// Its part of the load, for unit stiffness, and how far that may be off; known once it is measured.
+    /// How far it pushes the first body, for unit stiffness, how hard, and how far that may be off; known once it is measured.
+    pub(crate) push: Vector3<T>,
     pub(crate) load: T,
     pub(crate) error: T,
     /// How much of it counts: its parts fade in.
@@ -164,6 +165,7 @@ impl<T: Scalar> Element<T> {
             near: None,
             bend: T::zero(),
             slope: T::one(),
+            push: Vector3::zeros(),
             load: T::zero(),
             error: T::zero(),
             weight: T::one(),
@@ -259,7 +261,9 @@ impl<T: Scalar> Element<T> {
     pub(crate) fn assess(&mut self, thickness: T, shares: [T; 2]) {
         let share = shares[usize::from(self.body)];
         let cut = self.cut(thickness);
-        self.load = share * length(&self.vector) * (self.depth.max(T::zero()) + cut);
+        let pressure = share * (self.depth.max(T::zero()) + cut);
+        self.push = self.vector * if self.body == 0 { -pressure } else { pressure };
+        self.load = length(&self.vector) * pressure;
         let unseen = self.radius.min(thickness) * T::of(UNSEEN) * (self.radius / self.depth.abs()).min(T::one());
         self.error = share * self.area * (self.bend + cut).max(unseen);
     }

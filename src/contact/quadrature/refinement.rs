@@ -7,7 +7,7 @@ use crate::contact::pair::Pair;
 use crate::contact::quadrature::element::{Element, Frame, Side};
 use crate::contact::quadrature::sample::{MeasuredSample, Sampling};
 use crate::contact::statistics::Statistics;
-use crate::math::{Aabb, Scalar, Vector3, direction, margins};
+use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::query::{PatchesOfGroups, PointDistances};
@@ -24,6 +24,8 @@ const ERROR_BY_CHANCE: f64 = 0.85;
 const SYSTEMATIC: f64 = 0.01;
 /// But it may always be off by this part of the tolerance, or by so many times its square, whichever is less.
 const ERROR_AT_ONCE: [f64; 2] = [0.1, 3.0];
+/// Where the forces of a pair cancel, errors are held against so much of their load.
+const LEAST_FORCE: f64 = 0.1;
 /// An element is halved where it carries more than this of the load.
 const LARGEST_SHARE: f64 = 1.0 / 40.0;
 /// Halves fade in while the error grows from the limit to so many times that,
@@ -58,7 +60,7 @@ struct Counts {
     without_normal: u64,
     /// Samples that stand for patches of several triangles.
     patches: u64,
-    /// By what part the load may be off, and by what part it is expected to be.
+    /// By what part the net force may be off, and by what part it is expected to be.
     asked: f64,
     estimated: f64,
 }
@@ -105,7 +107,9 @@ impl<T: Scalar> Kernel<T> for Refinement<'_, '_, T> {
                 quadrature.counts.asked = size.tolerance.to_f64();
                 let [fewest, most] = MOST_ELEMENTS;
                 quadrature.most = (ELEMENTS_AT_TOLERANCE_OF_ONE / size.tolerance.to_f64()).clamp(fewest, most) as usize;
-                quadrature.start::<L>(pair, &frame, patches, Largest::Area(size.largest()));
+                // Above this area no part of the whole is left.
+                let largest = Largest::Area(size.first * T::of(AREA_FADE));
+                quadrature.start::<L>(pair, &frame, patches, largest);
                 quadrature.refine::<L>(pair, &frame, &size);
             }
             Sampling::Spacing(spacing) => {
@@ -141,7 +145,7 @@ impl<T: Scalar> Largest<T> {
 struct Size<T: Scalar> {
     /// The area of the first ones.
     first: T,
-    /// How far the load of all may be off.
+    /// How far the net force may be off.
     tolerance: T,
     /// What part of the load one element may carry.
     largest_share: T,
@@ -170,11 +174,6 @@ impl<T: Scalar> Size<T> {
         if face > T::zero() { face / (T::of(FIRST_ELEMENTS) * pair.part_of_rays) } else { T::INFINITY }
     }
 
-    /// The area above which no part of the whole is left.
-    fn largest(&self) -> T {
-        self.first * T::of(AREA_FADE)
-    }
-
     /// How much of an element its halves stand for, from 0 to 1.
     fn halved(&self, element: &Element<T>, limits: &Limits<T>) -> T {
         let ramp = ramp(element.area / self.first, AREA_FADE)
@@ -186,28 +185,29 @@ impl<T: Scalar> Size<T> {
     /// The limits that follow from what all elements carry.
     fn limits(&self, elements: &[Element<T>]) -> Limits<T> {
         // One by one, so that it does not matter which body comes first.
-        let mut sums = [[T::zero(); 3]; 2];
-        for element in elements {
-            let Element { load, error, .. } = *element;
-            let sums = &mut sums[usize::from(element.body)];
-            [load, error, error * error].iter().zip(sums).for_each(|(number, sum)| *sum += element.weight * *number);
+        let mut sums = [[T::zero(); 6]; 2];
+        for &Element { body, push, load, error, weight, .. } in elements {
+            let numbers = [push.x, push.y, push.z, load, error, error * error];
+            sums[usize::from(body)].iter_mut().zip(numbers).for_each(|(sum, number)| *sum += weight * number);
         }
-        let [load, error, square] = std::array::from_fn(|number| sums[0][number] + sums[1][number]);
+        let [x, y, z, load, error, square] = std::array::from_fn(|number| sums[0][number] + sums[1][number]);
+        // Of the net force, or where that cancels a part of all.
+        let force = length(&Vector3::new(x, y, z)).max(load * T::of(LEAST_FORCE));
         // Errors add up as if by chance, and root_of_count² of one size would add up to the same.
         let by_all = square.sqrt();
         let root_of_count = error / by_all;
-        let estimate = if load > T::zero() { by_all / load } else { T::zero() };
+        let estimate = if load > T::zero() { by_all / force } else { T::zero() };
         let by_chance = T::of(ERROR_BY_CHANCE) * (self.tolerance / T::of(SYSTEMATIC)).min(T::one()) / root_of_count;
         let always = T::of(ERROR_AT_ONCE[0]).min(T::of(ERROR_AT_ONCE[1]) * self.tolerance);
-        Limits { error: load * self.tolerance * by_chance.max(always), load: load * self.largest_share, estimate }
+        Limits { error: force * self.tolerance * by_chance.max(always), load: load * self.largest_share, estimate }
     }
 }
 
-/// How far the load of an element may be off, and how large it may be.
+/// How far an element's load may be off, and how large it may be.
 struct Limits<T> {
     error: T,
     load: T,
-    /// By what part the load of all is expected to be off.
+    /// By what part the net force is expected to be off.
     estimate: T,
 }
 

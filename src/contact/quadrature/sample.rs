@@ -7,7 +7,7 @@ use crate::mesh::Mesh;
 pub enum Sampling<T: Scalar> {
     /// Where the load needs them: from patches of nearly flat, connected triangles, from triangles, or from parts of
     /// triangles, each as large as leaves the net force of each pair, and its torque over the overlap box's half diagonal,
-    /// within about this part of the sizes of all its forces, in (0, 1]; where they cancel, the net force is little of that.
+    /// within about this part of that force, in (0, 1], or of a tenth of the sizes of all its forces where these cancel.
     /// Few large ones are halved where the other surface crosses them, where the depth bends, and where they carry much of the
     /// load, by the depth below the other body's surface that is measured in their middles. So it is an estimate, not a bound:
     /// half of all are within 0.6 of it, nearly all within twice. Their number hardly depends on the triangulation.

@@ -136,7 +136,7 @@ fn hard_overlaps_keep_near_the_tolerance_too() {
             let moved = second.turned(turn * random.signed(), turn * random.signed());
             let meshes = [first.mesh(), moved.moved(random.point(way)).mesh::<f64>()];
             let found = detect(&meshes, Layout::Bvh, Sampling::Accuracy(tolerance));
-            let errors = errors_against(&meshes, &found, 60_000.0);
+            let errors = errors_against(&meshes, &found, 20_000.0);
             let error = errors[0].max(errors[1]);
             println!("{name}, pose {pose}: {} contacts, off by {error}", found.len());
             assert!(error <= 3.0 * tolerance, "{name}, pose {pose}: {error}");
@@ -147,6 +147,37 @@ fn hard_overlaps_keep_near_the_tolerance_too() {
     let middle = all.len() / 2;
     println!("median {}", all[middle]);
     assert!(all[middle] <= 0.6 * tolerance, "{}", all[middle]);
+}
+
+/// Bodies pressed between others: the net force is a tenth of all forces or less, and errors are held against that tenth. They
+/// are less independent there, so the worst may be five times what was asked.
+#[test]
+fn where_forces_cancel_an_accuracy_is_a_part_of_what_is_left() {
+    let box_of = |[x, y, z]: [f64; 3]| shapes::cube(1).map(move |[a, b, c]| [0.5 * x * a, 0.5 * y * b, 0.5 * z * c]);
+    let wall = |x| box_of([0.4, 3.0, 1.0]).moved([x, 0.0, 0.0]);
+    let ball = shapes::sphere(3).moved([0.1, 0.2, 0.0]);
+    let overlaps = [
+        ("ball with its middle in a sheet", ball.clone(), box_of([3.0, 3.0, 0.02]), [0.1, 0.001], 200_000.0),
+        ("ball with its middle in a plate", ball, box_of([3.0, 3.0, 0.1]), [0.1, 0.005], 200_000.0),
+        ("block between walls", box_of([1.04, 2.0, 1.0]), wall(-0.7).joined(&wall(0.7)), [0.03, 0.005], 20_000.0),
+    ];
+    let mut random = Random::new(91_101);
+    for (name, first, second, [turn, way], dense) in overlaps {
+        for pose in 0..8 {
+            let moved = second.turned(turn * random.signed(), turn * random.signed());
+            let meshes = [first.mesh(), moved.moved(random.point(way)).mesh::<f64>()];
+            let found = detect(&meshes, Layout::Bvh, Sampling::Accuracy(0.01));
+            let [force, torque] = errors_against(&meshes, &found, dense);
+            let Statistics { error_estimated, uncut_pieces, .. } = found.statistics;
+            let what = format!(
+                "{name}, pose {pose}: {} contacts, off by {force}, {torque}, {error_estimated} estimated, {uncut_pieces} uncut",
+                found.len()
+            );
+            println!("{what}");
+            assert!(force <= 0.05 && torque <= 0.05, "{what}");
+            assert!(found.len() < 12_000, "{what}");
+        }
+    }
 }
 
 /// Two cubes, one a little into the other's top and beside its middle: the force is the integral over the area that they share of
