@@ -394,12 +394,12 @@ typedef struct rayc_statistics {
    */
   uint64_t tangled_pairs;
   /**
-   * By what part of all its forces a pair was allowed to be off, the most of all (RAYC_SAMPLING_ACCURACY, more in crowds).
+   * By what part of its net force a pair was allowed to be off, the most of all (RAYC_SAMPLING_ACCURACY, more in crowds).
    */
   double error_asked;
   /**
-   * By what part of the sizes of all its forces a pair is expected to be off, the most of all pairs: the root of the sum of
-   * the squares of what each sample may be off. An estimate, not a bound. It may be more than was asked for: a third at
+   * By what part of its net force, or of a tenth of the sizes of all its forces if that is more, a pair is expected to be
+   * off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a bound. It may be more than was asked for: a third at
    * 0.01, four times at 0.1 (docs/options.md), and any number of times where the sampling ended too early (uncut_pieces).
    */
   double error_estimated;
@@ -423,8 +423,8 @@ typedef enum rayc_sampling {
    * Where the load needs them: from patches of connected, nearly flat triangles, from triangles, or from parts of
    * triangles, halved where the other surface crosses them, where the depth bends, and where they carry much of the load,
    * until the error is about the one allowed. sampling_value is that error, in (0, 1]: by how much each pair's net force,
-   * and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of the sizes of all
-   * forces, of which the net force is little where they cancel; 0 stands for 0.01. It is an estimate, not a bound.
+   * and its torque over the overlap box's half diagonal, may differ from the exact ones, as a part of that force, or of a
+   * tenth of the sizes of all forces where these cancel; 0 stands for 0.01. It is an estimate, not a bound.
    *
    * In a crowd each pair may be off by more: where the boxes of both bodies overlap those of at least n others, n > 12,
    * n / 12 times as much, at most 16 times. Such pairs are counted as crowded_pairs in rayc_statistics.
