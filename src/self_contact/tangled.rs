@@ -30,7 +30,7 @@ const FEWEST_CLOSE: usize = 12;
 
 /// For the rays of other bodies, a body is tangled if the tiles on their way times the triangles that each touches are this many.
 /// Bodies of coarse parts that overlap have up to 20, one of 224 triangles thrown anywhere has 780.
-const TILES_TIMES_TOUCHING: usize = 32;
+const TILES_TIMES_TOUCHING: usize = 64;
 /// How many random pairs are tried for each triangle then, since few touch where few triangles are large,
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
 /// and how many must touch at least: fewer may be chance in a body that passes through itself in one place.
