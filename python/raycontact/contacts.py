@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import DTypeLike, NDArray
@@ -35,6 +35,16 @@ class Contacts:
 
     def __len__(self) -> int:
         return int(answer(library.rayc_contacts_count, self._handle))
+
+    def __repr__(self) -> str:
+        return f"Contacts({len(self)} contacts)"
+
+    def __getitem__(self, which: Any) -> Any:
+        """Some of to_array(), which is copied for each call, or one of its fields by name."""
+        return self.to_array()[which]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.to_array())
 
     def to_array(self) -> NDArray[Any]:
         """A copy of all contacts: kind, a ContactKind; colliding and collided, the body that the ray starts from and

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import threading
 from typing import TYPE_CHECKING, Any
@@ -30,7 +31,7 @@ class Mesh:
 
     def __init__(self, positions: Array, triangles: Array, **mesh_options: Unpack[MeshOptions]) -> None:
         x, faces = to_read(positions, "positions"), indices(rows(triangles, "triangles", "m"), "triangles")
-        self._adopt(create("mesh", options("mesh", mesh_options), [x], faces, len(faces)))
+        self._adopt(create("mesh", options("mesh", mesh_options), [x], faces, len(faces)), mesh_options)
 
     @classmethod
     def from_obj(cls, path: str | os.PathLike[str], **mesh_options: Unpack[MeshOptions]) -> Mesh:
@@ -38,12 +39,25 @@ class Mesh:
         mesh, name = cls.__new__(cls), os.fsencode(path)
         if b"\0" in name:  # where C would end it
             raise ValueError(f"path is {path!r}; give one without a null character")
-        mesh._adopt(create("mesh", options("mesh", mesh_options), name, way="create_from_obj"))
+        mesh._adopt(create("mesh", options("mesh", mesh_options), name, way="create_from_obj"), mesh_options)
         return mesh
 
-    def _adopt(self, handle: Any) -> None:
+    @classmethod
+    def from_trimesh(cls, surface: Any, **mesh_options: Unpack[MeshOptions]) -> Mesh:
+        """Takes anything that has `vertices` and `faces`, such as a trimesh.Trimesh."""
+        return cls(surface.vertices, surface.faces, **mesh_options)
+
+    def _adopt(self, handle: Any, mesh_options: MeshOptions) -> None:
         self._handle, self._octree, self._is_stale, self._octree_options = handle, NULL, True, NULL
+        self._mesh_options = mesh_options
         self._lock = threading.Lock()
+
+    def __repr__(self) -> str:
+        return f"Mesh({self.vertex_count} vertices, {self.triangle_count} triangles)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles are new meshes of the present positions and the same options; those of the tree are not kept."""
+        return functools.partial(Mesh, **self._mesh_options), (self.positions(), self.triangles())
 
     def set_positions(self, positions: Array) -> None:
         """Renews the positions of all vertices: (n, 3), in m. Where that raises Error, the old ones stay."""

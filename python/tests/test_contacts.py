@@ -181,3 +181,14 @@ def test_a_body_without_an_array_is_told():
     with pytest.raises(Error) as caught:
         contacts.add_forces([np.zeros_like(x[0]), None])
     assert caught.value.status == Status.WRONG_COUNT
+
+
+def test_contacts_are_a_sequence_that_says_how_long_it_is():
+    contacts, _ = overlapping()
+    array = contacts.to_array()
+    assert repr(contacts) == f"Contacts({len(array)} contacts)"
+    assert contacts[0] == array[0] and contacts[-1] == array[-1] and list(contacts) == list(array)
+    np.testing.assert_array_equal(contacts["depth"], array["depth"])
+    np.testing.assert_array_equal(contacts[contacts["depth"] > 0.1], array[array["depth"] > 0.1])
+    with pytest.raises(IndexError):
+        contacts[len(contacts)]

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """What can be asked of one surface, against closed forms."""
 
+import copy
+import pickle
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import raycontact
@@ -147,3 +151,18 @@ def test_obj_files(tmp_path):
     np.testing.assert_array_equal(mesh.positions(), points)
     np.testing.assert_array_equal(mesh.triangles(), triangles)
     assert raycontact.Scene().add(mesh) == 0
+
+
+def test_a_mesh_says_what_it_is_and_is_copied_whole():
+    positions, triangles = box([-1] * 3, [1] * 3)
+    mesh = Mesh.from_trimesh(SimpleNamespace(vertices=positions, faces=triangles), precision=Scalar.F32)
+    assert repr(mesh) == f"Mesh({len(positions)} vertices, {len(triangles)} triangles)"
+    moved = np.asarray(positions) + [0.1, 0.2, 0.3]
+    mesh.set_positions(moved)
+    for again in (copy.copy(mesh), copy.deepcopy(mesh), pickle.loads(pickle.dumps(mesh))):
+        mesh.set_positions(positions)  # not of the copy
+        np.testing.assert_array_equal(again.positions(), moved.astype(np.float32))
+        np.testing.assert_array_equal(again.triangles(), triangles)
+        mesh.set_positions(moved)
+    sheet = Mesh(positions, triangles[:-1], open=True)
+    assert pickle.loads(pickle.dumps(sheet)).triangle_count == len(triangles) - 1
