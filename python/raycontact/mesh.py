@@ -49,8 +49,7 @@ class Mesh:
 
     def _adopt(self, handle: Any, mesh_options: MeshOptions) -> None:
         self._handle, self._octree, self._is_stale, self._octree_options = handle, NULL, True, NULL
-        self._mesh_options = mesh_options
-        self._lock = threading.Lock()
+        self._mesh_options, self._lock = mesh_options, threading.Lock()
 
     def __repr__(self) -> str:
         return f"Mesh({self.vertex_count} vertices, {self.triangle_count} triangles)"
