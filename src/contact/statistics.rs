@@ -65,8 +65,8 @@ pub struct Statistics {
     /// [`Sampling::Accuracy`]: crate::contact::Sampling::Accuracy
     pub error_asked: f64,
     /// By what part of its net force, or of a tenth of the sizes of all its forces if that is more, a pair is expected to be
-    /// off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a bound. It may be more than was asked for: a third at
-    /// 0.01, four times at 0.1 (docs/options.md), and any number of times where the sampling ended too early (`uncut_pieces`).
+    /// off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a bound.
+    /// It may exceed what was asked (docs/options.md), most of all where the sampling ended too early (`uncut_pieces`).
     pub error_estimated: f64,
 }
 
