@@ -76,25 +76,41 @@ def types(header, library):
     """A module with the header's constants, enums and options, for people, editors and type checkers."""
     parts = [
         '"""Constants, enums and options of raycontact.h, from which this file is generated."""\n\n'
-        "from enum import IntEnum\nfrom typing import TypedDict\n\n"
+        "from enum import IntEnum\nfrom typing import TypedDict, Union\n\n"
         f'LIBRARY = "{library}"'
     ]
     for name, value in re.findall(r"^#define RAYC_(\w+) (\S+)$", header, re.MULTILINE):
         parts.append(f"{name} = {2**32 - 1 if value == 'UINT32_MAX' else ast.literal_eval(value)}")
+    names = re.findall(r"^typedef enum rayc_(\w+)", header, re.MULTILINE)
+    enums = {}
     for text, name, body in TYPE.findall(header):
         members = [(plain(text), *member.rsplit(" ", 1)) for text, member in MEMBER.findall(body + ",")]
-        title = name.title().replace("_", "")
         if name.endswith("_options"):
             settable = [member for member in members if member[1] in NUMBERS and member[2] != "reserved"]
             known = [(member, f": {NUMBERS[kind]}", text) for text, kind, member in settable]
-            parts.append(class_of(f"{title}(TypedDict, total=False)", text, known))
+            for place, (member, _, told) in enumerate(known):
+                if named := re.search(r"\b[Aa] rayc_(\w+)", told):
+                    enums[member] = title(named[1])
+                    known[place] = member, ": Union[int, str]", told
+            parts.append(class_of(f"{title(name)}(TypedDict, total=False)", text, known))
         elif "=" in members[0][1]:
             prefix = len(f"rayc_{name}_")
             known = [(member[prefix:-2], f" = {value}", text) for text, member, value in members]
-            parts.append(class_of(f"{title}(IntEnum)", text, known))
+            parts.append(class_of(f"{title(name)}(IntEnum)", text, known))
+    by_name = ", ".join(f'"{member}": {enum}' for member, enum in enums.items())
+    parts.append(f"\n\n# The enums of options, which may be given by name.\nENUMS = {{{by_name}}}")
     public = re.findall(r"^class (\w+)", "".join(parts), re.MULTILINE)
     parts.append(f'\n\n__all__ = {["NO_TRIANGLE", *public]}')
-    return "\n".join(parts) + "\n"
+    text = "\n".join(parts) + "\n"
+    # Enums and their members as they are called here.
+    for name in names:
+        text = re.sub(rf"\brayc_{name}\b", title(name), text)
+        text = re.sub(rf"\bRAYC_{name.upper()}_(?=[A-Z])", f"{title(name)}.", text)
+    return text
+
+
+def title(name):
+    return name.title().replace("_", "")
 
 
 def class_of(head, text, members):

@@ -9,9 +9,9 @@ in ascending order (slices of rows and of wider arrays too), they are used where
 where they are to be written to. The library keeps no pointer to an array. Arrays that it returns own their memory: they
 stay valid when meshes, scenes and contacts are gone.
 
-Options are keyword arguments with the names of the C header; what is not given has its default, and flags may be bools.
-Every call lets other Python threads run. Two of them must not use one scene, mesh or list of contacts at once where one
-changes it: that raises Error with Status.BUSY.
+Options are keyword arguments with the names of the C header. What is not given has its default; flags may be bools, and
+enums their names, such as sampling="vertices". Every call lets other Python threads run. Two of them must not use one
+scene, mesh or list of contacts at once where one changes it: that raises Error with Status.BUSY.
 """
 
 from . import _header

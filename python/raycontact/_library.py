@@ -26,7 +26,8 @@ class Error(RuntimeError):
 
     def __init__(self, status: int) -> None:
         self.status = _header.Status(status)
-        super().__init__(ffi.string(library.rayc_last_error_message()).decode() or self.status.name)
+        told = ffi.string(library.rayc_last_error_message()).decode().replace("RAYC_SAMPLING_", "Sampling.")
+        super().__init__(told or self.status.name)
 
 
 def version() -> str:
@@ -96,10 +97,12 @@ def options(kind: str, given: Any) -> Any:
     for name, value in given.items():
         if name not in known:
             raise TypeError(f"there is no option '{name}'; there are: {', '.join(known)}")
+        names = getattr(_header.ENUMS.get(name), "__members__", {})
         try:
-            setattr(struct, name, value)
+            setattr(struct, name, names.get(str(value).upper(), value))
         except (TypeError, OverflowError) as error:
-            raise type(error)(f"option {name}: {error}") from None
+            by_name = f"; give one of {', '.join(names).lower()}" if names else ""
+            raise type(error)(f"option {name}: {error}{by_name}") from None
     return struct
 
 

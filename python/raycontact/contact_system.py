@@ -100,8 +100,7 @@ class ContactSystem:
 
     def set_half_space_material(self, body: int, half_space: int, material: Material | None) -> None:
         """The same for a body and a half-space, counted in the order they were added."""
-        given = body, half_space, struct_of(material)
-        call(library.rayc_contact_system_set_half_space_material, self._handle, *given)
+        call(library.rayc_contact_system_set_half_space_material, self._handle, body, half_space, struct_of(material))
 
     def set_motion(self, body: int, position: Array, rotation: Array, velocity: Array, free_velocity: Array) -> None:
         """Where a rigid or moved body is and how it moves: (3,), (3, 3), and linear and angular velocity, (6,), at the

@@ -101,9 +101,8 @@ class Contacts:
     def escape_pushes(self) -> NDArray[Any]:
         """How each escaping pair is pushed as a whole: one for each such pair, with the fields of rayc_escape_push."""
         count = answer(library.rayc_contacts_escape_push_count, self._handle)
-        return copied(
-            library.rayc_contacts_copy_escape_pushes, count, self._handle, 0, count, ffi.sizeof("rayc_escape_push")
-        )
+        given = self._handle, 0, count, ffi.sizeof("rayc_escape_push")
+        return copied(library.rayc_contacts_copy_escape_pushes, count, *given)
 
 
 def query_pair(a: Mesh, b: Mesh, contacts: Contacts | None = None, **detection: Unpack[DetectionOptions]) -> Contacts:

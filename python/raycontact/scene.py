@@ -84,9 +84,8 @@ class Scene:
     def pair_memories(self) -> NDArray[Any]:
         """What each pair remembers from step to step: one for each, with the fields of rayc_pair_memory."""
         count = answer(library.rayc_scene_pair_memory_count, self._handle)
-        return copied(
-            library.rayc_scene_copy_pair_memories, count, self._handle, 0, count, ffi.sizeof("rayc_pair_memory")
-        )
+        given = self._handle, 0, count, ffi.sizeof("rayc_pair_memory")
+        return copied(library.rayc_scene_copy_pair_memories, count, *given)
 
     def save_pair_memories(self) -> bytes:
         """The same for files: a scene of the same bodies and options that restores it goes on as this, to the bit."""

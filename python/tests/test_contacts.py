@@ -3,7 +3,20 @@
 
 import numpy as np
 import pytest
-from raycontact import ContactKind, Contacts, Error, Law, Mesh, Sampling, Scene, Status, Weighting, query_pair, query_self
+from raycontact import (
+    ContactKind,
+    Contacts,
+    Error,
+    Law,
+    Mesh,
+    Sampling,
+    Scalar,
+    Scene,
+    Status,
+    Weighting,
+    query_pair,
+    query_self,
+)
 from shapes import ball, box, tetrahedron, torus
 
 
@@ -127,6 +140,14 @@ def test_options_reach_the_query():
     assert coarse is reused
     count = len(coarse)
     assert 0 < count < len(query_pair(a, b, reused, sampling=Sampling.SPACING, sampling_value=0.02))
+
+
+def test_enums_may_be_given_by_name():
+    a, b = Mesh(*tetrahedron(), precision="f32"), Mesh(*tetrahedron(0.2), precision=Scalar.F32)
+    by_name = query_pair(a, b, sampling="vertices", law="Ray_Length").to_array()
+    by_number = query_pair(a, b, sampling=Sampling.VERTICES, law=Law.RAY_LENGTH).to_array()
+    assert len(by_name) > 0
+    np.testing.assert_array_equal(by_name, by_number)
 
 
 def test_a_body_that_overlaps_itself_touches_itself():

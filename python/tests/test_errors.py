@@ -62,10 +62,11 @@ def test_arrays_that_are_none(positions, triangles, error, text):
     [
         ({"sampling": Sampling.SPACING, "sampling_value": -2.0}, Error, "sampling_value"),
         ({"sampling": Sampling.ACCURACY, "sampling_value": float("nan")}, Error, "sampling_value"),
-        ({"sampling_value": 1.5}, Error, "RAYC_SAMPLING_ACCURACY; give a part > 0 and at most 1, or 0 for the default"),
+        ({"sampling_value": 1.5}, Error, "Sampling.ACCURACY; give a part > 0 and at most 1, or 0 for the default"),
         ({"sampling": 3}, Error, "sampling"),
         ({"law": 7}, Error, "law"),
-        ({"law": "pressure"}, TypeError, "option law"),
+        ({"law": "presure"}, TypeError, "option law: .*; give one of pressure, ray_length"),
+        ({"edges": "on"}, TypeError, "option edges"),
         ({"edges": -1}, OverflowError, "option edges"),
         ({"edges": 0.5}, TypeError, "option edges"),
         ({"spacing": 0.1}, TypeError, "no option 'spacing'; there are: sampling_value, sampling, edges"),

@@ -69,6 +69,7 @@ def test_what_is_generated_says_what_the_header_says():
         for name in kind.__annotations__:
             assert re.search(rf"^ *{name}:\n +\S", kind.__doc__, re.MULTILINE), name
     assert "Pressure by depth below the surface" in raycontact.Law.__doc__
+    assert "Where rays start, a Sampling. Default Sampling.ACCURACY." in raycontact.DetectionOptions.__doc__
 
 
 def test_every_public_name_is_documented():

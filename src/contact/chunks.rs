@@ -3,7 +3,6 @@ use crate::contact::list::ContactList;
 use crate::contact::pair::{Direction, Pair};
 use crate::contact::point_pair::{Contact, ContactKind};
 use crate::contact::quadrature::Sampling;
-use crate::contact::quadrature::refinement::Refinement;
 use crate::contact::quadrature::sampler::Starts;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::{CastLoad, scale_contacts, shares};
@@ -36,7 +35,6 @@ impl<'a, T: Scalar> Starts<'a, T> {
         match self {
             Self::Groups(groups) => Self::Groups(&groups[part(groups.len(), length)]),
             Self::Samples(samples) => Self::Samples(&samples[part(samples.len(), lanes)]),
-            Self::Measured(samples) => Self::Measured(&samples[part(samples.len(), lanes)]),
         }
     }
 }
@@ -46,23 +44,13 @@ impl<T: Scalar> Pair<'_, T> {
     pub(crate) fn cast_samples(&self, list: &mut ContactList<T>) {
         list.workspace.clear();
         let ContactList { contacts, workspace, statistics, .. } = list;
-        let Workspace { helpers, chunks, groups, patches, marks, quadrature, faces, vertices, crossings, .. } =
-            workspace;
-        let starts = if self.has_elements() {
-            dispatch::<T, _>(Refinement { pair: self, groups, patches, marks, quadrature });
-            quadrature.count(statistics);
-            quadrature.samples.each_ref().map(|samples| Starts::Measured(samples))
-        } else if self.options.sampling == Sampling::Vertices {
+        let Workspace { helpers, chunks, groups, quadrature, vertices, crossings, .. } = workspace;
+        let starts = if self.options.sampling == Sampling::Vertices {
             groups.each_ref().map(|groups| Starts::Groups(groups))
         } else {
-            for (side, faces) in faces.iter_mut().enumerate() {
-                faces.clear();
-                if let Some(mut cutter) = self.cutter() {
-                    cutter.cut_groups(self.tracers[side], &groups[side], faces);
-                    cutter.count(statistics);
-                }
-            }
-            faces.each_ref().map(|faces| Starts::Samples(faces))
+            quadrature.fill(self, groups, self.measures_distances());
+            quadrature.count(statistics);
+            quadrature.samples.each_ref().map(|samples| Starts::Samples(samples))
         };
         let [of_first, of_second] = starts.map(Starts::chunk_count);
         let count = of_first + of_second;

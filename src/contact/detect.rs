@@ -70,7 +70,11 @@ impl<T: Scalar> Pair<'_, T> {
         let ([of_first, of_second], [first_sides, second_sides]) = (groups, sides);
         let mut both = [(0, of_first, first_sides), (1, of_second, second_sides)];
         helpers.for_each(&mut both, |_, (side, groups, sides)| {
-            self.tracers[*side].groups_not_outside(self.tracers[1 - *side], self.region, groups, sides);
+            if self.casts(*side) {
+                self.tracers[*side].groups_not_outside(self.tracers[1 - *side], self.region, groups, sides);
+            } else {
+                groups.clear();
+            }
         });
         self.cast_samples(contacts);
     }

@@ -4,6 +4,7 @@
 mod cast;
 mod chunks;
 mod classify;
+mod collect;
 mod detect;
 mod edge_contacts;
 mod escape_push;
@@ -31,8 +32,8 @@ pub(crate) use pair::{Pair, overlap_region, reach_region};
 pub use point_pair::{Contact, ContactKind, SpreadPlace, SurfacePoint};
 pub(crate) use quadrature::Sample;
 pub use quadrature::Sampling;
-pub(crate) use quadrature::cutter::part_of_rays;
 pub(crate) use quadrature::edges::for_each_inside_stretch;
+pub(crate) use quadrature::refinement::part_of_rays;
 pub(crate) use spread::Bearings;
 pub use statistics::Statistics;
 pub(crate) use statistics::with_counters;

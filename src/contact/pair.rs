@@ -1,15 +1,11 @@
 //! Two bodies whose boxes overlap, as plain data: what all parts of a detection are given.
 
-use crate::bvh::SidesScratch;
 use crate::contact::fixed_shares::fixed_shares;
 use crate::contact::options::{ContactLaw, DetectionOptions};
-use crate::contact::quadrature::cutter::Cutter;
-use crate::contact::quadrature::sampler::{Collect, Place};
-use crate::contact::quadrature::{Sample, Sampling};
+use crate::contact::quadrature::Sampling;
 use crate::math::{Aabb, Scalar, Vector3, direction, margins};
 use crate::mesh::Mesh;
 use crate::query::Tracer;
-use crate::simd::dispatch;
 use crate::triangle::Ray;
 
 /// The overlap box of two boxes, and the same with a margin: points on a face of one mesh that lies on the overlap box's
@@ -43,7 +39,7 @@ pub(crate) struct Pair<'a, T: Scalar> {
     pub(crate) region: &'a Aabb<T>,
     pub(crate) options: &'a DetectionOptions<T>,
     pub(crate) may_escape: bool,
-    /// The part of the usual rays on the overlap box's largest face that this pair casts.
+    /// The part of the usual samples that this pair has.
     pub(crate) part_of_rays: T,
     /// Where the rays of either body end.
     pub(crate) ray_regions: [Aabb<T>; 2],
@@ -97,37 +93,6 @@ impl<'a, T: Scalar> Pair<'a, T> {
 }
 
 impl<T: Scalar> Pair<'_, T> {
-    /// What cuts the bodies' triangles; `None` where rays start at vertices.
-    pub(crate) fn cutter(&self) -> Option<Cutter<'_, T>> {
-        let cutter = Cutter::new(self.options.sampling, self.overlap, self.region);
-        cutter.map(|cutter| cutter.with_part_of_rays(self.part_of_rays))
-    }
-
-    /// All samples of one body inside the overlap box that may lie inside the other body, into `samples`. The other lists are
-    /// scratch memory.
-    pub(crate) fn collect(
-        &self,
-        side: usize,
-        groups: &mut Vec<u32>,
-        sides: &mut SidesScratch<T>,
-        vertices: &mut Vec<u32>,
-        order: &mut Vec<Place>,
-        samples: &mut Vec<Sample<T>>,
-    ) {
-        let (own, region, cutter) = (self.tracers[side], self.region, self.cutter());
-        own.groups_not_outside(self.tracers[1 - side], region, groups, sides);
-        dispatch::<T, _>(Collect { own, region, cutter, groups, vertices, order, samples });
-    }
-
-    /// Whether rays start from elements: patches, triangles or parts of them.
-    pub(crate) fn has_elements(&self) -> bool {
-        match self.options.sampling {
-            Sampling::Accuracy(_) => self.measures_distances(),
-            Sampling::Spacing(_) => true,
-            Sampling::Vertices => false,
-        }
-    }
-
     /// Whether forces grow with the distance to the other body's surface, at all points inside.
     pub(crate) fn measures_distances(&self) -> bool {
         self.options.law == ContactLaw::Pressure && !self.hides_behind_own_surface

@@ -7,9 +7,8 @@
 
 use crate::contact::list::ContactList;
 use crate::contact::options::DetectionOptions;
+use crate::contact::pair::Pair;
 use crate::contact::point_pair::{Contact, ContactKind};
-use crate::contact::quadrature::cutter::Cutter;
-use crate::contact::quadrature::sampler::Collect;
 use crate::contact::quadrature::{Sample, Sampling};
 use crate::contact::weigh::{cos_alpha, make_contact};
 use crate::contact::workspace::Workspace;
@@ -18,7 +17,6 @@ use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::query::{Octree, OctreeError, Tracer, way_out, winding_number};
 use crate::self_contact::{SelfWarmStart, SelfWorkspace, is_collapsed};
-use crate::simd::dispatch;
 use crate::triangle::{Hit, Ray};
 
 /// Finds the contacts between parts of one mesh, body 0; replaces what `contacts` held. Of the options only the sampling
@@ -129,8 +127,28 @@ impl<T: Scalar> Body<'_, T> {
         let ContactList { statistics, workspace, .. } = contacts;
         workspace.clear();
         workspace.hits.clear();
-        let Workspace { samples, rays, hits, crossings, vertices, order, groups, own, .. } = workspace;
-        let [groups, _] = groups;
+        let region = mesh.aabb();
+        // The body's own box is no measure of an overlap: one ray for each triangle, unless the caller says how many.
+        let overlap = match self.options.sampling {
+            Sampling::Accuracy(_) => Aabb { lower: region.lower, upper: region.lower },
+            _ => *region,
+        };
+        let largest = region.lower.amax().max(region.upper.amax());
+        let region = &region.grown(largest * margins::margin(margins::SAMPLE_IN_BOX));
+        let [groups, _] = &mut workspace.groups;
+        self.tracer.groups_in(region, groups);
+        if is_culled && self.options.sampling != Sampling::Vertices {
+            // Vertices may be wanted for a triangle of another group.
+            groups.retain(|&group| {
+                let mut is_any_wanted = false;
+                let wanted = &workspace.own.culling.is_wanted;
+                self.tracer.triangles_of(group, |triangle| is_any_wanted |= wanted[triangle as usize]);
+                is_any_wanted
+            });
+        }
+        let (bodies, tracers) = ([self.number; 2], [&self.tracer; 2]);
+        Pair::new(bodies, tracers, [&overlap, region], self.options).collect(0, workspace);
+        let Workspace { samples, rays, hits, crossings, own, .. } = workspace;
         let wanted = &own.culling.is_wanted;
         let is_wanted = |sample: &Sample<T>| {
             let topology = mesh.topology();
@@ -142,25 +160,6 @@ impl<T: Scalar> Body<'_, T> {
                     wanted[sample.point.triangle as usize]
                 }
         };
-        let region = mesh.aabb();
-        // The body's own box is no measure of an overlap: one ray for each triangle, unless the caller says how many.
-        let overlap = match self.options.sampling {
-            Sampling::Accuracy(_) => Aabb { lower: region.lower, upper: region.lower },
-            _ => *region,
-        };
-        let largest = region.lower.amax().max(region.upper.amax());
-        let region = &region.grown(largest * margins::margin(margins::SAMPLE_IN_BOX));
-        let cutter = Cutter::new(self.options.sampling, &overlap, region);
-        self.tracer.groups_in(region, groups);
-        if is_culled && self.options.sampling != Sampling::Vertices {
-            // Vertices may be wanted for a triangle of another group.
-            groups.retain(|&group| {
-                let mut is_any_wanted = false;
-                self.tracer.triangles_of(group, |triangle| is_any_wanted |= wanted[triangle as usize]);
-                is_any_wanted
-            });
-        }
-        dispatch::<T, _>(Collect { own: &self.tracer, region, cutter, groups, vertices, order, samples });
         samples.retain(|sample| {
             if !is_wanted(sample) {
                 return false;

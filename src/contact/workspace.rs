@@ -2,7 +2,6 @@ use crate::bvh::SidesScratch;
 use crate::contact::point_pair::Contact;
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::refinement::Quadrature;
-use crate::contact::quadrature::sampler::Place;
 use crate::contact::spread::SpreadWorkspace;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::CastLoad;
@@ -24,19 +23,12 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) groups: [Vec<u32>; 2],
     /// For which of them lie outside the other body.
     pub(crate) sides: [SidesScratch<T>; 2],
-    /// The patches that reach into these, and room for finding them.
-    pub(crate) patches: [Vec<u32>; 2],
-    pub(crate) marks: Vec<u64>,
     /// Where the load needs samples, and over what they spread it.
     pub(crate) quadrature: Quadrature<T>,
     pub(crate) spread: SpreadWorkspace<T>,
     /// Of one chunk's groups the vertices in the overlap box.
     pub(crate) vertices: Vec<u32>,
-    /// The triangles in the overlap box, or their pieces, of either body, where no elements are measured.
-    pub(crate) faces: [Vec<Sample<T>>; 2],
     pub(crate) samples: Vec<Sample<T>>,
-    /// Room for sorting these.
-    pub(crate) order: Vec<Place>,
     pub(crate) rays: Vec<Ray<T>>,
     pub(crate) hits: Vec<Option<Hit<T>>>,
     /// Of each ray the vertices shared by the triangles it starts from.

@@ -155,8 +155,10 @@ fn inside_samples<T: Scalar>(
     workspace: &mut Workspace<T>,
     statistics: &mut Statistics,
 ) {
-    let Workspace { samples, rays, groups, sides, vertices, order, .. } = workspace;
-    pair.collect(side, &mut groups[side], &mut sides[side], vertices, order, samples);
+    let Workspace { groups, sides, .. } = &mut *workspace;
+    pair.tracers[side].groups_not_outside(pair.tracers[1 - side], pair.region, &mut groups[side], &mut sides[side]);
+    pair.collect(side, workspace);
+    let Workspace { samples, rays, .. } = &mut *workspace;
     memory::refill(rays, samples.iter().map(|sample| pair.ray_out(side, sample.point.position, away)));
     keep_inside(pair, side, workspace, statistics);
 }

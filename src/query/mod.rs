@@ -14,6 +14,5 @@ pub(crate) use crossings::{leaves_body_before_end, way_out, way_out_past_folds, 
 pub(crate) use nearest_point::PointDistances;
 pub(crate) use octree::Cells;
 pub use octree::{Layout, Octree, OctreeError};
-pub(crate) use patch_levels::PatchesOfGroups;
 pub(crate) use surface::Surface;
 pub use tracer::Tracer;

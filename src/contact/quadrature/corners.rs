@@ -28,8 +28,7 @@ impl<T: Scalar> Corners<T> {
         let (from, _) = longest_edge(&self.positions);
         let (to, half) = ((from + 1) % 3, T::of(0.5));
         let middle = (self.positions[from] + self.positions[to]) * half;
-        let can_halve = middle != self.positions[from] && middle != self.positions[to];
-        can_halve.then(|| {
+        self.positions.iter().all(|&corner| corner != middle).then(|| {
             [to, from].map(|replaced| {
                 let mut part = *self;
                 part.positions[replaced] = middle;

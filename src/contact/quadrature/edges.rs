@@ -90,7 +90,7 @@ fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, [start, end]: [T; 2
     });
     let point = SurfacePoint { triangle, vertices: corners, weights, position: from + (to - from) * along };
     let piece = 3 * number + side as u32;
-    Some(Sample { point, normal, area: doubled_area * (end - start) / T::of(6.0), piece })
+    Some(Sample { point, normal, area: doubled_area * (end - start) / T::of(6.0), piece, distance: None })
 }
 
 #[cfg(test)]

@@ -272,6 +272,7 @@ impl<T: Scalar> Element<T> {
     pub(crate) fn sample(&self, tracer: &Tracer<'_, T>, frame: &Frame<T>) -> Option<Sample<T>> {
         let mesh = tracer.mesh();
         let area = frame.area(length(&self.vector) * self.weight);
+        let distance = (self.depth < T::INFINITY).then(|| frame.length(self.depth));
         match self.extent {
             Extent::Piece { triangle, corners, number, .. } => {
                 let (position, weights) = corners.middle();
@@ -279,7 +280,7 @@ impl<T: Scalar> Element<T> {
                 let point = SurfacePoint { triangle, vertices, weights: weights.into(), position };
                 // As the triangle's, so that parallel faces are so to the bit.
                 let normal = direction(&mesh.scaled_normal(triangle))?;
-                Some(Sample { point, normal, area, piece: number })
+                Some(Sample { point, normal, area, piece: number, distance })
             }
             // Apart from all pieces of the triangle.
             Extent::Patch(patch) => {
@@ -287,7 +288,7 @@ impl<T: Scalar> Element<T> {
                 let ClosestPoint { weights, position, .. } = tracer.closest_on(triangle, &frame.point(&self.centre))?;
                 let vertices = mesh.topology().triangles()[triangle as usize];
                 let point = SurfacePoint { triangle, vertices, weights, position };
-                Some(Sample { point, normal: direction(&self.vector)?, area, piece: !patch })
+                Some(Sample { point, normal: direction(&self.vector)?, area, piece: !patch, distance })
             }
         }
     }

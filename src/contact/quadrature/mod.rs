@@ -1,7 +1,6 @@
 //! Where rays start: points on a body's surface, each with a normal and the area that it stands for.
 
 pub(crate) mod corners;
-pub(crate) mod cutter;
 pub(crate) mod edges;
 pub(crate) mod element;
 pub(crate) mod moments;

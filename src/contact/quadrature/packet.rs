@@ -1,7 +1,7 @@
 //! Up to sixteen samples side by side.
 
 use crate::contact::point_pair::{SurfacePoint, touched_of};
-use crate::contact::quadrature::sample::{MeasuredSample, Sample, VERTEX, WHOLE, vertex_point};
+use crate::contact::quadrature::sample::{Sample, VERTEX, WHOLE, vertex_point};
 use crate::math::Scalar;
 use crate::mesh::{Mesh, NormalLanes};
 use crate::simd::{LANE_COUNT, Lanes, Mask, set_lane, vector_in_lane};
@@ -60,19 +60,10 @@ impl<T: Scalar> SamplePacket<T> {
     pub(crate) fn take(&mut self, samples: &[Sample<T>], next: &mut usize) -> bool {
         let taken = &samples[*next..samples.len().min(*next + LANE_COUNT)];
         *next += taken.len();
-        taken.iter().enumerate().for_each(|(lane, sample)| self.set_sample(lane, sample));
-        self.lanes.found = ((1u32 << taken.len()) - 1) as Mask;
-        !taken.is_empty()
-    }
-
-    /// The same for elements.
-    pub(crate) fn take_measured(&mut self, samples: &[MeasuredSample<T>], next: &mut usize) -> bool {
-        let taken = &samples[*next..samples.len().min(*next + LANE_COUNT)];
-        *next += taken.len();
         self.known.lanes = 0;
-        for (lane, measured) in taken.iter().enumerate() {
-            self.set_sample(lane, &measured.sample);
-            if let Some(distance) = measured.distance {
+        for (lane, sample) in taken.iter().enumerate() {
+            self.set_sample(lane, sample);
+            if let Some(distance) = sample.distance {
                 self.known.lanes |= 1 << lane;
                 self.known.distances[lane] = distance;
             }
@@ -119,6 +110,6 @@ impl<T: Scalar> SamplePacket<T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn sample(&self, lane: usize, own: &Mesh<T>) -> Sample<T> {
         let (normal, area) = (vector_in_lane(&self.lanes.normal, lane), self.lanes.area[lane]);
-        Sample { point: self.point(lane, own), normal, area, piece: self.pieces[lane] }
+        Sample { point: self.point(lane, own), normal, area, piece: self.pieces[lane], distance: None }
     }
 }

@@ -5,13 +5,13 @@ use crate::bvh::{Candidates, PacketHits};
 use crate::contact::classify::past_folds;
 use crate::contact::pair::Pair;
 use crate::contact::quadrature::element::{Element, Frame, Side};
-use crate::contact::quadrature::sample::{MeasuredSample, Sampling};
+use crate::contact::quadrature::sample::{Sample, Sampling};
 use crate::contact::statistics::Statistics;
 use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::query::{PatchesOfGroups, PointDistances};
-use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, set_lane};
+use crate::query::PointDistances;
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch, set_lane};
 use crate::triangle::{Hit, RayPacket};
 
 // These numbers were chosen together: docs/architecture.md, *Tuned constants*.
@@ -37,15 +37,29 @@ const MARGIN_OF_AREA: f64 = 2.0;
 /// The most elements of a pair: so many at a tolerance of 1 and more at others, in inverse proportion, but within these bounds.
 const ELEMENTS_AT_TOLERANCE_OF_ONE: f64 = 200.0;
 const MOST_ELEMENTS: [f64; 2] = [8192.0, 1_048_576.0];
+/// About so many samples stand on the overlap box's largest face where loads are not measured.
+const UNMEASURED: f64 = 128.0;
+/// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
+/// with the bodies and not with the pairs; but each pair has at least this part.
+const MOST_WITH_ALL_SAMPLES: u32 = 12;
+const LEAST_PART: f64 = 1.0 / 16.0;
+
+/// The part of the usual samples that a pair has whose bodies both meet at least `neighbours` others.
+pub(crate) fn part_of_rays<T: Scalar>(neighbours: u32) -> T {
+    T::of((f64::from(MOST_WITH_ALL_SAMPLES) / f64::from(neighbours.max(1))).clamp(LEAST_PART, 1.0))
+}
 
 /// Where the samples of both bodies are, and room for finding out.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Quadrature<T: Scalar> {
-    pub(crate) samples: [Vec<MeasuredSample<T>>; 2],
+    pub(crate) samples: [Vec<Sample<T>>; 2],
     counts: Counts,
+    /// The patches to begin with, and room for finding them.
+    patches: Vec<u32>,
+    marks: Vec<u64>,
     elements: Vec<Element<T>>,
     fresh: Vec<Element<T>>,
-    /// So many elements may there be.
+    /// So many elements may there be, or halvings of the first ones of a body.
     most: usize,
     crossings: Vec<Hit<T>>,
 }
@@ -78,46 +92,63 @@ impl<T: Scalar> Quadrature<T> {
     }
 }
 
-/// Finds the samples of a pair, given the groups of either body's triangles that may lie inside the other.
-pub(crate) struct Refinement<'a, 'b, T: Scalar> {
-    pub(crate) pair: &'a Pair<'b, T>,
-    pub(crate) groups: &'a [Vec<u32>; 2],
-    pub(crate) patches: &'a mut [Vec<u32>; 2],
-    pub(crate) marks: &'a mut Vec<u64>,
-    pub(crate) quadrature: &'a mut Quadrature<T>,
+impl<T: Scalar> Quadrature<T> {
+    /// Finds the samples of a pair, given the groups of either body's triangles that may lie inside the other. An accuracy puts
+    /// them where the load needs them, or without measuring that on each triangle and on the parts of large ones.
+    pub(crate) fn fill(&mut self, pair: &Pair<'_, T>, groups: &[Vec<u32>; 2], by_load: bool) {
+        debug_assert!(pair.options.sampling != Sampling::Vertices, "vertices are no elements");
+        dispatch::<T, _>(Filling { pair, groups, by_load, quadrature: self });
+    }
 }
 
-impl<T: Scalar> Kernel<T> for Refinement<'_, '_, T> {
+/// [`Quadrature::fill`].
+struct Filling<'a, 'b, T: Scalar> {
+    pair: &'a Pair<'b, T>,
+    groups: &'a [Vec<u32>; 2],
+    by_load: bool,
+    quadrature: &'a mut Quadrature<T>,
+}
+
+impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { pair, groups, patches, marks, quadrature } = self;
+        let Self { pair, groups, by_load, quadrature } = self;
         let frame = Frame::new(pair.overlap, pair.region);
         quadrature.counts = Counts::default();
-        for (body, patches) in patches.iter_mut().enumerate() {
-            patches.clear();
-            if pair.casts(body) {
-                patches_of_groups(pair, body, &frame).list(&groups[body], marks, patches);
-            }
-        }
         match pair.options.sampling {
-            Sampling::Accuracy(accuracy) => {
+            Sampling::Accuracy(accuracy) if by_load => {
                 let size = Size::new(pair, accuracy, &frame);
                 quadrature.counts.asked = size.tolerance.to_f64();
                 let [fewest, most] = MOST_ELEMENTS;
                 quadrature.most = (ELEMENTS_AT_TOLERANCE_OF_ONE / size.tolerance.to_f64()).clamp(fewest, most) as usize;
                 // Above this area no part of the whole is left.
-                let largest = Largest::Area(size.first * T::of(AREA_FADE));
-                quadrature.start::<L>(pair, &frame, patches, largest);
+                let largest = size.first * T::of(AREA_FADE);
+                // Of patches that are halved where they are too large, there have to be large enough ones.
+                let of_patches = |body: usize| {
+                    let mesh = pair.tracers[body].mesh();
+                    let growth = mesh.patches().growth(|triangle| mesh.corners(triangle));
+                    frame.area(largest * T::of(MARGIN_OF_AREA)) / growth
+                };
+                quadrature.start::<L>(pair, &frame, groups, of_patches, Largest::Area(largest));
                 quadrature.refine::<L>(pair, &frame, &size);
             }
-            Sampling::Spacing(spacing) => {
-                quadrature.most = MOST_ELEMENTS[1] as usize;
-                quadrature.start::<L>(pair, &frame, patches, Largest::Edge(spacing * spacing * T::of(2.0)));
+            sampling => {
+                let [fewest, most] = MOST_ELEMENTS;
+                let (square, most) = match sampling {
+                    Sampling::Spacing(spacing) => (spacing * spacing, most),
+                    _ => (pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_rays), fewest),
+                };
+                quadrature.most = most as usize;
+                // A region that is no more than a line or a point gives no measure.
+                let longest = if square > T::zero() { square * T::of(2.0) } else { T::INFINITY };
+                // Patches of a spacing stay as a body bends.
+                let is_joined = matches!(sampling, Sampling::Spacing(_)) && pair.bodies[0] != pair.bodies[1];
+                let of_patches = if is_joined { square } else { T::zero() };
+                quadrature.start::<L>(pair, &frame, groups, |_| of_patches, Largest::Edge(longest));
                 std::mem::swap(&mut quadrature.elements, &mut quadrature.fresh);
             }
-            Sampling::Vertices => unreachable!("vertices are no elements"),
         }
         quadrature.sample(pair, &frame);
     }
@@ -218,29 +249,33 @@ fn ramp<T: Scalar>(excess: T, end: f64) -> T {
 }
 
 impl<T: Scalar> Quadrature<T> {
-    /// The first elements of both bodies, out of these patches.
+    /// The first elements of both bodies, out of the patches of some areas that reach into these groups.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn start<L: Lanes<T>>(
         &mut self,
         pair: &Pair<'_, T>,
         frame: &Frame<T>,
-        patches: &[Vec<u32>; 2],
+        groups: &[Vec<u32>; 2],
+        of_patches: impl Fn(usize) -> T,
         largest: Largest<T>,
     ) {
-        let Self { counts, elements, fresh, most, .. } = self;
+        let Self { counts, patches, marks, elements, fresh, most, .. } = self;
         elements.clear();
         fresh.clear();
-        for (body, patches) in patches.iter().enumerate() {
-            let (tracer, first) = (pair.tracers[body], fresh.len());
-            for &patch in patches {
+        for (body, groups) in groups.iter().enumerate().filter(|(_, groups)| !groups.is_empty()) {
+            let (tracer, first, mut halvings) = (pair.tracers[body], fresh.len(), 0);
+            tracer.patches_of_groups(of_patches(body)).list(groups, marks, patches);
+            for &patch in &*patches {
                 // Here the list is for those that may be too large.
                 memory::append(elements, Element::patch::<L>(body as u8, patch, tracer, frame));
                 counts.without_normal +=
                     u64::from(elements.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
                 while let Some(element) = elements.pop() {
                     let is_large = largest.is_exceeded_by(&element);
-                    let may_halve = is_large && fresh.len() < *most;
-                    if !may_halve || !element.halve::<L>(tracer, frame, elements) {
+                    let may_halve = is_large && halvings < *most;
+                    if may_halve && element.halve::<L>(tracer, frame, elements) {
+                        halvings += 1;
+                    } else {
                         counts.uncut += u64::from(is_large);
                         fresh.room_for(1).push(element);
                     }
@@ -309,8 +344,7 @@ impl<T: Scalar> Quadrature<T> {
         samples.iter_mut().for_each(Vec::clear);
         for element in elements.iter().filter(|element| element.weight > T::zero() && element.depth > T::zero()) {
             let body = usize::from(element.body);
-            let is_measured = element.depth < T::INFINITY;
-            if !is_measured && !pair.region.contains(&frame.point(&element.centre)) {
+            if element.depth == T::INFINITY && !pair.region.contains(&frame.point(&element.centre)) {
                 continue;
             }
             let Some(sample) = element.sample(pair.tracers[body], frame) else {
@@ -318,23 +352,9 @@ impl<T: Scalar> Quadrature<T> {
                 continue;
             };
             counts.patches += u64::from(element.is_patch());
-            let distance = is_measured.then(|| frame.length(element.depth));
-            samples[body].room_for(1).push(MeasuredSample { sample, distance });
+            samples[body].room_for(1).push(sample);
         }
     }
-}
-
-/// The patches to begin with. Those of a spacing stay as a body bends; of those that are halved where they are too large, there
-/// have to be large enough ones.
-fn patches_of_groups<'a, T: Scalar>(pair: &Pair<'a, T>, body: usize, frame: &Frame<T>) -> &'a PatchesOfGroups {
-    let (tracer, mesh) = (pair.tracers[body], pair.tracers[body].mesh());
-    tracer.patches_of_groups(match pair.options.sampling {
-        Sampling::Spacing(spacing) => spacing * spacing,
-        _ => {
-            let growth = mesh.patches().growth(|triangle| mesh.corners(triangle));
-            frame.area(Size::first(pair, frame) * T::of(AREA_FADE * MARGIN_OF_AREA)) / growth
-        }
-    })
 }
 
 /// Whether a patch is a triangle without an area, inside a region.
@@ -451,5 +471,68 @@ impl<'a, 'b, T: Scalar> Measurement<'a, 'b, T> {
             element.near = distances.triangle(lane).or(element.near);
         }
         u64::from(unknown.count_ones())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::options::DetectionOptions;
+    use crate::contact::test_contact::with_pair;
+    use crate::mesh::test_mesh::boxes;
+
+    /// The areas of the samples on a triangle in a region, and how many of these are left too large. The overlap box is a cube
+    /// with sides of 1/8 in its middle.
+    fn areas(sampling: Sampling<f64>, corners: [[f64; 3]; 3], region: [[f64; 3]; 2]) -> (Vec<f64>, u64) {
+        let (mesh, other) = (Mesh::open(&corners, &[[0, 1, 2]]).expect("it has an area"), boxes(&[region]));
+        let [middle, half] = [other.aabb().centre(), Vector3::repeat(0.0625)];
+        let overlap = &Aabb { lower: middle - half, upper: middle + half };
+        let options = DetectionOptions { sampling, ..Default::default() };
+        with_pair([&mesh, &other], &options, |pair| {
+            let pair = Pair { overlap, region: other.aabb(), ..*pair };
+            let mut quadrature = Quadrature::default();
+            quadrature.fill(&pair, &[vec![0], vec![]], false);
+            (quadrature.samples[0].iter().map(|sample| sample.area).collect(), quadrature.counts.uncut)
+        })
+    }
+
+    /// Half a square with sides of 8: its halves are halves of squares again, so that k halvings of all leave 2ᵏ pieces
+    /// with longest sides of √(128 / 2ᵏ).
+    const HALF_A_SQUARE: [[f64; 3]; 3] = [[0.0; 3], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]];
+
+    #[test]
+    fn triangles_are_halved_until_no_side_is_longer_than_the_diagonal_of_a_square_of_the_spacing() {
+        let around = [[-1.0; 3], [9.0; 3]];
+        for (spacing, pieces) in [(1.0, 64), (1.01, 64), (0.99, 128), (2.0, 16), (7.99, 2), (8.0, 1)] {
+            let found = areas(Sampling::Spacing(spacing), HALF_A_SQUARE, around);
+            assert_eq!(found, (vec![32.0 / f64::from(pieces); pieces as usize], 0), "{spacing}");
+        }
+    }
+
+    /// More than a hundred thousand would be asked for.
+    #[test]
+    fn pieces_left_uncut_are_counted() {
+        let (found, uncut) = areas(Sampling::Accuracy(0.01), HALF_A_SQUARE, [[-1.0; 3], [9.0; 3]]);
+        assert_eq!((found.len(), found.iter().sum::<f64>()), (8193, 32.0));
+        let large = found.iter().filter(|&&area| area > 0.125 * 0.125 / UNMEASURED / 2.0).count();
+        assert!(large > 0 && large as u64 == uncut, "{large}, {uncut}");
+    }
+
+    /// Of the halves of what has a corner at the origin one has it too, and few other parts come near.
+    #[test]
+    fn halves_of_halves_come_to_an_end() {
+        let (found, _) =
+            areas(Sampling::Spacing(1e-40), [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], [[-1e-60; 3], [1e-60; 3]]);
+        assert!(found.is_empty());
+    }
+
+    /// Far from the origin, where the middle of the longest side is rounded to the corner across.
+    #[test]
+    fn what_rounding_does_not_let_be_halved_is_whole() {
+        let far = 2f64.powi(53);
+        let corners = [[far, far, 0.0], [far + 2.0, far, 0.0], [far, far + 2.0, 0.0]];
+        let (found, uncut) =
+            areas(Sampling::Spacing(1e-3), corners, [[far - 8.0, far - 8.0, -1.0], [far + 8.0, far + 8.0, 1.0]]);
+        assert_eq!((found, uncut), (vec![2.0], 1));
     }
 }

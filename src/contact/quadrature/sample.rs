@@ -51,24 +51,8 @@ pub(crate) struct Sample<T: Scalar> {
     pub(crate) area: T,
     /// As [`Contact::piece`](crate::contact::Contact::piece).
     pub(crate) piece: u32,
-}
-
-/// A sample, and how far it is from the other body's surface, where that is known; of an element how far its middle is.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MeasuredSample<T: Scalar> {
-    pub(crate) sample: Sample<T>,
+    /// How far the other body's surface is, where that is known; of an element how far it is from its middle.
     pub(crate) distance: Option<T>,
-}
-
-impl<T: Scalar> Sample<T> {
-    /// By what samples of one kind can be ordered: the vertex or triangle, and where on the triangle the piece lies.
-    pub(crate) fn place(&self) -> (u32, u32) {
-        match self.piece {
-            VERTEX => (self.point.vertices[0], 0),
-            // Halves of halves stand between the halves.
-            piece => (self.point.triangle, piece << piece.leading_zeros()),
-        }
-    }
 }
 
 /// The piece of a vertex.

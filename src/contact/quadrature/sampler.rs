@@ -1,11 +1,10 @@
 //! Samples of one body's surface, a packet at a time.
 
-use crate::contact::quadrature::cutter::Cutter;
 use crate::contact::quadrature::packet::SamplePacket;
-use crate::contact::quadrature::sample::{MeasuredSample, Sample};
+use crate::contact::quadrature::sample::Sample;
 use crate::contact::statistics::Statistics;
 use crate::math::{Aabb, Scalar};
-use crate::memory::{self, Room};
+use crate::memory::Room;
 use crate::query::Tracer;
 use crate::simd::{Kernel, LANE_COUNT, Lanes};
 
@@ -16,8 +15,6 @@ pub(crate) enum Starts<'a, T: Scalar> {
     Groups(&'a [u32]),
     /// From these.
     Samples(&'a [Sample<T>]),
-    /// From these, in the middles of elements.
-    Measured(&'a [MeasuredSample<T>]),
 }
 
 impl<T: Scalar> Starts<'_, T> {
@@ -26,7 +23,6 @@ impl<T: Scalar> Starts<'_, T> {
         match self {
             Self::Groups(groups) => groups.len(),
             Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
-            Self::Measured(samples) => samples.len().div_ceil(LANE_COUNT),
         }
     }
 }
@@ -76,7 +72,6 @@ impl<'a, T: Scalar> Sampler<'a, T> {
     pub(crate) fn fill<L: Lanes<T>>(&mut self, packet: &mut SamplePacket<T>) -> bool {
         match self.starts {
             Starts::Samples(samples) => packet.take(samples, &mut self.next),
-            Starts::Measured(samples) => packet.take_measured(samples, &mut self.next),
             Starts::Groups(_) => self.fill_from_vertices::<L>(packet),
         }
     }
@@ -98,94 +93,28 @@ impl<'a, T: Scalar> Sampler<'a, T> {
     }
 }
 
-/// All samples at once, into `samples`: by vertex or triangle, and of a triangle the first half before the second. Without a
-/// cutter they are vertices.
-pub(crate) struct Collect<'a, T: Scalar> {
+/// All vertices of some groups that lie in a region, into `samples`, in an order that does not depend on the layout of the tree.
+pub(crate) struct CollectVertices<'a, T: Scalar> {
     pub(crate) own: &'a Tracer<'a, T>,
     pub(crate) region: &'a Aabb<T>,
-    pub(crate) cutter: Option<Cutter<'a, T>>,
     pub(crate) groups: &'a [u32],
     pub(crate) vertices: &'a mut Vec<u32>,
-    pub(crate) order: &'a mut Vec<Place>,
     pub(crate) samples: &'a mut Vec<Sample<T>>,
 }
 
-/// By what a sample is sorted, and where it is in a list.
-pub(crate) type Place = ((u32, u32), u32);
-
-impl<T: Scalar> Kernel<T> for Collect<'_, T> {
+impl<T: Scalar> Kernel<T> for CollectVertices<'_, T> {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { own, region, cutter, groups, vertices, order, samples } = self;
-        samples.clear();
-        if let Some(mut cutter) = cutter {
-            cutter.cut_groups(own, groups, samples);
-        } else {
-            let mut sampler = Sampler::new::<L>(own, region, Starts::Groups(groups), vertices);
-            let mut packet = sampler.packet();
-            while sampler.fill::<L>(&mut packet) {
-                let found = packet.lanes.found;
-                let lanes = (0..LANE_COUNT).filter(|lane| found >> lane & 1 == 1);
-                samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
-            }
-        }
-        // In an order that does not depend on the layout of the tree.
-        memory::refill(order, samples.iter().map(Sample::place).zip(0..));
-        sort(samples, order);
-    }
-}
-
-/// Sorts samples by their places alone, which are much smaller, and only then moves each once.
-fn sort<T: Scalar>(samples: &mut [Sample<T>], order: &mut [((u32, u32), u32)]) {
-    order.sort_unstable();
-    for start in 0..order.len() {
-        // Around a ring of samples, each of which belongs where the next one is now.
-        let (mut place, first) = (start, samples[start]);
-        loop {
-            let from = std::mem::replace(&mut order[place].1, place as u32) as usize;
-            if from == start {
-                samples[place] = first;
-                break;
-            }
-            samples[place] = samples[from];
-            place = from;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contact::point_pair::SurfacePoint;
-    use crate::math::Vector3;
-
-    /// Of one triangle the first half comes before the second, and halves of halves between them.
-    #[test]
-    fn samples_come_by_triangle_and_piece() {
-        let sample = |(triangle, piece): (u32, u32)| {
-            let point = SurfacePoint {
-                triangle,
-                vertices: [0; 3],
-                weights: [0.0; 3],
-                position: Vector3::repeat(f64::from(piece)),
-            };
-            Sample { point, normal: Vector3::z(), area: 1.0, piece }
-        };
-        let expected = [(0, 1), (2, 4), (2, 5), (2, 3), (7, 2), (7, 6), (7, 7), (9, 1), (1 << 31, 1)];
-        for turn in 0..500usize {
-            let mut left = expected.to_vec();
-            let mut state = turn;
-            let mut samples = Vec::new();
-            while !left.is_empty() {
-                samples.push(sample(left.swap_remove(state % left.len())));
-                state /= 3;
-            }
-            let mut order: Vec<_> = samples.iter().map(Sample::place).zip(0..).collect();
-            sort(&mut samples, &mut order);
-            assert!(samples.iter().map(|sample| (sample.point.triangle, sample.piece)).eq(expected));
-            assert!(samples.iter().all(|sample| sample.point.position.x == f64::from(sample.piece)));
+        let Self { own, region, groups, vertices, samples } = self;
+        let mut sampler = Sampler::new::<L>(own, region, Starts::Groups(groups), vertices);
+        sampler.vertices.sort_unstable();
+        let mut packet = sampler.packet();
+        while sampler.fill::<L>(&mut packet) {
+            let found = packet.lanes.found;
+            let lanes = (0..LANE_COUNT).filter(|lane| found >> lane & 1 == 1);
+            samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
         }
     }
 }

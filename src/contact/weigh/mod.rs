@@ -50,7 +50,7 @@ pub(crate) fn accept<T: Scalar, L: Lanes<T>>(
         let (normal, area) = (vector_in_lane(&samples.lanes.normal, lane), samples.lanes.area[lane]);
         // Where the middle of a curved patch lies deeper than the point that casts for it, there is more of it instead.
         let more = cos_alpha[lane].max(T::one());
-        let sample = Sample { point, normal, area: area * more, piece: samples.pieces[lane] };
+        let sample = Sample { point, normal, area: area * more, piece: samples.pieces[lane], distance: None };
         make_contact(kind, bodies, &sample, direction, collided, &rays.hits.hit(lane), cos_alpha[lane] / more)
     }));
 }
