@@ -1,8 +1,8 @@
 # The manual, made in a clone where nothing has been built, has every picture of its pages. DOXYGEN: the program; SOURCE: the
 # repository; CLONE: a folder for the copy.
 file(REMOVE_RECURSE "${CLONE}")
-file(COPY "${SOURCE}/include" "${SOURCE}/docs" "${SOURCE}/README.md" "${SOURCE}/CHANGELOG.md" "${SOURCE}/CONTRIBUTING.md"
-     DESTINATION "${CLONE}")
+file(GLOB top_pages "${SOURCE}/*.md")
+file(COPY "${SOURCE}/include" "${SOURCE}/docs" ${top_pages} DESTINATION "${CLONE}")
 execute_process(COMMAND "${DOXYGEN}" docs/Doxyfile WORKING_DIRECTORY "${CLONE}" RESULT_VARIABLE ended ERROR_VARIABLE complaint)
 if(NOT ended EQUAL 0)
     message(FATAL_ERROR "doxygen ended with ${ended}: ${complaint}")

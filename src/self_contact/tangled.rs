@@ -13,8 +13,12 @@ use crate::mesh::Mesh;
 use crate::self_contact::near_triangles::is_merged;
 use crate::self_contact::nearness::{Nearness, nearness};
 
-/// A body with fewer triangles is never tangled: it is searched pair by pair.
+/// Of a body with fewer triangles many touch where it is merely crumpled. It is tangled only by random pairs, if each triangle
+/// touches one in so many of the others; of triangles thrown anywhere each touches more than one in four.
 const FEWEST_TRIANGLES: usize = 512;
+const OTHERS_OF_FEW: usize = 6;
+/// A body with even fewer is never tangled: it is searched pair by pair.
+const FEWEST_OF_ALL: usize = 128;
 /// By random pairs: each triangle touches this many others on average,
 const TOUCHING: usize = 24;
 /// or this many, with long triangles all over one another,
@@ -91,11 +95,13 @@ impl Default for Limits {
 pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
     let count = mesh.topology().triangles().len();
     let first = count * PAIRS_TRIED / FIRST_PART;
-    count >= FEWEST_TRIANGLES
+    let is_small = count < FEWEST_TRIANGLES;
+    let most = PAIRS_TRIED * if is_small { count / OTHERS_OF_FEW } else { TOUCHING };
+    count >= FEWEST_OF_ALL
         && judge_by_random_pairs(mesh, PAIRS_TRIED, |tried, close, touching| {
             let are_close = close >= CLOSE * PAIRS_TRIED && touching >= TOUCHING_OF_CLOSE * PAIRS_TRIED;
             let is_in_order = tried == first && close * FIRST_PART < FEWEST_CLOSE * PAIRS_TRIED;
-            if are_close || touching >= TOUCHING * PAIRS_TRIED { Some(true) } else { is_in_order.then_some(false) }
+            if are_close && !is_small || touching >= most { Some(true) } else { is_in_order.then_some(false) }
         })
 }
 

@@ -1,6 +1,6 @@
 use crate::contact::{ContactList, DetectionOptions, detect_self, query_self_with_all_rays};
 use crate::mesh::Mesh;
-use crate::mesh::test_mesh::{torus, torus_positions, torus_triangles};
+use crate::mesh::test_mesh::{boxes, torus, torus_positions, torus_triangles};
 use crate::query::{Layout, Octree};
 use crate::self_contact::tangled::is_tangled;
 
@@ -54,6 +54,38 @@ fn garbage_takes_no_more_pairs_than_so_many_for_each_triangle() {
         assert_eq!(tangled, [0, 1, 1, 1], "what has collapsed has no contacts");
         assert!([&point, &near, &box_, &partly].iter().all(|list| list.is_empty() && list.statistics.rays == 0));
     }
+}
+
+/// Bodies of 128 to 512 triangles: thrown anywhere, crumpled, and of fifteen plates or thirty boxes across one another.
+#[test]
+fn small_bodies_are_tangled_where_a_sixth_of_them_touches() {
+    let moved = |sides, place: &dyn Fn(usize, [f64; 3]) -> [f64; 3]| {
+        let mut mesh = torus(sides);
+        let positions: Vec<_> = torus_positions(sides, 0).into_iter().enumerate().map(|(i, p)| place(i, p)).collect();
+        mesh.set_positions(&positions).expect("finite");
+        mesh
+    };
+    for sides in [[8, 8], [16, 8], [24, 10]] {
+        assert!(is_tangled(&moved(sides, &|vertex, _| anywhere(vertex))), "{sides:?}");
+        let edge = 2.0 * std::f64::consts::PI / f64::from(sides[0]);
+        for edges in [0.25, 0.5] {
+            let crumpled = moved(sides, &|vertex, p| {
+                let by = anywhere(vertex);
+                [0, 1, 2].map(|axis| p[axis] + edge * edges * (2.0 * by[axis] - 1.0))
+            });
+            assert!(!is_tangled(&crumpled), "{sides:?}, {edges}");
+        }
+    }
+    let across = |count: usize, size: &dyn Fn(usize) -> [f64; 3]| {
+        let boxed = |number: usize| {
+            let (middle, size) = (anywhere(number), size(number));
+            [-0.5, 0.5].map(|side| [0, 1, 2].map(|axis| middle[axis] + side * size[axis]))
+        };
+        boxes(&(0..count).map(boxed).collect::<Vec<_>>())
+    };
+    let plate = |number: usize| [0, 1, 2].map(|axis| if axis == number % 3 { 0.03 } else { 1.0 });
+    assert!(!is_tangled(&across(15, &plate)));
+    assert!(!is_tangled(&across(30, &|_| [0.4; 3])));
 }
 
 /// A vertex thrown about by so many edges, in each direction; the torus' edges are about 0.1 long.
