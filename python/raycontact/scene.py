@@ -71,8 +71,8 @@ class Scene:
         return bool(answer(library.rayc_scene_may_escape, self._handle, a, b))
 
     def query(self, contacts: Contacts | None = None) -> Contacts:
-        """Finds all contacts at the present positions. They replace those of `contacts`, which is returned, or are new.
-        The same positions have the same contacts, however often they are asked for in a step."""
+        """Finds all contacts at the present positions, into `contacts`, which is returned, or new ones; the same for the
+        same positions in a step. Pairs that contacts cannot part escape; set_detection_options(escape=False) stops it."""
         contacts = Contacts() if contacts is None else contacts
         call(library.rayc_scene_query, self._handle, contacts._handle)
         return contacts
