@@ -46,6 +46,8 @@ const VERTICES_WITHOUT_SIDE: usize = 4;
 const VERTICES_OF_A_FOLD: usize = 64;
 /// With more folds, this many pairs of triangles with overlapping boxes for each triangle are too many: spikes and rags.
 const CLOSE_BESIDE_FOLDS: usize = 8;
+/// At that limit 16 of random pairs, one for each triangle, are close on average. So many never are.
+const FAR_TOO_MANY_CLOSE: usize = 48;
 /// Of all pairs, this many that touch for each triangle: a large part of the surface lies on the rest.
 const MOST_TOUCHING: usize = 3;
 /// This many pairs of near parts for each triangle: their list would take more memory than everything else.
@@ -105,13 +107,19 @@ pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
         })
 }
 
+/// Whether so many triangles of a body are close that counting them can be left out where they are beside folds.
+pub(crate) fn are_far_too_many_close<T: Scalar>(mesh: &Mesh<T>) -> bool {
+    judge_by_random_pairs(mesh, 1, |_, close, _| (close >= FAR_TOO_MANY_CLOSE).then_some(true))
+}
+
 /// Whether a body is tangled for rays that have so many of its tiles on their way, judged by random pairs of its triangles. One
-/// that touches itself nowhere is known after the first part of them.
+/// of which less than half as many touch as would be enough is known after the first part of them.
 pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
     let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART;
     let enough = (TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / tiles).max(FEWEST_TOUCHING);
     judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
-        if touching >= enough { Some(true) } else { (tried == first && touching == 0).then_some(false) }
+        let is_in_order = tried == first && touching * FIRST_PART * 2 < enough;
+        if touching >= enough { Some(true) } else { is_in_order.then_some(false) }
     })
 }
 

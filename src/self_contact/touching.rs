@@ -4,14 +4,14 @@
 #[cfg(test)]
 pub(crate) mod tests;
 
-use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
+use crate::math::{Scalar, Vector3, direction, length, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::query::Octree;
 use crate::self_contact::certificate::reach::Reach;
 use crate::self_contact::near_triangles::NearParts;
-use crate::self_contact::nearness::{projected_gap, rounding, separation, touch_distance};
-use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_PARTS, is_tangled};
+use crate::self_contact::nearness::{are_boxes_within, projected_gap, rounding, separation, touch_distance};
+use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_PARTS, are_far_too_many_close, is_tangled};
 
 /// What the search found, and the memory it needs.
 #[derive(Clone, Debug, Default)]
@@ -142,6 +142,10 @@ impl<T: Scalar> Touching<T> {
         let (most_touching, most_close) = (self.limits.touching, self.limits.close(self.folds));
         let mut close = 0;
         let sheltered = reach.of_sheltered();
+        self.is_tangled = most_close != usize::MAX && are_far_too_many_close(mesh);
+        if self.is_tangled {
+            return;
+        }
         let is_done = octree.search_near(mesh, reach, near, |a, b, is_steep| {
             #[cfg(test)]
             (self.tried += 1);
@@ -149,8 +153,7 @@ impl<T: Scalar> Touching<T> {
             let pair = [a.min(b), a.max(b)];
             let corners = [mesh.corners(pair[0]), mesh.corners(pair[1])];
             if most_close != usize::MAX {
-                let [a, b] = corners.each_ref().map(Aabb::of_triangle);
-                close += usize::from(a.grown(touch).overlaps(&b));
+                close += usize::from(are_boxes_within(&corners, touch));
                 if close > most_close {
                     return None;
                 }

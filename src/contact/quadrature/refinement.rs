@@ -39,6 +39,8 @@ const ELEMENTS_AT_TOLERANCE_OF_ONE: f64 = 200.0;
 const MOST_ELEMENTS: [f64; 2] = [8192.0, 1_048_576.0];
 /// About so many samples stand on the overlap box's largest face where loads are not measured.
 const UNMEASURED: f64 = 128.0;
+/// Of a body, so many elements are halved then at most.
+const MOST_UNMEASURED: f64 = 2048.0;
 /// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
 /// with the bodies and not with the pairs; but each pair has at least this part.
 const MOST_WITH_ALL_SAMPLES: u32 = 12;
@@ -135,10 +137,9 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
                 quadrature.refine::<L>(pair, &frame, &size);
             }
             sampling => {
-                let [fewest, most] = MOST_ELEMENTS;
                 let (square, most) = match sampling {
-                    Sampling::Spacing(spacing) => (spacing * spacing, most),
-                    _ => (pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_rays), fewest),
+                    Sampling::Spacing(spacing) => (spacing * spacing, MOST_ELEMENTS[1]),
+                    _ => (pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_rays), MOST_UNMEASURED),
                 };
                 quadrature.most = most as usize;
                 // A region that is no more than a line or a point gives no measure.
@@ -513,7 +514,7 @@ mod tests {
     #[test]
     fn pieces_left_uncut_are_counted() {
         let (found, uncut) = areas(Sampling::Accuracy(0.01), HALF_A_SQUARE, [[-1.0; 3], [9.0; 3]]);
-        assert_eq!((found.len(), found.iter().sum::<f64>()), (8193, 32.0));
+        assert_eq!((found.len(), found.iter().sum::<f64>()), (MOST_UNMEASURED as usize + 1, 32.0));
         let large = found.iter().filter(|&&area| area > 0.125 * 0.125 / UNMEASURED / 2.0).count();
         assert!(large > 0 && large as u64 == uncut, "{large}, {uncut}");
     }
