@@ -8,7 +8,8 @@ usage: scripts/python.sh [--help]
 
 Builds the wheel in target/python/wheel around cargo's release build, installs it in a virtual environment of its own in
 target/python, where it stays, checks its types with mypy, and runs python/tests against it from outside of the sources,
-the listings of README.md, docs/tutorial.md and docs/recipes.md included. Tools and numpy come from PyPI, in fixed versions.
+the listings of README.md and of the tutorial, recipes and contact system in docs/ included. Tools and numpy come from PyPI, in
+fixed versions.
 Exit status: 0 when all tests pass, 1 when something fails, 2 for a wrong command line.
 END
 }
