@@ -18,16 +18,14 @@ COMMENT = re.compile(r"/\*\*(.*?)\*/", re.DOTALL)
 TYPE = re.compile(r"/\*\*((?:(?!\*/).)*)\*/\ntypedef (?:enum|struct) rayc_(\w+) {\n(.*?)\n}", re.DOTALL)
 MEMBER = re.compile(r"/\*\*((?:(?!\*/).)*)\*/\s*([^,;]+?)[,;]", re.DOTALL)
 NUMBERS = {"double": "float", "uint32_t": "int"}
-# What stands above all in the generated module.
-HEAD = '''"""Constants, enums and options of raycontact.h, from which this file is generated."""
+HEAD_OF_MODULE = '''"""Constants, enums and options of raycontact.h, from which this file is generated."""
 
 from enum import EnumMeta, IntEnum
 from typing import TYPE_CHECKING, Union
 
 
+# help() shows what dir() lists: what an enum or a kind of options has of its own, not what every int or dict can do.
 class Named(EnumMeta):
-    """Shows what an enum has of its own, so that help() leaves out what every int can do."""
-
     def __dir__(cls) -> list[str]:
         return ["__doc__", *cls.__members__]
 
@@ -37,8 +35,6 @@ if TYPE_CHECKING:
 else:
 
     class Names(type):
-        """Shows what a kind of options has of its own, so that help() leaves out what every dict can do."""
-
         def __new__(kind, name, bases, body, total=True):
             return super().__new__(kind, name, bases, body)
 
@@ -106,7 +102,7 @@ def declarations(header):
 
 def types(header, library):
     """A module with the header's constants, enums and options, for people, editors and type checkers."""
-    parts = [f'{HEAD}\nLIBRARY = "{library}"']
+    parts = [f'{HEAD_OF_MODULE}\nLIBRARY = "{library}"']
     for name, value in re.findall(r"^#define RAYC_(\w+) (\S+)$", header, re.MULTILINE):
         parts.append(f"{name} = {2**32 - 1 if value == 'UINT32_MAX' else ast.literal_eval(value)}")
     names = re.findall(r"^typedef enum rayc_(\w+)", header, re.MULTILINE)
