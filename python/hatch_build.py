@@ -18,6 +18,34 @@ COMMENT = re.compile(r"/\*\*(.*?)\*/", re.DOTALL)
 TYPE = re.compile(r"/\*\*((?:(?!\*/).)*)\*/\ntypedef (?:enum|struct) rayc_(\w+) {\n(.*?)\n}", re.DOTALL)
 MEMBER = re.compile(r"/\*\*((?:(?!\*/).)*)\*/\s*([^,;]+?)[,;]", re.DOTALL)
 NUMBERS = {"double": "float", "uint32_t": "int"}
+HEAD_OF_MODULE = '''"""Constants, enums and options of raycontact.h, from which this file is generated."""
+
+from enum import EnumMeta, IntEnum
+from typing import TYPE_CHECKING, Union
+
+
+# help() shows what dir() lists: what an enum or a kind of options has of its own, not what every int or dict can do.
+class Named(EnumMeta):
+    def __dir__(cls) -> list[str]:
+        return ["__doc__", *cls.__members__]
+
+
+if TYPE_CHECKING:
+    from typing import TypedDict as Options
+else:
+
+    class Names(type):
+        def __new__(kind, name, bases, body, total=True):
+            return super().__new__(kind, name, bases, body)
+
+        def __call__(cls, **given):
+            return given
+
+        def __dir__(cls):
+            return ["__doc__", "__annotations__"]
+
+    Options = Names("Options", (), {})
+'''
 
 
 class LibraryHook(BuildHookInterface):
@@ -74,11 +102,7 @@ def declarations(header):
 
 def types(header, library):
     """A module with the header's constants, enums and options, for people, editors and type checkers."""
-    parts = [
-        '"""Constants, enums and options of raycontact.h, from which this file is generated."""\n\n'
-        "from enum import IntEnum\nfrom typing import TypedDict, Union\n\n"
-        f'LIBRARY = "{library}"'
-    ]
+    parts = [f'{HEAD_OF_MODULE}\nLIBRARY = "{library}"']
     for name, value in re.findall(r"^#define RAYC_(\w+) (\S+)$", header, re.MULTILINE):
         parts.append(f"{name} = {2**32 - 1 if value == 'UINT32_MAX' else ast.literal_eval(value)}")
     names = re.findall(r"^typedef enum rayc_(\w+)", header, re.MULTILINE)
@@ -92,14 +116,14 @@ def types(header, library):
                 if named := re.search(r"\b[Aa] rayc_(\w+)", told):
                     enums[member] = title(named[1])
                     known[place] = member, ": Union[int, str]", told
-            parts.append(class_of(f"{title(name)}(TypedDict, total=False)", text, known))
+            parts.append(class_of(f"{title(name)}(Options, total=False)", text, known))
         elif "=" in members[0][1]:
             prefix = len(f"rayc_{name}_")
             known = [(member[prefix:-2], f" = {value}", text) for text, member, value in members]
-            parts.append(class_of(f"{title(name)}(IntEnum)", text, known))
+            parts.append(class_of(f"{title(name)}(IntEnum, metaclass=Named)", text, known))
     by_name = ", ".join(f'"{member}": {enum}' for member, enum in enums.items())
     parts.append(f"\n\n# The enums of options, which may be given by name.\nENUMS = {{{by_name}}}")
-    public = re.findall(r"^class (\w+)", "".join(parts), re.MULTILINE)
+    public = re.findall(r"^class (\w+)", "".join(parts[1:]), re.MULTILINE)
     parts.append(f'\n\n__all__ = {["NO_TRIANGLE", *public]}')
     text = "\n".join(parts) + "\n"
     # Enums and their members as they are called here.
@@ -122,4 +146,5 @@ def class_of(head, text, members):
 
 def plain(comment):
     text = re.sub(r"^ *\* ?", "", comment, flags=re.MULTILINE).strip()
+    text = text.replace("rayc_last_error_message()", "the text of Error")
     return re.sub(r" Fill with rayc_default_\w+\(\), then change what you need\.", "", text)

@@ -23,7 +23,7 @@ done
 
 environment="$root/target/penetration/venv"
 source scripts/wheel.sh
-install_wheel "$environment" "$root/target/penetration/wheel" hatchling==1.33.0 cffi==2.1.1 numpy==2.4.6
+install_wheel "$environment" "$root/target/penetration/wheel" numpy==2.4.6
 "$environment/bin/pip" install coal==3.0.3 ipctk==1.6.1 scipy==1.17.1 || fail 'pip could not install the other libraries'
 
 say 'Measuring'

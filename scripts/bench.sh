@@ -8,7 +8,7 @@ usage: scripts/bench.sh [quick|full|docs] [options of the measuring program]
 
 quick (default): every method on the ordinary workloads and two deep pairs, about ten minutes after the build.
 full: also up to 409 600 triangles a body and up to 1000 bodies.
-docs: measures nothing; takes the last measurement over into docs/performance.md and docs/performance/.
+docs: measures nothing; takes the last measurement over into docs/performance_notebook.md and docs/performance/.
 Writes out/bench/detect.csv and charts beside it, and prints how many times as long as raycontact-paper (the paper's
 work) each method takes.
 Further options go to the measuring program; with --help it lists them.
@@ -21,8 +21,8 @@ start_measuring out/bench/detect.csv docs/performance "$@"
 (($# == 0)) || shift
 
 if [[ $measures == false ]]; then
-    "$bench" --out docs/performance --document docs/performance.md
-    say "Renewed: $root/docs/performance.md"
+    "$bench" --out docs/performance --document docs/performance_notebook.md
+    say "Renewed: $root/docs/performance_notebook.md"
     exit 0
 fi
 "$bench" "${size[@]}" --out out/bench "${libraries[@]}" "$@"

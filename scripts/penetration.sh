@@ -25,7 +25,7 @@ case "$size" in
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
-tools=(hatchling==1.33.0 cffi==2.1.1 numpy==2.4.6 pytest==9.2.0)
+tools=(numpy==2.4.6 pytest==9.2.0)
 peers=(coal==3.0.3 drake==1.51.1 embreex==4.4.0.post1 ipctk==1.6.1 matplotlib==3.11.2 mujoco==4.0.0 python-fcl==0.7.0.11
     scipy==1.17.1 trimesh==5.2.0)
 folder="$root/target/penetration"

@@ -6,9 +6,10 @@ usage() {
     cat <<END
 usage: scripts/python.sh [--help]
 
-Builds the wheel in target/python/wheel around cargo's release build, installs it in a virtual environment of its own in
-target/python, where it stays, checks its types with mypy, and runs python/tests against it from outside of the sources,
-the listings of README.md, docs/tutorial.md and docs/recipes.md included. Tools and numpy come from PyPI, in fixed versions.
+Builds the wheel in target/python/wheel around cargo's release build, as PyPI takes it (auditwheel, twine check), installs it
+in a virtual environment of its own in target/python, where it stays, checks its types with mypy, and runs python/tests
+against it from outside of the sources, the listings of README.md and of the tutorial, recipes and contact system in docs/
+included. Tools and numpy come from PyPI, in fixed versions.
 Exit status: 0 when all tests pass, 1 when something fails, 2 for a wrong command line.
 END
 }
@@ -19,13 +20,14 @@ case "${1:-}" in
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
-tools=(hatchling==1.33.0 cffi==2.1.1 mypy==2.4.1 numpy==2.4.6 pytest==9.2.0)
+tools=(mypy==2.4.1 numpy==2.4.6 pytest==9.2.0 twine==7.0.0)
 wheels="$root/target/python/wheel"
 environment="$root/target/python/environment"
 
 source scripts/wheel.sh
 install_wheel "$environment" "$wheels" "${tools[@]}"
 
+"$environment/bin/twine" check --strict "$wheels"/*.whl >&2 || fail 'PyPI would refuse the wheel, see above'
 cd "$environment"
 "$environment/bin/python" -m mypy --config-file "$root/pyproject.toml" --cache-dir "$environment/.mypy_cache" \
     --package raycontact || fail 'the Python types are wrong'

@@ -8,12 +8,12 @@ usage: scripts/test.sh [--long]
 
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the pages of the Rust
 library, the oracle with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the
-instructions of a step, the hash of all results, the versions that the library is made of, random inputs for
-a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the benchmark of deep contact without
-its peers, the C and C++ tests with the packages and the manual (cmake --workflow --preset test), and the command lines of
-all programs. Missing Debian packages are installed first, and MuJoCo is fetched. With --long the oracle asks 1e7 queries,
-self-collision takes 1e5 steps, forces are measured at every size, as in docs/accuracy.md, licences are checked, the sanitizers
-run, and the page of all measurements is made anew and tested in Chromium.
+instructions of a step, the hash of all results, the manual as one site, the versions that the library is made of, random
+inputs for a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the benchmark of deep contact
+without its peers, the C and C++ tests with the packages and Doxygen's manual (cmake --workflow --preset test), and the command
+lines of all programs. Missing Debian packages are installed first, and MuJoCo is fetched. With --long the oracle asks 1e7
+queries, self-collision takes 1e5 steps, forces are measured at every size, as in docs/accuracy.md, licences are checked, the
+sanitizers run, and the page of all measurements is made anew and tested in Chromium.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }
@@ -62,6 +62,7 @@ check 'convergence' "${example[@]}" convergence -- "${convergence[@]}"
 check 'failure table' "${example[@]}" poses -- --failures --count 20
 check 'instructions' scripts/instructions.sh
 check 'hashes' scripts/hashes.sh
+check 'manual' scripts/manual.sh
 check 'supply chain' scripts/supply_chain.sh "${supply_chain[@]}"
 # The same changes in every run, so that no run fails by chance; other seeds are tried apart from this.
 check 'fuzzing' scripts/fuzz.sh --seconds 10 --seed 1

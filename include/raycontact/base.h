@@ -335,7 +335,7 @@ typedef struct rayc_vectors_mut {
 /**
  * Minor version of this header.
  */
-#define RAYC_VERSION_MINOR 2
+#define RAYC_VERSION_MINOR 3
 
 /**
  * Patch version of this header.
@@ -346,7 +346,7 @@ typedef struct rayc_vectors_mut {
  * The ABI of this header: major · 100, and the minor version while the major is 0. The C++ headers compare it with
  * rayc_abi_version() before they make anything.
  */
-#define RAYC_ABI_VERSION 2
+#define RAYC_ABI_VERSION 3
 
 /**
  * The version of the library that is linked: major · 10000 + minor · 100 + patch. Any thread may ask at any time.

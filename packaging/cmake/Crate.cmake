@@ -16,17 +16,48 @@ else()
 endif()
 set(cargo_output "${RAYCONTACT_CARGO_TARGET_DIR}/${cargo_profile_folder}")
 
-# The names a user of the library sees: file, SONAME link, development link. The SONAME is that of build.rs.
+# The names a user of the library sees, as each system has them: file, SONAME link, development link. The SONAME is that of
+# build.rs. A DLL has no links and no version, and programs are linked with its import library.
 if(PROJECT_VERSION_MAJOR EQUAL 0)
     set(RAYCONTACT_SOVERSION "0.${PROJECT_VERSION_MINOR}")
 else()
     set(RAYCONTACT_SOVERSION "${PROJECT_VERSION_MAJOR}")
 endif()
 set(RAYCONTACT_SHARED_NAME "${CMAKE_SHARED_LIBRARY_PREFIX}raycontact${CMAKE_SHARED_LIBRARY_SUFFIX}")
-set(RAYCONTACT_SHARED_SONAME "${RAYCONTACT_SHARED_NAME}.${RAYCONTACT_SOVERSION}")
-set(RAYCONTACT_SHARED_FILE "${RAYCONTACT_SHARED_NAME}.${PROJECT_VERSION}")
+if(WIN32)
+    # As rustc calls them: with MSVC raycontact.lib is the static library.
+    set(RAYCONTACT_SHARED_NAME raycontact.dll)
+    set(RAYCONTACT_IMPORT_FILE libraycontact.dll.a)
+    if(MSVC)
+        set(RAYCONTACT_IMPORT_FILE raycontact.dll.lib)
+    endif()
+    set(RAYCONTACT_SHARED_SONAME "${RAYCONTACT_SHARED_NAME}")
+    set(RAYCONTACT_SHARED_FILE "${RAYCONTACT_SHARED_NAME}")
+elseif(APPLE)
+    set(RAYCONTACT_SHARED_SONAME "libraycontact.${RAYCONTACT_SOVERSION}.dylib")
+    set(RAYCONTACT_SHARED_FILE "libraycontact.${PROJECT_VERSION}.dylib")
+else()
+    set(RAYCONTACT_SHARED_SONAME "${RAYCONTACT_SHARED_NAME}.${RAYCONTACT_SOVERSION}")
+    set(RAYCONTACT_SHARED_FILE "${RAYCONTACT_SHARED_NAME}.${PROJECT_VERSION}")
+endif()
+set(RAYCONTACT_IMPORTED_SONAME "${RAYCONTACT_SHARED_SONAME}")
+if(APPLE)
+    string(PREPEND RAYCONTACT_IMPORTED_SONAME "@rpath/")
+endif()
 set(RAYCONTACT_STATIC_FILE "${CMAKE_STATIC_LIBRARY_PREFIX}raycontact${CMAKE_STATIC_LIBRARY_SUFFIX}")
 set(RAYCONTACT_LIBRARY_DIR "${CMAKE_CURRENT_BINARY_DIR}/lib")
+
+if(WIN32)
+    set(commands_beside COMMAND "${CMAKE_COMMAND}" -E copy_if_different "${cargo_output}/${RAYCONTACT_IMPORT_FILE}"
+                        "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_IMPORT_FILE}")
+    set(import_library "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_IMPORT_FILE}")
+else()
+    set(commands_beside COMMAND "${CMAKE_COMMAND}" -E create_symlink "${RAYCONTACT_SHARED_FILE}"
+                        "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_SONAME}"
+                        COMMAND "${CMAKE_COMMAND}" -E create_symlink "${RAYCONTACT_SHARED_SONAME}"
+                        "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_NAME}")
+    set(import_library "")
+endif()
 
 # Runs at every build: cargo alone knows whether anything is to be done. Copies keep their time stamp when nothing
 # changed, so that programs are not linked again.
@@ -40,12 +71,9 @@ add_custom_target(
             "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_STATIC_FILE}"
     COMMAND "${CMAKE_COMMAND}" -E copy_if_different "${cargo_output}/${RAYCONTACT_SHARED_NAME}"
             "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_FILE}"
-    COMMAND "${CMAKE_COMMAND}" -E create_symlink "${RAYCONTACT_SHARED_FILE}"
-            "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_SONAME}"
-    COMMAND "${CMAKE_COMMAND}" -E create_symlink "${RAYCONTACT_SHARED_SONAME}"
-            "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_NAME}"
+    ${commands_beside}
     BYPRODUCTS "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_STATIC_FILE}"
-               "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_FILE}"
+               "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_FILE}" ${import_library}
     COMMENT "Building the crate (cargo, profile ${cargo_profile})"
     USES_TERMINAL VERBATIM)
 
@@ -58,7 +86,10 @@ add_library(raycontact::raycontact SHARED IMPORTED GLOBAL)
 set_target_properties(
     raycontact::raycontact
     PROPERTIES IMPORTED_LOCATION "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_FILE}"
-               IMPORTED_SONAME "${RAYCONTACT_SHARED_SONAME}")
+               IMPORTED_SONAME "${RAYCONTACT_IMPORTED_SONAME}")
+if(WIN32)
+    set_property(TARGET raycontact::raycontact PROPERTY IMPORTED_IMPLIB "${import_library}")
+endif()
 
 add_library(raycontact::static STATIC IMPORTED GLOBAL)
 set_target_properties(

@@ -4,11 +4,16 @@ include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/raycontact")
 
-# Development link, SONAME link, the file itself.
-install(PROGRAMS "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_FILE}" DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-        COMPONENT runtime)
-install(FILES "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_SONAME}" DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-        COMPONENT runtime)
+# Development link, SONAME link, the file itself. Windows looks for DLLs beside programs.
+if(WIN32)
+    set(shared_dir "${CMAKE_INSTALL_BINDIR}")
+    set(development_file "${RAYCONTACT_IMPORT_FILE}")
+else()
+    set(shared_dir "${CMAKE_INSTALL_LIBDIR}")
+    set(development_file "${RAYCONTACT_SHARED_NAME}")
+    install(FILES "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_SONAME}" DESTINATION "${shared_dir}" COMPONENT runtime)
+endif()
+install(PROGRAMS "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_FILE}" DESTINATION "${shared_dir}" COMPONENT runtime)
 install(FILES LICENSE-MIT LICENSE-APACHE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT runtime)
 install(
     DIRECTORY include/
@@ -17,21 +22,21 @@ install(
     FILES_MATCHING
     PATTERN "*.h"
     PATTERN "*.hpp")
-install(FILES "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_SHARED_NAME}"
+install(FILES "${RAYCONTACT_LIBRARY_DIR}/${development_file}"
               "${RAYCONTACT_LIBRARY_DIR}/${RAYCONTACT_STATIC_FILE}" DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         COMPONENT development)
 
-# `cmake --install --strip` strips only what CMake has linked itself.
-if(CMAKE_STRIP)
-    foreach(entry IN ITEMS "runtime:--strip-unneeded:${RAYCONTACT_SHARED_FILE}"
-                           "development:--strip-debug:${RAYCONTACT_STATIC_FILE}")
+# `cmake --install --strip` strips only what CMake has linked itself. The options are those of GNU's strip.
+if(CMAKE_STRIP AND NOT APPLE)
+    foreach(entry IN ITEMS "runtime:--strip-unneeded:${shared_dir}/${RAYCONTACT_SHARED_FILE}"
+                           "development:--strip-debug:${CMAKE_INSTALL_LIBDIR}/${RAYCONTACT_STATIC_FILE}")
         string(REPLACE ":" ";" entry "${entry}")
         list(GET entry 0 component)
         list(GET entry 1 option)
         list(GET entry 2 file)
         install(
             CODE "if(CMAKE_INSTALL_DO_STRIP)
-                set(file \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/${file}\")
+                set(file \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${file}\")
                 execute_process(COMMAND \"${CMAKE_STRIP}\" ${option} \"\${file}\" COMMAND_ERROR_IS_FATAL ANY)
             endif()"
             COMPONENT ${component})
@@ -41,7 +46,7 @@ endif()
 configure_package_config_file(
     packaging/cmake/raycontactConfig.cmake.in "${CMAKE_CURRENT_BINARY_DIR}/raycontactConfig.cmake"
     INSTALL_DESTINATION "${package_dir}"
-    PATH_VARS CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_INCLUDEDIR)
+    PATH_VARS CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_INCLUDEDIR shared_dir)
 # What the versions cannot tell before 1.0, the ABI number does: the C++ headers check it.
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/raycontactConfigVersion.cmake"
                                  COMPATIBILITY SameMajorVersion)

@@ -3,12 +3,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._library import NULL, SCALARS
+
+if TYPE_CHECKING:  # the options of calls, for type checkers alone
+    from typing_extensions import Unpack as Unpack
+else:
+    Unpack = None
 
 Array = ArrayLike
 Doubles = NDArray[np.float64]

@@ -30,12 +30,6 @@ class Error(RuntimeError):
         super().__init__(told or self.status.name)
 
 
-def version() -> str:
-    """The library's version, such as "0.2.0"."""
-    number = library.rayc_version()
-    return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
-
-
 @functools.lru_cache(None)
 def dtype_of(kind: Any) -> np.dtype[Any]:
     """The numpy type of a C type, structs field by field."""

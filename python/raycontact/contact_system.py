@@ -3,25 +3,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import astuple, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Array, Doubles, counted, indices, numbers, packed, to_write
+from ._arrays import Array, Doubles, Unpack, counted, indices, numbers, packed, to_write
 from ._ffi import ffi
 from ._header import ContactSystemOptions
 from ._library import NULL, answer, call, copied, create, library, options
 from .contacts import Contacts
 from .scene import Scene
 
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
-
-    Weights = tuple[Array, Array, Array]
+Weights = tuple[Array, Array, Array]
 
 
-class Material(NamedTuple):
+@dataclass(frozen=True)
+class Material:
     """How a surface bears load, damps and rubs: N/m³, s, Coulomb's coefficient, and the depth in m beyond which one
     step asks for no more force than there. Material.bearing() suggests values."""
 
@@ -36,12 +35,12 @@ class Material(NamedTuple):
         quarter of its elements' edge; of a rigid or still one, ten times the pressure at rest at ten times the depth
         to which bodies may sink in."""
         found = answer(library.rayc_bearing_material, pressure, depth, ffi.sizeof("rayc_material"))
-        return cls(*(getattr(found, name) for name in cls._fields))
+        return cls(*(getattr(found, name) for name in cls.__annotations__))
 
 
 def struct_of(material: Material | None) -> Any:
     """The C struct; NULL for none."""
-    return NULL if material is None else ffi.new("rayc_material *", (ffi.sizeof("rayc_material"), *material))
+    return NULL if material is None else ffi.new("rayc_material *", (ffi.sizeof("rayc_material"), *astuple(material)))
 
 
 class ContactSystem:

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import DTypeLike, NDArray
 
-from ._arrays import Array, Doubles, of_bodies, to_write
+from ._arrays import Array, Doubles, Unpack, of_bodies, to_write
 from ._ffi import ffi
 from ._header import DetectionOptions, ResponseOptions
 from ._library import answer, call, copied, create, library, options
 from .mesh import Mesh
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
-
     Arrays = Iterable[Array | None] | None
     Targets = Iterable[NDArray[Any] | None]
 
@@ -100,9 +98,8 @@ class Contacts:
 
     def escape_pushes(self) -> NDArray[Any]:
         """How each escaping pair is pushed as a whole: one for each such pair, with the fields of rayc_escape_push."""
-        count = answer(library.rayc_contacts_escape_push_count, self._handle)
-        given = self._handle, 0, count, ffi.sizeof("rayc_escape_push")
-        return copied(library.rayc_contacts_copy_escape_pushes, count, *given)
+        count, size = answer(library.rayc_contacts_escape_push_count, self._handle), ffi.sizeof("rayc_escape_push")
+        return copied(library.rayc_contacts_copy_escape_pushes, count, self._handle, 0, count, size)
 
 
 def query_pair(a: Mesh, b: Mesh, contacts: Contacts | None = None, **detection: Unpack[DetectionOptions]) -> Contacts:

@@ -6,18 +6,15 @@ from __future__ import annotations
 import functools
 import os
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Array, Doubles, indices, numbers, rows, to_read
+from ._arrays import Array, Doubles, Unpack, indices, numbers, rows, to_read
 from ._ffi import ffi
 from ._header import MeshOptions, OctreeOptions
 from ._library import NULL, answer, call, copied, create, dtype_of, library, options
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 class Mesh:
@@ -34,7 +31,7 @@ class Mesh:
         self._adopt(create("mesh", options("mesh", mesh_options), [x], faces, len(faces)), mesh_options)
 
     @classmethod
-    def from_obj(cls, path: str | os.PathLike[str], **mesh_options: Unpack[MeshOptions]) -> Mesh:
+    def from_file(cls, path: str | os.PathLike[str], **mesh_options: Unpack[MeshOptions]) -> Mesh:
         """Reads a Wavefront .obj file: vertices in the file's order, faces of all its objects together."""
         mesh, name = cls.__new__(cls), os.fsencode(path)
         if b"\0" in name:  # where C would end it
@@ -56,7 +53,7 @@ class Mesh:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are new meshes of the present positions and the same options; those of the tree are not kept."""
-        return functools.partial(Mesh, **self._mesh_options), (self.positions(), self.triangles())
+        return functools.partial(Mesh, **self._mesh_options), (self.vertices, self.faces)
 
     def set_positions(self, positions: Array) -> None:
         """Renews the positions of all vertices: (n, 3), in m. Where that raises Error, the old ones stay."""
@@ -75,16 +72,21 @@ class Mesh:
         """m."""
         return int(answer(library.rayc_mesh_triangle_count, self._handle))
 
-    def positions(self) -> Doubles:
-        """A copy of the present positions: (n, 3), in m."""
+    @property
+    def vertices(self) -> Doubles:
+        """The present positions: (n, 3), in m. A copy for each use, to be read alone: set_positions() renews them."""
         found = np.empty((self.vertex_count, 3))
         call(library.rayc_mesh_copy_positions, self._handle, [found])
+        found.flags.writeable = False
         return found
 
-    def triangles(self) -> NDArray[np.uint32]:
-        """A copy of the triangles: (m, 3)."""
+    @property
+    def faces(self) -> NDArray[np.uint32]:
+        """The triangles: (m, 3). A copy for each use, to be read alone."""
         count = self.triangle_count
-        return copied(library.rayc_mesh_copy_triangles, (count, 3), self._handle, 3 * count)
+        found = copied(library.rayc_mesh_copy_triangles, (count, 3), self._handle, 3 * count)
+        found.flags.writeable = False
+        return found
 
     def closest_points(self, points: Array, bounds: Array = np.inf) -> NDArray[Any]:
         """The points of the surface, open or closed, that are nearest to `points`: triangle (NO_TRIANGLE where none is

@@ -3,19 +3,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import NDArray
 
-from ._arrays import Array, packed, to_read
+from ._arrays import Array, Unpack, packed, to_read
 from ._ffi import ffi
 from ._header import DetectionOptions, SceneOptions
 from ._library import answer, call, copied, create, library, options
 from .contacts import Contacts
 from .mesh import Mesh
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 class Scene:
@@ -83,9 +80,8 @@ class Scene:
 
     def pair_memories(self) -> NDArray[Any]:
         """What each pair remembers from step to step: one for each, with the fields of rayc_pair_memory."""
-        count = answer(library.rayc_scene_pair_memory_count, self._handle)
-        given = self._handle, 0, count, ffi.sizeof("rayc_pair_memory")
-        return copied(library.rayc_scene_copy_pair_memories, count, *given)
+        count, size = answer(library.rayc_scene_pair_memory_count, self._handle), ffi.sizeof("rayc_pair_memory")
+        return copied(library.rayc_scene_copy_pair_memories, count, self._handle, 0, count, size)
 
     def save_pair_memories(self) -> bytes:
         """The same for files: a scene of the same bodies and options that restores it goes on as this, to the bit."""

@@ -56,7 +56,7 @@ def test_read_where_they_lie(layout, dtype):
     _, view = layout(dtype)
     view[:] = X
     assert to_read(view, "view") is view
-    np.testing.assert_array_equal(Mesh(view, TETRAHEDRON).positions(), X)
+    np.testing.assert_array_equal(Mesh(view, TETRAHEDRON).vertices, X)
     view.flags.writeable = False
     assert to_read(view, "view") is view
 
@@ -69,16 +69,16 @@ def test_copied_where_they_cannot_be_read(x):
     np.testing.assert_array_equal(copy, wanted)
     mesh = Mesh(X, TETRAHEDRON)
     mesh.set_positions(x)
-    np.testing.assert_array_equal(mesh.positions(), wanted)
+    np.testing.assert_array_equal(mesh.vertices, wanted)
 
 
 def test_rows_in_descending_order_are_copied():
     mesh = Mesh(X, TETRAHEDRON)
     mesh.set_positions(X[::-1])
-    np.testing.assert_array_equal(mesh.positions(), X[::-1])
+    np.testing.assert_array_equal(mesh.vertices, X[::-1])
     one = np.broadcast_to(X[3], (4, 3))
     mesh.set_positions(one)
-    np.testing.assert_array_equal(mesh.positions(), one)
+    np.testing.assert_array_equal(mesh.vertices, one)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -122,7 +122,7 @@ def test_forces_that_would_be_lost_are_refused(forces, error, text):
 def test_triangles_of_any_whole_numbers():
     assert np.shares_memory(indices(TETRAHEDRON, "triangles"), TETRAHEDRON)
     for given in (TETRAHEDRON.astype(np.int64), TETRAHEDRON.tolist(), np.asfortranarray(TETRAHEDRON)):
-        np.testing.assert_array_equal(Mesh(X, given).triangles(), TETRAHEDRON)
+        np.testing.assert_array_equal(Mesh(X, given).faces, TETRAHEDRON)
 
 
 def test_one_array_for_each_of_many_bodies():

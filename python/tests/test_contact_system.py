@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """A simulator in a few lines on the contact system alone, held to closed forms and finite differences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import raycontact
@@ -17,7 +19,7 @@ def rigid_box(friction, tilt):
     scene, system = Scene(), ContactSystem()
     body = scene.add(Mesh(corners, faces))
     system.set_node_masses([])
-    material = MATERIAL._replace(friction=friction)
+    material = replace(MATERIAL, friction=friction)
     system.add_rigid(scene, body, 2.0, np.eye(3) * 2.0 / 6.0, material)
     normal = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
     system.add_half_space(normal, 0.0, material)

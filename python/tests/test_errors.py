@@ -93,7 +93,7 @@ def test_refused_positions_leave_the_old_ones():
             with pytest.raises(Error) as caught:
                 owner(refused)
             assert caught.value.status == status
-    np.testing.assert_array_equal(mesh.positions(), X)
+    np.testing.assert_array_equal(mesh.vertices, X)
     np.testing.assert_array_equal(scene.query().to_array(), before)
 
 
@@ -170,14 +170,17 @@ def test_points_and_rays():
 
 def test_files(tmp_path):
     with pytest.raises(Error, match="missing.obj") as caught:
-        Mesh.from_obj(tmp_path / "missing.obj")
+        Mesh.from_file(tmp_path / "missing.obj")
     assert caught.value.status == Status.FILE_NOT_READABLE
     (tmp_path / "cut").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     with pytest.raises(ValueError, match="cut.*give one without a null character"):
-        Mesh.from_obj(f"{tmp_path}/cut\0.obj")
+        Mesh.from_file(f"{tmp_path}/cut\0.obj")
+    (tmp_path / "ball.stl").write_text("solid ball\nfacet normal 0 0 1\n")
+    with pytest.raises(Error, match="ball.stl .*; only .obj files are read"):
+        Mesh.from_file(tmp_path / "ball.stl")
     (tmp_path / "broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
     with pytest.raises(Error, match="line 2") as caught:
-        Mesh.from_obj(tmp_path / "broken.obj")
+        Mesh.from_file(tmp_path / "broken.obj")
     assert caught.value.status == Status.FILE_BROKEN
 
 

@@ -2,6 +2,7 @@
 """The package is held to the C headers, which are read anew with each build."""
 
 import pathlib
+import pydoc
 import re
 
 import pytest
@@ -20,6 +21,7 @@ LEFT_OUT = {
     "rayc_contact_system_off_course": "rayc_contact_system_detect_again looks where it has to",
     "rayc_octree_trace_ray": "rayc_octree_trace_rays takes one too",
     "rayc_status_name": "Status has the names",
+    "rayc_version": "the header of this build has it",
 }
 
 
@@ -57,7 +59,8 @@ def test_enums_are_those_of_the_header():
 
 def test_what_is_generated_says_what_the_header_says():
     assert raycontact.NO_TRIANGLE == 2**32 - 1
-    assert raycontact.__version__ == f"{_header.VERSION_MAJOR}.{_header.VERSION_MINOR}.{_header.VERSION_PATCH}"
+    major, minor, patch = map(int, raycontact.__version__.split("."))
+    assert 10_000 * major + 100 * minor + patch == _library.library.rayc_version()
     assert raycontact.DetectionOptions.__doc__.startswith("How contacts are found.\n")
     for kind in (
         raycontact.MeshOptions,
@@ -80,6 +83,14 @@ def test_every_public_name_is_documented():
     for kind in (raycontact.Contacts, raycontact.ContactSystem, raycontact.Mesh, raycontact.Scene):
         for name, thing in vars(kind).items():
             assert name.startswith("_") or thing.__doc__, f"{kind.__name__}.{name}"
+
+
+def test_help_leaves_out_what_every_int_dict_and_tuple_can_do():
+    told = pydoc.plain(pydoc.render_doc(raycontact))
+    assert not re.search(r"inherited from (builtins\.)?(int|dict|tuple)\b", told)
+    for text in ("PRESSURE = <Law.PRESSURE: 0>", "sampling_value:", "damping_time"):
+        assert text in told
+    assert raycontact.DetectionOptions(edges=1) == {"edges": 1}
 
 
 def test_the_package_stays_small():

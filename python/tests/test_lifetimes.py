@@ -15,7 +15,7 @@ def test_arrays_outlive_their_scene():
     scene.add(mesh)
     scene.add(Mesh(torus()[0] + [0.3, 0.2, 0.1], torus()[1]))
     contacts = scene.query()
-    array, near, positions = contacts.to_array(), mesh.closest_points([[0, 0, 0]]), mesh.positions()
+    array, near, positions = contacts.to_array(), mesh.closest_points([[0, 0, 0]]), mesh.vertices
     for kept in (array, near, positions):
         assert kept.flags.owndata
     before = [kept.copy() for kept in (array, near, positions)]
@@ -43,7 +43,7 @@ def test_the_caller_may_change_its_arrays_after_the_call():
     triangles += 100
     del x, triangles
     np.testing.assert_array_equal(scene.query().to_array(), before)
-    np.testing.assert_array_equal(mesh.positions(), tetrahedron()[0])
+    np.testing.assert_array_equal(mesh.vertices, tetrahedron()[0])
 
 
 def test_temporary_arrays_live_for_as_long_as_the_call():
@@ -53,7 +53,7 @@ def test_temporary_arrays_live_for_as_long_as_the_call():
     for i in range(200):
         wanted = tetrahedron()[0] * (1 + i / 100)
         mesh.set_positions(wanted.tolist())
-        np.testing.assert_array_equal(mesh.positions(), wanted)
+        np.testing.assert_array_equal(mesh.vertices, wanted)
         scene.set_positions(body, np.asfortranarray(wanted))
 
 

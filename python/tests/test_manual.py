@@ -11,7 +11,8 @@ import pytest
 ROOT = pathlib.Path(__file__).parents[2]
 LISTING = re.compile(r"```python\n(.*?)```(?:(?!```).)*```text\n(.*?)```", re.DOTALL)
 HEADING = re.compile(r"^##+ (.*)$", re.MULTILINE)
-PAGES = {page: (ROOT / page).read_text(encoding="utf-8") for page in ("README.md", "docs/tutorial.md", "docs/recipes.md")}
+NAMES = "README.md", "docs/tutorial.md", "docs/recipes.md", "docs/contact_system.md"
+PAGES = {page: (ROOT / page).read_text(encoding="utf-8") for page in NAMES}
 
 
 def listings():

@@ -37,7 +37,7 @@ def test_closest_points_of_a_cube_are_those_of_its_sides():
     found = mesh.closest_points(points)
     np.testing.assert_allclose(found["position"], np.clip(points, -1, 1), atol=1e-14)
     np.testing.assert_allclose(found["distance"], np.linalg.norm(points - found["position"], axis=1), atol=1e-14)
-    corners = mesh.positions()[mesh.triangles()[found["triangle"]]]
+    corners = mesh.vertices[mesh.faces[found["triangle"]]]
     np.testing.assert_allclose(np.einsum("ij,ijk->ik", found["weights"], corners), found["position"], atol=1e-14)
 
 
@@ -120,9 +120,13 @@ def test_answers_follow_new_positions():
     assert mesh.contains([[0, 0, 0]]).all()
     mesh.set_positions(points + [5, 0, 0])
     assert mesh.contains([[0, 0, 0], [5, 0, 0]]).tolist() == [False, True]
-    np.testing.assert_array_equal(mesh.positions(), points + [5, 0, 0])
+    np.testing.assert_array_equal(mesh.vertices, points + [5, 0, 0])
     assert (mesh.vertex_count, mesh.triangle_count) == (8, 12)
-    np.testing.assert_array_equal(mesh.triangles(), triangles)
+    np.testing.assert_array_equal(mesh.faces, triangles)
+    for array, count in ((mesh.vertices, 8), (mesh.faces, 12)):
+        assert array.shape == (count, 3)
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
 
 
 def test_no_points_have_no_answers():
@@ -147,9 +151,9 @@ def test_obj_files(tmp_path):
     lines += [f"f {a} {b} {c}" for a, b, c in (triangles + 1).tolist()]
     path = tmp_path / "törus.obj"
     path.write_text("\n".join(lines))
-    mesh = Mesh.from_obj(path)
-    np.testing.assert_array_equal(mesh.positions(), points)
-    np.testing.assert_array_equal(mesh.triangles(), triangles)
+    mesh = Mesh.from_file(path)
+    np.testing.assert_array_equal(mesh.vertices, points)
+    np.testing.assert_array_equal(mesh.faces, triangles)
     assert raycontact.Scene().add(mesh) == 0
 
 
@@ -161,8 +165,8 @@ def test_a_mesh_says_what_it_is_and_is_copied_whole():
     mesh.set_positions(moved)
     for again in (copy.copy(mesh), copy.deepcopy(mesh), pickle.loads(pickle.dumps(mesh))):
         mesh.set_positions(positions)  # not of the copy
-        np.testing.assert_array_equal(again.positions(), moved.astype(np.float32))
-        np.testing.assert_array_equal(again.triangles(), triangles)
+        np.testing.assert_array_equal(again.vertices, moved.astype(np.float32))
+        np.testing.assert_array_equal(again.faces, triangles)
         mesh.set_positions(moved)
     sheet = Mesh(positions, triangles[:-1], open=True)
     assert pickle.loads(pickle.dumps(sheet)).triangle_count == len(triangles) - 1

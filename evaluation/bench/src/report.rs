@@ -1,4 +1,4 @@
-//! The tables: for the terminal, and for documents, of which `docs/performance.md` has these.
+//! The tables: for the terminal, and for documents, of which `docs/performance_notebook.md` has these.
 
 use crate::method::PAPER;
 use crate::row::{Row, labels, total, workloads};

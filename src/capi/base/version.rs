@@ -5,14 +5,14 @@ use crate::capi::ffi::guard_value;
 pub const RAYC_VERSION_MAJOR: u32 = 0;
 
 /// Minor version of this header.
-pub const RAYC_VERSION_MINOR: u32 = 2;
+pub const RAYC_VERSION_MINOR: u32 = 3;
 
 /// Patch version of this header.
 pub const RAYC_VERSION_PATCH: u32 = 0;
 
 /// The ABI of this header: major · 100, and the minor version while the major is 0. The C++ headers compare it with
 /// rayc_abi_version() before they make anything.
-pub const RAYC_ABI_VERSION: u32 = 2;
+pub const RAYC_ABI_VERSION: u32 = 3;
 
 /// The version of the library that is linked: major · 10000 + minor · 100 + patch. Any thread may ask at any time.
 #[unsafe(no_mangle)]
