@@ -17,8 +17,7 @@ pub(crate) fn overlap_region<T: Scalar>(a: &Aabb<T>, b: &Aabb<T>) -> (Aabb<T>, A
 }
 
 /// Most nearest points of the surface lie no farther beyond an overlap box than this part of the box's shortest side. To
-/// prepare the trees that far took a deep default step from 6.5 to 3.1 times that of the paper's law
-/// (docs/performance_notebook.md).
+/// prepare the trees that far took a deep default step from 6.5 to 3.1 times one by the paper's law.
 const BEYOND_OVERLAP: f64 = 0.5;
 
 /// Where most rays end, and most distances, of a pair with these boxes.

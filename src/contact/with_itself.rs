@@ -66,8 +66,7 @@ pub fn query_self_with_all_rays<T: Scalar>(
 }
 
 /// Adds the contacts between parts of one body to `contacts`; gives whether the body may overlap itself. `memory` is what
-/// the body remembers from step to step.
-/// `tracer` is that of `octree`.
+/// the body remembers from step to step, `tracer` that of `octree`.
 pub(crate) fn detect_self<T: Scalar>(
     body: u32,
     tracer: Tracer<'_, T>,

@@ -57,10 +57,7 @@ impl<T: Scalar> Octree<T> {
     /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be: those around a common
     /// vertex may touch.
     pub(crate) fn strained<'a>(&'a self, near: &'a NearParts<T>) -> impl Iterator<Item = u32> + 'a {
-        let cells = match &self.cells {
-            Cells::Bvh(cells) => Some(cells),
-            Cells::PaperOctree(_) => None,
-        };
+        let cells = if let Cells::Bvh(cells) = &self.cells { Some(cells) } else { None };
         cells.into_iter().flat_map(|cells| cells.strained(&near.tiles))
     }
 

@@ -57,7 +57,7 @@ pub(crate) const MOST_PAIRS_OF_PARTS: usize = 64;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     /// Vertices around which the surface folds over.
-    pub(crate) folds: usize,
+    folds: usize,
     /// Pairs of triangles that touch.
     pub(crate) touching: usize,
     /// Pairs of triangles whose boxes overlap, beside many folds.
@@ -78,6 +78,12 @@ impl Limits {
         }
         let (touching, close) = (triangles * MOST_TOUCHING, triangles * CLOSE_BESIDE_FOLDS);
         Self { folds: vertices / VERTICES_WITHOUT_SIDE, touching, close, few_folds: vertices / VERTICES_OF_A_FOLD }
+    }
+
+    /// Whether a body with so many folds is tangled without counting the pairs that are close.
+    pub(crate) fn are_exceeded<T: Scalar>(&self, mesh: &Mesh<T>, folds: usize) -> bool {
+        let are_too_close = |_, close, _| (close >= FAR_TOO_MANY_CLOSE).then_some(true);
+        folds > self.folds || folds > self.few_folds && judge_by_random_pairs(mesh, 1, are_too_close)
     }
 
     /// How many pairs may be close in a body with so many folds.
@@ -105,11 +111,6 @@ pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
             let is_in_order = tried == first && close * FIRST_PART < FEWEST_CLOSE * PAIRS_TRIED;
             if are_close && !is_small || touching >= most { Some(true) } else { is_in_order.then_some(false) }
         })
-}
-
-/// Whether so many triangles of a body are close that counting them can be left out where they are beside folds.
-pub(crate) fn are_far_too_many_close<T: Scalar>(mesh: &Mesh<T>) -> bool {
-    judge_by_random_pairs(mesh, 1, |_, close, _| (close >= FAR_TOO_MANY_CLOSE).then_some(true))
 }
 
 /// Whether a body is tangled for rays that have so many of its tiles on their way, judged by random pairs of its triangles. One

@@ -4,14 +4,14 @@
 #[cfg(test)]
 pub(crate) mod tests;
 
-use crate::math::{Scalar, Vector3, direction, length, margins};
+use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::query::Octree;
 use crate::self_contact::certificate::reach::Reach;
 use crate::self_contact::near_triangles::NearParts;
-use crate::self_contact::nearness::{are_boxes_within, projected_gap, rounding, separation, touch_distance};
-use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_PARTS, are_far_too_many_close, is_tangled};
+use crate::self_contact::nearness::{projected_gap, rounding, separation, touch_distance};
+use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_PARTS, is_tangled};
 
 /// What the search found, and the memory it needs.
 #[derive(Clone, Debug, Default)]
@@ -104,8 +104,7 @@ impl<T: Scalar> Touching<T> {
         self.any = true;
     }
 
-    /// Looks at the triangles around each vertex: those with a common vertex. Where nothing but folds is found, the body is
-    /// tangled.
+    /// Looks at the triangles around each vertex: those with a common vertex. With too many folds the body is tangled.
     pub(crate) fn search_fans(&mut self, mesh: &Mesh<T>) -> Fans<T> {
         let count = mesh.topology().triangles().len();
         memory::refill(&mut self.facets, (0..count as u32).map(|triangle| Facet::new(&mesh.corners(triangle))));
@@ -124,7 +123,7 @@ impl<T: Scalar> Touching<T> {
                 least = least.min(altitude);
             }
         }
-        self.is_tangled |= self.folds > self.limits.folds;
+        self.is_tangled |= self.limits.are_exceeded(mesh, self.folds);
         // With edges up to L strained by ε, twice the area of a triangle changes by at most 2 ε L + ε².
         Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
     }
@@ -142,10 +141,6 @@ impl<T: Scalar> Touching<T> {
         let (most_touching, most_close) = (self.limits.touching, self.limits.close(self.folds));
         let mut close = 0;
         let sheltered = reach.of_sheltered();
-        self.is_tangled = most_close != usize::MAX && are_far_too_many_close(mesh);
-        if self.is_tangled {
-            return;
-        }
         let is_done = octree.search_near(mesh, reach, near, |a, b, is_steep| {
             #[cfg(test)]
             (self.tried += 1);
@@ -153,7 +148,8 @@ impl<T: Scalar> Touching<T> {
             let pair = [a.min(b), a.max(b)];
             let corners = [mesh.corners(pair[0]), mesh.corners(pair[1])];
             if most_close != usize::MAX {
-                close += usize::from(are_boxes_within(&corners, touch));
+                let [a, b] = corners.each_ref().map(Aabb::of_triangle);
+                close += usize::from(a.grown(touch).overlaps(&b));
                 if close > most_close {
                     return None;
                 }

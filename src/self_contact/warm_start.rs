@@ -49,27 +49,22 @@ pub(crate) struct SelfWarmStart<T: Scalar> {
 
 impl<T: Scalar> Default for SelfWarmStart<T> {
     fn default() -> Self {
-        let (fans, strains, near) = (Certificate::default(), Vec::new(), NearParts::default());
-        let (allowed, rounding, fineness) = (-T::one(), T::zero(), T::zero());
-        let (is_valid, is_clear, touches, searched) = (false, false, true, 0.0);
-        let (stamp, steps, pause, failures) = (0, 0, 0, 0);
-        let lapse = Lapse::unknown();
         Self {
-            fans,
-            strains,
-            near,
-            allowed,
-            rounding,
-            is_valid,
-            stamp,
-            is_clear,
-            lapse,
-            touches,
-            searched,
-            fineness,
-            steps,
-            pause,
-            failures,
+            fans: Certificate::default(),
+            strains: Vec::new(),
+            near: NearParts::default(),
+            allowed: -T::one(),
+            rounding: T::zero(),
+            is_valid: false,
+            stamp: 0,
+            is_clear: false,
+            lapse: Lapse::unknown(),
+            touches: true,
+            searched: 0.0,
+            fineness: T::zero(),
+            steps: 0,
+            pause: 0,
+            failures: 0,
         }
     }
 }
