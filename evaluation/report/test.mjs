@@ -38,7 +38,8 @@ try {
   await page.goto(pathToFileURL(page_path).href);
   await page.waitForFunction(() => window.measured && document.querySelector('[data-plot="figure8"] svg'));
   const data = await page.evaluate(() => window.measured);
-  const count = (name) => page.$$eval(`[data-plot="${name}"] .points > *`, (marks) => marks.filter((mark) => !mark.closest(".legend")).length);
+  const count = (name) => page.$$eval(`[data-plot="${name}"] .points > *`, (marks) =>
+    marks.filter((mark) => !mark.closest(".legend")).length);
   const folder = process.argv[2];
   const shootStage = async (name, frame) => {
     if (!folder) return;
@@ -83,7 +84,9 @@ try {
       }));
       const coloured = looks.filter(([stroke]) => stroke !== "var(--grey)");
       assert(coloured.length >= 2 && coloured.length <= 6, `${name}: ${coloured.length}`);
-      for (const part of [0, 1, 2]) assert.equal(new Set(coloured.map((look) => look[part])).size, coloured.length, `${name}: ${looks}`);
+      for (const part of [0, 1, 2]) {
+        assert.equal(new Set(coloured.map((look) => look[part])).size, coloured.length, `${name}: ${looks}`);
+      }
     }
   });
   await check("labels of the five charts are whole and lie beside one another from 320 pixels up", async () => {
@@ -93,12 +96,12 @@ try {
         const { cut, covered, texts } = await page.$eval(`[data-plot="${name}"]`, (place) => {
           const boxes = [...place.querySelectorAll("svg text, .legend span")].filter((text) => text.textContent).map((text) => {
             const [box, frame] = [text, text.closest("svg") ?? place].map((element) => element.getBoundingClientRect());
-            const isWhole = box.left >= frame.left && box.right <= frame.right && box.top >= frame.top && box.bottom <= frame.bottom;
-            return { text: text.textContent, box, isWhole: isWhole && frame.left >= 0 && frame.right <= innerWidth };
+            const isAcross = box.left >= Math.max(frame.left, 0) && box.right <= Math.min(frame.right, innerWidth);
+            return { text: text.textContent, box, isWhole: isAcross && box.top >= frame.top && box.bottom <= frame.bottom };
           });
           const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top + 2 < b.bottom - 2 && b.top + 2 < a.bottom - 2;
-          const pairs = boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) => overlap(a.box, b.box)).map((b) => [a.text, b.text]));
-          return { cut: boxes.filter(({ isWhole }) => !isWhole).map(({ text }) => text), covered: pairs, texts: boxes.length };
+          const covered = boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) => overlap(a.box, b.box)).map((b) => [a.text, b.text]));
+          return { cut: boxes.filter(({ isWhole }) => !isWhole).map(({ text }) => text), covered, texts: boxes.length };
         });
         assert(texts > 8, `${name}: ${texts}`);
         assert.deepEqual({ cut, covered }, { cut: [], covered: [] }, `${name}, ${wide} pixels`);

@@ -7,14 +7,14 @@ function median(numbers) {
   return (sorted[Math.ceil(half) - 1] + sorted[Math.floor(half)]) / 2;
 }
 
-const rounded = (number) => String(Number(number.toPrecision(number < 1 ? 1 : 2)));
+const rounded = (number) => String(Number(number.toPrecision(2)));
 /** Digits in threes, as in 10 000. */
 const digits = (number) => String(number).replace(/\B(?=(\d{3})+$)/g, "\u00a0");
 
 /** What measuring programs call the methods of detection, and what people do. */
 export const methodNames = {
-  raycontact: "raycontact, default", "raycontact-paper": "raycontact, paper's work", "raycontact-rust": "raycontact, from Rust",
-  "raycontact-paper-classic": "raycontact, paper's work and octree", "lower-bound": "lower bound",
+  raycontact: "raycontact, default", "raycontact-paper": "raycontact, paper's options", "raycontact-rust": "raycontact, from Rust",
+  "raycontact-paper-classic": "raycontact, paper's options and octree", "lower-bound": "lower bound",
   "embree-refit": "Embree, tree refitted", "embree-low": "Embree, tree rebuilt", "parry3d-refit": "Parry, tree refitted",
   "obvhs-refit": "obvhs, tree refitted", "fcl-aabb": "FCL", "bullet-vf": "Bullet VF",
 };
@@ -32,16 +32,16 @@ export function speed({ detect }) {
     return { name: methodNames[method], method, value, low, high, figure: rounded(value), isOwn: method.startsWith("raycontact") };
   }).sort((a, b) => a.value - b.value);
   const [best, own] = [rows.find((row) => !row.isOwn), rows.find((row) => row.method === "raycontact")];
-  return { rows, text: `For the same work ${best.name.split(",")[0]}, the fastest of the others, takes ${best.figure} times as long as ` +
-    `raycontact; raycontact's default does more and takes ${own.figure} times as long ` +
-    `(medians of ${scenes.length} scenes).` };
+  return { rows, text: `For the paper's work ${best.name.split(",")[0]}, the fastest of the others, takes ${best.figure} times as ` +
+    `long as raycontact; raycontact's default does more and takes ${own.figure} times as long (medians of ${scenes.length} scenes).` };
 }
 
 /** What the chart of speed against accuracy has of the many settings. */
 const settings = [
   ["raycontact, default", isDefault],
-  ["raycontact, accuracy 0.1", ({ settings }) => /^law=pressure sampling=(accuracy|tolerance):0.1 precision=f64 layout=wide edges=on weights=area/.test(settings)],
-  ["raycontact, paper's mode", ({ method, settings }) => method === "paper" && /f32 layout=wide/.test(settings)],
+  ["raycontact, accuracy 0.1", ({ settings }) =>
+    /^law=pressure sampling=(accuracy|tolerance):0.1 precision=f64 layout=wide edges=on weights=area/.test(settings)],
+  ["raycontact, paper's options", ({ method, settings }) => method === "paper" && /f32 layout=wide/.test(settings)],
   ["Embree", ({ method, settings }) => method === "embree-refit" && /weights=paper/.test(settings)],
   ["FCL", ({ method }) => method === "fcl-aabb"],
   ["Bullet CL", ({ method }) => method === "bullet-cl"],
@@ -117,5 +117,5 @@ export function growth({ detect }) {
     return rounded(own.at(-1).total_us / own[0].total_us);
   };
   return { rows, text: `Bodies of ${digits(rows.at(-1).size / rows[0].size)} times as many triangles take raycontact's default ` +
-    `${times("raycontact")} times as long, its paper's work ${times("raycontact-paper")} times, and Embree ${times("embree-refit")} times.` };
+    `${times("raycontact")} times as long, the paper's options ${times("raycontact-paper")} times, and Embree ${times("embree-refit")} times.` };
 }

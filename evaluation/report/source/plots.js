@@ -115,7 +115,7 @@ function ranked(rows, width, x) {
 }
 
 export function speed(rows, width) {
-  return ranked(rows, width, { type: "log", label: "times raycontact's at the same work →", tickFormat: "~g", ticks: 5 });
+  return ranked(rows, width, { type: "log", label: "times raycontact's for the paper's work →", tickFormat: "~g", ticks: 5 });
 }
 
 export function parting(rows, width) {
@@ -134,7 +134,8 @@ export function accuracy(rows, width) {
     symbol: { domain: [0, 1, 2], range: ["circle", "triangle", "square"] },
     marks: [
       Plot.dot(rows, { ...marks, fill: (row) => [colours[0], colours[1], grey][own(row)], symbol: own, r: 6, className: "points" }),
-      labels(rows, { ...marks, text: ({ name }) => (isNarrow ? name.replace("raycontact, ", "") : name), rank: (row) => (own(row) === 0 ? 1 : 0), told: () => {} }),
+      labels(rows, { ...marks, text: ({ name }) => (isNarrow ? name.replace("raycontact, ", "") : name),
+        rank: (row) => (own(row) === 0 ? 1 : 0), told: () => {} }),
     ],
   });
 }
@@ -144,9 +145,10 @@ const looks = [["circle", null], ["square", "8 3"], ["triangle", "2 3"], ["diamo
   .map(([symbol, strokeDasharray], i) => ({ colour: colours[i], symbol, strokeDasharray }));
 
 function line(rows, place, { colour, symbol, strokeDasharray }) {
+  const isFirst = strokeDasharray !== undefined;
   return [
-    Plot.line(rows, { ...place, z: "name", stroke: colour, strokeWidth: strokeDasharray === undefined ? 1 : 2, strokeDasharray, className: "lines" }),
-    Plot.dot(rows, { ...place, fill: colour, symbol, r: strokeDasharray === undefined ? 2 : 4, className: "points" }),
+    Plot.line(rows, { ...place, z: "name", stroke: colour, strokeWidth: isFirst ? 2 : 1, strokeDasharray, className: "lines" }),
+    Plot.dot(rows, { ...place, fill: colour, symbol, r: isFirst ? 4 : 2, className: "points" }),
   ];
 }
 
@@ -178,8 +180,8 @@ function lines(rows, first, { place, title, ...options }) {
 }
 
 export function steps(rows, width) {
-  const first = ["pressure", "ours", "contact_system", "vf_dd_implicit", "vf_dd_explicit", "cl_ss"].map((name) => contactMethods[name]);
-  return lines(rows.toSorted((a, b) => a.dt - b.dt), first, {
+  const first = ["pressure", "ours", "contact_system", "vf_dd_implicit", "vf_dd_explicit", "cl_ss"];
+  return lines(rows.toSorted((a, b) => a.dt - b.dt), first.map((name) => contactMethods[name]), {
     width, height: 400, place: { x: "dt", y: "ok" }, title: ({ dt, ok, runs }) => `${dt} s: ${ok} of ${runs}`,
     x: { type: "log", label: "time step, s →", labelOffset: 42, tickFormat: "~g", ticks: width < 600 ? 3 : 6 },
     y: { label: "↑ scenes that end well", domain: [0, Math.max(...rows.map(({ runs }) => runs))] },
@@ -244,8 +246,8 @@ function describe(row) {
 }
 
 function byTime(rows, width, unit) {
-  const first = ["raycontact", "raycontact-paper", "embree-refit", "parry3d-refit", "fcl-aabb", "bullet-vf"].map((name) => methodNames[name]);
-  return lines(rows, first.filter((name) => rows.some((row) => row.name === name)), {
+  const first = ["raycontact", "raycontact-paper", "embree-refit", "parry3d-refit", "fcl-aabb", "bullet-vf"];
+  return lines(rows, first.map((name) => methodNames[name]), {
     width, height: 480, place: { x: "size", y: "total_us" }, title: ({ workload, total_us }) => `${workload}\n${total_us} µs`,
     x: { type: "log", label: `${unit} →`, labelOffset: 42, tickFormat: "~s", ticks: width < 600 ? 3 : 6 },
     y: { type: "log", label: "↑ µs per step", tickFormat: "~s" },

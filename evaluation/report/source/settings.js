@@ -110,7 +110,7 @@ export function code(row) {
   ];
   if (!isPaper) {
     const [kind, amount] = sampling.replace("automatic", "accuracy").replace("tolerance", "accuracy").split(":");
-    if (/automatic|tolerance/.test(sampling)) lines.push(`/* an accuracy took the place of ${short(row)}, which was measured */`);
+    if (/automatic|tolerance/.test(sampling)) lines.push(`/* measured with the sampling "${sampling}", of which an accuracy has taken the place */`);
     if (law === "ray-length") lines.push("detection.law = RAYC_LAW_RAY_LENGTH;");
     if (kind !== "accuracy") lines.push(`detection.sampling = RAYC_SAMPLING_${kind.toUpperCase()};`);
     if (amount && `${kind}:${amount}` !== "accuracy:0.01") lines.push(`detection.sampling_value = ${amount};${kind === "spacing" ? " /* in the scene's unit of length */" : ""}`);
