@@ -38,7 +38,8 @@ try {
   await page.goto(pathToFileURL(page_path).href);
   await page.waitForFunction(() => window.measured && document.querySelector('[data-plot="figure8"] svg'));
   const data = await page.evaluate(() => window.measured);
-  const count = (name) => page.$$eval(`[data-plot="${name}"] .points > *`, (marks) => marks.length);
+  const count = (name) => page.$$eval(`[data-plot="${name}"] .points > *`, (marks) =>
+    marks.filter((mark) => !mark.closest(".legend")).length);
   const folder = process.argv[2];
   const shootStage = async (name, frame) => {
     if (!folder) return;
@@ -48,8 +49,67 @@ try {
     }, frame);
     await (await page.$("#player")).screenshot({ path: join(folder, `demo_${name}.png`) });
   };
+  /** Makes the page so wide, and waits until the last chart was drawn anew. */
+  const widen = async (width) => {
+    await page.setViewport({ width, height: 900 });
+    await page.waitForFunction(() => {
+      const drawn = document.querySelector('[data-plot="figure8"] figure > svg').getAttribute("width");
+      return Number(drawn) === document.querySelector("#about").clientWidth;
+    });
+  };
+  const questions = ["speed", "accuracy", "parting", "steps", "growth"];
   const isAbsent = (name) => page.$eval(`[data-plot="${name}"]`, (place) => place.textContent.includes("Not measured"));
 
+  await check("the five questions have an answer, a chart and a link each, and the rest is behind a click", async () => {
+    const sections = await page.$$eval("main > section[id]", (sections) => sections.slice(1).map((section) => ({
+      id: section.id, answer: section.querySelector(".answer").textContent, plots: section.querySelectorAll(".plot").length,
+      links: section.querySelectorAll('a[href^="../"]').length,
+    })));
+    assert.deepEqual(sections.map(({ id }) => id), questions);
+    for (const { id, answer, plots, links } of sections) {
+      assert(/\d/.test(answer) && !/undefined|NaN|Infinity/.test(answer), answer);
+      assert(plots === 1 && links > 0 && (await count(id)) > 5, id);
+    }
+    const links = await page.$$eval('a[href^="../"]', (links) => links.map((link) => link.getAttribute("href").split("#")[0]));
+    for (const link of links) assert(existsSync(join(dirname(page_path), link)), link);
+    assert.equal(await page.$eval("#choose", (section) => section.checkVisibility()), false);
+    await page.click("#all > summary");
+    assert.equal(await page.$eval("#choose", (section) => section.checkVisibility()), true);
+  });
+  await check("at most six lines of a chart have a colour, each with a colour, a dash and a mark of its own", async () => {
+    for (const name of ["steps", "growth", "bodies", "figure8"]) {
+      const looks = await page.$$eval(`[data-plot="${name}"] figure > svg .lines`, (groups) => groups.map((group) => {
+        const marks = group.nextElementSibling.querySelector("path, circle");
+        return [group.getAttribute("stroke"), group.getAttribute("stroke-dasharray"), marks.getAttribute("d") ?? marks.tagName];
+      }));
+      const coloured = looks.filter(([stroke]) => stroke !== "var(--grey)");
+      assert(coloured.length >= 2 && coloured.length <= 6, `${name}: ${coloured.length}`);
+      for (const part of [0, 1, 2]) {
+        assert.equal(new Set(coloured.map((look) => look[part])).size, coloured.length, `${name}: ${looks}`);
+      }
+    }
+  });
+  await check("labels of the five charts are whole and lie beside one another from 320 pixels up", async () => {
+    for (const wide of [320, 768, 1400]) {
+      await widen(wide);
+      for (const name of questions) {
+        const { cut, covered, texts } = await page.$eval(`[data-plot="${name}"]`, (place) => {
+          const boxes = [...place.querySelectorAll("svg text, .legend span")].filter((text) => text.textContent).map((text) => {
+            const [box, frame] = [text, text.closest("svg") ?? place].map((element) => element.getBoundingClientRect());
+            const isAcross = box.left >= Math.max(frame.left, 0) && box.right <= Math.min(frame.right, innerWidth);
+            return { text: text.textContent, box, isWhole: isAcross && box.top >= frame.top && box.bottom <= frame.bottom };
+          });
+          const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top + 2 < b.bottom - 2 && b.top + 2 < a.bottom - 2;
+          const covered = boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) => overlap(a.box, b.box)).map((b) => [a.text, b.text]));
+          return { cut: boxes.filter(({ isWhole }) => !isWhole).map(({ text }) => text), covered, texts: boxes.length };
+        });
+        assert(texts > 8, `${name}: ${texts}`);
+        assert.deepEqual({ cut, covered }, { cut: [], covered: [] }, `${name}, ${wide} pixels`);
+      }
+      assert.equal((await page.$$('[data-plot="accuracy"] .labels text')).length, await count("accuracy"), `${wide} pixels`);
+    }
+    await widen(1100);
+  });
   await check("each scene's chart draws its points, for each error", async () => {
     const scenes = [...new Set(data.chart.map((row) => row.scene))];
     assert(scenes.length >= 6);
@@ -66,13 +126,13 @@ try {
     await page.select("#measure", "force");
     for (const id of hidden) await page.click(`#${id}`);
   });
-  await check("labels of points lie beside one another, in the chart, and the front's are always there", async () => {
+  await check("labels of points of every setting lie beside one another, in the chart, and the front's are always there", async () => {
     for (const scene of [...new Set(data.chart.map((row) => row.scene))]) {
       await page.select("#scene", scene);
       const counts = [];
       for (const which of ["all", "front"]) {
         await page.select("#labels", which);
-        const boxes = await page.$$eval("svg .labels text", (texts) => texts.map((text) => {
+        const boxes = await page.$$eval('[data-plot="choose"] .labels text', (texts) => texts.map((text) => {
           const { left, right, top, bottom } = text.getBoundingClientRect();
           return { text: text.textContent, left, right, top: top + 2, bottom: bottom - 2 };
         }));
@@ -90,7 +150,7 @@ try {
   });
   await check("the stability maps draw their cells, or say that they were not measured", async () => {
     if (!data.stability) return assert(await isAbsent("stability"));
-    assert.equal(data.stability.length, 1890);
+    assert.equal(data.stability.length, 2835);
     const [methods, steps] = ["method", "dt"].map((key) => new Set(data.stability.map((row) => row[key])).size);
     assert.equal(await count("stability"), methods * steps);
     for (const scene of new Set(data.stability.map((row) => row.scene))) {
@@ -125,10 +185,10 @@ try {
     await page.keyboard.press("Home");
     assert.equal(await page.$eval("#host-scene", (select) => select.value), hostScenes[0]);
   });
-  await check("the benchmark of deep contact ranks every library, in a table and in bars", async () => {
+  await check("the benchmark of deep contact ranks every library, in a table and in a chart", async () => {
     const libraries = new Set(data.deep.free.map((row) => row.library));
     const asked = new Set(data.deep.free.filter((row) => row.refused < row.poses).map((row) => row.library));
-    assert.equal(await count("deep"), asked.size);
+    assert.equal(await count("parting"), asked.size);
     const rows = await page.$$eval("#deep-table tr", (rows) => rows.slice(1).map((row) => row.cells[0].textContent));
     assert.deepEqual(new Set(rows), libraries);
     assert.equal(rows[0], "raycontact");
@@ -136,7 +196,7 @@ try {
     assert(best >= 6, `${best} best cells`);
   });
   await check("growth, threads and Figure 8 draw their points", async () => {
-    for (const name of ["triangles", "bodies", "parallel"]) assert((await count(name)) > 10, name);
+    for (const name of ["growth", "bodies", "parallel"]) assert((await count(name)) > 10, name);
     assert.equal(await count("figure8"), data.figure8.length);
   });
   await check("the table of failures is whole", async () => {
@@ -155,9 +215,9 @@ try {
   });
   await check("a click on a point gives its options", async () => {
     await page.$eval("#code", (code) => (code.textContent = ""));
-    const circle = await page.$('[data-plot="choose"] .points circle');
-    await circle.scrollIntoView();
-    const box = await circle.boundingBox();
+    const point = await page.$('[data-plot="choose"] .points > *');
+    await point.scrollIntoView();
+    const box = await point.boundingBox();
     await page.mouse.move(box.x + 2, box.y + 2);
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();
@@ -219,22 +279,33 @@ try {
     await (await page.$("#hosts")).screenshot({ path: join(folder, `${name}_hosts.png`) });
   };
   await shoot("report_light", 1700);
-  await check("dark and light differ", async () => {
+  /** How much lines stand out from the page: the least contrast of their colours, by the rule of WCAG 2. */
+  const contrast = () => page.evaluate(() => {
+    const light = (colour) => {
+      const parts = colour.match(/[\d.]+/g).slice(0, 3).map((part) => part / 255);
+      const [r, g, b] = parts.map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05;
+    };
+    const back = light(getComputedStyle(document.body).backgroundColor);
+    const lines = [...document.querySelectorAll(".lines")].map((line) => light(getComputedStyle(line).stroke));
+    return Math.min(...lines.map((line) => Math.max(line, back) / Math.min(line, back)));
+  });
+  await check("dark and light differ, and lines stand out from both", async () => {
+    assert((await contrast()) >= 3, "light");
     const colour = () => page.$eval("body", (body) => getComputedStyle(body).backgroundColor);
     const before = await colour();
     await page.focus("#theme");
     await page.keyboard.press("Enter");
     assert.notEqual(await colour(), before);
+    assert((await contrast()) >= 3, "dark");
     await shoot("report_dark", 1700);
     await page.focus("#theme");
     await page.keyboard.press("Enter");
   });
   await check("on a narrow screen nothing runs out of the page, and charts are drawn anew", async () => {
-    await page.setViewport({ width: 320, height: 844 });
-    await page.waitForFunction(() => {
-      const wide = [...document.querySelectorAll(".plot svg")].filter((svg) => !svg.closest("#stability"));
-      return wide.every((svg) => svg.getBoundingClientRect().right <= innerWidth);
-    });
+    await widen(320);
+    assert.deepEqual(await page.$$eval(".plot svg", (svgs) => svgs.filter((svg) => !svg.closest("#stability") &&
+      svg.getBoundingClientRect().right > innerWidth).map((svg) => svg.closest(".plot").dataset.plot)), []);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 320);
     assert((await count("choose")) > 50);
     for (const scene of hostScenes) await hostLabels(scene);

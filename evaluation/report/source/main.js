@@ -1,4 +1,5 @@
 // The page: charts, tables and the player, from the data in the page itself.
+import * as answers from "./answers.js";
 import * as plots from "./plots.js";
 import { code, front, isDefault, measures, short, variants } from "./settings.js";
 import { head, ranking } from "./deep.js";
@@ -144,16 +145,26 @@ at("theme").addEventListener("click", () => {
   const isDark = (root.dataset.theme ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light")) === "dark";
   root.dataset.theme = isDark ? "light" : "dark";
 });
+/** The five questions: the place of each, and what answers it. */
+const questions = ["speed", "accuracy", "parting", "steps", "growth"].map((name) => [name, answers[name](data)]);
+for (const [name, { text }] of questions) document.querySelector(`#${name} .answer`).textContent = text;
 function drawAll() {
+  for (const [name, { rows }] of questions) plots.show(name, rows, plots[name]);
   choose();
   stability();
   hosts();
-  plots.show("deep", data.deep.free, plots.freed);
-  plots.show("triangles", data.detect, plots.byTriangles);
   plots.show("bodies", data.detect, plots.byBodies);
   plots.show("parallel", data.detect, plots.parallel);
   plots.show("figure8", data.figure8, plots.figure8);
 }
+
+/** A link into what is behind the click opens it. */
+function open() {
+  const details = location.hash && document.querySelector(location.hash)?.closest("details");
+  if (details && !details.open) details.open = true;
+}
+addEventListener("hashchange", open);
+open();
 
 start(data.recordings);
 failures();
@@ -167,6 +178,6 @@ new ResizeObserver(([{ contentRect }]) => {
   if (contentRect.width === width) return;
   width = contentRect.width;
   drawAll();
-}).observe(document.querySelector("main"));
+}).observe(at("about"));
 drawAll();
 at("code").textContent = code((data.chart ?? []).find(isDefault) ?? { method: "raycontact is not measured", settings: "" });

@@ -1,8 +1,8 @@
 // The charts, drawn with Observable Plot from the rows.
 import * as Plot from "@observablehq/plot";
+import { contactMethods, label, methodNames, sized } from "./answers.js";
 import { labels } from "./labels.js";
-import { names, shareFreed } from "./deep.js";
-import { families, family, front, isDefault, short } from "./settings.js";
+import { colours, families, family, front, grey, isDefault, short } from "./settings.js";
 
 const style = { background: "transparent", fontSize: "13px" };
 
@@ -13,7 +13,8 @@ export function show(name, rows, draw) {
     place.innerHTML = '<p class="absent">Not measured.</p>';
     return null;
   }
-  const plot = draw(rows, Math.max(place.clientWidth, 300));
+  // A place behind a click has no width yet.
+  const plot = draw(rows, Math.max(document.querySelector("#about").clientWidth, 260));
   plot.setAttribute("aria-label", place.closest("section").querySelector("h2").textContent);
   place.replaceChildren(plot);
   return plot;
@@ -35,10 +36,11 @@ export function speedAndAccuracy(rows, measure, { width, everyLabel, told }) {
     insetLeft: width < 600 ? 30 : 80, insetBottom: 24, insetTop: 16, insetRight: width < 600 ? 30 : 80,
     x: { type: "log", label: "time of a step, times the lower bound's →", labelOffset: 42, tickFormat: "~g" },
     y: { type: "log", label: `↑ ${measure.unit}`, tickFormat: "~g" },
-    color: { legend: true, domain: families.map((f) => f.name), range: families.map((f) => f.colour) },
+    color: { domain: families.map((f) => f.name), range: families.map((f) => f.colour) },
+    symbol: { legend: true, domain: families.map((f) => f.name), range: families.map((f) => f.symbol) },
     marks: [
       Plot.line(best, { x, y, stroke: "currentColor", strokeOpacity: 0.5 }),
-      Plot.dot(known, { x, y, fill: family, r: 5, fillOpacity: 0.75, className: "points" }),
+      Plot.dot(known, { x, y, fill: family, symbol: family, r: 5, fillOpacity: 0.75, className: "points" }),
       Plot.dot(known.filter(isDefault), { x, y, r: 10, stroke: "currentColor", strokeWidth: 2 }),
       labels(everyLabel ? known : known.filter((row) => rank(row) > 0), { x, y, text, rank, told }),
       Plot.tip(known, Plot.pointer({ x, y, title, maxRadius: 30 })),
@@ -54,15 +56,7 @@ export function figures(row) {
 
 /** Verdicts, good to bad. */
 const verdicts = ["ok", "unfinished", "drifting", "overlapping", "passed_through", "inverted", "exploded"];
-const verdictColours = ["#3a9d5d", "#c9b037", "#6aa7c9", "#e08a2c", "#b05fb5", "#7a5c3e", "#c22f3c"];
-
-/** As the scenes call them, and as people do. */
-const contactMethods = {
-  ours: "raycontact, paper's law", pressure: "raycontact, pressure law", contact_system: "contact system, no Bullet",
-  paper: "raycontact, paper's mode", classic: "raycontact, classic bodies",
-  vf_dd_implicit: "Bullet VF, implicit", vf_dd_explicit: "Bullet VF, explicit", vf_ss: "Bullet VF, classic bodies",
-  cl_ss: "Bullet CL, classic bodies",
-};
+const verdictColours = ["#009e73", "#f0e442", "#56b4e9", "#e69f00", "#cc79a7", "#0072b2", "#d55e00"];
 
 export function stability(rows, width) {
   const known = [...new Set([...verdicts, ...rows.map((row) => row.verdict)])];
@@ -96,7 +90,7 @@ export function everyScene(rows, width) {
     style, width: Math.max(width, 700), height: 340, marginLeft: 190, marginTop: 10, marginBottom: 60, padding: 0.06,
     x: { label: "time step, s", type: "band", labelOffset: 44 },
     y: { label: null, type: "band", domain: Object.keys(contactMethods), tickFormat: (method) => contactMethods[method] },
-    color: { legend: true, label: "part of the runs that end well", domain: [0, 1], range: ["#b8434e", "#3a9d5d"], tickFormat: "%" },
+    color: { legend: true, label: "part of the runs that end well", domain: [0, 1], range: ["#d55e00", "#0072b2"], tickFormat: "%" },
     marks: [
       Plot.cell([...cells.values()], { ...marks, fill: ({ ok, runs }) => ok / runs, className: "points" }),
       Plot.text([...cells.values()], { ...marks, text: ({ ok, runs }) => `${ok}/${runs}`, fill: "white", fontWeight: 600 }),
@@ -104,27 +98,100 @@ export function everyScene(rows, width) {
   });
 }
 
-/** The part of the overlapping poses of the open benchmark that each library's contacts part. */
-export function freed(rows, width) {
-  const shares = names(rows).map((library) => ({ library, ...shareFreed(rows, library) })).filter(({ of }) => of > 0);
-  shares.sort((a, b) => b.share - a.share);
+/** A line for each row: its name and figure, and below them a point at its value, with a line from its lowest to its highest. */
+function ranked(rows, width, x) {
+  const marks = { y: "name", stroke: ({ isOwn }) => (isOwn ? colours[0] : grey) };
   return Plot.plot({
-    style, width, height: 34 * shares.length + 60, marginLeft: Math.min(190, width / 3), marginRight: 110, marginBottom: 44,
-    x: { label: "overlapping poses that come apart, % →", domain: [0, 100], labelOffset: 38 },
-    y: { label: null, domain: shares.map(({ library }) => library) },
+    style, width, height: 42 * rows.length + 50, marginLeft: 10, marginRight: 16, marginBottom: 46, marginTop: 0,
+    x: { labelOffset: 36, ...x }, y: { type: "band", axis: null, domain: rows.map((row) => row.name) },
     marks: [
-      Plot.barX(shares, { x: "share", y: "library", className: "points",
-        fill: ({ library }) => (library.startsWith("raycontact") ? "#2b7fd4" : "#808890") }),
-      Plot.text(shares, { x: "share", y: "library", dx: 6, textAnchor: "start", text: ({ freed, of }) => `${freed} of ${of}` }),
-      Plot.ruleX([0]),
+      Plot.gridX({ ticks: 5 }),
+      Plot.ruleY(rows, { ...marks, x1: "low", x2: "high", strokeWidth: 4, strokeOpacity: 0.5, dy: 8 }),
+      Plot.dot(rows, { ...marks, x: "value", fill: marks.stroke, r: 5, dy: 8, className: "points" }),
+      Plot.text(rows, { y: "name", frameAnchor: "left", dy: -7, text: ({ name, figure }) => `${name}: ${figure}`,
+        fontWeight: 600, fontSize: width < 600 ? 11.5 : 13, fill: "currentColor", stroke: "var(--plot-background)" }),
     ],
+  });
+}
+
+export function speed(rows, width) {
+  return ranked(rows, width, { type: "log", label: "times raycontact's for the paper's work →", tickFormat: "~g", ticks: 5 });
+}
+
+export function parting(rows, width) {
+  return ranked(rows, width, { label: "overlapping poses that come apart, % →", domain: [0, 100], ticks: 5 });
+}
+
+export function accuracy(rows, width) {
+  const isNarrow = width < 600;
+  const marks = { x: "time", y: "error" };
+  const own = ({ name }) => (name.startsWith("raycontact") ? 0 : name === "Embree" ? 1 : 2);
+  return Plot.plot({
+    style, width, height: 420, marginLeft: 60, marginBottom: 48, marginRight: 34, grid: true,
+    insetLeft: isNarrow ? 30 : 60, insetRight: isNarrow ? 20 : 80, insetTop: 24, insetBottom: 24,
+    x: { type: "log", label: "time of a step, times the lower bound's →", labelOffset: 42, tickFormat: "~g", ticks: isNarrow ? 3 : 6 },
+    y: { type: "log", label: "↑ direction of the force, degrees off", tickFormat: "~g" },
+    symbol: { domain: [0, 1, 2], range: ["circle", "triangle", "square"] },
+    marks: [
+      Plot.dot(rows, { ...marks, fill: (row) => [colours[0], colours[1], grey][own(row)], symbol: own, r: 6, className: "points" }),
+      labels(rows, { ...marks, text: ({ name }) => (isNarrow ? name.replace("raycontact, ", "") : name),
+        rank: (row) => (own(row) === 0 ? 1 : 0), told: () => {} }),
+    ],
+  });
+}
+
+/** How the first lines of a chart look; all others are grey. */
+const looks = [["circle", null], ["square", "8 3"], ["triangle", "2 3"], ["diamond", "10 3 2 3"], ["star", "4 4"], ["wye", "12 4"]]
+  .map(([symbol, strokeDasharray], i) => ({ colour: colours[i], symbol, strokeDasharray }));
+
+function line(rows, place, { colour, symbol, strokeDasharray }) {
+  const isFirst = strokeDasharray !== undefined;
+  return [
+    Plot.line(rows, { ...place, z: "name", stroke: colour, strokeWidth: isFirst ? 2 : 1, strokeDasharray, className: "lines" }),
+    Plot.dot(rows, { ...place, fill: colour, symbol, r: isFirst ? 4 : 2, className: "points" }),
+  ];
+}
+
+/** Lines by the rows' names: those of `first` with looks of their own and a legend, the others grey and named under the pointer. */
+function lines(rows, first, { place, title, ...options }) {
+  const others = rows.filter(({ name }) => !first.includes(name));
+  const plain = { colour: grey, symbol: "circle" };
+  const legend = document.createElement("div");
+  legend.className = "legend";
+  const entry = (name, look) => {
+    const key = Plot.plot({ width: 44, height: 16, margin: 5, axis: null, x: { domain: [0, 2] }, y: { domain: [0, 1] },
+      marks: [line([0, 1, 2].map((x) => ({ name, x, y: 0.5 })), { x: "x", y: "y" }, look)] });
+    const whole = document.createElement("span");
+    whole.append(key, name);
+    legend.append(whole);
+  };
+  first.forEach((name, i) => entry(name, looks[i]));
+  if (others.length > 0) entry("others: point at one for its name", plain);
+  const figure = document.createElement("figure");
+  figure.append(legend, Plot.plot({
+    style, marginLeft: 60, marginBottom: 48, marginRight: 30, insetTop: 8, grid: true, ...options,
+    marks: [
+      line(others, place, plain),
+      first.map((name, i) => line(rows.filter((row) => row.name === name), place, looks[i])),
+      Plot.tip(rows, Plot.pointer({ ...place, title: (row) => `${row.name}\n${title(row)}` })),
+    ],
+  }));
+  return figure;
+}
+
+export function steps(rows, width) {
+  const first = ["pressure", "ours", "contact_system", "vf_dd_implicit", "vf_dd_explicit", "cl_ss"];
+  return lines(rows.toSorted((a, b) => a.dt - b.dt), first.map((name) => contactMethods[name]), {
+    width, height: 400, place: { x: "dt", y: "ok" }, title: ({ dt, ok, runs }) => `${dt} s: ${ok} of ${runs}`,
+    x: { type: "log", label: "time step, s →", labelOffset: 42, tickFormat: "~g", ticks: width < 600 ? 3 : 6 },
+    y: { label: "↑ scenes that end well", domain: [0, Math.max(...rows.map(({ runs }) => runs))] },
   });
 }
 
 /** Who makes the contact of a run in a host. */
 const makers = {
-  raycontact: ["raycontact", "#2b7fd4"], both: ["raycontact, the host's response", "#17a398"],
-  host: ["the host's own", "#808890"], none: ["no contact", "#c9b037"],
+  raycontact: ["raycontact", colours[0]], both: ["raycontact, the host's response", colours[2]],
+  host: ["the host's own", grey], none: ["no contact", colours[3]],
 };
 
 /** Milliseconds of a step; pages that count frames say them by the second. */
@@ -159,7 +226,7 @@ export function hosts(rows, width) {
       Plot.ruleY(known, { y: "name", strokeOpacity: 0.15 }),
       Plot.dot(known, { ...marks, fill: ({ by }) => makers[by][0], r: 6, className: "points" }),
       Plot.text(known, { ...marks, dx: 11, textAnchor: "start", text: figures, fill: "currentColor", stroke: "var(--plot-background)" }),
-      isNarrow ? Plot.text(known, { y: "name", frameAnchor: "left", dy: -12, lineAnchor: "bottom", lineWidth: width / 14, text: "name" }) : null,
+      isNarrow ? Plot.text(known, { y: "name", frameAnchor: "left", dy: -12, lineAnchor: "bottom", lineWidth: width / 15, text: "name" }) : null,
     ],
   });
 }
@@ -178,52 +245,21 @@ function describe(row) {
   return Object.entries(row).filter(([, value]) => value !== null).map(([name, value]) => `${name}: ${value}`).join("\n");
 }
 
-/** What the measuring program's names mean: raycontact alone is the default, through the C library. */
-const methodNames = {
-  raycontact: "raycontact", "raycontact-rust": "raycontact, from Rust", "raycontact-paper": "raycontact, paper's work",
-  "raycontact-paper-classic": "raycontact, paper's work and octree", "lower-bound": "lower bound",
-};
-const inDouble = ["raycontact", "raycontact-rust"];
-
-/** The default is in double precision; all else that names none is in single. */
-function label(row) {
-  const method = methodNames[row.method] ?? row.method;
-  const usual = inDouble.includes(row.method) ? "f64" : "f32";
-  return method + (row.precision === usual ? "" : ` ${row.precision}`) + (row.threads > 1 ? `, ${row.threads} threads` : "");
-}
-
-/** Other instructions than the processor's best are left to the tables. */
-const isDrawn = (row) => row.threads === 1 && !/-(avx2|baseline)$/.test(row.method);
-const lineColours = ["#2b7fd4", "#7fb2e5", "#17a398", "#dd4422", "#c2489c", "#ee8833", "#7766cc", "#a3a33a", "#b0703a", "#808890", "#50a050",
-  "#20b8cc"];
-
-function growth(rows, size, unit, width) {
-  const sized = rows.filter(isDrawn).map((row) => ({ ...row, size: size(row), label: label(row) }));
-  const known = sized.filter((row) => row.size > 0).sort((a, b) => a.size - b.size);
-  const found = known.map((row) => row.label).sort();
-  const own = Object.values(methodNames).flatMap((name) => [name, `${name} f32`, `${name} f64`]).filter((name) => found.includes(name));
-  const labels = [...new Set([...own, ...found])];
-  const marks = { x: "size", y: "total_us", stroke: "label" };
-  return Plot.plot({
-    style, width, height: 480, marginLeft: 70, marginBottom: 48, marginRight: 30, grid: true,
-    x: { type: "log", label: `${unit} →`, labelOffset: 42, tickFormat: "~s" },
+function byTime(rows, width, unit) {
+  const first = ["raycontact", "raycontact-paper", "embree-refit", "parry3d-refit", "fcl-aabb", "bullet-vf"];
+  return lines(rows, first.map((name) => methodNames[name]), {
+    width, height: 480, place: { x: "size", y: "total_us" }, title: ({ workload, total_us }) => `${workload}\n${total_us} µs`,
+    x: { type: "log", label: `${unit} →`, labelOffset: 42, tickFormat: "~s", ticks: width < 600 ? 3 : 6 },
     y: { type: "log", label: "↑ µs per step", tickFormat: "~s" },
-    color: { domain: labels, range: labels.map((_, i) => lineColours[i % lineColours.length]), legend: true },
-    marks: [
-      Plot.line(known, { ...marks, strokeWidth: (row) => (row.method.startsWith("raycontact") ? 2.5 : 1.5) }),
-      Plot.dot(known, { ...marks, fill: "label", r: 3, className: "points" }),
-      Plot.tip(known, Plot.pointer({ x: "size", y: "total_us", title: (row) => `${row.label}\n${row.workload}\n${row.total_us} µs` })),
-    ],
   });
 }
 
-export function byTriangles(rows, width) {
-  const isPair = (row) => row.workload.startsWith("pair") || row.workload === "stack2";
-  return growth(rows, (row) => (isPair(row) ? row.triangles / 2 : 0), "triangles of each of two bodies", width);
+export function growth(rows, width) {
+  return byTime(rows, width, "triangles of each of two bodies");
 }
 
 export function byBodies(rows, width) {
-  return growth(rows, (row) => Number(/^stack(\d+)$/.exec(row.workload)?.[1] ?? 0), "bodies of 1600 triangles", width);
+  return byTime(sized(rows, (row) => Number(/^stack(\d+)$/.exec(row.workload)?.[1] ?? 0)), width, "bodies of 1600 triangles");
 }
 
 export function parallel(rows, width) {
@@ -235,7 +271,7 @@ export function parallel(rows, width) {
     style, width, height: 340, marginBottom: 60,
     x: { axis: null }, y: { label: "↑ times as fast as one thread", grid: true, domain: [0, 2.1] },
     fx: { label: null, tickRotate: -25 },
-    color: { legend: true, scheme: "tableau10" },
+    color: { legend: true, range: colours },
     marks: [
       Plot.ruleY([1], { strokeDasharray: "4" }),
       Plot.barY(pairs, { fx: "workload", x: "method", y: "speedup", fill: "method", className: "points" }),
@@ -246,17 +282,10 @@ export function parallel(rows, width) {
 
 export function figure8(rows, width) {
   // Nothing at all has no place on a logarithmic axis: it stands at the lower end.
-  const known = rows.map((row) => ({ ...row, percent: Math.max(row.worst * 100, 0.001) }));
-  const marks = { x: "sides", y: "percent", stroke: "mode" };
-  return Plot.plot({
-    style, width, height: 400, marginLeft: 60, marginBottom: 48, marginRight: 30, grid: true,
+  const known = rows.map((row) => ({ ...row, name: row.mode, percent: Math.max(row.worst * 100, 0.001) }));
+  return lines(known, [...new Set(known.map((row) => row.name))], {
+    width, height: 400, place: { x: "sides", y: "percent" }, title: ({ sides, percent }) => `${sides} sides\nworst ${percent.toFixed(3)} %`,
     x: { type: "log", label: "sides of the cylinder →", labelOffset: 42, tickFormat: "~g", ticks: [10, 20, 50, 100, 150] },
     y: { type: "log", label: "↑ tangential / normal force, %", tickFormat: "~g" },
-    color: { legend: true, scheme: "tableau10" },
-    marks: [
-      Plot.line(known, { ...marks, strokeWidth: 2 }),
-      Plot.dot(known, { ...marks, fill: "mode", r: 3, className: "points" }),
-      Plot.tip(known, Plot.pointer({ x: "sides", y: "percent", title: (row) => `${row.mode}, ${row.sides} sides\nworst ${row.percent.toFixed(3)} %` })),
-    ],
   });
 }

@@ -1,20 +1,25 @@
 // Settings as chart.csv writes them: names, colours, and the options as C code.
 
-/** What has one colour; the first that fits counts. */
+/** Colours of Okabe and Ito, as style.css has them for light and dark. */
+export const colours = ["blue", "vermilion", "green", "orange", "purple", "sky"].map((name) => `var(--${name})`);
+export const grey = "var(--grey)";
+const [blue, vermilion, green, orange, purple, sky] = colours;
+
+/** What has one colour and one shape; the first that fits counts. */
 export const families = [
-  { name: "ray lengths", colour: "#d0a020", fits: (row) => row.method === "raycontact" && row.settings.includes("law=ray-length") },
-  { name: "accuracy", colour: "#dd4422", fits: (row) => is(row, "sampling=accuracy") },
-  { name: "spacing", colour: "#0b9c88", fits: (row) => is(row, "sampling=spacing") },
-  { name: "vertices", colour: "#ee8833", fits: (row) => is(row, "sampling=vertices") },
-  { name: "the paper's mode", colour: "#7766cc", fits: (row) => row.method === "paper" },
-  { name: "Embree, Algorithm 1", colour: "#c2489c", fits: (row) => row.method.startsWith("embree") },
-  { name: "Bullet", colour: "#999933", fits: (row) => row.method.startsWith("bullet") },
-  { name: "FCL", colour: "#808890", fits: (row) => row.method.startsWith("fcl") },
-  { name: "proximity", colour: "#66bbdd", fits: () => true },
+  { name: "ray lengths", colour: orange, symbol: "square", fits: (row) => row.method === "raycontact" && row.settings.includes("law=ray-length") },
+  { name: "accuracy", colour: blue, symbol: "circle", fits: (row) => is(row, "sampling=(accuracy|automatic|tolerance)") },
+  { name: "spacing", colour: green, symbol: "triangle", fits: (row) => is(row, "sampling=spacing") },
+  { name: "vertices", colour: sky, symbol: "diamond", fits: (row) => is(row, "sampling=vertices") },
+  { name: "the paper's mode", colour: purple, symbol: "star", fits: (row) => row.method === "paper" },
+  { name: "Embree, Algorithm 1", colour: vermilion, symbol: "wye", fits: (row) => row.method.startsWith("embree") },
+  { name: "Bullet", colour: grey, symbol: "cross", fits: (row) => row.method.startsWith("bullet") },
+  { name: "FCL", colour: grey, symbol: "square", fits: (row) => row.method.startsWith("fcl") },
+  { name: "proximity", colour: grey, symbol: "circle", fits: () => true },
 ];
 
 function is(row, sampling) {
-  return row.method === "raycontact" && row.settings.includes(sampling);
+  return row.method === "raycontact" && row.settings.match(sampling) !== null;
 }
 
 export function family(row) {
@@ -50,11 +55,11 @@ function percent(part) {
   return part === null ? null : part * 100;
 }
 
-/** C's. */
-const defaults = "law=pressure sampling=accuracy:0.01 precision=f64 layout=wide edges=on weights=area";
+/** C's; until an accuracy took its place, the sampling was automatic. */
+const defaults = /^law=pressure sampling=(accuracy:0.01|automatic) precision=f64 layout=wide edges=on weights=area$/;
 
 export function isDefault(row) {
-  return row.method === "raycontact" && row.settings === defaults;
+  return row.method === "raycontact" && defaults.test(row.settings);
 }
 
 /** Errors that differ by less than a hundredth are alike, and so are times by less than three. */
@@ -104,10 +109,11 @@ export function code(row) {
     `rayc_${isPaper ? "paper" : "default"}_detection_options(sizeof detection, &detection);`,
   ];
   if (!isPaper) {
-    const [kind, amount] = sampling.split(":");
+    const [kind, amount] = sampling.replace("automatic", "accuracy").replace("tolerance", "accuracy").split(":");
+    if (/automatic|tolerance/.test(sampling)) lines.push(`/* measured with the sampling "${sampling}", of which an accuracy has taken the place */`);
     if (law === "ray-length") lines.push("detection.law = RAYC_LAW_RAY_LENGTH;");
     if (kind !== "accuracy") lines.push(`detection.sampling = RAYC_SAMPLING_${kind.toUpperCase()};`);
-    if (amount && sampling !== "accuracy:0.01") lines.push(`detection.sampling_value = ${amount};${kind === "spacing" ? " /* in the scene's unit of length */" : ""}`);
+    if (amount && `${kind}:${amount}` !== "accuracy:0.01") lines.push(`detection.sampling_value = ${amount};${kind === "spacing" ? " /* in the scene's unit of length */" : ""}`);
     if (edges === "off") lines.push("detection.edges = 0;");
   }
   lines.push("rayc_response_options response;", "rayc_default_response_options(sizeof response, &response);");
