@@ -150,14 +150,9 @@ impl<T: Scalar> Body<'_, T> {
         let Workspace { samples, rays, hits, crossings, own, .. } = workspace;
         let wanted = &own.culling.is_wanted;
         let is_wanted = |sample: &Sample<T>| {
-            let topology = mesh.topology();
-            let [first, second, _] = sample.point.touched();
-            !is_culled
-                || if first == second {
-                    topology.triangles_around(first).iter().any(|&triangle| wanted[triangle as usize])
-                } else {
-                    wanted[sample.point.triangle as usize]
-                }
+            let ([first, second, _], own) = (sample.point.touched(), std::slice::from_ref(&sample.point.triangle));
+            let triangles = if first == second { mesh.topology().triangles_around(first) } else { own };
+            !is_culled || triangles.iter().any(|&triangle| wanted[triangle as usize])
         };
         samples.retain(|sample| {
             if !is_wanted(sample) {
@@ -166,15 +161,13 @@ impl<T: Scalar> Body<'_, T> {
             statistics.rays += 1;
             let ray = Ray::new(sample.point.position, -sample.normal);
             let number = winding_number(&self.tracer, &ray, sample.point.touched(), crossings);
-            let way_out = way_out(crossings).filter(|_| number > 1);
-            match way_out {
-                Some(&hit) => {
-                    rays.room_for(1).push(ray);
-                    hits.room_for(1).push(Some(hit));
-                }
-                None => statistics.misses += 1,
-            }
-            way_out.is_some()
+            let Some(&hit) = way_out(crossings).filter(|_| number > 1) else {
+                statistics.misses += 1;
+                return false;
+            };
+            rays.room_for(1).push(ray);
+            hits.room_for(1).push(Some(hit));
+            true
         });
         !samples.is_empty()
     }
