@@ -12,8 +12,9 @@ instructions of a step, the hash of all results, the manual as one site, the ver
 inputs for a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the benchmark of deep contact
 without its peers, the C and C++ tests with the packages and Doxygen's manual (cmake --workflow --preset test), and the command
 lines of all programs. Missing Debian packages are installed first, and MuJoCo is fetched. With --long the oracle asks 1e7
-queries, self-collision takes 1e5 steps, forces are measured at every size, as in docs/accuracy.md, licences are checked, the
-sanitizers run, and the page of all measurements is made anew and tested in Chromium.
+queries, the distributed tests run on every number of ranks, self-collision takes 1e5 steps, forces are measured at every size,
+as in docs/accuracy.md, licences are checked, the sanitizers run, and the page of all measurements is made anew and tested in
+Chromium.
 Exit status: 0 when everything passed, 1 at the first failure, 2 for a wrong command line.
 END
 }
@@ -69,6 +70,7 @@ check 'fuzzing' scripts/fuzz.sh --seconds 10 --seed 1
 check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
 check 'Python' scripts/python.sh
 check 'penetration' scripts/penetration.sh --check
+check 'CMake' cmake --preset test -DRAYCONTACT_LONG_TESTS=$long
 check 'C, C++ tests' cmake --workflow --preset test
 check 'command lines' scripts/command_lines.sh
 if [[ $long == true ]]; then
