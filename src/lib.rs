@@ -49,6 +49,7 @@ mod bvh;
 mod bytes;
 pub mod capi;
 pub mod contact;
+pub mod distributed;
 pub mod escape;
 pub mod force;
 pub mod math;

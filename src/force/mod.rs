@@ -9,11 +9,9 @@
 //! surface is left out, so that conjugate gradients may be used.
 
 mod law;
-mod pair_forces;
 mod vectors;
 
 pub use law::{LawError, PenaltyLaw, Weighting};
-pub use pair_forces::{ForcesByPair, PairForces};
 pub use vectors::{BodiesMut, Vectors, VectorsMut};
 
 use crate::contact::{Bearings, Contact, ContactList};
@@ -82,7 +80,7 @@ pub fn add_forces<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
 }
 
 /// The same for some of the list's contacts.
-fn add_forces_of<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
+pub(crate) fn add_forces_of<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     contacts: &[Contact<T>],
     list: &ContactList<T>,
     law: &PenaltyLaw,

@@ -9,7 +9,6 @@ mod obj_file;
 mod obj_text;
 mod order;
 mod orientation;
-mod packed;
 mod patches;
 mod posed;
 mod positions;
@@ -30,8 +29,6 @@ pub(crate) use normals::NormalLanes;
 pub(crate) use obj_file::read_obj_surface;
 pub use obj_file::{ObjFileError, Surface, read_obj_file};
 pub(crate) use order::OrderInSpace;
-pub use packed::PackedMeshError;
-pub(crate) use packed::packed_number_size;
 pub(crate) use patches::Patches;
 pub(crate) use positions::PositionSource;
 use positions::{FiniteBounds, Numbered};
@@ -228,6 +225,12 @@ impl<T: Scalar> Mesh<T> {
     pub(crate) fn clusters(&self) -> &Clusters {
         let Reference { positions, clusters, .. } = &*self.reference;
         clusters.get_or_init(|| Clusters::new(&self.topology, positions))
+    }
+
+    /// Takes over clusters that were found for this mesh before; false where they cannot be its own.
+    pub(crate) fn takes_clusters(&self, triangles: Vec<u32>, sizes: Vec<u8>) -> bool {
+        let known = Clusters::known(&self.topology, triangles, sizes);
+        known.map(|known| self.reference.clusters.get_or_init(|| known)).is_some()
     }
 
     /// Its patches, by its reference positions; found when they are first asked for.

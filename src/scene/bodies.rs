@@ -1,5 +1,5 @@
+use super::hooks::Sharing;
 use super::own_contacts::OwnContacts;
-use super::shared_body::Sharing;
 use crate::math::{Aabb, Scalar};
 use crate::memory;
 use crate::memory::Room;

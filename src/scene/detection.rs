@@ -2,10 +2,10 @@ use super::Scene;
 use super::autotuner::Way;
 use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
+use super::costs::TRIANGLES_READ_PER_RAY;
 use super::list::List;
 use super::own_contacts::OwnContacts;
 use super::pairs::{Remembered, by_number};
-use super::shared_body::{PairCost, finds_pair};
 use crate::contact::{ContactLaw, ContactList, DetectionOptions, Statistics, detect_self, reach_region};
 use crate::escape::detect_pair;
 use crate::math::{Aabb, Scalar};
@@ -19,9 +19,7 @@ use std::time::Instant;
 
 /// Below this many rays one thread is faster than two, which would have to fetch each other's results.
 const FEWEST_RAYS_TO_SHARE: f64 = 1000.0;
-/// Reading this many triangles anew takes as long as one ray.
-const TRIANGLES_READ_PER_RAY: f64 = 50.0;
-/// The same where a body is searched for contacts with itself.
+/// Searching this many triangles of a body for contacts with itself takes as long as one ray.
 const TRIANGLES_SEARCHED_PER_RAY: f64 = 8.0;
 
 impl<T: Scalar> Scene<T> {
@@ -220,7 +218,7 @@ impl<T: Scalar> NarrowPhase<'_, T> {
 }
 
 impl<T: Scalar> Body<T> {
-    fn triangle_count(&self) -> f64 {
+    pub(super) fn triangle_count(&self) -> f64 {
         self.surface.mesh().topology().triangles().len() as f64
     }
 
@@ -244,24 +242,8 @@ impl<T: Scalar> Body<T> {
             + self.triangles_read() / TRIANGLES_READ_PER_RAY
     }
 
-    /// Whether the contacts of the two, first and second in their order, are to be found here.
-    fn is_found_with(&self, other: &Self) -> bool {
-        match [self.sharing.is_ghost, other.sharing.is_ghost] {
-            [false, false] => true,
-            [false, true] => finds_pair(self.key, other.key),
-            [true, false] => finds_pair(other.key, self.key),
-            [true, true] => false,
-        }
-    }
-
     pub(super) fn may_overlap_itself(&self) -> bool {
         self.sharing.overlaps_itself || self.own.as_ref().is_some_and(|own| own.may_overlap)
-    }
-
-    /// What it costs to read it.
-    fn start_cost(&mut self) {
-        let is_read = self.surface.mesh().pose().is_none();
-        self.cost = if is_read { self.triangle_count() / TRIANGLES_READ_PER_RAY } else { 0.0 };
     }
 
     /// Finds the body's contacts with itself, where they are asked for and not known already; gives whether the octree has
@@ -298,23 +280,6 @@ impl<T: Scalar> Body<T> {
             let for_distances = options.law == ContactLaw::Pressure;
             let ray_count = options.expected_rays(regions);
             surface.refit_in(regions, ray_count, for_distances);
-        }
-    }
-}
-
-impl<T: Scalar> Bodies<T> {
-    /// Shares out what a list of contacts took, and notes it where it is a pair's.
-    fn add_cost(&mut self, list: &List, pairs: &[[u32; 2]], rays: u64, costs: &mut Vec<PairCost>) {
-        let rays = rays as f64;
-        match *list {
-            List::Body(place) => self.list_mut()[place][0].cost += rays,
-            List::Pair(place) => {
-                let both = self.two_mut(pairs[place].map(|place| place as usize));
-                // The ghost's own scene does not learn of it.
-                let share = if both.iter().any(|body| body.sharing.is_ghost) { rays } else { rays * 0.5 };
-                costs.room_for(1).push(PairCost { bodies: both.each_ref().map(|body| body.number), cost: rays });
-                both.into_iter().for_each(|body| body.cost += share);
-            }
         }
     }
 }

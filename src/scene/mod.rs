@@ -3,19 +3,19 @@
 mod autotuner;
 mod bodies;
 mod broad_phase;
+mod costs;
 mod detection;
 mod error;
+pub(crate) mod hooks;
 mod list;
 mod own_contacts;
 mod pairs;
 mod posed;
 mod saved;
-mod shared_body;
-mod sharing;
 
 pub use crate::bytes::BytesError;
+pub use costs::PairCost;
 pub use error::SceneError;
-pub use shared_body::{PairCost, Sharing, finds_pair};
 
 use crate::contact::{ContactList, DetectionOptions};
 use crate::escape::PairMemory;
@@ -204,6 +204,23 @@ impl<T: Scalar> Scene<T> {
         self.pairs.history.newest()
     }
 
+    /// Replaces what one pair remembers, as [`pair_memories`](Self::pair_memories) of this scene or another gave it; the
+    /// pair's bodies in their order. It counts from the next query on at which their boxes overlap, and is forgotten by one
+    /// at which they do not.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`], [`SceneError::SameBody`], [`SceneError::PairMemory`] where it is nothing that a pair can
+    /// remember or the bodies are the other way round; the memories are then as before.
+    pub fn set_pair_memory(&mut self, pair: [u32; 2], memory: PairMemory<T>) -> Result<(), SceneError> {
+        self.known_pair(pair[0], pair[1])?;
+        let [first, second] = self.bodies.order(&pair);
+        if first > second || !memory.is_possible() {
+            return Err(SceneError::PairMemory { pair });
+        }
+        self.pairs.history.set(pair, memory, |pair| self.bodies.order(pair));
+        Ok(())
+    }
+
     /// How many bytes [`save_pair_memories`](Self::save_pair_memories) appends now.
     pub fn saved_length(&self) -> usize {
         saved::saved_length(&self.pairs.history)
@@ -274,5 +291,37 @@ impl<T: Scalar> Scene<T> {
             (true, true) => {}
         }
         Ok(())
+    }
+
+    /// Finds the contacts of bodies with themselves where they are asked for, as the next query at the same positions
+    /// would, which does not do it again.
+    pub fn find_self_contacts(&mut self) {
+        let Self { bodies, options, .. } = self;
+        for body in bodies.iter_mut() {
+            body.find_own_contacts(options);
+        }
+    }
+
+    /// Whether a body may overlap itself, as the newest query or [`find_self_contacts`](Self::find_self_contacts) found;
+    /// never one whose self-collision is off.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn overlaps_itself(&self, body: u32) -> Result<bool, SceneError> {
+        self.bodies.get(body).map(Body::may_overlap_itself).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// How many rays as long as the newest query took for a body: those of its contacts with itself, half of those of its
+    /// pairs, and all of those with [foreign](Self::is_foreign) bodies. Fifty triangles that are read count as a ray.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn body_cost(&self, body: u32) -> Result<f64, SceneError> {
+        self.bodies.get(body).map(|body| body.cost).ok_or(SceneError::UnknownBody { body })
+    }
+
+    /// What the newest query took for each pair whose boxes overlapped, in the order of the pairs; none before the first.
+    pub fn pair_costs(&self) -> &[PairCost] {
+        &self.pair_costs
     }
 }

@@ -11,11 +11,11 @@ use std::ops::Range;
 
 /// A point of a triangle, or beside or above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corners {
-    pub(super) vertices: [u32; 3],
-    pub(super) weights: [f64; 3],
+pub(crate) struct Corners {
+    pub(crate) vertices: [u32; 3],
+    pub(crate) weights: [f64; 3],
     /// Above the triangle's plane, along its normal, in m.
-    pub(super) height: f64,
+    pub(crate) height: f64,
 }
 
 impl Corners {
@@ -37,7 +37,7 @@ impl Corners {
 
 /// What a contact holds on to.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Hold {
+pub(crate) enum Hold {
     Material(Corners),
     Space(V3),
 }
@@ -47,12 +47,12 @@ pub(super) enum Hold {
 /// step to step. A contact finds its own again by the triangle from which it starts, and
 /// among several there by the nearest point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Anchor {
-    pub(super) key: Key,
+pub(crate) struct Anchor {
+    pub(crate) key: Key,
     /// Of the first body, or its vertex over a half-space.
-    pub(super) triangle: u32,
-    pub(super) from: Corners,
-    pub(super) hold: Hold,
+    pub(crate) triangle: u32,
+    pub(crate) from: Corners,
+    pub(crate) hold: Hold,
 }
 
 /// A contact of this step that can rub.
@@ -68,7 +68,7 @@ pub(super) struct Pending {
 }
 
 #[derive(Debug, Default)]
-pub(super) struct Anchors {
+pub(crate) struct Anchors {
     /// Of the step before, by pair and triangle.
     kept: Vec<Anchor>,
     /// Their triangles: a search in these reads little memory.
@@ -86,7 +86,7 @@ pub(super) struct Anchors {
 
 impl Anchors {
     /// Those kept of one direction of a pair.
-    pub(super) fn of(&self, key: Key) -> &[Anchor] {
+    pub(crate) fn of(&self, key: Key) -> &[Anchor] {
         &self.kept[self.range(key)]
     }
 
@@ -96,7 +96,7 @@ impl Anchors {
     }
 
     /// Keeps these in place of some. Those that this step has found are found where they are then.
-    pub(super) fn replace(&mut self, is_gone: impl Fn(&Key) -> bool, anchors: &[Anchor]) {
+    pub(crate) fn replace(&mut self, is_gone: impl Fn(&Key) -> bool, anchors: &[Anchor]) {
         let Self { kept, pending, found, .. } = self;
         kept.room_for(anchors.len());
         let as_found = |pending: &Pending| pending.found.and_then(|place| kept.get(place)).copied();

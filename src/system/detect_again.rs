@@ -1,7 +1,8 @@
 //! A second detection within a step: a body that was stopped may be in the way of another one.
 
+use super::body::Mover;
 use super::row_builder::pressed_area;
-use super::step::Step;
+use super::step::{Step, copy, square_between};
 use super::{ContactSystem, SystemError};
 use crate::math::Scalar;
 use crate::memory::Room;
@@ -25,10 +26,7 @@ impl<T: Scalar> ContactSystem<T> {
         if nodes.max(rigids) <= cap * cap {
             return Ok(false);
         }
-        self.go_on_with(velocities);
-        self.detect(scene, step.dt)?;
-        scene.disregard_query();
-        let has_news = self.add_new_rows(step);
+        let has_news = self.detect_at(scene, velocities, step)?;
         if has_news {
             // The twists are those of the rows that there were.
             self.rows.find_motions(&velocities[..3 * self.node_masses.len()]);
@@ -37,8 +35,65 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(has_news)
     }
 
+    /// How far the scene's own bodies end from where contacts were last looked for, if these are the velocities at the end
+    /// of the step: the largest square of a difference of velocities in m²/s², of nodes and of rigid bodies' centres. Where
+    /// it is more than the square of the smallest depth cap over dt, [`detect_again`](Self::detect_again) looks again. Zero
+    /// for a system that looks where bodies are at the start.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    pub fn off_course(&mut self, scene: &Scene<T>, velocities: &[f64]) -> Result<[f64; 2], SystemError> {
+        let step = self.check_velocities("velocities", velocities)?;
+        self.find_motions(velocities, step);
+        let mut squares = [0.0; 2];
+        if !self.looks_ahead {
+            return Ok(squares);
+        }
+        let Self { bodies, buffers, rows, .. } = self;
+        let mut count = |kind: usize, now: &[f64], ahead: &[f64]| {
+            for (now, ahead) in now.chunks_exact(3).zip(ahead.chunks_exact(3)) {
+                squares[kind] = f64::max(squares[kind], square_between(now, ahead));
+            }
+        };
+        for body in bodies.iter().filter(|body| !scene.is_foreign(body.number)) {
+            match &body.mover {
+                Mover::Nodes { nodes, .. } => {
+                    let own = 3 * nodes.start as usize..3 * nodes.end as usize;
+                    count(0, &velocities[own.clone()], &buffers.ahead[own]);
+                }
+                Mover::Rigid { place, .. } => {
+                    let linear = 6 * place..6 * place + 3;
+                    count(1, &rows.response[linear.clone()], &buffers.ahead_twists[linear]);
+                }
+                Mover::Host(_) => {}
+            }
+        }
+        Ok(squares)
+    }
+
+    /// Makes these velocities those of the prediction.
+    pub(crate) fn go_on_with(&mut self, velocities: &[f64]) {
+        let Some(step) = self.step else { return };
+        self.find_motions(velocities, step);
+        copy(&mut self.buffers.ahead, &velocities[..3 * self.node_masses.len()]);
+        copy(&mut self.buffers.ahead_twists, &self.rows.response);
+    }
+
+    /// Looks in any case; rows are held as before.
+    pub(crate) fn detect_at(
+        &mut self,
+        scene: &mut Scene<T>,
+        velocities: &[f64],
+        step: Step,
+    ) -> Result<bool, SystemError> {
+        self.go_on_with(velocities);
+        self.detect(scene, step.dt)?;
+        scene.disregard_query();
+        Ok(self.add_new_rows(step))
+    }
+
     /// Makes new rows for pairs that the last detection found more of pressed together; true if there are any.
-    pub(super) fn add_new_rows(&mut self, step: Step) -> bool {
+    fn add_new_rows(&mut self, step: Step) -> bool {
         self.measure_pairs();
         let mut pairs = std::mem::take(&mut self.buffers.pairs);
         pairs.retain(|&(_, found, rows)| found > 2.0 * rows);

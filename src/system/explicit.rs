@@ -1,7 +1,6 @@
-use super::rows::Coupled;
 use super::solve::check_count;
 use super::{ContactSystem, RigidUnknowns, SystemError};
-use crate::math::{Scalar, margins};
+use crate::math::Scalar;
 use crate::memory;
 use crate::memory::Room;
 use crate::scene::Scene;
@@ -35,23 +34,14 @@ impl<T: Scalar> ContactSystem<T> {
         let mut sums = std::mem::take(&mut self.buffers.sums);
         let nodes = self.node_masses.len();
         memory::refill_with(&mut sums, 0.0, nodes + 2 * self.rigid_count);
-        let rows = &self.rows;
-        rows.for_each_coupling(|place, with, coupling| {
-            let end = |side: usize| rows.rows[place].rigid[side].map_or(0, |end| nodes + 2 * end.place);
-            let block = match with {
-                Coupled::Entry(entry) => rows.entries[entry].node as usize,
-                Coupled::Linear(side) => end(side),
-                Coupled::Angular(side) => end(side) + 1,
-            };
-            sums[block] += coupling;
-        });
+        self.rows.for_each_coupling(nodes, |_, block, coupling| sums[block] += coupling);
         let largest = self.largest_with(&sums);
         self.buffers.sums = sums;
         Ok(longest_step(largest))
     }
 
     /// Begins a step as [`explicit_step`](Self::explicit_step) does, and does no more: the rows' forces at the velocities of
-    /// the start can be asked for [part by part](Self::part_forces), and [`finish`](Self::finish) with these ends it.
+    /// the start can be asked for, and [`finish`](Self::finish) with these ends it.
     ///
     /// # Errors
     /// Those of [`explicit_step`](Self::explicit_step).
@@ -78,38 +68,10 @@ impl<T: Scalar> ContactSystem<T> {
         self.hold_at(step).map(|_| ())
     }
 
-    /// Puts the scene's bodies, but ghosts, where [`begin_explicit`](Self::begin_explicit) with the same numbers would look
-    /// for contacts, and does no more.
-    ///
-    /// # Errors
-    /// Those of [`begin`](Self::begin).
-    pub fn look_explicit(
-        &mut self,
-        scene: &mut Scene<T>,
-        dt: f64,
-        positions: &[f64],
-        velocities: &[f64],
-    ) -> Result<(), SystemError> {
-        self.prepare(scene, dt, [positions, velocities, velocities])?;
-        self.place_surfaces(scene, 0.0, |scene, body| !scene.is_ghost(body))
-    }
-
-    /// By the sums of [`part_couplings`](Self::part_couplings), a number for each block of three unknowns, a bound on the
-    /// largest eigenvalue λ of M⁻¹ K, in 1/s², and the largest damping time τ of rows that push, in s. Both zero without
-    /// contact. Where scenes share bodies the larger of all systems count, and steps are stable up to
-    /// √(τ² + 4 / λ) − τ.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
-    pub fn largest_coupling(&self, sums: &[f64]) -> Result<[f64; 2], SystemError> {
-        self.step.ok_or(SystemError::NoStep)?;
-        check_count("sums", sums, self.node_masses.len() + 2 * self.rigid_count)?;
-        super::check_within("sums", sums, margins::LARGEST_FACTOR)?;
-        Ok(self.largest_with(sums))
-    }
-
-    /// The largest sum of a row's couplings with all rows bounds that eigenvalue (Gershgorin).
-    fn largest_with(&self, sums: &[f64]) -> [f64; 2] {
+    /// By the sums of couplings, a number for each block of three unknowns, a bound on the largest eigenvalue λ of M⁻¹ K, in
+    /// 1/s², and the largest damping time τ of rows that push, in s; both zero without contact. The largest sum of a row's
+    /// couplings with all rows bounds that eigenvalue (Gershgorin).
+    pub(crate) fn largest_with(&self, sums: &[f64]) -> [f64; 2] {
         let masses = &self.node_masses;
         let count = masses.len();
         let mut most = [0.0_f64; 2];

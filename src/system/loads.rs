@@ -7,11 +7,11 @@ use crate::memory::Room;
 /// A stiff contact predicts far more than it will bear, because the solve lets bodies give way. Pairs that have been in
 /// contact keep the share of the step before; new ones give way like two rigid bodies.
 #[derive(Debug, Default)]
-pub(super) struct PairLoads {
+pub(crate) struct PairLoads {
     /// Of the step before, in order.
     before: Vec<Pair>,
     /// Of this one, in the order in which rows came.
-    pub(super) now: Vec<Pair>,
+    pub(crate) now: Vec<Pair>,
 }
 
 /// What a body rubs on.
@@ -24,11 +24,11 @@ pub enum Surface {
 }
 
 /// The bodies of a row, in its order or, for its pair, in ascending order.
-pub(super) type Key = (u32, Surface);
+pub(crate) type Key = (u32, Surface);
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
-    pub(super) key: Key,
+pub(crate) struct Pair {
+    pub(crate) key: Key,
     pub(super) material: Material,
     /// The sum of both bodies' 1/mass.
     pub(super) inverse_mass: f64,
@@ -83,7 +83,7 @@ impl PairLoads {
     }
 
     /// What is remembered of a pair from the step before: the push predicted and after the solve, and its springs.
-    pub(super) fn remembered(&self, key: Key) -> Option<[f64; 6]> {
+    pub(crate) fn remembered(&self, key: Key) -> Option<[f64; 6]> {
         let place = self.before.binary_search_by_key(&key, |pair| pair.key).ok()?;
         let Pair { predicted, solved, springs: Springs { coefficient, pull }, .. } = self.before[place];
         Some([predicted, solved, coefficient, pull.x, pull.y, pull.z])
@@ -97,7 +97,7 @@ impl PairLoads {
     }
 
     /// Replaces it; the two bodies in either order.
-    pub(super) fn put(&mut self, key: Key, [predicted, solved, coefficient, x, y, z]: [f64; 6]) {
+    pub(crate) fn put(&mut self, key: Key, [predicted, solved, coefficient, x, y, z]: [f64; 6]) {
         let (key, turned) = in_order(key);
         let pull = V3::new(x, y, z) * if turned { -1.0 } else { 1.0 };
         let springs = Springs { coefficient, pull };

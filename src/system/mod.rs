@@ -22,16 +22,13 @@ mod coupling;
 mod detect_again;
 mod error;
 mod explicit;
-mod ghosts;
+pub(crate) mod hooks;
 mod lines;
 mod loads;
 mod material;
 mod matrix;
 mod motions;
-mod packed_memory;
 mod pairs;
-mod part_matrix;
-mod parts;
 mod products;
 mod row;
 mod row_builder;
@@ -45,8 +42,7 @@ pub use body::{Carriers, Motion};
 pub use error::SystemError;
 pub use loads::Surface;
 pub use material::Material;
-pub use part_matrix::PartBlock;
-pub use parts::Part;
+pub(crate) use solve::check_count;
 
 use crate::contact::ContactList;
 use crate::force::Weighting;
@@ -59,7 +55,6 @@ use anchors::Anchors;
 use body::{Body, Frame, Mover, Table};
 use loads::{Key, PairLoads};
 use nalgebra::Matrix3;
-use parts::Parts;
 use row_builder::{HalfSpace, PairMaterials};
 use rows::Rows;
 use std::ops::Range;
@@ -86,19 +81,18 @@ pub struct ContactSystem<T: Scalar> {
     rigid_unknowns: RigidUnknowns,
     looks_ahead: bool,
     weighting: Weighting,
-    node_masses: Vec<f64>,
+    pub(crate) node_masses: Vec<f64>,
     /// In ascending order of their numbers.
     bodies: Vec<Body<T>>,
-    rigid_count: usize,
+    pub(crate) rigid_count: usize,
     half_spaces: Vec<HalfSpace>,
     pair_materials: PairMaterials,
     contacts: ContactList<T>,
-    rows: Rows,
-    anchors: Anchors,
-    loads: PairLoads,
-    parts: Parts,
-    step: Option<step::Step>,
-    buffers: step::Buffers,
+    pub(crate) rows: Rows,
+    pub(crate) anchors: Anchors,
+    pub(crate) loads: PairLoads,
+    pub(crate) step: Option<step::Step>,
+    pub(crate) buffers: step::Buffers,
 }
 
 impl<T: Scalar> ContactSystem<T> {
@@ -117,14 +111,13 @@ impl<T: Scalar> ContactSystem<T> {
             rows: Rows::default(),
             anchors: Anchors::default(),
             loads: PairLoads::default(),
-            parts: Parts::default(),
             step: None,
             buffers: step::Buffers::default(),
         }
     }
 
     /// Says how many nodes the host has, and their masses in kg: infinity for one that is held fast. Within a step there may
-    /// be more than before, for ghosts that [join](Self::off_course), and all other bodies' nodes keep their masses.
+    /// be more than before, for foreign bodies that join it, and all other bodies' nodes keep their masses.
     ///
     /// # Errors
     /// [`SystemError::Mass`], [`SystemError::StepUnderWay`], [`SystemError::WrongCount`] where a body's nodes lie beyond.
@@ -149,8 +142,8 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Adds a deformable body: number `body` of the scene, with the host's nodes `nodes`, which carry its surface as
-    /// `carriers` says. The masses of the nodes are to be set before. Within a step only ghosts may be added, this kind and
-    /// others, which [join](Self::off_course) it.
+    /// `carriers` says. The masses of the nodes are to be set before. Within a step only
+    /// [foreign](Scene::is_foreign) bodies may be added, of this kind or another, which join it.
     ///
     /// # Errors
     /// [`SystemError`] of its own for each number that is wrong.
@@ -264,7 +257,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Says where a rigid or moved body is, and how it moves. Before each step; within one of a body that has
-    /// [joined](Self::off_course) it.
+    /// joined it.
     ///
     /// # Errors
     /// [`SystemError::UnknownBody`] also for a deformable body; [`SystemError::NotFinite`], [`SystemError::Rotation`],
@@ -315,7 +308,7 @@ impl<T: Scalar> ContactSystem<T> {
         self.bodies.binary_search_by_key(&body, |body| body.number).map_err(|_| SystemError::UnknownBody { body })
     }
 
-    fn check_no_step(&self) -> Result<(), SystemError> {
+    pub(crate) fn check_no_step(&self) -> Result<(), SystemError> {
         if self.step.is_some() { Err(SystemError::StepUnderWay) } else { Ok(()) }
     }
 }
@@ -335,12 +328,12 @@ fn is_mass(mass: f64) -> bool {
     (least..=most).contains(&mass)
 }
 
-fn check_range(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
+pub(crate) fn check_range(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
     check_within(what, numbers, margins::LARGEST_GIVEN)
 }
 
 /// `most`: a power of two.
-fn check_within(what: &'static str, numbers: &[f64], most: f64) -> Result<(), SystemError> {
+pub(crate) fn check_within(what: &'static str, numbers: &[f64], most: f64) -> Result<(), SystemError> {
     let to_largest = f64::MAX / most;
     // Only NaN and infinity give something else than 0 when multiplied by 0. Without a branch, the loop checks several at once.
     let (eights, rest) = numbers.as_chunks::<8>();

@@ -25,7 +25,7 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Gives two bodies, or a body with itself, a material of their own in place of the
     /// [combined](Material::combined) one; `None` takes it back. Within a step one of them must have
-    /// [joined](Self::off_course) it.
+    /// joined it.
     ///
     /// # Errors
     /// [`SystemError::UnknownBody`], [`SystemError::Material`], [`SystemError::StepUnderWay`].
@@ -73,6 +73,12 @@ impl<T: Scalar> ContactSystem<T> {
         let step = self.check_velocities("velocities", velocities)?;
         self.find_motions(velocities, step);
         Ok(self.misjudged_at(step))
+    }
+
+    /// The pairs that the last finished step left something to remember, or that were given it since: the body of the
+    /// smaller number and what it touches.
+    pub fn remembered_pairs(&self) -> impl ExactSizeIterator<Item = (u32, Surface)> + '_ {
+        self.loads.before_keys()
     }
 
     /// The net force in N with which `other` acted on a body in the last finished step; zero for a body and itself.

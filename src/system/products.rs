@@ -47,7 +47,7 @@ impl Rows {
     }
 
     /// Lists the springs, if they are not yet: after its last linearisation a step needs none.
-    pub(super) fn list_springs(&mut self) {
+    pub(crate) fn list_springs(&mut self) {
         let Self { rows, springs, are_listed, .. } = self;
         if std::mem::replace(are_listed, true) {
             return;
@@ -159,7 +159,7 @@ impl Rows {
 
     /// Calls `use_force(row, force)` with the forces against a change of the velocities, turned around: those of `scale` ·
     /// Jᵀ D J · change.
-    pub(super) fn for_each_product(
+    pub(crate) fn for_each_product(
         &self,
         change: Velocities<'_>,
         scale: f64,

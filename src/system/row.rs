@@ -2,7 +2,7 @@ use super::twist::{V3, angular, linear};
 
 /// A node's part in a row. Positive for the second body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     pub(super) node: u32,
     /// At the row's own points.
     pub(super) along: f64,
@@ -73,7 +73,7 @@ impl Held {
 
 /// One contact as a unilateral spring with friction. On the first body acts force, on the second its opposite.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Row {
+pub(crate) struct Row {
     /// Of unit length; the first body is pushed along it.
     pub(super) direction: V3,
     /// In N/m.
@@ -83,9 +83,9 @@ pub(super) struct Row {
     pub(super) damping_time: f64,
     pub(super) friction: f64,
     /// The place of its pair among the pairs of this step.
-    pub(super) pair: usize,
+    pub(crate) pair: usize,
     /// 1 where the bodies stand in the pair's order, −1 where the other way round.
-    pub(super) order: f64,
+    pub(crate) order: f64,
     /// The slip with which detection moved the bodies on.
     pub(super) ahead: Slip,
     /// Across the direction, at the start of the step.
@@ -202,14 +202,11 @@ impl Row {
         self.direction * (normal * self.direction.dot(&change)) + self.across(&change) * tangential
     }
 
-    /// Adds the potential where it exerts a force.
-    pub(super) fn add_energy(&self, force: &V3, dt: f64, energy: &mut f64) {
+    /// The potential along the direction and that across it, where it exerts a force.
+    pub(super) fn energies(&self, force: &V3, dt: f64) -> impl Iterator<Item = f64> + use<> {
         let (along, across) = (self.direction.dot(force), self.across(force));
-        for (square, stiffness) in [(along * along, self.held.normal), (across.norm_squared(), self.held.tangential)] {
-            if stiffness > 0.0 {
-                *energy += 0.5 * dt * square / stiffness;
-            }
-        }
+        let both = [(along * along, self.held.normal), (across.norm_squared(), self.held.tangential)];
+        both.into_iter().filter(|both| both.1 > 0.0).map(move |(square, stiffness)| 0.5 * dt * square / stiffness)
     }
 
     pub(super) fn across(&self, u: &V3) -> V3 {

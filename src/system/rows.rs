@@ -14,18 +14,13 @@ use crate::memory;
 use crate::memory::Room;
 use nalgebra::Matrix3;
 
-/// What a row acts on: an entry, or the linear or angular velocity of its first or second rigid body.
-pub(super) enum Coupled {
-    Entry(usize),
-    Linear(usize),
-    Angular(usize),
-}
-
 /// Rows live in flat lists that grow: a fixed number of nodes for a contact would drop weights and freeze bodies.
 #[derive(Debug, Default)]
-pub(super) struct Rows {
-    pub(super) rows: Vec<Row>,
-    pub(super) entries: Vec<Entry>,
+pub(crate) struct Rows {
+    /// No other rows have it.
+    pub(crate) stamp: u64,
+    pub(crate) rows: Vec<Row>,
+    pub(crate) entries: Vec<Entry>,
     /// Room: of each node where it was last added to the entries.
     places: Vec<u32>,
     pub(super) motions: Motions,
@@ -48,11 +43,11 @@ pub(super) struct Rows {
     /// Work arrays, one twist for each rigid body.
     pub(super) loads: Vec<f64>,
     changes: Vec<f64>,
-    pub(super) response: Vec<f64>,
+    pub(crate) response: Vec<f64>,
 }
 
 /// The force of a row on its first body.
-pub(super) struct RowForce {
+pub(crate) struct RowForce {
     /// Along the row's direction.
     pub(super) along: f64,
     pub(super) across: V3,
@@ -62,9 +57,9 @@ pub(super) struct RowForce {
 
 /// Velocities of nodes and of rigid bodies.
 #[derive(Clone, Copy)]
-pub(super) struct Velocities<'a> {
-    pub(super) nodes: &'a [f64],
-    pub(super) twists: &'a [f64],
+pub(crate) struct Velocities<'a> {
+    pub(crate) nodes: &'a [f64],
+    pub(crate) twists: &'a [f64],
 }
 
 impl Rows {
@@ -166,7 +161,7 @@ impl Rows {
     }
 
     /// Calls `use_force(row, force)` with the forces that rows exert, as they are held, with motions found before.
-    pub(super) fn for_each_force(&self, twists: &[f64], scale: f64, mut use_force: impl FnMut(usize, RowForce)) {
+    pub(crate) fn for_each_force(&self, twists: &[f64], scale: f64, mut use_force: impl FnMut(usize, RowForce)) {
         for place in 0..self.rows.len() {
             let row = &self.rows[place];
             if row.held.pushes {
@@ -266,25 +261,66 @@ impl Rows {
         }
     }
 
-    /// Calls `use_coupling(place, with what, coupling)` for all that the rows that push act on, in N/m and, with angular
-    /// velocities, in N.
-    pub(super) fn for_each_coupling(&self, mut use_coupling: impl FnMut(usize, Coupled, f64)) {
-        for (place, row) in self.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
-            for entry in self.begin(place)..row.end {
-                let weight = self.entries[entry].largest();
-                use_coupling(place, Coupled::Entry(entry), row.coefficient * weight);
-            }
-            for (side, end) in row.rigid.iter().enumerate() {
-                let Some(end) = end else { continue };
-                use_coupling(place, Coupled::Linear(side), row.coefficient);
-                use_coupling(place, Coupled::Angular(side), row.coefficient * end.arm.norm());
-            }
+    /// Calls `use_slot(slot, block, side, weight)` for all that a row acts on. Slots count that through all rows; a block is
+    /// three unknowns, of a node, or behind so many nodes of a rigid body's linear or angular velocity; `side` tells which of
+    /// the row's bodies is rigid; `weight` is how far the block moves the row at most.
+    pub(crate) fn for_each_slot(
+        &self,
+        place: usize,
+        nodes: usize,
+        mut use_slot: impl FnMut(usize, usize, Option<usize>, f64),
+    ) {
+        let (row, begin) = (&self.rows[place], self.begin(place));
+        for (entry, slot) in self.entries[begin..row.end].iter().zip(begin..) {
+            use_slot(slot, entry.node as usize, None, entry.largest());
+        }
+        for (side, end) in row.rigid.iter().enumerate() {
+            let Some(end) = end else { continue };
+            let (slot, block) = (self.rigid_slot(place, side), nodes + 2 * end.place);
+            use_slot(slot, block, Some(side), 1.0);
+            use_slot(slot + 1, block + 1, Some(side), end.arm.norm());
         }
     }
 
-    /// Calls `use_block(place of the contact's row, row, column, block)` for each 3 × 3 block of `scale` · Jᵀ D J; those of
+    /// The linear velocity's, before the angular one's.
+    fn rigid_slot(&self, place: usize, side: usize) -> usize {
+        self.entries.len() + 4 * place + 2 * side
+    }
+
+    /// Calls `use_load(slot, load)` with what a row's force does to all that it acts on.
+    pub(crate) fn for_each_load(&self, place: usize, force: &RowForce, mut use_load: impl FnMut(usize, V3)) {
+        self.for_each_node(place, force, |_, slot, force| use_load(slot, -force));
+        for (side, end) in self.rows[place].rigid.iter().enumerate() {
+            let Some(end) = end else { continue };
+            let mut twist = [0.0; 6];
+            RigidEnd { place: 0, ..*end }.add_load(&-force.whole, &mut twist);
+            let slot = self.rigid_slot(place, side);
+            use_load(slot, linear(&twist));
+            use_load(slot + 1, angular(&twist));
+        }
+    }
+
+    /// Calls `use_coupling(slot, block, coupling)` for all that the rows that push act on, in N/m and, with angular
+    /// velocities, in N.
+    pub(crate) fn for_each_coupling(&self, nodes: usize, mut use_coupling: impl FnMut(usize, usize, f64)) {
+        for (place, row) in self.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
+            self.for_each_slot(place, nodes, |slot, block, _, weight| {
+                use_coupling(slot, block, row.coefficient * weight);
+            });
+        }
+    }
+
+    /// The potentials of the rows as they are held, at the motions and twists last found, each with the place of its pair.
+    pub(crate) fn energies(&self, dt: f64) -> impl Iterator<Item = (usize, f64)> {
+        self.rows.iter().enumerate().filter(|(_, row)| row.held.pushes).flat_map(move |(place, row)| {
+            let force = row.force_at(&self.slip_at(place, &self.response));
+            row.energies(&force, dt).map(|energy| (row.pair, energy))
+        })
+    }
+
+    /// Calls `use_block(place of the contact's pair, row, column, block)` for each 3 × 3 block of `scale` · Jᵀ D J; those of
     /// equal place are to be added. Rigid bodies have two blocks of unknowns each, after those of the nodes.
-    pub(super) fn for_each_block(
+    pub(crate) fn for_each_block(
         &self,
         nodes: usize,
         scale: f64,
@@ -295,12 +331,12 @@ impl Rows {
             if !row.held.pushes {
                 continue;
             }
-            let outer = row.direction * row.direction.transpose();
+            let (pair, outer) = (row.pair, row.direction * row.direction.transpose());
             let along = outer * (scale * row.held.normal);
             let across = (Matrix3::identity() - outer) * (scale * row.held.tangential);
             let entries = &self.entries[self.begin(place)..row.end];
             let mut emit = |row: usize, column: usize, block: Matrix3<f64>| {
-                use_block(place, row, column, std::array::from_fn(|k| block[(k / 3, k % 3)]));
+                use_block(pair, row, column, std::array::from_fn(|k| block[(k / 3, k % 3)]));
             };
             for a in entries {
                 for b in entries {

@@ -55,11 +55,8 @@ impl<T: Scalar> ContactSystem<T> {
         factor: f64,
         mut use_block: impl FnMut(usize, usize, [f64; 9]),
     ) -> Result<(), SystemError> {
-        self.step.ok_or(SystemError::NoStep)?;
+        self.check_has_blocks()?;
         super::check_range("factor", &[factor])?;
-        if self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty() {
-            return Err(SystemError::Eliminated);
-        }
         self.rows.for_each_block(self.node_masses.len(), factor, |_, row, column, block| use_block(row, column, block));
         Ok(())
     }
@@ -74,9 +71,7 @@ impl<T: Scalar> ContactSystem<T> {
         let step = self.check_velocities("velocities", velocities)?;
         self.find_motions(velocities, step);
         let mut energy = 0.0;
-        for (place, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
-            row.add_energy(&row.force_at(&self.rows.slip_at(place, &self.rows.response)), step.dt, &mut energy);
-        }
+        self.rows.energies(step.dt).for_each(|(_, part)| energy += part);
         if self.rigid_unknowns == RigidUnknowns::Eliminated {
             let changes = self.rows.response.chunks_exact(6).zip(self.buffers.free_twists.chunks_exact(6));
             for ((now, free), (mass, inertia)) in changes.zip(&self.rows.masses) {
@@ -86,6 +81,13 @@ impl<T: Scalar> ContactSystem<T> {
             }
         }
         Ok(energy)
+    }
+
+    /// All rows act on unknowns of the host.
+    pub(crate) fn check_has_blocks(&self) -> Result<(), SystemError> {
+        self.step.ok_or(SystemError::NoStep)?;
+        let is_answered = self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty();
+        if is_answered { Err(SystemError::Eliminated) } else { Ok(()) }
     }
 
     fn kept<'a>(&self, twists: &'a mut [f64]) -> Option<&'a mut [f64]> {
@@ -240,7 +242,7 @@ fn part_of([right, wrong]: [f64; 2]) -> f64 {
     if wrong > 0.0 { wrong / (right + wrong) } else { 0.0 }
 }
 
-pub(super) fn check_count(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), SystemError> {
+pub(crate) fn check_count(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), SystemError> {
     match numbers.len() == expected {
         true => Ok(()),
         false => Err(SystemError::WrongCount { what, given: numbers.len(), expected }),

@@ -5,22 +5,22 @@ use super::{ContactSystem, RigidUnknowns, SystemError, check_range, check_within
 use crate::math::{Scalar, margins};
 use crate::memory;
 use crate::memory::Room;
-use crate::mesh::MeshError;
+use crate::mesh::{MeshError, next_stamp};
 use crate::scene::Scene;
 use nalgebra::Matrix3;
 
 /// A step under way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
+pub(crate) struct Step {
     /// Its length for the rows: 0 where the host integrates explicitly.
-    pub(super) dt: f64,
+    pub(crate) dt: f64,
     /// How many unknowns the host solves for.
     pub(super) unknowns: usize,
 }
 
 /// The host's numbers for this step, and scratch memory: three numbers per node, six per rigid body.
 #[derive(Debug, Default)]
-pub(super) struct Buffers {
+pub(crate) struct Buffers {
     pub(super) positions: Vec<f64>,
     pub(super) velocities: Vec<f64>,
     /// The predicted positions of the nodes.
@@ -43,6 +43,12 @@ pub(super) struct Buffers {
 impl Buffers {
     pub(super) fn before(&self) -> Velocities<'_> {
         Velocities { nodes: &self.velocities, twists: &self.twists }
+    }
+
+    /// Positions and velocities of the nodes at the start of the step.
+    pub(crate) fn set_start(&mut self, positions: &[f64], velocities: &[f64]) {
+        copy(&mut self.positions, positions);
+        copy(&mut self.velocities, velocities);
     }
 
     fn course(&self, time: f64) -> Course<'_> {
@@ -74,9 +80,13 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
-        let ahead = if self.looks_ahead { dt } else { 0.0 };
-        self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
+        self.start(scene, [dt, self.time_ahead(dt), dt], [positions, velocities, free_velocities])?;
         self.hold_predicted()
+    }
+
+    /// For how long detection moves bodies on.
+    pub(crate) fn time_ahead(&self, dt: f64) -> f64 {
+        if self.looks_ahead { dt } else { 0.0 }
     }
 
     /// [`begin`](Self::begin) with separate times for the step, the prediction and the rows; `given` are its three arrays.
@@ -99,26 +109,8 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
-    /// Puts the scene's bodies, but ghosts, where [`begin`](Self::begin) with the same numbers would look for contacts, and
-    /// does no more: by where bodies will be it is known which ghosts a scene needs.
-    ///
-    /// # Errors
-    /// Those of [`begin`](Self::begin).
-    pub fn look_ahead(
-        &mut self,
-        scene: &mut Scene<T>,
-        dt: f64,
-        positions: &[f64],
-        velocities: &[f64],
-        free_velocities: &[f64],
-    ) -> Result<(), SystemError> {
-        let ahead = if self.looks_ahead { dt } else { 0.0 };
-        self.prepare(scene, dt, [positions, velocities, free_velocities])?;
-        self.place_surfaces(scene, ahead, |scene, body| !scene.is_ghost(body))
-    }
-
     /// Checks and copies what the host gives at the start of a step.
-    pub(super) fn prepare(
+    pub(crate) fn prepare(
         &mut self,
         scene: &Scene<T>,
         dt: f64,
@@ -138,8 +130,7 @@ impl<T: Scalar> ContactSystem<T> {
         }
         self.check_bodies(scene)?;
         let Self { buffers, bodies, .. } = self;
-        copy(&mut buffers.positions, positions);
-        copy(&mut buffers.velocities, velocities);
+        buffers.set_start(positions, velocities);
         copy(&mut buffers.ahead, free_velocities);
         memory::refill_with(&mut self.rows.masses, Default::default(), self.rigid_count);
         for twists in [&mut buffers.twists, &mut buffers.free_twists] {
@@ -161,7 +152,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Moves the surfaces of the wanted bodies to their predicted positions.
-    pub(super) fn place_surfaces(
+    pub(crate) fn place_surfaces(
         &mut self,
         scene: &mut Scene<T>,
         time: f64,
@@ -201,11 +192,11 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Adds rows for the wanted pairs' contacts; with a scene also for escapes and half-spaces.
     pub(super) fn add_rows(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
-        self.parts.forget();
         let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
         let (weighting, mut pressed) = (self.weighting, std::mem::take(&mut buffers.pressed));
         let course = buffers.course(time);
         let before = buffers.before();
+        rows.stamp = next_stamp();
         rows.make_room(node_masses.len());
         let mut builder =
             RowBuilder { weighting, bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
@@ -213,7 +204,7 @@ impl<T: Scalar> ContactSystem<T> {
         if let Some(scene) = scene {
             builder.add_escapes(contacts.pushes());
             for (number, half_space) in self.half_spaces.iter().enumerate() {
-                for (place, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_ghost(body.number)) {
+                for (place, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_foreign(body.number)) {
                     if let Ok(mesh) = scene.mesh(body.number) {
                         builder.add_half_space_rows(number as u32, half_space, place, mesh, &mut pressed);
                     }
@@ -223,7 +214,7 @@ impl<T: Scalar> ContactSystem<T> {
         buffers.pressed = pressed;
     }
 
-    pub(super) fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
+    pub(crate) fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
         if let Some(body) = scene.body_numbers().find(|&number| self.place(number).is_err()) {
             return Err(SystemError::UnknownBody { body });
         }
@@ -238,12 +229,12 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// The step under way, if there is one and `numbers` is a valid vector of unknowns for it.
-    pub(super) fn check_velocities(&self, what: &'static str, numbers: &[f64]) -> Result<Step, SystemError> {
+    pub(crate) fn check_velocities(&self, what: &'static str, numbers: &[f64]) -> Result<Step, SystemError> {
         self.check_unknowns(what, numbers, margins::LARGEST_GIVEN)
     }
 
     /// The same for numbers up to `most`.
-    pub(super) fn check_unknowns(&self, what: &'static str, numbers: &[f64], most: f64) -> Result<Step, SystemError> {
+    pub(crate) fn check_unknowns(&self, what: &'static str, numbers: &[f64], most: f64) -> Result<Step, SystemError> {
         let step = self.step.ok_or(SystemError::NoStep)?;
         if numbers.len() != step.unknowns {
             return Err(SystemError::WrongCount { what, given: numbers.len(), expected: step.unknowns });
@@ -254,7 +245,7 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Finds the rows' motions by the nodes among the host's velocities, and stores the rigid bodies' velocities that belong to
     /// them in `rows.response`.
-    pub(super) fn find_motions(&mut self, velocities: &[f64], step: Step) {
+    pub(crate) fn find_motions(&mut self, velocities: &[f64], step: Step) {
         let (nodes, twists) = velocities.split_at(3 * self.node_masses.len());
         self.rows.find_motions(nodes);
         match self.rigid_unknowns {
@@ -320,7 +311,7 @@ impl<T: Scalar> Body<T> {
     }
 
     /// The nodes of a deformable body.
-    pub(super) fn nodes(&self) -> Option<std::ops::Range<u32>> {
+    pub(crate) fn nodes(&self) -> Option<std::ops::Range<u32>> {
         if let Mover::Nodes { nodes, .. } = &self.mover { Some(nodes.clone()) } else { None }
     }
 }

@@ -10,6 +10,7 @@ pub(super) use step::apart;
 pub use step::*;
 
 use crate::capi::ffi::{Handle, HandleKind, InPrecision};
+use crate::distributed::Parts;
 use crate::system::ContactSystem;
 
 /// Contact on the unknowns that a simulator solves for. It knows what carries each body of a scene, its material, its
@@ -32,6 +33,8 @@ use crate::system::ContactSystem;
 /// Threads: one call at a time for one system. The caller frees it with rayc_contact_system_destroy().
 pub struct rayc_contact_system {
     pub(super) system: AnySystem,
+    /// Of its rows, for several processes.
+    pub(super) parts: Parts,
 }
 
 impl Handle for rayc_contact_system {

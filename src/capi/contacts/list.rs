@@ -3,7 +3,7 @@ use crate::capi::base::rayc_status;
 use crate::capi::ffi::{Output, changing, give, guard, guard_end, reading, take_back, with_precision};
 use crate::capi::scene::rayc_scene;
 use crate::contact::{Contact, ContactKind, ContactList, SurfacePoint};
-use crate::force::ForcesByPair;
+use crate::distributed::ForcesByPair;
 use crate::math::Scalar;
 
 /// Makes an empty list. *contacts: the new handle.

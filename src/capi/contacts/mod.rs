@@ -16,7 +16,7 @@ pub use statistics::*;
 
 use crate::capi::ffi::{Failure, Handle, HandleKind, InPrecision, range_of, with_precision};
 use crate::contact::ContactList;
-use crate::force::ForcesByPair;
+use crate::distributed::ForcesByPair;
 use std::ops::Range;
 
 /// The contacts of one query, in a fixed order: by pair, then the colliding body, then along its surface.

@@ -7,10 +7,11 @@ use crate::capi::ffi::{
 use crate::capi::mesh::rayc_mesh;
 use crate::capi::scene::{AnyScene, rayc_scene};
 use crate::capi::state::rayc_pair_memory;
+use crate::distributed::{Sharing, finds_pair};
 use crate::escape::PairMemory;
 use crate::math::Scalar;
 use crate::memory::text;
-use crate::scene::{PairCost, Scene, SceneError, Sharing, finds_pair};
+use crate::scene::{PairCost, Scene, SceneError};
 
 /// The same with a key that the host chooses. Pairs, contacts and sums are ordered by the bodies' keys, and by number
 /// where keys are equal; the first body of a pair is the first in this order. A body added without a key has its
@@ -99,7 +100,7 @@ pub unsafe extern "C" fn rayc_scene_share_body(
     guard(|| unsafe {
         let mut scene = changing(scene, "scene")?;
         let sharing = Sharing {
-            is_ghost: flag("is_ghost", is_ghost)?,
+            is_foreign: flag("is_ghost", is_ghost)?,
             neighbours: Some(neighbours).filter(|&count| count != RAYC_NEIGHBOURS_COUNTED),
             overlaps_itself: flag("overlaps_itself", overlaps_itself)?,
         };
@@ -149,7 +150,7 @@ pub unsafe extern "C" fn rayc_scene_body_state(
 ) -> rayc_status {
     fn state_of<T: Scalar>(scene: &Scene<T>, body: u32) -> Result<rayc_body_state, SceneError> {
         let [lower, upper] = {
-            let aabb = scene.body_box(body)?;
+            let aabb = scene.mesh(body)?.aabb();
             [aabb.lower, aabb.upper].map(|corner| corner.map(T::to_f64).into())
         };
         let (cost, overlaps_itself) = (scene.body_cost(body)?, u32::from(scene.overlaps_itself(body)?));

@@ -1,7 +1,7 @@
 use crate::capi::base::rayc_status;
 use crate::capi::ffi::{Output, give, guard, reading, slice, with_precision};
 use crate::capi::mesh::{AnyMesh, rayc_mesh};
-use crate::mesh::{Mesh, PackedMeshError, packed_number_size};
+use crate::distributed::{PackedMeshError, pack_mesh, packed_mesh_length, packed_number_size, unpack_mesh};
 
 /// How many bytes rayc_mesh_pack() writes.
 #[unsafe(no_mangle)]
@@ -9,7 +9,7 @@ pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length:
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mesh = reading(mesh, "mesh")?;
-        Output::new(length, "length")?.write(with_precision!(&mesh.mesh, |mesh| mesh.packed_length()));
+        Output::new(length, "length")?.write(with_precision!(&mesh.mesh, |mesh| packed_mesh_length(mesh)));
         Ok(())
     })
 }
@@ -28,7 +28,7 @@ pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, b
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let mut packed = Vec::new();
-        with_precision!(&reading(mesh, "mesh")?.mesh, |mesh| mesh.pack(&mut packed));
+        with_precision!(&reading(mesh, "mesh")?.mesh, |mesh| pack_mesh(mesh, &mut packed));
         Output::exactly(bytes, length, packed.len(), "bytes")?.write_all(packed.into_iter());
         Ok(())
     })
@@ -47,9 +47,9 @@ pub unsafe extern "C" fn rayc_mesh_unpack(length: usize, bytes: *const u8, mesh:
         let place = Output::new(mesh, "mesh")?;
         let (number_size, _) = packed_number_size(bytes).map_err(PackedMeshError::from)?;
         let mesh = if number_size as usize == size_of::<f32>() {
-            AnyMesh::F32(Mesh::unpack(bytes)?)
+            AnyMesh::F32(unpack_mesh(bytes)?)
         } else {
-            AnyMesh::F64(Mesh::unpack(bytes)?)
+            AnyMesh::F64(unpack_mesh(bytes)?)
         };
         give(place, rayc_mesh { mesh });
         Ok(())

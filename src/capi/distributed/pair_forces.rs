@@ -2,7 +2,8 @@ use crate::capi::base::{rayc_status, rayc_vectors};
 use crate::capi::contacts::{most_force, rayc_contacts, rayc_response_options, velocities_for};
 use crate::capi::ffi::{Arrays, BodyArray, Failure, Output, changing, guard, read_options, reading, with_precision};
 use crate::contact::ContactList;
-use crate::force::{ForcesByPair, PairForces, PenaltyLaw};
+use crate::distributed::{ForcesByPair, PairForces};
+use crate::force::PenaltyLaw;
 use crate::math::{Scalar, Vector3};
 
 /// The forces of one pair of bodies, or of a body with itself: where they lie among those of all pairs.

@@ -2,6 +2,7 @@ use crate::capi::base::rayc_status;
 use crate::capi::contact_system::rayc_contact_system;
 use crate::capi::ffi::{Output, changing, guard, reading, slice, slice_mut, with_precision};
 use crate::capi::scene::rayc_scene;
+use crate::distributed::{detect_among, largest_coupling, look_again, look_ahead, look_explicit};
 
 /// Puts the scene's own bodies where rayc_contact_system_begin() with the same numbers would look for contacts, and
 /// does no more. Their boxes there (rayc_scene_body_state()) show which ghosts the scene needs.
@@ -25,7 +26,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_ahead(
         let velocities = slice(velocities, count, "velocities")?;
         let free = slice(free_velocities, count, "free_velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            Ok(system.look_ahead(scene, dt, positions, velocities, free)?)
+            Ok(look_ahead(system, scene, dt, positions, velocities, free)?)
         })
     })
 }
@@ -50,7 +51,9 @@ pub unsafe extern "C" fn rayc_contact_system_look_again(
     guard(|| unsafe {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let velocities = slice(velocities, count, "velocities")?;
-        with_precision!(&mut system.system, &mut scene.scene, |system, scene| Ok(system.look_again(scene, velocities)?))
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| Ok(look_again(
+            system, scene, velocities
+        )?))
     })
 }
 
@@ -79,7 +82,7 @@ pub unsafe extern "C" fn rayc_contact_system_detect_among(
         let velocities = slice(velocities, count, "velocities")?;
         let place = Output::new(is_more, "is_more")?;
         place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            u32::from(system.detect_among(scene, positions, start, velocities)?)
+            u32::from(detect_among(system, scene, positions, start, velocities)?)
         }));
         Ok(())
     })
@@ -104,7 +107,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_explicit(
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            Ok(system.look_explicit(scene, dt, positions, velocities)?)
+            Ok(look_explicit(system, scene, dt, positions, velocities)?)
         })
     })
 }
@@ -146,9 +149,9 @@ pub unsafe extern "C" fn rayc_contact_system_part_couplings(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut system = changing(system, "system")?;
+        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let couplings = slice_mut(couplings, block_count, "couplings")?;
-        with_precision!(&mut system.system, |system| Ok(system.part_couplings(couplings)?))
+        with_precision!(system, |system| Ok(parts.couplings(system, couplings)?))
     })
 }
 
@@ -172,7 +175,7 @@ pub unsafe extern "C" fn rayc_contact_system_largest_coupling(
         let system = reading(system, "system")?;
         let sums = slice(sums, count, "sums")?;
         let places = [Output::new(largest, "largest")?, Output::new(damping_time, "damping_time")?];
-        let found = with_precision!(&system.system, |system| system.largest_coupling(sums)?);
+        let found = with_precision!(&system.system, |system| largest_coupling(system, sums)?);
         for (place, number) in places.into_iter().zip(found) {
             place.write(number);
         }

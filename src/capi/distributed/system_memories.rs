@@ -2,6 +2,7 @@ use super::numbers_of;
 use crate::capi::base::rayc_status;
 use crate::capi::contact_system::rayc_contact_system;
 use crate::capi::ffi::{Failure, Output, changing, flag, guard, reading, reference, slice, with_precision};
+use crate::distributed::{pack_memory, packed_memory_length, put_memory};
 use crate::system::Surface;
 
 /// A pair whose friction remembers something from step to step, and how many bytes that takes.
@@ -51,7 +52,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_memories(
             let place = Output::exactly(memories, count, pairs.len(), "memories")?;
             place.write_all(pairs.map(|pair| {
                 let (second, is_half_space) = numbers_of(pair.1);
-                let length = system.packed_memory_length(pair);
+                let length = packed_memory_length(system, pair);
                 rayc_contact_memory { first: pair.0, second, is_half_space, reserved: 0, length }
             }));
         });
@@ -75,7 +76,7 @@ pub unsafe extern "C" fn rayc_contact_system_pack_memory(
         let system = reading(system, "system")?;
         let (key, length) = read_pair(pair)?;
         let mut packed = Vec::new();
-        with_precision!(&system.system, |system| system.pack_pair_memory(key, &mut packed)?);
+        with_precision!(&system.system, |system| pack_memory(system, key, &mut packed)?);
         Output::exactly(bytes, length, packed.len(), "bytes")?.write_all(packed.into_iter());
         Ok(())
     })
@@ -98,7 +99,7 @@ pub unsafe extern "C" fn rayc_contact_system_put_memory(
         let mut system = changing(system, "system")?;
         let (key, length) = read_pair(pair)?;
         let bytes = slice(bytes, length, "bytes")?;
-        with_precision!(&mut system.system, |system| Ok(system.put_pair_memory(key, bytes)?))
+        with_precision!(&mut system.system, |system| Ok(put_memory(system, key, bytes)?))
     })
 }
 

@@ -2,7 +2,7 @@ use super::numbers_of;
 use crate::capi::base::rayc_status;
 use crate::capi::contact_system::{apart, rayc_contact_system};
 use crate::capi::ffi::{Output, changing, guard, with_precision};
-use crate::system::Part;
+use crate::distributed::Part;
 
 /// One pair's rows as they act on one of its bodies: which of the blocks of rayc_contact_system_copy_parts() are
 /// theirs.
@@ -40,10 +40,10 @@ pub unsafe extern "C" fn rayc_contact_system_part_count(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut system = changing(system, "system")?;
+        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let places = [Output::new(part_count, "part_count")?, Output::new(block_count, "block_count")?];
-        let counts = with_precision!(&mut system.system, |system| {
-            let (parts, blocks) = system.parts()?;
+        let counts = with_precision!(system, |system| {
+            let (parts, blocks) = parts.of(system)?;
             [parts.len(), blocks.len()]
         });
         for (place, count) in places.into_iter().zip(counts) {
@@ -68,9 +68,9 @@ pub unsafe extern "C" fn rayc_contact_system_copy_parts(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        with_precision!(&mut system.system, |system| {
-            let (all_parts, all_blocks) = system.parts()?;
+        let rayc_contact_system { system, parts: found } = &mut *changing(system, "system")?;
+        with_precision!(system, |system| {
+            let (all_parts, all_blocks) = found.of(system)?;
             let parts = Output::exactly(parts, part_count, all_parts.len(), "parts")?;
             let blocks = Output::exactly(blocks, block_count, all_blocks.len(), "blocks")?;
             parts.write_all(all_parts.iter().map(|&Part { body, other, start, count }| {
@@ -97,10 +97,10 @@ pub unsafe extern "C" fn rayc_contact_system_part_forces(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut system = changing(system, "system")?;
+        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, length, "forces"))?;
-        with_precision!(&mut system.system, |system| Ok(system.part_forces(velocities, forces)?))
+        with_precision!(system, |system| Ok(parts.forces(system, velocities, forces)?))
     })
 }
 
@@ -119,10 +119,10 @@ pub unsafe extern "C" fn rayc_contact_system_part_products(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut system = changing(system, "system")?;
+        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (change, result) = apart((change, count, "change"), (result, length, "result"))?;
-        with_precision!(&mut system.system, |system| Ok(system.part_products(factor, change, result)?))
+        with_precision!(system, |system| Ok(parts.products(system, factor, change, result)?))
     })
 }
 
@@ -141,9 +141,9 @@ pub unsafe extern "C" fn rayc_contact_system_part_energies(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut system = changing(system, "system")?;
+        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let (velocities, joules) = apart((velocities, count, "velocities"), (joules, part_count, "joules"))?;
-        with_precision!(&mut system.system, |system| Ok(system.part_energies(velocities, joules)?))
+        with_precision!(system, |system| Ok(parts.energies(system, velocities, joules)?))
     })
 }
 
@@ -157,9 +157,9 @@ pub unsafe extern "C" fn rayc_contact_system_part_block_count(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut system = changing(system, "system")?;
+        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let place = Output::new(count, "count")?;
-        place.write(with_precision!(&mut system.system, |system| system.part_blocks(1.0)?.len()));
+        place.write(with_precision!(system, |system| parts.blocks(system, 1.0)?.len()));
         Ok(())
     })
 }
@@ -182,9 +182,9 @@ pub unsafe extern "C" fn rayc_contact_system_copy_part_blocks(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        with_precision!(&mut system.system, |system| {
-            let all = system.part_blocks(factor)?;
+        let rayc_contact_system { system, parts: found } = &mut *changing(system, "system")?;
+        with_precision!(system, |system| {
+            let all = found.blocks(system, factor)?;
             let parts = Output::exactly(parts, count, all.len(), "parts")?;
             let rows = Output::array(rows, count, "rows")?;
             let columns = Output::array(columns, count, "columns")?;

@@ -1,9 +1,10 @@
 use crate::bytes::BytesError;
 use crate::capi::base::rayc_status;
+use crate::distributed::PackedMeshError;
 use crate::force::LawError;
 use crate::math::PoseError;
 use crate::memory::text;
-use crate::mesh::{MeshError, ObjFileError, PackedMeshError};
+use crate::mesh::{MeshError, ObjFileError};
 use crate::query::OctreeError;
 use crate::scene::SceneError;
 use crate::system::SystemError;

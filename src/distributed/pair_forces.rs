@@ -2,9 +2,7 @@
 //! pairs. Rounding makes these sums other ones than those of [`add_forces`](crate::force::add_forces), by a few last digits.
 
 use crate::contact::ContactList;
-use crate::force::add_forces_of;
-use crate::force::law::PenaltyLaw;
-use crate::force::vectors::{BodiesMut, Vectors};
+use crate::force::{BodiesMut, PenaltyLaw, Vectors, add_forces_of};
 use crate::math::{Scalar, Vector3};
 use crate::memory::Room;
 

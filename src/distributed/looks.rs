@@ -1,0 +1,84 @@
+//! Where a system's own bodies will be, and which contacts they have there with ghosts that a host adds in between.
+
+use crate::math::Scalar;
+use crate::scene::Scene;
+use crate::system::{ContactSystem, SystemError, check_count, check_range};
+
+/// Puts the scene's bodies, but ghosts, where [`begin`](ContactSystem::begin) with the same numbers would look for contacts, and
+/// does no more: by where bodies will be it is known which ghosts a scene needs.
+///
+/// # Errors
+/// Those of [`begin`](ContactSystem::begin).
+pub fn look_ahead<T: Scalar>(
+    system: &mut ContactSystem<T>,
+    scene: &mut Scene<T>,
+    dt: f64,
+    positions: &[f64],
+    velocities: &[f64],
+    free_velocities: &[f64],
+) -> Result<(), SystemError> {
+    system.prepare(scene, dt, [positions, velocities, free_velocities])?;
+    place_own(system, scene, system.time_ahead(dt))
+}
+
+/// The same for [`begin_explicit`](ContactSystem::begin_explicit).
+///
+/// # Errors
+/// Those of [`begin`](ContactSystem::begin).
+pub fn look_explicit<T: Scalar>(
+    system: &mut ContactSystem<T>,
+    scene: &mut Scene<T>,
+    dt: f64,
+    positions: &[f64],
+    velocities: &[f64],
+) -> Result<(), SystemError> {
+    system.prepare(scene, dt, [positions, velocities, velocities])?;
+    place_own(system, scene, 0.0)
+}
+
+/// Puts the scene's bodies, but ghosts, where they end with these velocities, and does no more: by where they will be it is
+/// known which ghosts [`detect_among`] needs.
+///
+/// Systems that share bodies first ask [`off_course`](ContactSystem::off_course) whether any of them has to look. Then each
+/// calls this, adds the ghosts that its scene needs there (a ghost may be added, told its motion and what its pairs remember
+/// within a step), and calls [`detect_among`].
+///
+/// # Errors
+/// Those of [`detect_again`](ContactSystem::detect_again).
+pub fn look_again<T: Scalar>(
+    system: &mut ContactSystem<T>,
+    scene: &mut Scene<T>,
+    velocities: &[f64],
+) -> Result<(), SystemError> {
+    let step = system.check_velocities("velocities", velocities)?;
+    system.check_bodies(scene)?;
+    system.go_on_with(velocities);
+    place_own(system, scene, step.dt)
+}
+
+/// As [`detect_again`](ContactSystem::detect_again), but it looks in any case, and rows are held as before: where any system has
+/// found more, all are to [linearise](ContactSystem::linearise) at these velocities. `positions` and `start_velocities`: those
+/// given to [`begin`](ContactSystem::begin), with those of ghosts that have joined.
+///
+/// # Errors
+/// Those of [`detect_again`](ContactSystem::detect_again).
+pub fn detect_among<T: Scalar>(
+    system: &mut ContactSystem<T>,
+    scene: &mut Scene<T>,
+    positions: &[f64],
+    start_velocities: &[f64],
+    velocities: &[f64],
+) -> Result<bool, SystemError> {
+    let step = system.check_velocities("velocities", velocities)?;
+    for (what, numbers) in [("positions", positions), ("start_velocities", start_velocities)] {
+        check_count(what, numbers, 3 * system.node_masses.len())?;
+        check_range(what, numbers)?;
+    }
+    system.check_bodies(scene)?;
+    system.buffers.set_start(positions, start_velocities);
+    system.detect_at(scene, velocities, step)
+}
+
+fn place_own<T: Scalar>(system: &mut ContactSystem<T>, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
+    system.place_surfaces(scene, time, |scene, body| !scene.is_foreign(body))
+}

@@ -1,0 +1,26 @@
+//! Scenes and contact systems of several processes that simulate one world together.
+//!
+//! Each scene has some bodies of its own, and **ghosts**: copies of other scenes' bodies that meet them, which it
+//! [shares](Sharing) with those. Of a pair of an own body and a ghost one of the two scenes finds the contacts; keys of the host's
+//! ([`Scene::add_with_key`](crate::scene::Scene::add_with_key)) order bodies alike everywhere. What a pair does is summed by
+//! itself, as [forces](ForcesByPair) or as the [`Parts`] of a contact system's rows. So sums in the order of the pairs have the
+//! same bits, whichever process found which. Meshes, and what pairs remember, are packed to be sent.
+//!
+//! What stands below knows of this only what `scene/hooks/` and `system/hooks.rs` say: that a body may be foreign, and that
+//! foreign bodies may join a step.
+
+mod looks;
+mod packed_memory;
+mod packed_mesh;
+mod pair_forces;
+mod part_matrix;
+mod parts;
+
+pub use crate::scene::hooks::{Sharing, finds_pair};
+pub use looks::{detect_among, look_again, look_ahead, look_explicit};
+pub use packed_memory::{pack_memory, packed_memory_length, put_memory};
+pub(crate) use packed_mesh::packed_number_size;
+pub use packed_mesh::{PackedMeshError, pack_mesh, packed_mesh_length, unpack_mesh};
+pub use pair_forces::{ForcesByPair, PairForces};
+pub use part_matrix::PartBlock;
+pub use parts::{Part, Parts, largest_coupling};
