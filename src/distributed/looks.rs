@@ -1,11 +1,13 @@
 //! Where a system's own bodies will be, and which contacts they have there with ghosts that a host adds in between.
 
 use crate::math::Scalar;
+use crate::memory;
 use crate::scene::Scene;
-use crate::system::{ContactSystem, SystemError, check_count, check_range};
+use crate::system::{ContactSystem, SystemError};
 
-/// Puts the scene's bodies, but ghosts, where [`begin`](ContactSystem::begin) with the same numbers would look for contacts, and
-/// does no more: by where bodies will be it is known which ghosts a scene needs.
+/// Puts the scene's bodies, but ghosts, where [`begin`](ContactSystem::begin) with the same numbers would look for contacts, or
+/// [`begin_explicit`](ContactSystem::begin_explicit) where no free velocities are given, and does no more: by where bodies will
+/// be it is known which ghosts a scene needs.
 ///
 /// # Errors
 /// Those of [`begin`](ContactSystem::begin).
@@ -15,25 +17,11 @@ pub fn look_ahead<T: Scalar>(
     dt: f64,
     positions: &[f64],
     velocities: &[f64],
-    free_velocities: &[f64],
+    free_velocities: Option<&[f64]>,
 ) -> Result<(), SystemError> {
-    system.prepare(scene, dt, [positions, velocities, free_velocities])?;
-    place_own(system, scene, system.time_ahead(dt))
-}
-
-/// The same for [`begin_explicit`](ContactSystem::begin_explicit).
-///
-/// # Errors
-/// Those of [`begin`](ContactSystem::begin).
-pub fn look_explicit<T: Scalar>(
-    system: &mut ContactSystem<T>,
-    scene: &mut Scene<T>,
-    dt: f64,
-    positions: &[f64],
-    velocities: &[f64],
-) -> Result<(), SystemError> {
-    system.prepare(scene, dt, [positions, velocities, velocities])?;
-    place_own(system, scene, 0.0)
+    system.prepare(scene, dt, [positions, velocities, free_velocities.unwrap_or(velocities)])?;
+    let is_ahead = free_velocities.is_some() && system.looks_ahead;
+    system.place_surfaces(scene, if is_ahead { dt } else { 0.0 }, true)
 }
 
 /// Puts the scene's bodies, but ghosts, where they end with these velocities, and does no more: by where they will be it is
@@ -52,8 +40,8 @@ pub fn look_again<T: Scalar>(
 ) -> Result<(), SystemError> {
     let step = system.check_velocities("velocities", velocities)?;
     system.check_bodies(scene)?;
-    system.go_on_with(velocities);
-    place_own(system, scene, step.dt)
+    system.go_on_with(velocities, step);
+    system.place_surfaces(scene, step.dt, true)
 }
 
 /// As [`detect_again`](ContactSystem::detect_again), but it looks in any case, and rows are held as before: where any system has
@@ -70,15 +58,9 @@ pub fn detect_among<T: Scalar>(
     velocities: &[f64],
 ) -> Result<bool, SystemError> {
     let step = system.check_velocities("velocities", velocities)?;
-    for (what, numbers) in [("positions", positions), ("start_velocities", start_velocities)] {
-        check_count(what, numbers, 3 * system.node_masses.len())?;
-        check_range(what, numbers)?;
-    }
+    system.check_nodes([("positions", positions), ("start_velocities", start_velocities)])?;
     system.check_bodies(scene)?;
-    system.buffers.set_start(positions, start_velocities);
+    memory::refill(&mut system.buffers.positions, positions.iter().copied());
+    memory::refill(&mut system.buffers.velocities, start_velocities.iter().copied());
     system.detect_at(scene, velocities, step)
-}
-
-fn place_own<T: Scalar>(system: &mut ContactSystem<T>, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
-    system.place_surfaces(scene, time, |scene, body| !scene.is_foreign(body))
 }

@@ -17,10 +17,10 @@ mod part_matrix;
 mod parts;
 
 pub use crate::scene::hooks::{Sharing, finds_pair};
-pub use looks::{detect_among, look_again, look_ahead, look_explicit};
+pub use looks::{detect_among, look_again, look_ahead};
 pub use packed_memory::{pack_memory, packed_memory_length, put_memory};
 pub(crate) use packed_mesh::packed_number_size;
 pub use packed_mesh::{PackedMeshError, pack_mesh, packed_mesh_length, unpack_mesh};
 pub use pair_forces::{ForcesByPair, PairForces};
 pub use part_matrix::PartBlock;
-pub use parts::{Part, Parts, largest_coupling};
+pub use parts::{Part, Parts, PartsOf, largest_coupling};

@@ -70,7 +70,12 @@ pub fn put_memory<T: Scalar>(system: &mut ContactSystem<T>, pair: Key, bytes: &[
         Surface::Body(second) => system.check_joined(&[pair.0, second])?,
         Surface::HalfSpace(_) => system.check_no_step()?,
     }
-    let counts = [system.vertex_count(Surface::Body(pair.0))?, system.vertex_count(pair.1)?];
+    let other = match pair.1 {
+        Surface::Body(second) => system.vertex_count(second)?,
+        Surface::HalfSpace(number) if (number as usize) < system.half_spaces.len() => 0,
+        Surface::HalfSpace(number) => return Err(SystemError::UnknownBody { body: number }),
+    };
+    let counts = [system.vertex_count(pair.0)?, other];
     let broken = SystemError::Memory { length: bytes.len() };
     let Some((load, anchors)) = read(bytes, pair, counts) else { return Err(broken) };
     system.anchors.replace(|key| keys(pair).contains(&Some(*key)), &anchors);

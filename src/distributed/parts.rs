@@ -2,10 +2,10 @@
 //! pairs, so sums of parts in a fixed order have the same bits, whichever process found the pairs.
 
 use super::part_matrix::{Matrix, PartBlock};
-use crate::math::{Scalar, Vector3, margins};
+use crate::math::{Scalar, margins};
 use crate::memory;
 use crate::memory::Room;
-use crate::system::hooks::Velocities;
+use crate::system::hooks::{RowForce, Rows, Velocities};
 use crate::system::{ContactSystem, Surface, SystemError, check_count, check_range, check_within};
 use std::ops::Range;
 
@@ -40,25 +40,28 @@ pub struct Parts {
     of_slots: Vec<(usize, (usize, usize, u32))>,
 }
 
+/// A step's rows in parts. They stay until the step ends or [`detect_again`](ContactSystem::detect_again) finds more.
+#[derive(Debug)]
+pub struct PartsOf<'a, T: Scalar> {
+    found: &'a mut Parts,
+    system: &'a mut ContactSystem<T>,
+}
+
 impl Parts {
-    /// What the rows of this step act on, pair by pair: the parts, and the blocks of three unknowns of each, numbered as
-    /// [`for_each_block`](ContactSystem::for_each_block) says, in ascending order. They stay until the step ends or
-    /// [`detect_again`](ContactSystem::detect_again) finds more.
+    /// The rows of a system's step, part by part.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::Eliminated`] where there are rigid bodies and they are not kept.
-    pub fn of<T: Scalar>(&mut self, system: &ContactSystem<T>) -> Result<(&[Part], &[u32]), SystemError> {
+    pub fn of<'a, T: Scalar>(&'a mut self, system: &'a mut ContactSystem<T>) -> Result<PartsOf<'a, T>, SystemError> {
         system.check_has_blocks()?;
         if self.stamp != system.rows.stamp {
             self.find(system);
             self.stamp = system.rows.stamp;
         }
-        Ok((&self.parts, &self.blocks))
+        Ok(PartsOf { found: self, system })
     }
 
     fn find<T: Scalar>(&mut self, system: &ContactSystem<T>) {
-        // Not those of any rows, where memory ends on the way.
-        self.stamp = 0;
         let Self { parts, blocks, pairs, slots, places, of_slots, .. } = self;
         parts.clear();
         pairs.clear();
@@ -97,62 +100,51 @@ impl Parts {
         }
     }
 
-    /// The indices of a pair's parts; none if it has no unknowns.
-    fn of_pair(pairs: &[usize], pair: usize) -> Range<usize> {
-        let first = pairs.partition_point(|&other| other < pair);
-        first..first + pairs[first..].partition_point(|&other| other == pair)
+    /// Adds what a row's force does to all that it acts on.
+    fn add(&self, rows: &Rows, place: usize, force: &RowForce, numbers: &mut [f64]) {
+        rows.for_each_load(place, force, |slot, load| {
+            let block = 3 * self.slots[slot];
+            (0..3).for_each(|axis| numbers[block + axis] += load[axis]);
+        });
+    }
+}
+
+impl<'a, T: Scalar> PartsOf<'a, T> {
+    /// What the rows act on, pair by pair: the parts, and the blocks of three unknowns of each, numbered as
+    /// [`for_each_block`](ContactSystem::for_each_block) says, in ascending order.
+    pub fn lists(self) -> (&'a [Part], &'a [u32]) {
+        (&self.found.parts, &self.found.blocks)
     }
 
-    /// Adds a load to that of its block.
-    fn add(slots: &[usize], numbers: &mut [f64], slot: usize, load: Vector3<f64>) {
-        let block = 3 * slots[slot];
-        (0..3).for_each(|axis| numbers[block + axis] += load[axis]);
-    }
-
-    /// Like [`add_forces`](ContactSystem::add_forces), part by part: replaces `forces`, three numbers for each block of
-    /// [`of`](Self::of).
+    /// Like [`add_forces`](ContactSystem::add_forces), part by part: replaces `forces`, three numbers for each block.
     ///
     /// # Errors
-    /// As there, and those of [`of`](Self::of).
-    pub fn forces<T: Scalar>(
-        &mut self,
-        system: &mut ContactSystem<T>,
-        velocities: &[f64],
-        forces: &mut [f64],
-    ) -> Result<(), SystemError> {
+    /// As there.
+    pub fn forces(&mut self, velocities: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
+        let Self { found, system } = self;
         let step = system.check_velocities("velocities", velocities)?;
-        check_count("forces", forces, 3 * self.of(system)?.1.len())?;
+        check_count("forces", forces.len(), 3 * found.blocks.len())?;
         system.find_motions(velocities, step);
         forces.fill(0.0);
         let rows = &system.rows;
-        rows.for_each_force(&rows.response, 1.0, |place, force| {
-            rows.for_each_load(place, &force, |slot, load| Self::add(&self.slots, forces, slot, load));
-        });
+        rows.for_each_force(&rows.response, 1.0, |place, force| found.add(rows, place, &force, forces));
         Ok(())
     }
 
-    /// Like [`add_product`](ContactSystem::add_product), part by part: replaces `result`, three numbers for each block of
-    /// [`of`](Self::of).
+    /// Like [`add_product`](ContactSystem::add_product), part by part: replaces `result`, three numbers for each block.
     ///
     /// # Errors
-    /// As there, and those of [`of`](Self::of).
-    pub fn products<T: Scalar>(
-        &mut self,
-        system: &mut ContactSystem<T>,
-        factor: f64,
-        change: &[f64],
-        result: &mut [f64],
-    ) -> Result<(), SystemError> {
+    /// As there.
+    pub fn products(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
+        let Self { found, system } = self;
         system.check_unknowns("change", change, margins::LARGEST_FACTOR)?;
         check_range("factor", &[factor])?;
-        check_count("result", result, 3 * self.of(system)?.1.len())?;
+        check_count("result", result.len(), 3 * found.blocks.len())?;
         result.fill(0.0);
         let (nodes, twists) = change.split_at(3 * system.node_masses.len());
         system.rows.list_springs();
-        let rows = &system.rows;
-        rows.for_each_product(Velocities { nodes, twists }, factor, |place, force| {
-            rows.for_each_load(place, &force, |slot, load| Self::add(&self.slots, result, slot, load));
-        });
+        let (rows, change) = (&system.rows, Velocities { nodes, twists });
+        rows.for_each_product(change, factor, |place, force| found.add(rows, place, &force, result));
         Ok(())
     }
 
@@ -160,66 +152,63 @@ impl Parts {
     /// bodies, each place once, in the order of parts, rows and columns.
     ///
     /// # Errors
-    /// Those of [`of`](Self::of), [`SystemError::NotFinite`].
-    pub fn blocks<T: Scalar>(&mut self, system: &ContactSystem<T>, factor: f64) -> Result<&[PartBlock], SystemError> {
+    /// [`SystemError::NotFinite`].
+    pub fn matrix(self, factor: f64) -> Result<&'a [PartBlock], SystemError> {
         check_range("factor", &[factor])?;
-        self.of(system)?;
-        let Self { parts, blocks, pairs, matrix, .. } = self;
+        let (nodes, rows) = (self.system.node_masses.len(), &self.system.rows);
+        let Parts { parts, blocks, pairs, matrix, .. } = self.found;
         matrix.start();
-        system.rows.for_each_block(system.node_masses.len(), factor, |pair, row, column, numbers| {
+        rows.for_each_block(nodes, factor, |pair, row, column, numbers| {
             let has_row = |part: &usize| {
                 let part = &parts[*part];
                 blocks[part.start..part.start + part.count].binary_search(&(row as u32)).is_ok()
             };
-            if let Some(part) = Self::of_pair(pairs, pair).find(has_row) {
+            if let Some(part) = of_pair(pairs, pair).find(has_row) {
                 matrix.add(PartBlock { part, row: row as u32, column: column as u32, numbers });
             }
         });
         Ok(matrix.sums())
     }
 
-    /// Like [`energy`](ContactSystem::energy), pair by pair: replaces `joules`, a number for each of the [parts](Self::of). The
-    /// first part of a pair has all of its energy, the second none; a pair without parts can do no work.
+    /// Like [`energy`](ContactSystem::energy), pair by pair: replaces `joules`, a number for each part. The first part of a pair
+    /// has all of its energy, the second none; a pair without parts can do no work.
     ///
     /// # Errors
-    /// As there, and those of [`of`](Self::of).
-    pub fn energies<T: Scalar>(
-        &mut self,
-        system: &mut ContactSystem<T>,
-        velocities: &[f64],
-        joules: &mut [f64],
-    ) -> Result<(), SystemError> {
+    /// As there.
+    pub fn energies(&mut self, velocities: &[f64], joules: &mut [f64]) -> Result<(), SystemError> {
+        let Self { found, system } = self;
         let step = system.check_velocities("velocities", velocities)?;
-        check_count("joules", joules, self.of(system)?.0.len())?;
+        check_count("joules", joules.len(), found.parts.len())?;
         system.find_motions(velocities, step);
         joules.fill(0.0);
         for (pair, energy) in system.rows.energies(step.dt) {
-            if let Some(part) = Self::of_pair(&self.pairs, pair).next() {
-                joules[part] += energy;
-            }
+            of_pair(&found.pairs, pair).take(1).for_each(|part| joules[part] += energy);
         }
         Ok(())
     }
 
-    /// How strongly the rows that push act on the unknowns, part by part: replaces `couplings`, a number for each block of
-    /// [`of`](Self::of). Their sums by block are what [`largest_coupling`] needs.
+    /// How strongly the rows that push act on the unknowns, part by part: replaces `couplings`, a number for each block. Their
+    /// sums by block are what [`largest_coupling`] needs.
     ///
     /// # Errors
-    /// Those of [`of`](Self::of), [`SystemError::WrongCount`].
-    pub fn couplings<T: Scalar>(
-        &mut self,
-        system: &ContactSystem<T>,
-        couplings: &mut [f64],
-    ) -> Result<(), SystemError> {
-        check_count("couplings", couplings, self.of(system)?.1.len())?;
+    /// [`SystemError::WrongCount`].
+    pub fn couplings(&mut self, couplings: &mut [f64]) -> Result<(), SystemError> {
+        let Self { found, system } = self;
+        check_count("couplings", couplings.len(), found.blocks.len())?;
         couplings.fill(0.0);
-        let add = |slot: usize, _, coupling: f64| couplings[self.slots[slot]] += coupling;
+        let add = |slot: usize, _, coupling: f64| couplings[found.slots[slot]] += coupling;
         system.rows.for_each_coupling(system.node_masses.len(), add);
         Ok(())
     }
 }
 
-/// By the sums of [couplings](Parts::couplings), a number for each block of three unknowns, a bound on the largest eigenvalue λ
+/// The indices of a pair's parts; none if it has no unknowns.
+fn of_pair(pairs: &[usize], pair: usize) -> Range<usize> {
+    let first = pairs.partition_point(|&other| other < pair);
+    first..first + pairs[first..].partition_point(|&other| other == pair)
+}
+
+/// By the sums of [couplings](PartsOf::couplings), a number for each block of three unknowns, a bound on the largest eigenvalue λ
 /// of M⁻¹ K, in 1/s², and the largest damping time τ of rows that push, in s. Both zero without contact. Where scenes share
 /// bodies the larger of all systems count, and steps are stable up to √(τ² + 4 / λ) − τ.
 ///
@@ -227,7 +216,7 @@ impl Parts {
 /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
 pub fn largest_coupling<T: Scalar>(system: &ContactSystem<T>, sums: &[f64]) -> Result<[f64; 2], SystemError> {
     system.step.ok_or(SystemError::NoStep)?;
-    check_count("sums", sums, system.node_masses.len() + 2 * system.rigid_count)?;
+    check_count("sums", sums.len(), system.node_masses.len() + 2 * system.rigid_count)?;
     check_within("sums", sums, margins::LARGEST_FACTOR)?;
     Ok(system.largest_with(sums))
 }

@@ -1,4 +1,3 @@
-use super::hooks::Sharing;
 use super::own_contacts::OwnContacts;
 use crate::math::{Aabb, Scalar};
 use crate::memory;
@@ -16,7 +15,10 @@ pub(super) struct Body<T: Scalar> {
     pub(super) regions: Vec<Aabb<T>>,
     /// Where self-collision is switched on.
     pub(super) own: Option<OwnContacts<T>>,
-    pub(super) sharing: Sharing,
+    /// What is known of it from other scenes: see [`Sharing`](super::hooks::Sharing).
+    pub(super) is_foreign: bool,
+    pub(super) neighbours: Option<u32>,
+    pub(super) overlaps_elsewhere: bool,
     /// Newer than the stamp of its positions if the same positions were given again.
     pub(super) given: u64,
     /// The cost of the last query for it, in rays.
@@ -52,9 +54,18 @@ impl<T: Scalar> Bodies<T> {
         let number = self.released.last().copied().unwrap_or(self.places.len() as u32);
         assert_ne!(number, NOWHERE, "all 2^32 - 1 numbers of bodies are taken: release those of removed bodies");
         let key = key.unwrap_or_else(|| u64::from(number));
-        let (surface, regions, sharing) = (Surface::new(mesh), Vec::new(), Sharing::default());
-        let body = Body { number, key, surface, regions, own: None, sharing, given: 0, cost: 0.0 };
-        let body = memory::boxed(body);
+        let body = memory::boxed(Body {
+            number,
+            key,
+            surface: Surface::new(mesh),
+            regions: Vec::new(),
+            own: None,
+            is_foreign: false,
+            neighbours: None,
+            overlaps_elsewhere: false,
+            given: 0,
+            cost: 0.0,
+        });
         self.list.room_for(1);
         if self.released.is_empty() {
             self.places.room_for(1).push(NOWHERE);

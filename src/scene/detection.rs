@@ -2,8 +2,7 @@ use super::Scene;
 use super::autotuner::Way;
 use super::bodies::{Bodies, Body};
 use super::broad_phase::BroadPhase;
-use super::costs::TRIANGLES_READ_PER_RAY;
-use super::list::List;
+use super::list::{List, PairCost};
 use super::own_contacts::OwnContacts;
 use super::pairs::{Remembered, by_number};
 use crate::contact::{ContactLaw, ContactList, DetectionOptions, Statistics, detect_self, reach_region};
@@ -19,7 +18,9 @@ use std::time::Instant;
 
 /// Below this many rays one thread is faster than two, which would have to fetch each other's results.
 const FEWEST_RAYS_TO_SHARE: f64 = 1000.0;
-/// Searching this many triangles of a body for contacts with itself takes as long as one ray.
+/// Reading this many triangles anew takes as long as one ray.
+const TRIANGLES_READ_PER_RAY: f64 = 50.0;
+/// The same where a body is searched for contacts with itself.
 const TRIANGLES_SEARCHED_PER_RAY: f64 = 8.0;
 
 impl<T: Scalar> Scene<T> {
@@ -210,15 +211,15 @@ impl<T: Scalar> NarrowPhase<'_, T> {
         let past_folds = self.options.past_folds || bodies.into_iter().any(Body::may_overlap_itself);
         let options = DetectionOptions { past_folds, ..*self.options };
         let places = self.bodies.order(pair);
-        let [first, second] = [0, 1]
-            .map(|side| bodies[side].sharing.neighbours.unwrap_or_else(|| self.broad_phase.neighbours(places[side])));
+        let [first, second] =
+            [0, 1].map(|side| bodies[side].neighbours.unwrap_or_else(|| self.broad_phase.neighbours(places[side])));
         let (neighbours, tracers) = (first.min(second), tracers.each_ref());
         detect_pair(*pair, tracers, &options, neighbours, Some(memory), may_escape, contacts);
     }
 }
 
 impl<T: Scalar> Body<T> {
-    pub(super) fn triangle_count(&self) -> f64 {
+    fn triangle_count(&self) -> f64 {
         self.surface.mesh().topology().triangles().len() as f64
     }
 
@@ -243,7 +244,13 @@ impl<T: Scalar> Body<T> {
     }
 
     pub(super) fn may_overlap_itself(&self) -> bool {
-        self.sharing.overlaps_itself || self.own.as_ref().is_some_and(|own| own.may_overlap)
+        self.overlaps_elsewhere || self.own.as_ref().is_some_and(|own| own.may_overlap)
+    }
+
+    /// What it costs to read it.
+    fn start_cost(&mut self) {
+        let is_read = self.surface.mesh().pose().is_none();
+        self.cost = if is_read { self.triangle_count() / TRIANGLES_READ_PER_RAY } else { 0.0 };
     }
 
     /// Finds the body's contacts with itself, where they are asked for and not known already; gives whether the octree has
@@ -280,6 +287,23 @@ impl<T: Scalar> Body<T> {
             let for_distances = options.law == ContactLaw::Pressure;
             let ray_count = options.expected_rays(regions);
             surface.refit_in(regions, ray_count, for_distances);
+        }
+    }
+}
+
+impl<T: Scalar> Bodies<T> {
+    /// Shares out what a list of contacts took, and notes it where it is a pair's.
+    fn add_cost(&mut self, list: &List, pairs: &[[u32; 2]], rays: u64, costs: &mut Vec<PairCost>) {
+        let rays = rays as f64;
+        match *list {
+            List::Body(place) => self.list_mut()[place][0].cost += rays,
+            List::Pair(place) => {
+                let both = self.two_mut(pairs[place].map(|place| place as usize));
+                // A foreign body's own scene does not learn of it.
+                let share = if both.iter().any(|body| body.is_foreign) { rays } else { rays * 0.5 };
+                costs.room_for(1).push(PairCost { bodies: both.each_ref().map(|body| body.number), cost: rays });
+                both.into_iter().for_each(|body| body.cost += share);
+            }
         }
     }
 }

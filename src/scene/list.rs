@@ -6,3 +6,12 @@ pub(super) enum List {
     /// Of the pair at this place.
     Pair(usize),
 }
+
+/// What a query took for one pair of bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairCost {
+    /// The pair's bodies by number, the one that comes first in their order first.
+    pub bodies: [u32; 2],
+    /// The cost in rays, without reading the bodies' triangles: see [`Scene::body_cost`](super::Scene::body_cost).
+    pub cost: f64,
+}

@@ -3,7 +3,6 @@
 mod autotuner;
 mod bodies;
 mod broad_phase;
-mod costs;
 mod detection;
 mod error;
 pub(crate) mod hooks;
@@ -14,8 +13,8 @@ mod posed;
 mod saved;
 
 pub use crate::bytes::BytesError;
-pub use costs::PairCost;
 pub use error::SceneError;
+pub use list::PairCost;
 
 use crate::contact::{ContactList, DetectionOptions};
 use crate::escape::PairMemory;

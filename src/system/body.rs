@@ -1,6 +1,6 @@
 use super::anchors::Corners;
 use super::twist::{V3, angular, linear, rotation};
-use super::{Material, SystemError};
+use super::{Material, SystemError, check_count};
 use crate::contact::SurfacePoint;
 use crate::math::{Pose, Scalar, margins};
 use crate::memory;
@@ -123,12 +123,8 @@ impl Table {
             }
             Carriers::Nodes => Ok(Self::Nodes { first, count: vertices }),
             Carriers::Weights { offsets, nodes, weights } => {
-                let expect = |what, given, expected| match given == expected {
-                    true => Ok(()),
-                    false => Err(SystemError::WrongCount { what, given, expected }),
-                };
-                expect("offsets", offsets.len(), vertices + 1)?;
-                expect("weights", weights.len(), nodes.len())?;
+                check_count("offsets", offsets.len(), vertices + 1)?;
+                check_count("weights", weights.len(), nodes.len())?;
                 let rises = |v: &usize| offsets[*v] > offsets[*v + 1] || offsets[*v + 1] as usize > nodes.len();
                 if let Some(vertex) = (0..vertices).find(rises) {
                     return Err(SystemError::Offsets { vertex });

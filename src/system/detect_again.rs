@@ -72,8 +72,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Makes these velocities those of the prediction.
-    pub(crate) fn go_on_with(&mut self, velocities: &[f64]) {
-        let Some(step) = self.step else { return };
+    pub(crate) fn go_on_with(&mut self, velocities: &[f64], step: Step) {
         self.find_motions(velocities, step);
         copy(&mut self.buffers.ahead, &velocities[..3 * self.node_masses.len()]);
         copy(&mut self.buffers.ahead_twists, &self.rows.response);
@@ -86,7 +85,7 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         step: Step,
     ) -> Result<bool, SystemError> {
-        self.go_on_with(velocities);
+        self.go_on_with(velocities, step);
         self.detect(scene, step.dt)?;
         scene.disregard_query();
         Ok(self.add_new_rows(step))

@@ -1,5 +1,4 @@
-use super::solve::check_count;
-use super::{ContactSystem, RigidUnknowns, SystemError};
+use super::{ContactSystem, RigidUnknowns, SystemError, check_count};
 use crate::math::Scalar;
 use crate::memory;
 use crate::memory::Room;
@@ -22,7 +21,7 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         forces: &mut [f64],
     ) -> Result<f64, SystemError> {
-        check_count("forces", forces, self.unknown_count())?;
+        check_count("forces", forces.len(), self.unknown_count())?;
         self.begin_explicit(scene, dt, positions, velocities)?;
         let Some(step) = self.step else { return Err(SystemError::NoStep) };
         let unknowns = std::mem::take(&mut self.buffers.unknowns);

@@ -3,12 +3,10 @@
 
 pub(crate) use super::anchors::{Anchor, Corners, Hold};
 pub(crate) use super::loads::Key;
-pub(crate) use super::rows::Velocities;
+pub(crate) use super::rows::{RowForce, Rows, Velocities};
 
-use super::{ContactSystem, Surface, SystemError};
+use super::{ContactSystem, SystemError};
 use crate::math::Scalar;
-use crate::memory::Room;
-use crate::mesh::next_stamp;
 use crate::scene::Scene;
 use std::ops::Range;
 
@@ -18,13 +16,9 @@ impl<T: Scalar> ContactSystem<T> {
         self.place(body).ok().and_then(|place| self.bodies[place].nodes()).unwrap_or_default()
     }
 
-    /// How many vertices a surface has.
-    pub(crate) fn vertex_count(&self, surface: Surface) -> Result<usize, SystemError> {
-        match surface {
-            Surface::Body(body) => self.place(body).map(|place| self.bodies[place].vertex_count()),
-            Surface::HalfSpace(number) if (number as usize) < self.half_spaces.len() => Ok(0),
-            Surface::HalfSpace(number) => Err(SystemError::UnknownBody { body: number }),
-        }
+    /// How many vertices a body's surface has.
+    pub(crate) fn vertex_count(&self, body: u32) -> Result<usize, SystemError> {
+        self.place(body).map(|place| self.bodies[place].vertex_count())
     }
 
     /// Within a step only foreign bodies may be added.
@@ -46,27 +40,5 @@ impl<T: Scalar> ContactSystem<T> {
         };
         let mut others = self.bodies.iter().filter(|body| !body.has_joined).filter_map(|body| body.nodes());
         if masses.len() >= self.node_masses.len() && others.all(keeps) { Ok(()) } else { self.check_no_step() }
-    }
-
-    /// Makes room in the step under way for bodies that have joined: at rest at the origin until their motion is set.
-    pub(super) fn make_room_in_step(&mut self) {
-        let unknowns = self.unknown_count();
-        let Some(step) = &mut self.step else { return };
-        let Self { buffers, bodies, rows, rigid_count, node_masses, .. } = self;
-        rows.stamp = next_stamp();
-        let grow = |numbers: &mut Vec<f64>, count: usize| {
-            numbers.room_for(count.saturating_sub(numbers.len())).resize(count, 0.0);
-        };
-        for numbers in [&mut buffers.positions, &mut buffers.velocities, &mut buffers.ahead] {
-            grow(numbers, 3 * node_masses.len());
-        }
-        for twists in [&mut buffers.twists, &mut buffers.free_twists, &mut buffers.ahead_twists] {
-            grow(twists, 6 * *rigid_count);
-        }
-        rows.masses.room_for(rigid_count.saturating_sub(rows.masses.len())).resize(*rigid_count, Default::default());
-        for body in bodies.iter().filter(|body| body.has_joined) {
-            body.start_rigid(buffers, &mut rows.masses);
-        }
-        step.unknowns = unknowns;
     }
 }

@@ -42,7 +42,6 @@ pub use body::{Carriers, Motion};
 pub use error::SystemError;
 pub use loads::Surface;
 pub use material::Material;
-pub(crate) use solve::check_count;
 
 use crate::contact::ContactList;
 use crate::force::Weighting;
@@ -79,13 +78,13 @@ pub enum RigidUnknowns {
 #[derive(Debug)]
 pub struct ContactSystem<T: Scalar> {
     rigid_unknowns: RigidUnknowns,
-    looks_ahead: bool,
+    pub(crate) looks_ahead: bool,
     weighting: Weighting,
     pub(crate) node_masses: Vec<f64>,
     /// In ascending order of their numbers.
     bodies: Vec<Body<T>>,
     pub(crate) rigid_count: usize,
-    half_spaces: Vec<HalfSpace>,
+    pub(crate) half_spaces: Vec<HalfSpace>,
     pair_materials: PairMaterials,
     contacts: ContactList<T>,
     pub(crate) rows: Rows,
@@ -326,6 +325,10 @@ fn mass_of(masses: &[f64], nodes: Range<u32>) -> f64 {
 fn is_mass(mass: f64) -> bool {
     let [least, most] = margins::MASSES;
     (least..=most).contains(&mass)
+}
+
+pub(crate) fn check_count(what: &'static str, given: usize, expected: usize) -> Result<(), SystemError> {
+    if given == expected { Ok(()) } else { Err(SystemError::WrongCount { what, given, expected }) }
 }
 
 pub(crate) fn check_range(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {

@@ -17,7 +17,7 @@ use nalgebra::Matrix3;
 
 /// A floor or wall: solid where normal · x < offset.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct HalfSpace {
+pub(crate) struct HalfSpace {
     pub(super) normal: V3,
     pub(super) offset: f64,
     pub(super) material: Material,

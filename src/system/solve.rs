@@ -7,7 +7,7 @@ use super::row::{Held, Row};
 use super::rows::Velocities;
 use super::step::{Buffers, Step};
 use super::twist::V3;
-use super::{ContactSystem, RigidUnknowns, SystemError};
+use super::{ContactSystem, RigidUnknowns, SystemError, check_count};
 use crate::math::{Scalar, margins};
 
 impl<T: Scalar> ContactSystem<T> {
@@ -18,7 +18,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn add_forces(&mut self, velocities: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
         let step = self.check_velocities("velocities", velocities)?;
-        check_count("forces", forces, step.unknowns)?;
+        check_count("forces", forces.len(), step.unknowns)?;
         self.find_motions(velocities, step);
         let (nodes, twists) = forces.split_at_mut(3 * self.node_masses.len());
         self.rows.add_forces(&self.rows.response, 1.0, nodes, self.kept(twists));
@@ -34,7 +34,7 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn add_product(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
         let step = self.check_unknowns("change", change, margins::LARGEST_FACTOR)?;
         super::check_range("factor", &[factor])?;
-        check_count("result", result, step.unknowns)?;
+        check_count("result", result.len(), step.unknowns)?;
         let (nodes, twists) = change.split_at(3 * self.node_masses.len());
         let (to, to_twists) = result.split_at_mut(3 * self.node_masses.len());
         match self.rigid_unknowns {
@@ -240,11 +240,4 @@ impl<T: Scalar> ContactSystem<T> {
 
 fn part_of([right, wrong]: [f64; 2]) -> f64 {
     if wrong > 0.0 { wrong / (right + wrong) } else { 0.0 }
-}
-
-pub(crate) fn check_count(what: &'static str, numbers: &[f64], expected: usize) -> Result<(), SystemError> {
-    match numbers.len() == expected {
-        true => Ok(()),
-        false => Err(SystemError::WrongCount { what, given: numbers.len(), expected }),
-    }
 }

@@ -1,7 +1,7 @@
 use super::body::{Body, Course, Mover};
 use super::row_builder::RowBuilder;
 use super::rows::Velocities;
-use super::{ContactSystem, RigidUnknowns, SystemError, check_range, check_within, mesh_of};
+use super::{ContactSystem, RigidUnknowns, SystemError, check_count, check_range, check_within, mesh_of};
 use crate::math::{Scalar, margins};
 use crate::memory;
 use crate::memory::Room;
@@ -21,8 +21,8 @@ pub(crate) struct Step {
 /// The host's numbers for this step, and scratch memory: three numbers per node, six per rigid body.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
-    pub(super) positions: Vec<f64>,
-    pub(super) velocities: Vec<f64>,
+    pub(crate) positions: Vec<f64>,
+    pub(crate) velocities: Vec<f64>,
     /// The predicted positions of the nodes.
     pub(super) ends: Vec<f64>,
     /// The velocities by which the last detection predicted where nodes and rigid bodies will be.
@@ -43,12 +43,6 @@ pub(crate) struct Buffers {
 impl Buffers {
     pub(super) fn before(&self) -> Velocities<'_> {
         Velocities { nodes: &self.velocities, twists: &self.twists }
-    }
-
-    /// Positions and velocities of the nodes at the start of the step.
-    pub(crate) fn set_start(&mut self, positions: &[f64], velocities: &[f64]) {
-        copy(&mut self.positions, positions);
-        copy(&mut self.velocities, velocities);
     }
 
     fn course(&self, time: f64) -> Course<'_> {
@@ -80,13 +74,9 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
-        self.start(scene, [dt, self.time_ahead(dt), dt], [positions, velocities, free_velocities])?;
+        let ahead = if self.looks_ahead { dt } else { 0.0 };
+        self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
         self.hold_predicted()
-    }
-
-    /// For how long detection moves bodies on.
-    pub(crate) fn time_ahead(&self, dt: f64) -> f64 {
-        if self.looks_ahead { dt } else { 0.0 }
     }
 
     /// [`begin`](Self::begin) with separate times for the step, the prediction and the rows; `given` are its three arrays.
@@ -120,17 +110,11 @@ impl<T: Scalar> ContactSystem<T> {
         if !(margins::SHORTEST_STEP..=margins::LARGEST_GIVEN).contains(&dt) {
             return Err(SystemError::StepLength { seconds: dt });
         }
-        let expected = 3 * self.node_masses.len();
-        let given = [("positions", positions), ("velocities", velocities), ("free_velocities", free_velocities)];
-        for (what, numbers) in given {
-            if numbers.len() != expected {
-                return Err(SystemError::WrongCount { what, given: numbers.len(), expected });
-            }
-            check_range(what, numbers)?;
-        }
+        self.check_nodes([("positions", positions), ("velocities", velocities), ("free_velocities", free_velocities)])?;
         self.check_bodies(scene)?;
         let Self { buffers, bodies, .. } = self;
-        buffers.set_start(positions, velocities);
+        copy(&mut buffers.positions, positions);
+        copy(&mut buffers.velocities, velocities);
         copy(&mut buffers.ahead, free_velocities);
         memory::refill_with(&mut self.rows.masses, Default::default(), self.rigid_count);
         for twists in [&mut buffers.twists, &mut buffers.free_twists] {
@@ -144,25 +128,43 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
+    /// Makes room in the step under way for bodies that have joined: at rest at the origin until their motion is set.
+    pub(super) fn make_room_in_step(&mut self) {
+        let unknowns = self.unknown_count();
+        let Some(step) = &mut self.step else { return };
+        let Self { buffers, bodies, rows, rigid_count, node_masses, .. } = self;
+        rows.stamp = next_stamp();
+        let grow = |numbers: &mut Vec<f64>, count: usize| {
+            numbers.room_for(count.saturating_sub(numbers.len())).resize(count, 0.0);
+        };
+        for numbers in [&mut buffers.positions, &mut buffers.velocities, &mut buffers.ahead] {
+            grow(numbers, 3 * node_masses.len());
+        }
+        for twists in [&mut buffers.twists, &mut buffers.free_twists, &mut buffers.ahead_twists] {
+            grow(twists, 6 * *rigid_count);
+        }
+        rows.masses.room_for(rigid_count.saturating_sub(rows.masses.len())).resize(*rigid_count, Default::default());
+        for body in bodies.iter().filter(|body| body.has_joined) {
+            body.start_rigid(buffers, &mut rows.masses);
+        }
+        step.unknowns = unknowns;
+    }
+
     /// Moves the scene's bodies to their predicted positions and finds the contacts there.
     pub(super) fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
-        self.place_surfaces(scene, time, |_, _| true)?;
+        self.place_surfaces(scene, time, false)?;
         scene.query(&mut self.contacts);
         Ok(())
     }
 
-    /// Moves the surfaces of the wanted bodies to their predicted positions.
-    pub(crate) fn place_surfaces(
-        &mut self,
-        scene: &mut Scene<T>,
-        time: f64,
-        wanted: impl Fn(&Scene<T>, u32) -> bool,
-    ) -> Result<(), SystemError> {
+    /// Moves surfaces to their predicted positions, or those of the scene's own bodies alone.
+    pub(crate) fn place_surfaces(&mut self, scene: &mut Scene<T>, time: f64, own: bool) -> Result<(), SystemError> {
+        let is_left = |scene: &Scene<T>, body: u32| own && scene.is_foreign(body);
         let Self { bodies, buffers, half_spaces, .. } = self;
         Buffers::find_ends(&mut buffers.ends, &buffers.positions, &buffers.ahead, time);
         let course = buffers.course(time);
         for body in &mut *bodies {
-            if !wanted(scene, body.number) {
+            if is_left(scene, body.number) {
                 continue;
             }
             let number = body.number;
@@ -180,7 +182,7 @@ impl<T: Scalar> ContactSystem<T> {
         for body in &*bodies {
             let is_moved =
                 |scene: &mut Scene<T>| body.pose_ahead().is_some_and(|pose| scene.follow(body.number, &pose));
-            if !wanted(scene, body.number) || is_moved(scene) {
+            if is_left(scene, body.number) || is_moved(scene) {
                 continue;
             }
             let mesh = scene.mesh_mut(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
@@ -214,16 +216,21 @@ impl<T: Scalar> ContactSystem<T> {
         buffers.pressed = pressed;
     }
 
+    /// Whether these are numbers for all nodes.
+    pub(crate) fn check_nodes<const N: usize>(&self, given: [(&'static str, &[f64]); N]) -> Result<(), SystemError> {
+        given.into_iter().try_for_each(|(what, numbers)| {
+            check_count(what, numbers.len(), 3 * self.node_masses.len())?;
+            check_range(what, numbers)
+        })
+    }
+
     pub(crate) fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
         if let Some(body) = scene.body_numbers().find(|&number| self.place(number).is_err()) {
             return Err(SystemError::UnknownBody { body });
         }
         for body in &self.bodies {
             let mesh = mesh_of(scene, body.number)?;
-            let (given, expected) = (mesh.topology().vertex_count(), body.vertex_count());
-            if given != expected {
-                return Err(SystemError::WrongCount { what: "the body's mesh", given, expected });
-            }
+            check_count("the body's mesh", mesh.topology().vertex_count(), body.vertex_count())?;
         }
         Ok(())
     }
@@ -236,9 +243,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// The same for numbers up to `most`.
     pub(crate) fn check_unknowns(&self, what: &'static str, numbers: &[f64], most: f64) -> Result<Step, SystemError> {
         let step = self.step.ok_or(SystemError::NoStep)?;
-        if numbers.len() != step.unknowns {
-            return Err(SystemError::WrongCount { what, given: numbers.len(), expected: step.unknowns });
-        }
+        check_count(what, numbers.len(), step.unknowns)?;
         check_within(what, numbers, most)?;
         Ok(step)
     }

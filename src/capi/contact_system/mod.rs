@@ -33,7 +33,6 @@ use crate::system::ContactSystem;
 /// Threads: one call at a time for one system. The caller frees it with rayc_contact_system_destroy().
 pub struct rayc_contact_system {
     pub(super) system: AnySystem,
-    /// Of its rows, for several processes.
     pub(super) parts: Parts,
 }
 

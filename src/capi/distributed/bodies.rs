@@ -149,10 +149,8 @@ pub unsafe extern "C" fn rayc_scene_body_state(
     state: *mut rayc_body_state,
 ) -> rayc_status {
     fn state_of<T: Scalar>(scene: &Scene<T>, body: u32) -> Result<rayc_body_state, SceneError> {
-        let [lower, upper] = {
-            let aabb = scene.mesh(body)?.aabb();
-            [aabb.lower, aabb.upper].map(|corner| corner.map(T::to_f64).into())
-        };
+        let aabb = scene.mesh(body)?.aabb();
+        let [lower, upper] = [aabb.lower, aabb.upper].map(|corner| corner.map(T::to_f64).into());
         let (cost, overlaps_itself) = (scene.body_cost(body)?, u32::from(scene.overlaps_itself(body)?));
         Ok(rayc_body_state { lower, upper, cost, overlaps_itself, reserved: 0 })
     }

@@ -2,7 +2,7 @@ use crate::capi::base::rayc_status;
 use crate::capi::contact_system::rayc_contact_system;
 use crate::capi::ffi::{Output, changing, guard, reading, slice, slice_mut, with_precision};
 use crate::capi::scene::rayc_scene;
-use crate::distributed::{detect_among, largest_coupling, look_again, look_ahead, look_explicit};
+use crate::distributed::{detect_among, largest_coupling, look_again, look_ahead};
 
 /// Puts the scene's own bodies where rayc_contact_system_begin() with the same numbers would look for contacts, and
 /// does no more. Their boxes there (rayc_scene_body_state()) show which ghosts the scene needs.
@@ -26,7 +26,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_ahead(
         let velocities = slice(velocities, count, "velocities")?;
         let free = slice(free_velocities, count, "free_velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            Ok(look_ahead(system, scene, dt, positions, velocities, free)?)
+            Ok(look_ahead(system, scene, dt, positions, velocities, Some(free))?)
         })
     })
 }
@@ -50,10 +50,8 @@ pub unsafe extern "C" fn rayc_contact_system_look_again(
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
-        let velocities = slice(velocities, count, "velocities")?;
-        with_precision!(&mut system.system, &mut scene.scene, |system, scene| Ok(look_again(
-            system, scene, velocities
-        )?))
+        let end = slice(velocities, count, "velocities")?;
+        with_precision!(&mut system.system, &mut scene.scene, |system, scene| Ok(look_again(system, scene, end)?))
     })
 }
 
@@ -107,7 +105,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_explicit(
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            Ok(look_explicit(system, scene, dt, positions, velocities)?)
+            Ok(look_ahead(system, scene, dt, positions, velocities, None)?)
         })
     })
 }
@@ -151,7 +149,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_couplings(
     guard(|| unsafe {
         let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let couplings = slice_mut(couplings, block_count, "couplings")?;
-        with_precision!(system, |system| Ok(parts.couplings(system, couplings)?))
+        with_precision!(system, |system| Ok(parts.of(system)?.couplings(couplings)?))
     })
 }
 

@@ -43,7 +43,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_count(
         let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let places = [Output::new(part_count, "part_count")?, Output::new(block_count, "block_count")?];
         let counts = with_precision!(system, |system| {
-            let (parts, blocks) = parts.of(system)?;
+            let (parts, blocks) = parts.of(system)?.lists();
             [parts.len(), blocks.len()]
         });
         for (place, count) in places.into_iter().zip(counts) {
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_parts(
     guard(|| unsafe {
         let rayc_contact_system { system, parts: found } = &mut *changing(system, "system")?;
         with_precision!(system, |system| {
-            let (all_parts, all_blocks) = found.of(system)?;
+            let (all_parts, all_blocks) = found.of(system)?.lists();
             let parts = Output::exactly(parts, part_count, all_parts.len(), "parts")?;
             let blocks = Output::exactly(blocks, block_count, all_blocks.len(), "blocks")?;
             parts.write_all(all_parts.iter().map(|&Part { body, other, start, count }| {
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_forces(
         let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, length, "forces"))?;
-        with_precision!(system, |system| Ok(parts.forces(system, velocities, forces)?))
+        with_precision!(system, |system| Ok(parts.of(system)?.forces(velocities, forces)?))
     })
 }
 
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_products(
         let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (change, result) = apart((change, count, "change"), (result, length, "result"))?;
-        with_precision!(system, |system| Ok(parts.products(system, factor, change, result)?))
+        with_precision!(system, |system| Ok(parts.of(system)?.products(factor, change, result)?))
     })
 }
 
@@ -143,7 +143,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_energies(
     guard(|| unsafe {
         let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let (velocities, joules) = apart((velocities, count, "velocities"), (joules, part_count, "joules"))?;
-        with_precision!(system, |system| Ok(parts.energies(system, velocities, joules)?))
+        with_precision!(system, |system| Ok(parts.of(system)?.energies(velocities, joules)?))
     })
 }
 
@@ -159,7 +159,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_block_count(
     guard(|| unsafe {
         let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
         let place = Output::new(count, "count")?;
-        place.write(with_precision!(system, |system| parts.blocks(system, 1.0)?.len()));
+        place.write(with_precision!(system, |system| parts.of(system)?.matrix(1.0)?.len()));
         Ok(())
     })
 }
@@ -184,7 +184,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_part_blocks(
     guard(|| unsafe {
         let rayc_contact_system { system, parts: found } = &mut *changing(system, "system")?;
         with_precision!(system, |system| {
-            let all = found.blocks(system, factor)?;
+            let all = found.of(system)?.matrix(factor)?;
             let parts = Output::exactly(parts, count, all.len(), "parts")?;
             let rows = Output::array(rows, count, "rows")?;
             let columns = Output::array(columns, count, "columns")?;
