@@ -3,6 +3,7 @@
 mod support;
 
 use allocation_counter::measure;
+use raycontact::distributed::{pack_mesh, unpack_mesh};
 use raycontact::math::Scalar;
 use raycontact::mesh::{Mesh, read_obj_file};
 use raycontact::query::Octree;
@@ -81,9 +82,9 @@ fn print_line<T: Scalar>(precision: &str, (points, triangles): &Surface, rounds:
         let of_clone = Octree::new(&clone);
         let cloned = Instant::now();
         let mut bytes = Vec::new();
-        mesh.pack(&mut bytes);
+        pack_mesh(&mesh, &mut bytes);
         let packed = Instant::now();
-        let unpacked = Mesh::<T>::unpack(&bytes).expect("just packed");
+        let unpacked = unpack_mesh::<T>(&bytes).expect("just packed");
         let of_unpacked = Octree::new(&unpacked);
         let end = Instant::now();
         black_box((octree, of_clone, of_unpacked));

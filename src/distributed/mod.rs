@@ -16,6 +16,7 @@ mod pair_forces;
 mod part_matrix;
 mod parts;
 
+pub use crate::bytes::BytesError;
 pub use crate::scene::hooks::{Sharing, finds_pair};
 pub use looks::{detect_among, look_again, look_ahead};
 pub use packed_memory::{pack_memory, packed_memory_length, put_memory};

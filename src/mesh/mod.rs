@@ -18,7 +18,6 @@ pub(crate) mod test_mesh;
 mod topology;
 mod winding;
 
-pub use crate::bytes::BytesError;
 pub(crate) use clusters::{CLUSTER_SIZE, Clusters, capacity_below, middle};
 pub(crate) use edges::Side;
 pub use edges::{Border, Edge};

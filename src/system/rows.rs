@@ -264,11 +264,11 @@ impl Rows {
     /// Calls `use_slot(slot, block, side, weight)` for all that a row acts on. Slots count that through all rows; a block is
     /// three unknowns, of a node, or behind so many nodes of a rigid body's linear or angular velocity; `side` tells which of
     /// the row's bodies is rigid; `weight` is how far the block moves the row at most.
-    pub(crate) fn for_each_slot<F: FnMut(usize, usize, Option<usize>, f64)>(
+    pub(crate) fn for_each_slot(
         &self,
         place: usize,
         nodes: usize,
-        mut use_slot: F,
+        mut use_slot: impl FnMut(usize, usize, Option<usize>, f64),
     ) {
         let (row, begin) = (&self.rows[place], self.begin(place));
         for (entry, slot) in self.entries[begin..row.end].iter().zip(begin..) {

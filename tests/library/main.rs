@@ -10,6 +10,7 @@ mod support;
 mod two_octahedra;
 
 mod contact;
+mod distributed;
 mod escape;
 mod force;
 mod mesh;

@@ -4,6 +4,5 @@ mod body_numbers;
 mod crowds;
 mod pair_memory;
 mod poses;
-mod shared_bodies;
 mod sharing;
 mod steps;

@@ -7,6 +7,7 @@ use crate::common::random::Random;
 use crate::common::shapes;
 use nalgebra::Vector3;
 use raycontact::contact::{ContactList, DetectionOptions};
+use raycontact::distributed::look_ahead;
 use raycontact::escape::query_pair;
 use raycontact::mesh::Mesh;
 use raycontact::query::Octree;
@@ -148,7 +149,7 @@ impl Closed {
         let now = 1e-12;
         self.host.set_motions(now);
         let Host { system, scene, x, v, .. } = &mut self.host;
-        system.look_ahead(scene, now, x, v, v).expect("no step is under way");
+        look_ahead(system, scene, now, x, v, Some(v)).expect("no step is under way");
     }
 }
 

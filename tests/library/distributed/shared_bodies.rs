@@ -3,10 +3,13 @@
 use crate::common::random::Random;
 use crate::common::shapes::{self, Shape};
 use raycontact::contact::{Contact, ContactList};
-use raycontact::force::{ForcesByPair, PenaltyLaw, Weighting, add_forces};
+use raycontact::distributed::{
+    BytesError, ForcesByPair, Sharing, finds_pair, pack_mesh, packed_mesh_length, unpack_mesh,
+};
+use raycontact::force::{PenaltyLaw, Weighting, add_forces};
 use raycontact::math::Vector3;
-use raycontact::mesh::{BytesError, Mesh};
-use raycontact::scene::{Scene, SceneError, Sharing, finds_pair};
+use raycontact::mesh::Mesh;
+use raycontact::scene::{Scene, SceneError};
 use std::collections::BTreeMap;
 
 type Forces = BTreeMap<(u64, u32), Vector3<f64>>;
@@ -143,7 +146,7 @@ fn scenes_with_ghosts_find_what_one_scene_finds() {
         for (&body, &key) in &*keys {
             let is_ghost = !is_own(key, side as u64);
             let sharing = Sharing {
-                is_ghost,
+                is_foreign: is_ghost,
                 neighbours: Some(neighbours(key) as u32),
                 overlaps_itself: is_ghost && overlaps[&key],
             };
@@ -232,9 +235,9 @@ fn a_packed_mesh_comes_back_as_it_was() {
     let mut mesh = reference.mesh::<f64>();
     mesh.set_positions(&bent.rounded()).expect("finite");
     let mut bytes = Vec::new();
-    mesh.pack(&mut bytes);
-    assert_eq!(bytes.len(), mesh.packed_length());
-    let mut unpacked = Mesh::<f64>::unpack(&bytes).expect("as it was packed");
+    pack_mesh(&mesh, &mut bytes);
+    assert_eq!(bytes.len(), packed_mesh_length(&mesh));
+    let mut unpacked = unpack_mesh::<f64>(&bytes).expect("as it was packed");
     assert_eq!(unpacked.topology().triangles(), mesh.topology().triangles());
     assert_eq!(unpacked.positions(), reference.mesh::<f64>().positions());
     unpacked.set_positions(&bent.rounded()).expect("finite");
@@ -249,7 +252,7 @@ fn a_packed_mesh_comes_back_as_it_was() {
     assert!(expected.len() > 20 && query(&unpacked) == expected);
     assert!(query(&bent.mesh()) != expected, "the reference positions count");
     // Whatever is changed or left out is noticed.
-    let refused = |bytes: &[u8]| Mesh::<f64>::unpack(bytes).expect_err("broken");
+    let refused = |bytes: &[u8]| unpack_mesh::<f64>(bytes).expect_err("broken");
     for place in (0..bytes.len()).step_by(97).chain(bytes.len() - 8..bytes.len()) {
         let mut broken = bytes.clone();
         broken[place] ^= 4;
@@ -268,5 +271,5 @@ fn a_packed_mesh_comes_back_as_it_was() {
     let mut newer = bytes.clone();
     newer[8] = 9;
     assert_eq!(refused(&newer), BytesError::OtherVersion { version: 9 }.into());
-    assert_eq!(Mesh::<f32>::unpack(&bytes).expect_err("another"), BytesError::OtherPrecision { bytes: 8 }.into());
+    assert_eq!(unpack_mesh::<f32>(&bytes).expect_err("another"), BytesError::OtherPrecision { bytes: 8 }.into());
 }

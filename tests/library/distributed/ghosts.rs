@@ -1,7 +1,8 @@
 //! What systems that share bodies are made of, against what one system does by itself.
 
-use super::laws::{DT, PAIRS, begin, material, overlap};
 use crate::common::host::Host;
+use crate::system::laws::{DT, PAIRS, begin, material, overlap};
+use raycontact::distributed::{Parts, Sharing, detect_among, largest_coupling, look_again};
 use raycontact::system::{RigidUnknowns, Surface, SystemError};
 use std::collections::BTreeMap;
 
@@ -17,7 +18,8 @@ fn blocks_and_energies_of_parts_add_up() {
         let mut host = with_floor(pair);
         let velocities = begin(&mut host, 3);
         host.system.linearise(&velocities).expect("a step is under way");
-        let (parts, part_blocks) = host.system.parts().expect("a step is under way");
+        let mut found = Parts::default();
+        let (parts, part_blocks) = found.of(&mut host.system).expect("a step is under way").lists();
         let (parts, part_blocks) = (parts.to_vec(), part_blocks.to_vec());
 
         let mut expected: BTreeMap<(usize, usize), [f64; 9]> = BTreeMap::new();
@@ -27,7 +29,7 @@ fn blocks_and_energies_of_parts_add_up() {
         };
         let all = |row: usize, column: usize, block: [f64; 9]| add(&mut expected, (row, column), &block);
         host.system.for_each_block(0.5, all).expect("a step is under way");
-        let blocks = host.system.part_blocks(0.5).expect("a step is under way");
+        let blocks = found.of(&mut host.system).and_then(|parts| parts.matrix(0.5)).expect("a step is under way");
         assert!(blocks.windows(2).all(|two| {
             let place = |k: usize| (two[k].part, two[k].row, two[k].column);
             place(0) < place(1)
@@ -45,7 +47,8 @@ fn blocks_and_energies_of_parts_add_up() {
         }
 
         let mut joules = vec![f64::NAN; parts.len()];
-        host.system.part_energies(&velocities, &mut joules).expect("a step is under way");
+        let mut of_step = found.of(&mut host.system).expect("a step is under way");
+        of_step.energies(&velocities, &mut joules).expect("a step is under way");
         let whole = host.system.energy(&velocities).expect("a step is under way");
         assert!(whole > 0.0 && (joules.iter().sum::<f64>() - whole).abs() <= 1e-13 * whole, "{pair:?}");
         for (part, joules) in parts.iter().zip(&joules) {
@@ -65,16 +68,18 @@ fn an_explicit_step_is_made_of_its_parts() {
         host.rigids.iter().for_each(|rigid| start.extend(rigid.velocity));
         let count = host.system.unknown_count();
         host.system.begin_explicit(&mut host.scene, DT, &host.x, &host.v).expect("a step");
-        let blocks = host.system.parts().expect("a step is under way").1.to_vec();
+        let mut found = Parts::default();
+        let blocks = found.of(&mut host.system).expect("a step is under way").lists().1.to_vec();
         let (mut of_parts, mut couplings) = (vec![0.0; 3 * blocks.len()], vec![f64::NAN; blocks.len()]);
-        host.system.part_forces(&start, &mut of_parts).expect("a step is under way");
-        host.system.part_couplings(&mut couplings).expect("a step is under way");
+        let mut of_step = found.of(&mut host.system).expect("a step is under way");
+        of_step.forces(&start, &mut of_parts).expect("a step is under way");
+        of_step.couplings(&mut couplings).expect("a step is under way");
         let (mut forces, mut sums) = (vec![0.0; count], vec![0.0; count / 3]);
         for (k, &block) in blocks.iter().enumerate() {
             sums[block as usize] += couplings[k];
             (0..3).for_each(|axis| forces[3 * block as usize + axis] += of_parts[3 * k + axis]);
         }
-        let [largest, damping_time] = host.system.largest_coupling(&sums).expect("a step is under way");
+        let [largest, damping_time] = largest_coupling(&host.system, &sums).expect("a step is under way");
         host.system.finish(&start).expect("a step is under way");
         let longest = (damping_time * damping_time + 4.0 / largest).sqrt() - damping_time;
 
@@ -105,8 +110,8 @@ fn a_second_look_is_made_of_its_parts() {
                 let [nodes, rigid] = system.off_course(scene, &end).expect("a step is under way");
                 let farthest = free.chunks_exact(3).map(|v| v.iter().map(|x| x * x).sum::<f64>()).fold(0.0, f64::max);
                 assert!(nodes == farthest && rigid == 0.0, "{pair:?}: {nodes} {rigid}");
-                system.look_again(scene, &end).expect("a step is under way");
-                let is_more = system.detect_among(scene, x, v, &end).expect("a step is under way");
+                look_again(system, scene, &end).expect("a step is under way");
+                let is_more = detect_among(system, scene, x, v, &end).expect("a step is under way");
                 if is_more {
                     system.linearise(&end).expect("a step is under way");
                 }
@@ -130,7 +135,7 @@ fn only_ghosts_join_a_step() {
     let late = host.scene.add(raycontact::mesh::Mesh::clone(host.scene.mesh(1).expect("it is there")));
     let add = |host: &mut Host| host.system.add_moved(&host.scene, late, material(0.5, 0.01));
     assert!(matches!(add(&mut host), Err(SystemError::StepUnderWay)));
-    let sharing = raycontact::scene::Sharing { is_ghost: true, ..Default::default() };
+    let sharing = Sharing { is_foreign: true, ..Default::default() };
     host.scene.share(late, sharing).expect("it is there");
     add(&mut host).expect("a ghost");
     let others = vec![2.0; masses.len()];

@@ -1,7 +1,8 @@
 //! Rows summed part by part, and what pairs remember, taken to another system.
 
-use super::laws::{DT, PAIRS, begin, material, overlap, random};
 use crate::common::host::{Host, dot};
+use crate::system::laws::{DT, PAIRS, begin, material, overlap, random};
+use raycontact::distributed::{Parts, pack_memory, packed_memory_length, put_memory};
 use raycontact::system::{Material, RigidUnknowns, Surface, SystemError};
 
 fn with_floor(pair: [&str; 2], rigid: RigidUnknowns) -> Host {
@@ -18,7 +19,8 @@ fn parts_add_up_to_forces_and_products() {
         host.system.linearise(&velocities).expect("a step is under way");
         let count = velocities.len();
         let change = random(count, 0.3, 11);
-        let (parts, blocks) = host.system.parts().expect("a step is under way");
+        let mut found = Parts::default();
+        let (parts, blocks) = found.of(&mut host.system).expect("a step is under way").lists();
         let (parts, blocks) = (parts.to_vec(), blocks.to_vec());
         assert!(parts.iter().any(|part| part.body == 0 && part.other == Surface::Body(1)), "{pair:?}");
         assert!(parts.iter().any(|part| matches!(part.other, Surface::HalfSpace(0))), "{pair:?}: the floor");
@@ -31,10 +33,12 @@ fn parts_add_up_to_forces_and_products() {
             let (mut expected, mut of_parts) = (vec![0.0; count], vec![f64::NAN; 3 * blocks.len()]);
             if is_product {
                 host.system.add_product(2.0, &change, &mut expected).expect("a step is under way");
-                host.system.part_products(2.0, &change, &mut of_parts).expect("a step is under way");
+                let mut of_step = found.of(&mut host.system).expect("a step is under way");
+                of_step.products(2.0, &change, &mut of_parts).expect("a step is under way");
             } else {
                 host.system.add_forces(&velocities, &mut expected).expect("a step is under way");
-                host.system.part_forces(&velocities, &mut of_parts).expect("a step is under way");
+                let mut of_step = found.of(&mut host.system).expect("a step is under way");
+                of_step.forces(&velocities, &mut of_parts).expect("a step is under way");
             }
             let mut sum = vec![0.0; count];
             for (&block, numbers) in blocks.iter().zip(of_parts.chunks_exact(3)) {
@@ -46,7 +50,8 @@ fn parts_add_up_to_forces_and_products() {
         }
         // A pair's part on its first body is the opposite of that on the second, where both are free.
         let mut forces = vec![0.0; 3 * blocks.len()];
-        host.system.part_forces(&velocities, &mut forces).expect("a step is under way");
+        let mut of_step = found.of(&mut host.system).expect("a step is under way");
+        of_step.forces(&velocities, &mut forces).expect("a step is under way");
         let net = |body: u32, other: u32| {
             let part = parts.iter().find(|part| part.body == body && part.other == Surface::Body(other)).expect("both");
             // Of a rigid body the first block is force, the second torque.
@@ -63,9 +68,10 @@ fn parts_add_up_to_forces_and_products() {
 #[test]
 fn a_system_of_eliminated_bodies_has_no_parts() {
     let mut host = with_floor(["rigid", "soft"], RigidUnknowns::Eliminated);
-    assert!(matches!(host.system.parts(), Err(SystemError::NoStep)));
+    let mut found = Parts::default();
+    assert!(matches!(found.of(&mut host.system), Err(SystemError::NoStep)));
     begin(&mut host, 3);
-    assert!(matches!(host.system.parts(), Err(SystemError::Eliminated)));
+    assert!(matches!(found.of(&mut host.system), Err(SystemError::Eliminated)));
 }
 
 /// Forces at the beginning of a step, of a host that has made some before.
@@ -96,11 +102,11 @@ fn what_pairs_remember_can_be_carried_to_another_system() {
         other.scene.advance(DT).expect("a step");
         for &key in &pairs {
             let mut bytes = vec![];
-            host.system.pack_pair_memory(key, &mut bytes).expect("it remembers");
-            assert_eq!(bytes.len(), host.system.packed_memory_length(key));
-            other.system.put_pair_memory(key, &bytes).expect("what was packed");
+            pack_memory(&host.system, key, &mut bytes).expect("it remembers");
+            assert_eq!(bytes.len(), packed_memory_length(&host.system, key));
+            put_memory(&mut other.system, key, &bytes).expect("what was packed");
             let mut again = vec![];
-            other.system.pack_pair_memory(key, &mut again).expect("it remembers");
+            pack_memory(&other.system, key, &mut again).expect("it remembers");
             assert_eq!(again, bytes, "{pair:?}");
         }
         let mut forgetful = with_floor(pair, RigidUnknowns::Kept);
@@ -115,25 +121,25 @@ fn other_bytes_are_refused_and_change_nothing() {
     let mut host = after_two_steps(["soft", "rigid"]);
     let key = (0, Surface::Body(1));
     let mut bytes = vec![];
-    host.system.pack_pair_memory(key, &mut bytes).expect("it remembers");
+    pack_memory(&host.system, key, &mut bytes).expect("it remembers");
     for place in 0..bytes.len() {
         let mut changed = bytes.clone();
         changed[place] ^= 4;
-        let refused = host.system.put_pair_memory(key, &changed);
+        let refused = put_memory(&mut host.system, key, &changed);
         assert!(matches!(refused, Err(SystemError::Memory { .. })), "byte {place}");
-        let refused = host.system.put_pair_memory(key, &bytes[..place]);
+        let refused = put_memory(&mut host.system, key, &bytes[..place]);
         assert!(matches!(refused, Err(SystemError::Memory { .. })), "the first {place}");
     }
     // A cube has fewer vertices than the bodies that these bytes are of.
     let mut small = overlap(["rigid", "rigid"], RigidUnknowns::Kept, Material::bearing(1e4, 0.1).expect("a material"));
-    assert!(matches!(small.system.put_pair_memory(key, &bytes), Err(SystemError::Memory { .. })));
+    assert!(matches!(put_memory(&mut small.system, key, &bytes), Err(SystemError::Memory { .. })));
     for unknown in [(0, Surface::Body(7)), (0, Surface::HalfSpace(1))] {
-        let refused = host.system.put_pair_memory(unknown, &bytes);
+        let refused = put_memory(&mut host.system, unknown, &bytes);
         assert!(matches!(refused, Err(SystemError::UnknownBody { .. })));
-        let nothing = host.system.pack_pair_memory(unknown, &mut vec![]);
+        let nothing = pack_memory(&host.system, unknown, &mut vec![]);
         assert!(matches!(nothing, Err(SystemError::NotRemembered { .. })));
     }
     let mut again = vec![];
-    host.system.pack_pair_memory(key, &mut again).expect("it remembers");
+    pack_memory(&host.system, key, &mut again).expect("it remembers");
     assert_eq!(again, bytes);
 }
