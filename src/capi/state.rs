@@ -33,7 +33,7 @@ growing!(rayc_pair_memory);
 impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
     fn from(([first, second], memory): &([u32; 2], PairMemory<T>)) -> Self {
         let mut state = [0; 88];
-        let packed = memory.packed();
+        let packed = memory.to_bytes();
         state[..packed.len()].copy_from_slice(&packed);
         Self {
             first: *first,

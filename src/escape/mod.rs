@@ -2,11 +2,11 @@
 //! a pair remembers of it from step to step.
 
 mod direction;
-mod packed_memory;
+mod memory_bytes;
 mod pair_memory;
 mod progress;
 
-pub(crate) use packed_memory::PACKED;
+pub(crate) use memory_bytes::MEMORY_BYTES;
 pub use pair_memory::{PairMemory, Record};
 
 use crate::contact::{ContactList, DetectionOptions, Pair, Sampling, overlap_region, part_of_rays};

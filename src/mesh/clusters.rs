@@ -1,5 +1,5 @@
 //! Clusters of neighbouring triangles: what the leaves of the fast octree hold. They are found once for a mesh and are the same
-//! for its clones, so an octree is made faster for a mesh that had one before, or that was unpacked.
+//! for its clones, so an octree is made faster for a mesh that had one before, or that another process made.
 
 use super::edges::NO_TRIANGLE;
 use super::{OrderInSpace, Topology};

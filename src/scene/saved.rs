@@ -3,7 +3,7 @@
 use super::pairs::{History, Remembered};
 use crate::bytes;
 use crate::bytes::{BytesError, CHECKSUM, Reader, checksum};
-use crate::escape::{PACKED, PairMemory};
+use crate::escape::{MEMORY_BYTES, PairMemory};
 use crate::math::Scalar;
 use crate::memory;
 use crate::memory::Room;
@@ -18,7 +18,7 @@ const IS_HOSTS: u32 = 2;
 /// No position has changed since the newest query.
 const IS_AT_QUERY: u32 = 4;
 /// The pair's two bodies and what it remembers.
-const ENTRY: usize = 2 * 4 + PACKED;
+const ENTRY: usize = 2 * 4 + MEMORY_BYTES;
 
 /// How many bytes the history takes.
 pub(super) fn saved_length<T: Scalar>(history: &History<T>) -> usize {
@@ -43,7 +43,7 @@ pub(super) fn save<T: Scalar>(history: &History<T>, stamp: u64, bytes: &mut Vec<
     bytes.extend((after.len() as u64).to_le_bytes());
     for ([first, second], memory) in before.iter().chain(after) {
         [first, second].iter().for_each(|body| bytes.extend(body.to_le_bytes()));
-        bytes.extend(memory.packed());
+        bytes.extend(memory.to_bytes());
     }
     let checksum = checksum(&bytes[start..]);
     bytes.extend(checksum.to_le_bytes());
@@ -83,5 +83,5 @@ fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<
 
 fn entry<T: Scalar>(bytes: &mut Reader) -> Option<Remembered<T>> {
     let pair = [bytes.whole()?, bytes.whole()?];
-    Some((pair, PairMemory::unpacked(bytes)?))
+    Some((pair, PairMemory::from_bytes(bytes)?))
 }

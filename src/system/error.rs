@@ -214,7 +214,7 @@ impl fmt::Display for SystemError {
                 write!(f, "body {body} remembers nothing of the other; ask for the pairs that do")
             }
             Self::Memory { length } => {
-                write!(f, "the {length} bytes are not what these bodies remembered; pass all that was packed, unchanged")
+                write!(f, "the {length} bytes are not what these bodies remembered; pass all of them, unchanged")
             }
             Self::Mesh { body, source } => write!(f, "body {body}: {source}"),
         }

@@ -218,7 +218,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_memory(
 ) -> rayc_status {
     fn set<T: Scalar>(scene: &mut Scene<T>, memory: &rayc_pair_memory) -> Result<(), SceneError> {
         let pair = [memory.first, memory.second];
-        let remembered = PairMemory::unpacked(&mut Reader { rest: &memory.state });
+        let remembered = PairMemory::from_bytes(&mut Reader { rest: &memory.state });
         scene.set_pair_memory(pair, remembered.ok_or(SceneError::PairMemory { pair })?)
     }
     // SAFETY: the pointers are the caller's, as documented.

@@ -5,16 +5,16 @@ use crate::escape::pair_memory::{PairMemory, Record};
 use crate::math::{Scalar, Vector3, margins};
 
 /// How many bytes a memory takes: three whole numbers and nine others, these always in double precision, which holds both.
-pub(crate) const PACKED: usize = 3 * 4 + 9 * 8;
+pub(crate) const MEMORY_BYTES: usize = 3 * 4 + 9 * 8;
 
 impl<T: Scalar> PairMemory<T> {
     /// Numbers little-endian on every machine.
-    pub(crate) fn packed(&self) -> [u8; PACKED] {
-        let Self { escape, lowest, halved, net_push, mean_depth } = self;
+    pub(crate) fn to_bytes(self) -> [u8; MEMORY_BYTES] {
+        let Self { escape, lowest, halved, net_push, mean_depth } = &self;
         let (away, overlaps) = (escape.unwrap_or_default(), [lowest.value, halved.value]);
         let whole = [u32::from(escape.is_some()), lowest.steps, halved.steps];
         let numbers = away.iter().chain(&overlaps).chain(net_push.iter()).chain([mean_depth]);
-        let (mut bytes, mut count) = ([0; PACKED], 0);
+        let (mut bytes, mut count) = ([0; MEMORY_BYTES], 0);
         let mut put = |number: &[u8]| {
             bytes[count..count + number.len()].copy_from_slice(number);
             count += number.len();
@@ -25,7 +25,7 @@ impl<T: Scalar> PairMemory<T> {
     }
 
     /// `None` where the bytes end too soon, or hold what no pair could have remembered.
-    pub(crate) fn unpacked(bytes: &mut Reader) -> Option<Self> {
+    pub(crate) fn from_bytes(bytes: &mut Reader) -> Option<Self> {
         let escaping = bytes.whole()?;
         let steps = [bytes.whole()?, bytes.whole()?];
         let away = Vector3::new(bytes.number()?, bytes.number()?, bytes.number()?);
