@@ -6,7 +6,7 @@
 //! itself, as [forces](ForcesByPair) or as the [`Parts`] of a contact system's rows. So sums in the order of the pairs have the
 //! same bits, whichever process found which. Meshes, and what pairs remember, are packed to be sent.
 //!
-//! What stands below knows of this only what `scene/hooks/` and `system/hooks.rs` say: that a body may be foreign, and that
+//! What stands below knows of this only what `scene/hooks.rs` and `system/hooks.rs` say: that a body may be foreign, and that
 //! foreign bodies may join a step.
 
 mod looks;

@@ -1,5 +1,5 @@
-//! What this room holds for `distributed`: foreign bodies may join a step under way. Besides, it reads what is `pub(crate)` of rows,
-//! loads and anchors, and takes the single steps that `begin` and `detect_again` are made of.
+//! What this room holds for `distributed`: foreign bodies may join a step under way. Besides, `distributed` reads what is
+//! `pub(crate)` of rows, loads and anchors, and calls the functions that `begin` and `detect_again` are made of.
 
 pub(crate) use super::anchors::{Anchor, Corners, Hold};
 pub(crate) use super::loads::Key;

@@ -157,7 +157,7 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
-    /// Moves surfaces to their predicted positions, or those of the scene's own bodies alone.
+    /// Moves surfaces to their predicted positions; where `own` is set, those of the scene's own bodies alone.
     pub(crate) fn place_surfaces(&mut self, scene: &mut Scene<T>, time: f64, own: bool) -> Result<(), SystemError> {
         let is_left = |scene: &Scene<T>, body: u32| own && scene.is_foreign(body);
         let Self { bodies, buffers, half_spaces, .. } = self;
