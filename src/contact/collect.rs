@@ -21,7 +21,7 @@ impl<T: Scalar> Pair<'_, T> {
             dispatch::<T, _>(CollectVertices { own, region, groups, vertices, samples });
         } else {
             groups[1 - side].clear();
-            let pair = Self { part_of_rays: self.part_of_rays * T::of(PART_OF_ESCAPES), ..*self };
+            let pair = Self { part_of_samples: self.part_of_samples * T::of(PART_OF_ESCAPES), ..*self };
             quadrature.fill(&pair, groups, false);
             memory::append(samples, quadrature.samples[side].iter().copied());
         }

@@ -33,7 +33,7 @@ pub use point_pair::{Contact, ContactKind, SpreadPlace, SurfacePoint};
 pub(crate) use quadrature::Sample;
 pub use quadrature::Sampling;
 pub(crate) use quadrature::edges::for_each_inside_stretch;
-pub(crate) use quadrature::refinement::part_of_rays;
+pub(crate) use quadrature::refinement::part_of_samples;
 pub(crate) use spread::Bearings;
 pub use statistics::Statistics;
 pub(crate) use statistics::with_counters;

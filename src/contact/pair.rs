@@ -40,7 +40,7 @@ pub(crate) struct Pair<'a, T: Scalar> {
     pub(crate) options: &'a DetectionOptions<T>,
     pub(crate) may_escape: bool,
     /// The part of the usual samples that this pair has.
-    pub(crate) part_of_rays: T,
+    pub(crate) part_of_samples: T,
     /// Where the rays of either body end.
     pub(crate) ray_regions: [Aabb<T>; 2],
     /// Whether rays count only that leave the other body before their own.
@@ -76,7 +76,7 @@ impl<'a, T: Scalar> Pair<'a, T> {
         // With rays from vertices a coarse flat body may cast nothing. Then the other direction must carry all of the load.
         let is_fixed = !hides_behind_own_surface && options.sampling != Sampling::Vertices;
         let fixed_shares = is_fixed.then(|| fixed_shares(meshes.map(Mesh::roundness)));
-        let (may_escape, part_of_rays) = (true, T::one());
+        let (may_escape, part_of_samples) = (true, T::one());
         Self {
             bodies,
             tracers,
@@ -84,7 +84,7 @@ impl<'a, T: Scalar> Pair<'a, T> {
             region,
             options,
             may_escape,
-            part_of_rays,
+            part_of_samples,
             ray_regions,
             hides_behind_own_surface,
             fixed_shares,

@@ -47,7 +47,7 @@ const MOST_WITH_ALL_SAMPLES: u32 = 12;
 const LEAST_PART: f64 = 1.0 / 16.0;
 
 /// The part of the usual samples that a pair has whose bodies both meet at least `neighbours` others.
-pub(crate) fn part_of_rays<T: Scalar>(neighbours: u32) -> T {
+pub(crate) fn part_of_samples<T: Scalar>(neighbours: u32) -> T {
     T::of((f64::from(MOST_WITH_ALL_SAMPLES) / f64::from(neighbours.max(1))).clamp(LEAST_PART, 1.0))
 }
 
@@ -137,7 +137,7 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
             sampling => {
                 let (square, most) = match sampling {
                     Sampling::Spacing(spacing) => (spacing * spacing, MOST_ELEMENTS[1]),
-                    _ => (pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_rays), MOST_UNMEASURED),
+                    _ => (pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_samples), MOST_UNMEASURED),
                 };
                 quadrature.most = most as usize;
                 // A region that is no more than a line or a point gives no measure.
@@ -188,7 +188,7 @@ struct Size<T: Scalar> {
 
 impl<T: Scalar> Size<T> {
     fn new(pair: &Pair<'_, T>, tolerance: T, frame: &Frame<T>) -> Self {
-        let (first, part) = (Self::first(pair, frame), pair.part_of_rays);
+        let (first, part) = (Self::first(pair, frame), pair.part_of_samples);
         let thickness = frame.of_length((pair.overlap.upper - pair.overlap.lower).min());
         Self {
             first,
@@ -202,7 +202,7 @@ impl<T: Scalar> Size<T> {
     fn first(pair: &Pair<'_, T>, frame: &Frame<T>) -> T {
         let face = frame.of_area(pair.overlap.largest_face());
         // A region that is no more than a line or a point gives no measure.
-        if face > T::zero() { face / (T::of(FIRST_ELEMENTS) * pair.part_of_rays) } else { T::INFINITY }
+        if face > T::zero() { face / (T::of(FIRST_ELEMENTS) * pair.part_of_samples) } else { T::INFINITY }
     }
 
     /// How much of an element its halves stand for, from 0 to 1.
