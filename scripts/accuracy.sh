@@ -6,7 +6,7 @@ usage() {
     cat <<END
 usage: scripts/accuracy.sh [--help]
 
-Runs the examples forces, figure8 and convergence, writes docs/accuracy/forces.csv, figure8.csv and convergence.csv, draws
+Runs the programs forces, figure8 and convergence, writes docs/accuracy/forces.csv, figure8.csv and convergence.csv, draws
 figure8.svg and convergence.svg beside them, and renews the tables of docs/accuracy.md: about three minutes after the
 build. The figures do not depend on the machine's speed or its number of cores. Debian's python3-matplotlib is installed
 first where it is missing.
@@ -24,17 +24,17 @@ command -v cargo >/dev/null || fail "'cargo' is missing: install a Rust toolchai
 install_packages python3-matplotlib
 
 say 'Building (release)'
-cargo build --release --locked --example forces --example figure8 --example convergence >&2 || fail 'the build failed, see above'
+cargo build --release --locked --example measure >&2 || fail 'the build failed, see above'
 
 # Copied at the end: an interrupted run leaves the old figures.
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
-target="$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/release/examples"
+measure="$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/release/examples/measure"
 are_met=yes
-for example in forces figure8 convergence; do
-    say "Measuring: $example"
-    "$target/$example" >"$scratch/$example.csv" || {
-        (($? == 1)) || fail "$example ended early, see above"
+for program in forces figure8 convergence; do
+    say "Measuring: $program"
+    "$measure" "$program" >"$scratch/$program.csv" || {
+        (($? == 1)) || fail "$program ended early, see above"
         are_met=no
     }
 done

@@ -20,13 +20,11 @@ case "${1:-}" in
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
-cargo build --release --locked --quiet --examples
+cargo build --release --locked --quiet --example measure --example creation
+examples="${CARGO_TARGET_DIR:-$root/target}/release/examples"
+measure="$examples/measure"
 demos="$root/build/test/demos"
-programs=("$root"/scripts/*.sh "$root"/scripts/*.py)
-for example in "$root"/evaluation/programs/*.rs "$root"/evaluation/programs/*/main.rs; do
-    name="$(basename "${example%/main.rs}" .rs)"
-    programs+=("$root/target/release/examples/$name")
-done
+programs=("$root"/scripts/*.sh "$root"/scripts/*.py "$measure" "$examples/creation")
 for demo in "$demos"/* "$demos"/scenes/*; do
     [[ -f "$demo" && -x "$demo" ]] && programs+=("$demo")
 done
@@ -45,16 +43,34 @@ run() {
 }
 
 count=0
+
+# habits <program> [its part]
+habits() {
+    run 0 "$@" --help
+    grep -qi '^usage: ' "$out/stdout" || fail "'$* --help' does not print its usage"
+    grep -qi 'exit status: ' "$out/stdout" || fail "'$* --help' does not say its exit statuses"
+    run 2 "$@" --no-such-option
+    grep -q -- 'no-such-option' "$out/stderr" || fail "'$*' does not name the option it does not know"
+    [[ ! -s "$out/stdout" ]] || fail "'$*' says what is wrong on standard output"
+    count=$((count + 1))
+}
+
 for program in "${programs[@]}"; do
     # What is not executable is sourced or imported by others, and no program.
-    [[ -x "$program" ]] || continue
-    run 0 "$program" --help
-    grep -qi '^usage: ' "$out/stdout" || fail "'$program --help' does not print its usage"
-    grep -qi 'exit status: ' "$out/stdout" || fail "'$program --help' does not say its exit statuses"
-    run 2 "$program" --no-such-option
-    grep -q -- 'no-such-option' "$out/stderr" || fail "'$program' does not name the option it does not know"
-    [[ ! -s "$out/stdout" ]] || fail "'$program' says what is wrong on standard output"
-    count=$((count + 1))
+    [[ ! -x "$program" ]] || habits "$program"
+done
+
+# One program has many parts.
+run 2 "$measure"
+grep -q '^usage: ' "$out/stderr" && [[ ! -s "$out/stdout" ]] || fail "'measure' alone does not print its usage as an error"
+run 2 "$measure" none
+unknown="$(<"$out/stderr")"
+mapfile -t parts < <("$measure" --help | sed -n 's/^  \([a-z0-9_]*\)  .*/\1/p')
+((${#parts[@]} > 10)) || fail "'measure --help' lists no more than ${parts[*]}"
+for part in "${parts[@]}"; do
+    [[ "$unknown" == *" $part"* ]] || fail "'measure none' does not name $part"
+    habits "$measure" "$part"
+    grep -q "measure -- $part " <("$measure" "$part" --help) || fail "'measure $part --help' has another usage"
 done
 
 # The same files and the same faults for both programs that take two of them.

@@ -6,7 +6,7 @@ usage() {
     cat <<END
 usage: scripts/hashes.sh [--renew]
 
-Runs the example 'hash' with 1, 2, 3, 8 and 16 threads and with threads of its own, with the instructions of each
+Runs the program 'hash' with 1, 2, 3, 8 and 16 threads and with threads of its own, with the instructions of each
 processor that this one can play (RAYCONTACT_SIMD), and in a debug build; each time the last line must be that of
 tests/golden_hash.txt. --renew writes that file instead, where results are meant to change.
 Exit status: 0; 1 where a hash differs; 2 for a wrong command line.
@@ -16,7 +16,7 @@ END
 golden=tests/golden_hash.txt
 case "${1:-}" in
     '') ;;
-    --renew) cargo run --release --locked --quiet --example hash | tail -n 1 >"$golden" ;;
+    --renew) cargo run --release --locked --quiet --example measure -- hash | tail -n 1 >"$golden" ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
@@ -34,13 +34,13 @@ same() {
     printf '%-28s %s\n' "$what" "$found"
 }
 
-cargo build --release --locked --quiet --example hash
-program="${CARGO_TARGET_DIR:-target}/release/examples/hash"
+cargo build --release --locked --quiet --example measure
+program=("${CARGO_TARGET_DIR:-target}/release/examples/measure" hash)
 for threads in 1 2 3 8 16; do
-    same "$threads threads" "$program" --threads "$threads"
+    same "$threads threads" "${program[@]}" --threads "$threads"
 done
-same 'threads of the program' "$program" --host 3
+same 'threads of the program' "${program[@]}" --host 3
 for path in "${paths[@]}"; do
-    same "$path" env RAYCONTACT_SIMD="$path" "$program" --threads 2
+    same "$path" env RAYCONTACT_SIMD="$path" "${program[@]}" --threads 2
 done
-same 'debug build' cargo run --locked --quiet --example hash
+same 'debug build' cargo run --locked --quiet --example measure -- hash

@@ -26,14 +26,14 @@ case "${1:-}" in
 esac
 
 scripts/setup.sh
-cargo build --release --locked --quiet --example steps || fail 'the build failed, see above'
-program="${CARGO_TARGET_DIR:-target}/release/examples/steps"
+cargo build --release --locked --quiet --example measure || fail 'the build failed, see above'
+program="${CARGO_TARGET_DIR:-target}/release/examples/measure"
 
 # instructions <simd path> <workload> <mode> <steps>
 instructions() {
     local log
     log="$(RAYCONTACT_SIMD="$1" valgrind --tool=callgrind --callgrind-out-file=/dev/null \
-        "$program" --workload "$2" --mode "$3" --steps "$4" 2>&1)" || fail "valgrind failed: $log"
+        "$program" steps --workload "$2" --mode "$3" --steps "$4" 2>&1)" || fail "valgrind failed: $log"
     sed -n 's/.*Collected : *//p' <<<"$log"
 }
 

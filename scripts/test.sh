@@ -7,7 +7,7 @@ usage() {
 usage: scripts/test.sh [--long]
 
 Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the pages of the Rust
-library, the oracle with 1e5 queries, a few sizes of the examples that measure forces, the table of docs/stability.md, the
+library, the oracle with 1e5 queries, a few sizes of the programs that measure forces, the table of docs/stability.md, the
 instructions of a step, the hash of all results, the manual as one site, the versions that the library is made of, random
 inputs for a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the benchmark of deep contact
 without its peers, the C and C++ tests with the packages and Doxygen's manual (cmake --workflow --preset test), and the command
@@ -56,18 +56,18 @@ check 'formatting' cargo fmt --check
 check 'lints' cargo clippy --all-targets --locked -- -D warnings
 check 'Rust tests' cargo test --release --locked
 check 'Rust manual' env RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
-example=(cargo run --release --locked --quiet --example)
-check 'oracle' "${example[@]}" oracle -- --queries "$queries" --seed 1
-check 'Figure 8' "${example[@]}" figure8 -- "${figure8[@]}"
-check 'convergence' "${example[@]}" convergence -- "${convergence[@]}"
-check 'failure table' "${example[@]}" poses -- --failures --count 20
+measure=(cargo run --release --locked --quiet --example measure --)
+check 'oracle' "${measure[@]}" oracle --queries "$queries" --seed 1
+check 'Figure 8' "${measure[@]}" figure8 "${figure8[@]}"
+check 'convergence' "${measure[@]}" convergence "${convergence[@]}"
+check 'failure table' "${measure[@]}" poses --failures --count 20
 check 'instructions' scripts/instructions.sh
 check 'hashes' scripts/hashes.sh
 check 'manual' scripts/manual.sh
 check 'supply chain' scripts/supply_chain.sh "${supply_chain[@]}"
 # The same changes in every run, so that no run fails by chance; other seeds are tried apart from this.
 check 'fuzzing' scripts/fuzz.sh --seconds 10 --seed 1
-check 'self-collision' "${example[@]}" self_collision -- "${self_collision[@]}"
+check 'self-collision' "${measure[@]}" self_collision "${self_collision[@]}"
 check 'Python' scripts/python.sh
 check 'penetration' scripts/penetration.sh --check
 check 'CMake' cmake --preset test -DRAYCONTACT_LONG_TESTS=$long

@@ -1,7 +1,7 @@
 //! What a query for the nearest point of a surface costs.
 
-mod support;
-
+use crate::support::arguments::Arguments;
+use crate::support::{random, shapes};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::{Mesh, read_obj_file};
 use raycontact::query::{Octree, Tracer};
@@ -10,12 +10,8 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-use support::arguments::Arguments;
-use support::{random, shapes};
 
-const HELP: &str = "\
-usage: cargo run --release --example closest -- [options]
-
+pub const HELP: &str = "\
 Times queries for the nearest point of a surface: points inside a cube of 12 triangles, shallow and deep ones inside
 tori, in patches of 16 neighbours as far apart as the mesh's vertices.
 
@@ -170,8 +166,7 @@ impl<T: Scalar> Ready<T> {
     }
 }
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let (rounds, count) = (arguments.value("--rounds", 9usize).max(1), arguments.value("--points", 4096usize).max(16));
     let (path, seed) = (arguments.value("--file", String::new()), arguments.value("--seed", 1));
     arguments.finish();

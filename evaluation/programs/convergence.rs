@@ -1,19 +1,15 @@
 //! Do contact forces depend on the mesh? Bodies on a slab against the exact overlap volume, and pairs of spheres and
 //! tori against the law on the smooth surfaces, from about 500 to 50 000 triangles.
 
-mod support;
-
+use crate::support::arguments::Arguments;
+use crate::support::shapes::Shape;
+use crate::support::{Mode, Vector, limits, net_force, shapes};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use raycontact::mesh::Mesh;
 use std::f64::consts::PI;
 use std::process::ExitCode;
-use support::arguments::Arguments;
-use support::shapes::Shape;
-use support::{Mode, Vector, limits, net_force, shapes};
 
-const HELP: &str = "\
-usage: cargo run --release --example convergence -- [options]
-
+pub const HELP: &str = "\
 Measures contact forces against exact answers on finer and finer meshes.
 
   --only NAME       one case of: ball, globe, ellipsoid, lens, spheres, tori (default: all)
@@ -42,8 +38,7 @@ struct Row {
 /// The sizes: parts per edge of an icosahedron; circles of a torus.
 const SIZES: [(usize, usize); 5] = [(5, 24), (9, 40), (16, 72), (28, 126), (50, 224)];
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let only: String = arguments.value("--only", String::new());
     let largest: usize = arguments.value("--largest", 50_500);
     let cases = ["ball", "globe", "ellipsoid", "lens", "spheres", "tori"];

@@ -1,4 +1,6 @@
 //! What a mesh and its octree cost when they are made: time and memory for each triangle.
+//!
+//! A program of its own: what counts memory here would slow down every allocation of the others.
 
 mod support;
 
@@ -30,7 +32,7 @@ stay allocated. The first octree also finds the mesh's clusters, which stay with
 Exit status: 0; 1 where the file is not a closed surface; 2 for a wrong command line.";
 
 fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+    let mut arguments = Arguments::new("creation", HELP, std::env::args().skip(1));
     let sizes = arguments.list("--sizes", &[24, 80, 320]);
     let path: String = arguments.value("--file", String::new());
     let rounds: usize = arguments.value("--rounds", 25);

@@ -5,18 +5,13 @@ mod bodies;
 #[allow(dead_code)] // the tests use more of it
 #[path = "../../tests/library/system/closed.rs"]
 mod closed;
-#[path = "../../tests/common/mod.rs"]
-mod common;
-mod support;
 
+use crate::support::arguments::Arguments;
 use closed::{Closed, Wanted};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::process::ExitCode;
-use support::arguments::Arguments;
 
-const HELP: &str = "\
-usage: cargo run --release --example energy -- [options]
-
+pub const HELP: &str = "\
 Lets closed systems go from random starts: two to four bodies, rigid, of springs or in cages, of different materials, with
 friction and without, at rest or moving, apart or deep in one another, every second one in a narrow room. No gravity, no
 escapes. Each step is implicit Euler, solved until the contact system has nothing to correct. The energy of motion, of
@@ -99,8 +94,7 @@ fn run(mut closed: Closed, start: u64, course: &Course) -> Outcome {
     outcome
 }
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let starts: u64 = arguments.value("--starts", 20);
     let steps: usize = arguments.value("--steps", 500);
     let every: usize = arguments.value("--every", 25);

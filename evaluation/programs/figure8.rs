@@ -1,16 +1,12 @@
 //! Figure 8 of the paper: a cylinder lies across a plane and is turned; how large is the tangential force, which should
 //! be zero, against the normal one?
 
-mod support;
-
+use crate::support::arguments::Arguments;
+use crate::support::{Mode, Vector, net_force, shapes};
 use std::f64::consts::TAU;
 use std::process::ExitCode;
-use support::arguments::Arguments;
-use support::{Mode, Vector, net_force, shapes};
 
-const HELP: &str = "\
-usage: cargo run --release --example figure8 -- [options]
-
+pub const HELP: &str = "\
 Measures the tangential part of the contact force between a cylinder and a plane, over many rotations.
 
   --sides LIST      comma-separated numbers of sides (default 10,12,14,...,150)
@@ -21,8 +17,7 @@ Measures the tangential part of the contact force between a cylinder and a plane
 Prints CSV on standard output: sides,mode,mean,worst; the ratio tangential / normal force.
 Exit status: 0; 1 where the default mode is above 1 % at 10 sides or 0.05 % at 150; 2 for a wrong command line.";
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let all: Vec<usize> = (10..30).step_by(2).chain((30..=150).step_by(10)).collect();
     let sides = arguments.list("--sides", &all);
     let rotations: usize = arguments.value("--rotations", 100);

@@ -1,8 +1,9 @@
 //! What garbage and crowds cost: bodies in which everything touches everything, alone and in pairs, and bodies that all overlap
 //! many others, beside the ordinary step of as many triangles.
 
-mod support;
-
+use crate::support::arguments::Arguments;
+use crate::support::shapes::{self, Shape};
+use crate::support::{Vector, random};
 use indicatif::{ProgressBar, ProgressStyle};
 use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling, Statistics};
 use raycontact::escape::query_pair;
@@ -12,13 +13,8 @@ use std::f64::consts::TAU;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
-use support::arguments::Arguments;
-use support::shapes::{self, Shape};
-use support::{Vector, random};
 
-const HELP: &str = "\
-usage: cargo run --release --example garbage -- [options]
-
+pub const HELP: &str = "\
 Measures what self-collision costs bodies of garbage, beside a torus of as many triangles that touches nothing of itself; what a
 pair costs of which both bodies or one are garbage, beside two such tori that overlap; and what a crowd of tetrahedra costs that all overlap many others, beside as many that overlap four.
 
@@ -75,8 +71,7 @@ fn own_time() -> Duration {
     nanoseconds.map_or_else(|| START.elapsed(), Duration::from_nanos)
 }
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let size: usize = arguments.value("--size", 110);
     let bodies: usize = arguments.value("--bodies", 10_000);
     let runs: usize = arguments.value("--runs", 9);

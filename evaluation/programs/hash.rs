@@ -3,20 +3,17 @@
 //!
 //! The scenes are made of sums, products, quotients and roots alone, which are rounded alike everywhere.
 
-mod support;
-
+use crate::support::arguments::Arguments;
 use raycontact::contact::{ContactList, DetectionOptions, Sampling};
 use raycontact::force::{PenaltyLaw, Weighting, add_forces};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 use raycontact::threads::ParallelFor;
+use std::process::ExitCode;
 use std::sync::Arc;
-use support::arguments::Arguments;
 
-const HELP: &str = "\
-usage: cargo run --release --example hash -- [options]
-
+pub const HELP: &str = "\
 Moves five scenes a few steps, in f32 and f64, and hashes every bit of their contacts and forces.
 
   --threads N    1: the calling thread alone; N: a pool of N; 0: one for each core (default 1)
@@ -27,8 +24,7 @@ RAYCONTACT_SIMD=baseline, avx2 or avx512 chooses the instructions.
 Last line: hash=…, the number in tests/golden_hash.txt whatever the options.
 Exit status: 0; 2 for a wrong command line.";
 
-fn main() {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let threads: usize = arguments.value("--threads", 1);
     let host: usize = arguments.value("--host", 0);
     arguments.finish();
@@ -41,6 +37,7 @@ fn main() {
         all.add(two);
     }
     println!("hash={:016x}", all.0);
+    ExitCode::SUCCESS
 }
 
 /// FNV-1a over 64-bit words.

@@ -1,7 +1,6 @@
 //! What a step costs where a large rigid body is moved by a pose, against the same body moved by positions.
 
-mod support;
-
+use crate::support::arguments::Arguments;
 use raycontact::contact::{ContactList, DetectionOptions};
 use raycontact::math::{Pose, Vector3};
 use raycontact::mesh::Mesh;
@@ -9,11 +8,8 @@ use raycontact::scene::Scene;
 use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;
-use support::arguments::Arguments;
 
-const HELP: &str = "\
-usage: cargo run --release --example rigid -- [options]
-
+pub const HELP: &str = "\
 Times steps of a large torus that turns and a small one that stays where it is: the large one moved by rayc_scene_set_pose()
 in one scene and by rayc_scene_set_positions() in another, by turns, with the same contacts. One thread, double precision,
 default options. The positions are there when the clock starts.
@@ -121,8 +117,7 @@ fn measure(
     Ok(true)
 }
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let vertices: u32 = arguments.value("--vertices", 100_000);
     let steps: usize = arguments.value("--steps", 400);
     let mode = arguments.value("--mode", "default".to_owned());

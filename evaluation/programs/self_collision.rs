@@ -1,8 +1,9 @@
 //! Contacts of a body with itself: what they cost a body that touches nothing of itself, and whether the rays that are
 //! left out would have found anything.
 
-mod support;
-
+use crate::support::Vector;
+use crate::support::arguments::Arguments;
+use crate::support::shapes::{self, Shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use raycontact::contact::{ContactList, DetectionOptions, query_self_with_all_rays};
 use raycontact::mesh::{Mesh, read_obj_file};
@@ -11,13 +12,8 @@ use raycontact::scene::Scene;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use support::Vector;
-use support::arguments::Arguments;
-use support::shapes::{self, Shape};
 
-const HELP: &str = "\
-usage: cargo run --release --example self_collision -- [options]
-
+pub const HELP: &str = "\
 Measures what self-collision costs a body that touches nothing of itself, as a part of casting every ray; and compares
 the contacts of a folding body, step by step, with those found by casting every ray.
 
@@ -41,8 +37,7 @@ Last line: steps=N touching=… contacts=… different=…
 Targets: at most 0.05 for motion 1, 0.02 for motion 2.
 Exit status: 0; 1 where a step differs, or the file is not a closed surface; 2 for a wrong command line.";
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let steps: u64 = arguments.value("--steps", 100_000);
     let seed: u64 = arguments.value("--seed", 1);
     let idle_steps: usize = arguments.value("--idle-steps", 50);
@@ -163,7 +158,7 @@ fn compare(steps: u64, seed: u64) -> u64 {
     scene.set_self_collision(body, true).expect("it was added");
     let options = DetectionOptions::default();
     let (mut culled, mut all) = (ContactList::default(), ContactList::default());
-    let mut random = support::random(seed);
+    let mut random = crate::support::random(seed);
     let mut waves = [[0.0f64; 4]; 6];
     let (mut different, mut touching, mut contacts) = (0, 0, 0);
     let progress = ProgressBar::new(steps);

@@ -1,18 +1,14 @@
 //! A number of steps of one workload, in the default precision of simulators: what counts instructions runs this.
 
-mod support;
-
+use crate::support::arguments::Arguments;
 use raycontact::contact::{ContactLaw, ContactList, DetectionOptions, Sampling};
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 use std::error::Error;
 use std::process::ExitCode;
-use support::arguments::Arguments;
 
-const HELP: &str = "\
-usage: cargo run --release --example steps -- [options]
-
+pub const HELP: &str = "\
 Runs steps of detection on a workload of moving tori, for tools that count what a step costs.
 
   --workload NAME   stackN: N tori 40x20 in a pile; pairMxN: two tori MxN; deepN: two tori NxN/2, one turned, whose centres lie
@@ -113,8 +109,7 @@ fn options<T: Scalar>(mode: &str) -> Option<DetectionOptions<T>> {
 /// Positions of all bodies at some steps, which repeat: only the library is to be counted.
 const FRAMES: u32 = 4;
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let workload = arguments.value("--workload", "stack2".to_owned());
     let steps = arguments.value("--steps", 10);
     let mode = arguments.value("--mode", "paper".to_owned());

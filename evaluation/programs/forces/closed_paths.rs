@@ -3,8 +3,8 @@
 
 use super::Row;
 use super::cubes_aside::cube;
-use super::support::shapes::{Shape, cuboid, icosphere};
-use super::support::{Mode, Net, Vector, net_force, random};
+use crate::support::shapes::{Shape, cuboid, icosphere};
+use crate::support::{Mode, Net, Vector, net_force, random};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use std::f64::consts::TAU;
 

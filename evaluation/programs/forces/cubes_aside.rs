@@ -2,8 +2,8 @@
 //! uneven edges make.
 
 use super::Row;
-use super::support::shapes::{Shape, cuboid};
-use super::support::{Mode, Vector, net_force, random};
+use crate::support::shapes::{Shape, cuboid};
+use crate::support::{Mode, Vector, net_force, random};
 use raycontact::mesh::Mesh;
 
 /// Cut into so many squares along an edge.

@@ -1,7 +1,7 @@
 //! Against evaluation/references/: hydroelastic contact as Drake computes it, and the exact gradient of the overlap volume.
 
 use super::Row;
-use super::support::{Mode, Vector, net_force};
+use crate::support::{Mode, Vector, net_force};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use raycontact::mesh::{Mesh, read_obj_file};
 use std::collections::BTreeMap;

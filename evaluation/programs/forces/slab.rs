@@ -1,8 +1,8 @@
 //! Bodies sunk into a slab of twelve triangles: Archimedes' force, k times the volume below the slab's top, straight up.
 
 use super::Row;
-use super::support::shapes::{Shape, cuboid, icosphere, turn};
-use super::support::{Mode, Vector, limits, net_force, random};
+use crate::support::shapes::{Shape, cuboid, icosphere, turn};
+use crate::support::{Mode, Vector, limits, net_force, random};
 use raycontact::mesh::Mesh;
 
 fn slab() -> Mesh<f64> {

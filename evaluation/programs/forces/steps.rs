@@ -2,8 +2,8 @@
 
 use super::Row;
 use super::cubes_aside::cube;
-use super::support::shapes::{icosphere, turn};
-use super::support::{Mode, Vector, net_force};
+use crate::support::shapes::{icosphere, turn};
+use crate::support::{Mode, Vector, net_force};
 
 const STEPS: usize = 1000;
 const MOST: f64 = 0.005;

@@ -1,7 +1,7 @@
 //! What the oracle asks: meshes and rays, each case with its own way of being difficult.
 
+use crate::common::shapes::{self, Point, Shape};
 use crate::random::Random;
-use crate::shapes::{self, Point, Shape};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
 use raycontact::triangle::Ray;

@@ -1,6 +1,6 @@
 //! Exact distances from a point to triangles, as fractions of whole numbers.
 
-use crate::exact::Dyadic;
+use super::exact::Dyadic;
 
 type Exact = [Dyadic; 3];
 

@@ -4,7 +4,7 @@
 //! such numbers are of the same kind. `dashu-int` does the whole numbers: well kept, and without allocation up to 128
 //! bits, which most of these are.
 
-use crate::judge::Line;
+use super::judge::Line;
 use dashu_int::IBig;
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Sub};

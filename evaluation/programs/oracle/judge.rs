@@ -17,8 +17,8 @@
 //! library must hit one of its triangles, from the side that the winding says. That is "the closed surface never
 //! opens". A triangle of no crossing must not be hit at all.
 
-use crate::exact;
-use crate::range::{range_by_clipping, range_on_plane};
+use super::exact;
+use super::range::{range_by_clipping, range_on_plane};
 use robust::{Coord, orient2d};
 
 /// Edges that pass the ray at no more than so many rounding units of their reach may fall on either side of it.

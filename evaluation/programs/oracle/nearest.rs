@@ -4,10 +4,10 @@
 //! largest coordinate difference between the point and the mesh; so is that of the point that the weights name; and so, axis
 //! by axis, is the position, beside what the coordinates' own rounding takes.
 
-use crate::cases::Target;
-use crate::distance::{Error, is_weighted, least, to_triangle, to_weighted};
+use super::cases::Target;
+use super::distance::{Error, is_weighted, least, to_triangle, to_weighted};
+use super::tally::{Failure, Tally};
 use crate::random::Random;
-use crate::tally::{Failure, Tally};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::query::Tracer;
 use raycontact::triangle::ClosestPoint;

@@ -1,13 +1,11 @@
 //! The command line. `lexopt` reads it: no dependencies of its own, and it knows every spelling (`--seed 7`,
 //! `--seed=7`) without deciding anything for us.
 
-use crate::cases::Case;
+use super::cases::Case;
 use lexopt::prelude::*;
 use raycontact::triangle::TriangleTest;
 
 pub const HELP: &str = "\
-usage: cargo run --release --example oracle -- [options]
-
 Aims rays at small meshes and holds every answer of the library against exact arithmetic: both octree layouts, rays
 alone and many at once, and testing every triangle, in f32 and f64. For each 8 rays it asks for one nearest point too.
 
@@ -37,10 +35,8 @@ pub struct Options {
 }
 
 impl Options {
-    /// `None`: the help was asked for.
-    pub fn parse() -> Result<Option<Self>, lexopt::Error> {
+    pub fn parse(mut parser: lexopt::Parser) -> Result<Self, lexopt::Error> {
         let mut options = Self { queries: 100_000, seed: 1, threads: 0, case: None, test: TriangleTest::Watertight };
-        let mut parser = lexopt::Parser::from_env();
         while let Some(argument) = parser.next()? {
             match argument {
                 Long("queries") => options.queries = parser.value()?.parse_with(count)?,
@@ -48,11 +44,10 @@ impl Options {
                 Long("threads") => options.threads = parser.value()?.parse()?,
                 Long("case") => options.case = Some(parser.value()?.parse_with(case)?),
                 Long("test") => options.test = parser.value()?.parse_with(test)?,
-                Long("help") | Short('h') => return Ok(None),
                 _ => return Err(argument.unexpected()),
             }
         }
-        Ok(Some(options))
+        Ok(options)
     }
 }
 

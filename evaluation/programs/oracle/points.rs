@@ -1,6 +1,6 @@
 //! Points to ask for the nearest one of a mesh's surface.
 
-use crate::cases::Target;
+use super::cases::Target;
 use crate::random::Random;
 use raycontact::math::{Scalar, Vector3};
 

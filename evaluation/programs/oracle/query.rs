@@ -1,12 +1,12 @@
 //! One mesh and its rays: asks the library in every way it can be asked.
 
-use crate::cases::{Case, Target};
-use crate::judge::{Judge, Line};
-use crate::nearest::run_points;
+use super::cases::{Case, Target};
+use super::judge::{Judge, Line};
+use super::nearest::run_points;
+use super::report::{Origin, describe, mesh_text};
+use super::tally::{Failure, Tally};
+use super::verdict::Verdict;
 use crate::random::Random;
-use crate::report::{Origin, describe, mesh_text};
-use crate::tally::{Failure, Tally};
-use crate::verdict::Verdict;
 use raycontact::math::Scalar;
 use raycontact::mesh::Mesh;
 use raycontact::query::{Layout, Octree, Tracer};

@@ -1,6 +1,6 @@
 //! Prints a failure so that it can become a test: every number as its bits.
 
-use crate::cases::{Case, Target};
+use super::cases::{Case, Target};
 use raycontact::math::{Scalar, Vector3};
 use raycontact::mesh::Mesh;
 use raycontact::triangle::{Hit, Ray};

@@ -1,8 +1,8 @@
 //! Holds the library's answers to one ray against one another and against the judge.
 
-use crate::judge::{Crossing, Judge};
-use crate::query::Answers;
-use crate::tally::{Failure, Tally};
+use super::judge::{Crossing, Judge};
+use super::query::Answers;
+use super::tally::{Failure, Tally};
 use raycontact::math::Scalar;
 use raycontact::triangle::{Hit, Ray};
 

@@ -1,9 +1,9 @@
 //! Rigid bodies: a shape at rest and where it is now.
 
-use crate::proximity::Surface;
+use super::proximity::Surface;
+use super::shapes::{self, TORUS};
+use super::tree::Tree;
 use crate::random::Random;
-use crate::shapes::{self, TORUS};
-use crate::tree::Tree;
 use nalgebra::{UnitQuaternion, Vector3};
 use raycontact::mesh::Mesh;
 
@@ -89,7 +89,7 @@ impl Rest {
             let point = Vector3::from_fn(|axis, _| random.between(bounds.lower[axis], bounds.upper[axis]));
             if self.is_inside(&point) {
                 let distances = (0..self.triangles.len() as u32).map(|triangle| {
-                    (crate::proximity::closest_on_triangle(&point, &self.corners(triangle)) - point).norm()
+                    (super::proximity::closest_on_triangle(&point, &self.corners(triangle)) - point).norm()
                 });
                 points.push((point, distances.fold(f64::INFINITY, f64::min)));
             }

@@ -1,11 +1,11 @@
 //! The table of docs/stability.md: how other methods fail, and a picture of each failure.
 
-use crate::body::{Body, Rest};
-use crate::options::{Mode, Options};
-use crate::picture::{self, Panel};
-use crate::run::{self, Outcome};
-use crate::shapes;
-use crate::start::{self, Kind};
+use super::body::{Body, Rest};
+use super::options::{Mode, Options};
+use super::picture::{self, Panel};
+use super::run::{self, Outcome};
+use super::shapes;
+use super::start::{self, Kind};
 use rayon::prelude::*;
 use std::path::Path;
 

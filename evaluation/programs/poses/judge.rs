@@ -2,8 +2,8 @@
 //! library: apart means that no edge of one meets a triangle of the other, not even in a point, and that no vertex of
 //! one lies inside the other.
 
-use crate::body::Body;
-use crate::tree::Bounds;
+use super::body::Body;
+use super::tree::Bounds;
 use nalgebra::Vector3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
@@ -171,11 +171,11 @@ fn coord(point: &Point) -> Coord3D<f64> {
     Coord3D { x: point.x, y: point.y, z: point.z }
 }
 
-/// `cargo test --release --example poses`
+/// `cargo test --release --example measure`
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::Rest;
+    use crate::poses::body::Rest;
     use crate::random::Random;
     use nalgebra::UnitQuaternion;
 
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn agrees_with_testing_everything() {
-        let rests: Vec<_> = (0..crate::shapes::NAMES.len()).map(|number| Rest::new(number, 0)).collect();
+        let rests: Vec<_> = (0..crate::poses::shapes::NAMES.len()).map(|number| Rest::new(number, 0)).collect();
         let mut random = Random::new(5, 0);
         let mut apart_count = 0;
         for _ in 0..200 {

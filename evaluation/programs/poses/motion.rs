@@ -1,6 +1,6 @@
 //! Quasi-static rigid motion: no masses and no velocities, each step goes where the contacts want the bodies.
 
-use crate::body::Body;
+use super::body::Body;
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 /// A wish: body 0 should move by `depth` along `direction` at the first point, against body 1 at the second.

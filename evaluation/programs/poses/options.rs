@@ -1,12 +1,10 @@
 //! The command line.
 
-use crate::shapes;
-use crate::start::Kind;
+use super::shapes;
+use super::start::Kind;
 use lexopt::prelude::*;
 
 pub const HELP: &str = "\
-usage: cargo run --release --example poses -- [options]
-
 Starts bodies deep inside one another and moves them, quasi-statically, as their contacts push, until an exact test of
 its own finds them apart. Four poses of ten are random, two are one body twice in the same place, two are one body
 inside another, two are edge across edge with no vertex inside. Linked tori are left out.
@@ -71,8 +69,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// `None`: the help was asked for.
-    pub fn parse() -> Result<Option<Self>, lexopt::Error> {
+    pub fn parse(mut parser: lexopt::Parser) -> Result<Self, lexopt::Error> {
         let mut options = Self {
             count: 1000,
             seed: 1,
@@ -88,7 +85,6 @@ impl Options {
             failures: false,
             pictures: None,
         };
-        let mut parser = lexopt::Parser::from_env();
         while let Some(argument) = parser.next()? {
             match argument {
                 Long("count") => options.count = parser.value()?.parse()?,
@@ -107,11 +103,10 @@ impl Options {
                     options.failures = true;
                     options.pictures = Some(parser.value()?.string()?);
                 }
-                Long("help") | Short('h') => return Ok(None),
                 _ => return Err(argument.unexpected()),
             }
         }
-        Ok(Some(options))
+        Ok(options)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Bodies as line drawings, side by side, in SVG.
 
-use crate::body::Body;
+use super::body::Body;
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Write;
 
@@ -61,7 +61,7 @@ fn bounds(bodies: &[Body], view: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) 
 
 /// The edges where the surface turns away from the eye, and the sharp ones.
 fn outline<'a>(body: &'a Body, view: &'a Matrix3<f64>) -> impl Iterator<Item = [Vector3<f64>; 2]> + 'a {
-    let is_drawn = move |edge: &&crate::body::Edge| {
+    let is_drawn = move |edge: &&super::body::Edge| {
         let [one, other] = edge.triangles.map(|triangle| {
             let [a, b, c] = body.corners(triangle);
             view * (b - a).cross(&(c - a)).normalize()

@@ -2,13 +2,13 @@
 //! towards each other on a straight guide, without turning, so that they cannot slip past one another; a steady load
 //! presses them together.
 
-use crate::body::{Body, Rest};
-use crate::judge::Judge;
-use crate::motion::Push;
-use crate::options::{Options, Precision};
+use super::body::{Body, Rest};
+use super::judge::Judge;
+use super::motion::Push;
+use super::options::{Options, Precision};
+use super::run::{Forces, MOST_STEPS};
+use super::start;
 use crate::random::Random;
-use crate::run::{Forces, MOST_STEPS};
-use crate::start;
 use nalgebra::Vector3;
 use raycontact::math::Scalar;
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ pub fn print(rests: &[Rest], options: &Options, load: f64) {
         Precision::F64 => press::<f64>(rests, options, load, number),
     };
     let runs: Vec<Run> = (0..options.count).into_par_iter().map(run).collect();
-    for shape in crate::shapes::NAMES {
+    for shape in super::shapes::NAMES {
         let with_shape = || runs.iter().filter(|run| run.shapes.contains(&shape));
         let escaped = with_shape().filter(|run| run.has_escaped).count();
         println!("{shape:16} {:>6} runs {escaped:>6} escaped", with_shape().count());

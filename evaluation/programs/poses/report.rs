@@ -1,7 +1,7 @@
 //! What is printed: a table by kind and by shape, the poses that failed, the last line.
 
-use crate::run::{Outcome, Run};
-use crate::start::Kind;
+use super::run::{Outcome, Run};
+use super::start::Kind;
 
 /// One pose's result.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub fn print(poses: &[Pose]) {
         print_row(kind.name(), poses.iter().filter(|pose| pose.kind == kind));
     }
     println!();
-    for shape in crate::shapes::NAMES {
+    for shape in super::shapes::NAMES {
         print_row(shape, poses.iter().filter(|pose| pose.shapes.contains(&shape)));
     }
     let mut overlaps: Vec<f64> = poses.iter().filter(|pose| pose.kind == Kind::Deep).map(|pose| pose.overlap).collect();

@@ -1,10 +1,10 @@
 //! One pose, from its start until the bodies are apart.
 
-use crate::body::Body;
-use crate::judge::Judge;
-use crate::motion::{self, Push};
-use crate::options::Mode;
-use crate::proximity::{self, Repulsion};
+use super::body::Body;
+use super::judge::Judge;
+use super::motion::{self, Push};
+use super::options::Mode;
+use super::proximity::{self, Repulsion};
 use nalgebra::Vector3;
 use raycontact::contact::{ContactList, DetectionOptions, Statistics};
 use raycontact::force::{PenaltyLaw, Weighting};

@@ -1,8 +1,8 @@
 //! Where the bodies of a pose start.
 
-use crate::body::{Body, Edge, Rest};
-use crate::judge::{surfaces_meet, vertices_inside};
-use crate::options::Options;
+use super::body::{Body, Edge, Rest};
+use super::judge::{surfaces_meet, vertices_inside};
+use super::options::Options;
 use crate::random::Random;
 use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 

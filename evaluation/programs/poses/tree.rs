@@ -1,4 +1,4 @@
-//! A binary tree of boxes over a mesh's triangles, refitted as they move. The example's own, so that its judge and its
+//! A binary tree of boxes over a mesh's triangles, refitted as they move. The program's own, so that its judge and its
 //! proximity method owe nothing to the library.
 
 use nalgebra::Vector3;

@@ -1,22 +1,22 @@
 //! `--name value` arguments.
 
-use std::path::{Path, PathBuf};
 use std::process::exit;
 
-/// The arguments of one example, taken out one by one.
+/// The arguments of one program, taken out one by one.
 pub struct Arguments {
+    program: &'static str,
     rest: Vec<String>,
 }
 
 impl Arguments {
-    /// The process's arguments; prints `help` and ends where `--help` is among them.
-    pub fn new(help: &'static str) -> Self {
-        let rest: Vec<String> = std::env::args().skip(1).collect();
+    /// Prints `help` and ends the process where `--help` is among `rest`.
+    pub fn new(program: &'static str, help: &str, rest: impl Iterator<Item = String>) -> Self {
+        let rest: Vec<String> = rest.collect();
         if rest.iter().any(|argument| argument == "--help" || argument == "-h") {
             println!("{help}");
             exit(0);
         }
-        Self { rest }
+        Self { program, rest }
     }
 
     /// The value after `name`, or `default`.
@@ -43,6 +43,11 @@ impl Arguments {
             .collect()
     }
 
+    /// Reads all of them in another way.
+    pub fn parser(&self) -> lexopt::Parser {
+        lexopt::Parser::from_args(&self.rest)
+    }
+
     /// Ends the process where an argument was not taken.
     pub fn finish(self) {
         if let Some(first) = self.rest.first() {
@@ -52,9 +57,7 @@ impl Arguments {
 
     /// Prints what is wrong, and ends the process.
     pub fn fail(&self, message: &str) -> ! {
-        let program = std::env::args().next().map(PathBuf::from);
-        let name = program.as_deref().and_then(Path::file_name).unwrap_or_default();
-        eprintln!("{}: {message}; see --help", name.display());
+        eprintln!("{}: {message}; see --help", self.program);
         exit(2)
     }
 }

@@ -1,6 +1,6 @@
-//! What the measuring examples share: shapes, exact answers, and one way to ask the library for a net force.
+//! What the measuring programs share: shapes, exact answers, and one way to ask the library for a net force.
 
-#![allow(dead_code)] // each example uses a part
+#![allow(dead_code)] // what has it uses a part
 
 pub mod arguments;
 pub mod limits;

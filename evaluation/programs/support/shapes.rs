@@ -1,6 +1,6 @@
 //! Closed triangle meshes of the shapes measured.
 
-#[allow(clippy::duplicate_mod)] // one test has both the examples' shapes and its own
+#[allow(clippy::duplicate_mod)] // one test has both the programs' shapes and its own
 #[path = "../../../tests/common/cuboid.rs"]
 mod cuboid;
 

@@ -259,7 +259,7 @@ fn assert_nothing_lost(shape: &Shape, steps: impl Iterator<Item = Vec<Point>>) -
     [touching, not_looked_at]
 }
 
-/// A tube that wanders at random, slowly and fast by turns, now and then through itself. Long runs: the example
+/// A tube that wanders at random, slowly and fast by turns, now and then through itself. Long runs: the program
 /// self_collision.
 #[test]
 fn culling_and_memory_lose_nothing() {

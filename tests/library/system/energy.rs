@@ -126,7 +126,7 @@ fn impacts_never_gain_energy() {
     assert!(met as usize * STRIDE > 30, "{met} meet");
 }
 
-/// `cargo run --release --example energy` is the same with more and longer starts.
+/// `cargo run --release --example measure -- energy` is the same with more and longer starts.
 #[test]
 fn closed_systems_never_gain_energy() {
     let mut touching = 0;

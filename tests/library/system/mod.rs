@@ -1,7 +1,7 @@
 //! The contact system against closed forms, finite differences and the laws of motion.
 
 mod bodies;
-#[allow(dead_code)] // the example energy uses more of it
+#[allow(dead_code)] // the program energy uses more of it
 mod closed;
 mod energy;
 mod friction;

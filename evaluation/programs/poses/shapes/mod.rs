@@ -5,9 +5,7 @@ mod surfaces;
 
 pub use surfaces::Surface;
 
-#[allow(dead_code)] // the tests use more of it
-#[path = "../../../../tests/common/shapes.rs"]
-mod common;
+use crate::common::shapes as common;
 
 /// In the order of their numbers.
 pub const NAMES: [&str; 13] = [

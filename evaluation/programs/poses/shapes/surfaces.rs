@@ -1,6 +1,6 @@
 //! Triangle surfaces: refinement, surfaces of revolution, swept tubes.
 
-use super::common::Shape;
+use crate::common::shapes::Shape;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! The oracle: does every ray hit what exact arithmetic says it hits?
 //!
-//! `cargo run --release --example oracle -- --queries 1e6 --seed 1`, and `-- --help` for the rest.
+//! `cargo run --release --example measure -- oracle --queries 1e6 --seed 1`, and `--help` for the rest.
 //!
 //! A query is one ray in one precision. It goes to both octree layouts, alone and among many, and is tested against
 //! every triangle; all answers must agree to the bit, and then be *right*, which the [`judge`] decides. What right
@@ -28,17 +28,15 @@ mod nearest;
 mod options;
 mod points;
 mod query;
-mod random;
 mod range;
 mod report;
-#[allow(dead_code)] // the tests use more of it
-#[path = "../../../tests/common/shapes.rs"]
-mod shapes;
 mod tally;
 mod verdict;
 
+use crate::support::arguments::Arguments;
 use cases::Case;
 use indicatif::{ProgressBar, ProgressStyle};
+pub use options::HELP;
 use options::Options;
 use query::{BATCH_SIZE, run_batch};
 use rayon::prelude::*;
@@ -46,18 +44,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 use tally::Tally;
 
-fn main() -> ExitCode {
-    let options = match Options::parse() {
-        Ok(Some(options)) => options,
-        Ok(None) => {
-            println!("{}", options::HELP);
-            return ExitCode::SUCCESS;
-        }
-        Err(error) => {
-            eprintln!("oracle: {error}; see --help");
-            return ExitCode::from(2);
-        }
-    };
+pub fn main(arguments: Arguments) -> ExitCode {
+    let options = Options::parse(arguments.parser()).unwrap_or_else(|error| arguments.fail(&error.to_string()));
     let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads).build() {
         Ok(pool) => pool,
         Err(error) => {

@@ -5,16 +5,12 @@ mod cubes_aside;
 mod references;
 mod slab;
 mod steps;
-#[path = "../support/mod.rs"]
-mod support;
 
+use crate::support::Mode;
+use crate::support::arguments::Arguments;
 use std::process::ExitCode;
-use support::Mode;
-use support::arguments::Arguments;
 
-const HELP: &str = "\
-usage: cargo run --release --example forces -- [options]
-
+pub const HELP: &str = "\
 Measures default contact forces, and those of the paper's law, against what is known of them.
 
   --only NAME     one case of: references, aside, steps, paths, slab, rolled (default: all)
@@ -53,8 +49,7 @@ const CASES: [(&str, Measure); 6] = [
     ("rolled", slab::measure_rolled),
 ];
 
-fn main() -> ExitCode {
-    let mut arguments = Arguments::new(HELP);
+pub fn main(mut arguments: Arguments) -> ExitCode {
     let only: String = arguments.value("--only", String::new());
     let poses: usize = arguments.value("--poses", 1000);
     let seed: u64 = arguments.value("--seed", 1);

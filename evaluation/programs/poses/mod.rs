@@ -1,6 +1,6 @@
 //! The pose benchmark: do contacts free bodies from any overlap?
 //!
-//! `cargo run --release --example poses -- --count 10000 --seed 1 --mode default`, and `-- --help` for the rest.
+//! `cargo run --release --example measure -- poses --count 10000 --seed 1 --mode default`, and `--help` for the rest.
 //!
 //! Each pose draws its bodies from a random sequence of its own ([`start`]), asks the library for contacts, or
 //! [`proximity`] for repulsions, moves the bodies ([`motion`]), and is done when the [`judge`] finds them apart.
@@ -13,17 +13,16 @@ mod options;
 mod picture;
 mod press;
 mod proximity;
-#[path = "../oracle/random.rs"]
-#[allow(dead_code)] // the oracle uses more of it
-mod random;
 mod report;
 mod run;
 mod shapes;
 mod start;
 mod tree;
 
+use crate::support::arguments::Arguments;
 use body::Rest;
 use indicatif::{ProgressBar, ProgressStyle};
+pub use options::HELP;
 use options::{Mode, Options, Precision};
 use rayon::prelude::*;
 use report::Pose;
@@ -32,18 +31,8 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-fn main() -> ExitCode {
-    let options = match Options::parse() {
-        Ok(Some(options)) => options,
-        Ok(None) => {
-            println!("{}", options::HELP);
-            return ExitCode::SUCCESS;
-        }
-        Err(error) => {
-            eprintln!("poses: {error}; see --help");
-            return ExitCode::from(2);
-        }
-    };
+pub fn main(arguments: Arguments) -> ExitCode {
+    let options = Options::parse(arguments.parser()).unwrap_or_else(|error| arguments.fail(&error.to_string()));
     let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads).build() {
         Ok(pool) => pool,
         Err(error) => {
