@@ -185,14 +185,11 @@ impl Rows {
     /// Factors M + dt · Jᵀ D J of the rigid bodies. Gives the place of a body that would lose its mass to rounding, if there is
     /// one.
     pub(super) fn factor_rigid(&mut self, dt: f64) -> Option<usize> {
-        let count = self.masses.len();
-        self.system.reset(6 * count);
+        self.system.reset(6 * self.masses.len());
         for (place, (mass, inertia)) in self.masses.iter().enumerate() {
             for row in 0..3 {
                 self.system.add(6 * place + row, 6 * place + row, *mass);
-                for column in 0..3 {
-                    self.system.add(6 * place + 3 + row, 6 * place + 3 + column, inertia[(row, column)]);
-                }
+                (3..6).for_each(|k| self.system.add(6 * place + 3 + row, 6 * place + k, inertia[(row, k - 3)]));
             }
         }
         let system = &mut self.system;
@@ -221,7 +218,6 @@ impl Rows {
         memory::refill(&mut twists, free.iter().copied());
         for _ in 0..=self.corrections {
             memory::refill_with(&mut loads, 0.0, free.len());
-            // Added up row by row at the answer so far, forces on two bodies are opposite to the last bit.
             self.add_unanswered(&changes, dt, &mut loads, |place, row| row.force_at(&self.slip_at(place, &twists)));
             self.system.solve(&mut loads);
             changes.iter_mut().zip(&loads).for_each(|(change, load)| *change += load);
@@ -245,18 +241,29 @@ impl Rows {
         (self.loads, self.changes, self.response) = (loads, left, changes);
     }
 
-    /// Adds the forces of the rows on rigid bodies, times dt, without the momenta that a change of their velocities takes.
+    /// Adds the forces of the rows on rigid bodies, times dt, without the momenta that a change of their velocities takes. Those
+    /// of a pair may cancel but for one part in 1e9: added up once for both bodies, they are opposite to the last bit.
     fn add_unanswered(&self, changes: &[f64], dt: f64, loads: &mut [f64], force: impl Fn(usize, &Row) -> V3) {
-        for ((load, change), (mass, inertia)) in
-            loads.chunks_exact_mut(6).zip(changes.chunks_exact(6)).zip(&self.masses)
-        {
-            let (momentum, spin) = (linear(change) * *mass, inertia * angular(change));
-            (0..3).for_each(|axis| load[axis] -= momentum[axis]);
-            (0..3).for_each(|axis| load[3 + axis] -= spin[axis]);
+        let bodies = changes.chunks_exact(6).zip(&self.masses);
+        for (load, (change, (mass, inertia))) in loads.chunks_exact_mut(6).zip(bodies) {
+            let taken = [linear(change) * *mass, inertia * angular(change)];
+            (0..6).for_each(|k| load[k] -= taken[k / 3][k % 3]);
         }
-        for (place, row) in self.rows.iter().enumerate() {
-            if row.held.pushes && row.rigid.iter().any(Option::is_some) {
-                Self::scatter_rigid(&row.rigid, &(force(place, row) * dt), loads);
+        let mut places = 0..;
+        for rows in self.rows.chunk_by(|one, next| one.pair == next.pair) {
+            let (mut sum, mut torque, mut last) = (V3::zeros(), V3::zeros(), None);
+            for (row, place) in rows.iter().zip(&mut places).filter(|(row, _)| row.held.pushes) {
+                let ends = row.rigid.iter().flatten();
+                let Some(own) = ends.clone().min_by_key(|end| end.place) else { continue };
+                let load = force(place, row) * (-own.sign * dt);
+                (sum, torque, last) = (sum + load, torque + own.arm.cross(&load), Some((own, ends)));
+            }
+            let Some((own, ends)) = last else { continue };
+            // The arms of two bodies differ by the same in each row of theirs that pushes: those of the last stand for all.
+            let rest = torque - own.arm.cross(&sum);
+            for end in ends {
+                end.add_load(&(sum * own.sign), loads);
+                (0..3).for_each(|axis| loads[6 * end.place + 3 + axis] += own.sign * end.sign * rest[axis]);
             }
         }
     }

@@ -82,21 +82,17 @@ fn momentum(host: &Host, places: &[V3]) -> ([V3; 2], f64) {
     (sums, size)
 }
 
-/// Three bodies wedged in one another exchange far more than they have, and sums keep no more than some roundings of that. Forces
-/// that squeeze a body from two sides cancel but for roundings of each, which add up as if by chance.
-fn assert_kept(host: &Host, places: &[V3], before: [V3; 2], stiffness: f64, what: &str) {
+/// Three bodies wedged in one another exchange far more than they have, and sums keep no more than some roundings of that.
+fn assert_kept(host: &Host, places: &[V3], before: [V3; 2], what: &str) {
     let (after, size) = momentum(host, places);
     let pairs = (0..4).flat_map(|a| (0..a).map(move |b| (a, Surface::Body(b))));
     let force = |(a, b)| host.system.pair_force(a, b).map_or(0.0, |force| V3::from(force).norm());
     let exchanged = pairs.map(force).sum::<f64>() * DT;
-    let contacts = &host.system.contacts().contacts;
-    let squeezed: f64 = contacts.iter().map(|contact| contact.area * contact.depth * contact.cos_alpha).sum();
-    let roundings = f64::EPSILON * stiffness * squeezed * DT / (contacts.len() as f64).sqrt();
     for (k, name) in ["linear", "angular"].into_iter().enumerate() {
         let lost = (after[k] - before[k]).norm();
         assert!(
-            lost < 1e-9 * size + 1e-13 * exchanged + roundings,
-            "{what}: {name} momentum, {lost:e} of {size}, {exchanged:e} and {roundings:e}"
+            lost < 1e-9 * size + 1e-13 * exchanged,
+            "{what}: {name} momentum, {lost:e} of {size} and {exchanged:e}"
         );
     }
 }
@@ -115,7 +111,7 @@ fn eliminated_bodies_keep_their_momentum_or_are_refused() {
                     let what = format!("{count} cubes at {angle:?}, friction {friction}, {stiffness:e} N/m³");
                     match step(&mut host) {
                         Ok(()) => {
-                            assert_kept(&host, &places, before, stiffness, &what);
+                            assert_kept(&host, &places, before, &what);
                             // They are stopped, not passed through.
                             let up = rotation(&V3::from(angle)) * V3::z();
                             let speed = |k: usize| up.dot(&V3::from_row_slice(&host.rigids[k].velocity[..3]));
@@ -210,7 +206,7 @@ fn nodes_and_stiff_eliminated_bodies_keep_their_momentum() {
                         let touches =
                             |contact: &raycontact::contact::Contact<f64>| contact.colliding.max(contact.collided) == 3;
                         assert!(host.system.contacts().contacts.iter().any(touches));
-                        assert_kept(&host, &places, before, stiffness, &what);
+                        assert_kept(&host, &places, before, &what);
                     }
                     Err(error) => {
                         assert!(matches!(error, SystemError::TooStiff { .. }), "{what}: {error}");
