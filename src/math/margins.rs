@@ -84,9 +84,9 @@ pub(crate) const CELL_FACE: f64 = 3.0;
 /// `src/bvh/posed/tests.rs`.
 pub(crate) const CYLINDER_REACH: f64 = 64.0;
 
-/// Boxes in narrow numbers, in units of the mesh's longest side: 16 rounding units of `f32`. A number takes 1 each for the
-/// difference, the inverse, the product, the conversion and this margin itself, the sum of two that is held against a distance
-/// 2 more, and the distance 3: 10. Held by `src/self_contact/near_triangles.rs`.
+/// Boxes in narrow numbers, in units of the longest side of the box around most of the mesh: 16 rounding units of `f32`. A number
+/// takes 1 each for the difference, the inverse, the product, the conversion and this margin itself, the sum of two that is held
+/// against a distance 2 more, and the distance 3: 10. Held by `src/self_contact/near_triangles.rs`.
 pub(crate) const NARROW_BOX: f32 = 1.0 / (1 << 20) as f32;
 
 /// The least cosine of the angle between normals that face alike, in single precision: one half, and 0.01 for normals of

@@ -54,20 +54,20 @@ pub(crate) fn separation<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], enough: T) -
 #[cold]
 fn separation_along_any<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], mut best: T, enough: T) -> T {
     let [a, b] = corners;
-    let mut try_axis = |axis: Vector3<T>| {
-        if best < enough {
-            best = best.max(gap_along_either(corners, &axis));
+    let edge = |corners: &[Vector3<T>; 3], i: usize| corners[(i + 1) % 3] - corners[i];
+    for number in 0..14 {
+        if best >= enough {
+            break;
         }
-    };
-    for corners in corners {
-        try_axis((corners[1] - corners[0]).cross(&(corners[2] - corners[0])));
+        let axis = match number {
+            0 | 1 => (corners[number][1] - corners[number][0]).cross(&(corners[number][2] - corners[number][0])),
+            2..11 => edge(a, (number - 2) / 3).cross(&edge(b, (number - 2) % 3)),
+            // The axes of the boxes come last, since the boxes nearly always overlap. They matter where triangles were offered
+            // because their rounded boxes overlap: these do not touch if the boxes themselves do not.
+            _ => Vector3::ith(number - 11, T::one()),
+        };
+        best = best.max(gap_along_either(corners, &axis));
     }
-    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-        try_axis((a[(i + 1) % 3] - a[i]).cross(&(b[(j + 1) % 3] - b[j])));
-    }
-    // The axes of the boxes come last, since the boxes nearly always overlap. They matter where triangles were offered because
-    // their rounded boxes overlap: these do not touch if the boxes themselves do not.
-    (0..3).for_each(|axis| try_axis(Vector3::ith(axis, T::one())));
     best
 }
 

@@ -37,6 +37,8 @@ const FEWEST_CLOSE: usize = 12;
 const TILES_TIMES_TOUCHING: usize = 64;
 /// How many random pairs are tried for each triangle then, since few touch where few triangles are large,
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
+/// after which part of them a body in order is recognised,
+const FIRST_PART_FOR_RAYS: usize = 8;
 /// and how many must touch at least: fewer may be chance in a body that passes through itself in one place.
 const FEWEST_TOUCHING: usize = 12;
 
@@ -46,8 +48,6 @@ const VERTICES_WITHOUT_SIDE: usize = 4;
 const VERTICES_OF_A_FOLD: usize = 64;
 /// With more folds, this many pairs of triangles with overlapping boxes for each triangle are too many: spikes and rags.
 const CLOSE_BESIDE_FOLDS: usize = 8;
-/// At that limit 16 of random pairs, one for each triangle, are close on average. So many never are.
-const FAR_TOO_MANY_CLOSE: usize = 48;
 /// Of all pairs, this many that touch for each triangle: a large part of the surface lies on the rest.
 const MOST_TOUCHING: usize = 3;
 /// This many pairs of near parts for each triangle: their list would take more memory than everything else.
@@ -57,7 +57,7 @@ pub(crate) const MOST_PAIRS_OF_PARTS: usize = 64;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     /// Vertices around which the surface folds over.
-    folds: usize,
+    pub(crate) folds: usize,
     /// Pairs of triangles that touch.
     pub(crate) touching: usize,
     /// Pairs of triangles whose boxes overlap, beside many folds.
@@ -78,12 +78,6 @@ impl Limits {
         }
         let (touching, close) = (triangles * MOST_TOUCHING, triangles * CLOSE_BESIDE_FOLDS);
         Self { folds: vertices / VERTICES_WITHOUT_SIDE, touching, close, few_folds: vertices / VERTICES_OF_A_FOLD }
-    }
-
-    /// Whether a body with so many folds is tangled without counting the pairs that are close.
-    pub(crate) fn are_exceeded<T: Scalar>(&self, mesh: &Mesh<T>, folds: usize) -> bool {
-        let are_too_close = |_, close, _| (close >= FAR_TOO_MANY_CLOSE).then_some(true);
-        folds > self.folds || folds > self.few_folds && judge_by_random_pairs(mesh, 1, are_too_close)
     }
 
     /// How many pairs may be close in a body with so many folds.
@@ -116,10 +110,10 @@ pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
 /// Whether a body is tangled for rays that have so many of its tiles on their way, judged by random pairs of its triangles. One
 /// of which less than half as many touch as would be enough is known after the first part of them.
 pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
-    let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART;
+    let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART_FOR_RAYS;
     let enough = (TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / tiles).max(FEWEST_TOUCHING);
     judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
-        let is_in_order = tried == first && touching * FIRST_PART * 2 < enough;
+        let is_in_order = tried == first && touching * FIRST_PART_FOR_RAYS * 2 < enough;
         if touching >= enough { Some(true) } else { is_in_order.then_some(false) }
     })
 }

@@ -72,25 +72,25 @@ impl<T: Scalar> Touching<T> {
     pub(crate) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
         self.reset(mesh);
         self.is_tangled = is_tangled(mesh);
-        if !self.is_tangled {
-            self.search_fans(mesh);
-        }
-        if !self.is_tangled {
-            let mut near = std::mem::take(&mut self.near);
-            self.search_pairs(octree, mesh, &Self::reach(mesh), &mut near);
-            self.near = near;
-        }
+        self.search_within(&Self::reach(mesh), octree, mesh);
     }
 
     /// Looks at the whole surface, however long it takes.
     pub(crate) fn search_all(&mut self, octree: &Octree<T>, mesh: &Mesh<T>) {
         self.reset(mesh);
         self.limits = Limits::NONE;
-        self.search_fans(mesh);
-        let reach = Reach { most_pairs: usize::MAX, ..Self::reach(mesh) };
-        let mut near = std::mem::take(&mut self.near);
-        self.search_pairs(octree, mesh, &reach, &mut near);
-        self.near = near;
+        self.search_within(&Reach { most_pairs: usize::MAX, ..Self::reach(mesh) }, octree, mesh);
+    }
+
+    fn search_within(&mut self, reach: &Reach<T>, octree: &Octree<T>, mesh: &Mesh<T>) {
+        if !self.is_tangled {
+            self.search_fans(mesh);
+        }
+        if !self.is_tangled {
+            let mut near = std::mem::take(&mut self.near);
+            self.search_pairs(octree, mesh, reach, &mut near);
+            self.near = near;
+        }
     }
 
     /// The reach of a search for what touches.
@@ -123,7 +123,7 @@ impl<T: Scalar> Touching<T> {
                 least = least.min(altitude);
             }
         }
-        self.is_tangled |= self.limits.are_exceeded(mesh, self.folds);
+        self.is_tangled |= self.folds > self.limits.folds;
         // With edges up to L strained by ε, twice the area of a triangle changes by at most 2 ε L + ε².
         Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
     }
@@ -139,7 +139,19 @@ impl<T: Scalar> Touching<T> {
     ) {
         let Reach { touch, margin, .. } = *reach;
         let (most_touching, most_close) = (self.limits.touching, self.limits.close(self.folds));
-        let mut close = 0;
+        if most_close != usize::MAX {
+            // Beside many folds boxes are counted before any distance is taken.
+            let mut close = 0;
+            let boxes = Reach { margin: T::zero(), part_margin: T::zero(), ..*reach };
+            self.is_tangled = !octree.search_near(mesh, &boxes, near, |a, b, _| {
+                let [a, b] = [Aabb::of_triangle(&mesh.corners(a)), Aabb::of_triangle(&mesh.corners(b))];
+                close += usize::from(a.grown(touch).overlaps(&b));
+                (close <= most_close).then_some(T::zero())
+            });
+            if self.is_tangled {
+                return;
+            }
+        }
         let sheltered = reach.of_sheltered();
         let is_done = octree.search_near(mesh, reach, near, |a, b, is_steep| {
             #[cfg(test)]
@@ -147,13 +159,6 @@ impl<T: Scalar> Touching<T> {
             // The smaller number first, so that the layout does not matter to the last bit.
             let pair = [a.min(b), a.max(b)];
             let corners = [mesh.corners(pair[0]), mesh.corners(pair[1])];
-            if most_close != usize::MAX {
-                let [a, b] = corners.each_ref().map(Aabb::of_triangle);
-                close += usize::from(a.grown(touch).overlaps(&b));
-                if close > most_close {
-                    return None;
-                }
-            }
             if !(is_steep && margin > T::zero()) && are_apart(&corners, sheltered) {
                 return Some(sheltered - touch);
             }

@@ -78,7 +78,7 @@ impl<T: Scalar> Bvh<T> {
         near.sheltered = reach.wide_margin();
         near.surrounding = reach.of_surroundings()[1] - touch;
         let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
-        let narrow = Narrow::new(mesh.aabb());
+        let narrow = Narrow::new(mesh);
         let tiles = 0..self.tile_count();
         dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current: true, narrow, blocks });
         tile_pairs.clear();
@@ -203,7 +203,7 @@ impl<T: Scalar> Bvh<T> {
                 lapsed_tiles.push(tile);
             }
         }
-        let narrow = Narrow::new(mesh.aabb());
+        let narrow = Narrow::new(mesh);
         let tiles = lapsed_tiles.iter().copied();
         dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current, narrow, blocks });
         let block_of = |tile: u32| block_places[tile as usize] as usize;
