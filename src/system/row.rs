@@ -2,7 +2,7 @@ use super::twist::{V3, angular, linear};
 
 /// A node's part in a row. Positive for the second body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
+pub(super) struct Entry {
     pub(super) node: u32,
     /// At the row's own points.
     pub(super) along: f64,

@@ -20,7 +20,7 @@ pub(crate) struct Rows {
     /// No other rows have it.
     pub(crate) stamp: u64,
     pub(crate) rows: Vec<Row>,
-    pub(crate) entries: Vec<Entry>,
+    pub(super) entries: Vec<Entry>,
     /// Room: of each node where it was last added to the entries.
     places: Vec<u32>,
     pub(super) motions: Motions,

@@ -316,7 +316,7 @@ impl<T: Scalar> Body<T> {
     }
 
     /// The nodes of a deformable body.
-    pub(crate) fn nodes(&self) -> Option<std::ops::Range<u32>> {
+    pub(super) fn nodes(&self) -> Option<std::ops::Range<u32>> {
         if let Mover::Nodes { nodes, .. } = &self.mover { Some(nodes.clone()) } else { None }
     }
 }
