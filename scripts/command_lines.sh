@@ -70,7 +70,7 @@ mapfile -t parts < <("$measure" --help | sed -n 's/^  \([a-z0-9_]*\)  .*/\1/p')
 for part in "${parts[@]}"; do
     [[ "$unknown" == *" $part"* ]] || fail "'measure none' does not name $part"
     habits "$measure" "$part"
-    grep -q "measure -- $part " <("$measure" "$part" --help) || fail "'measure $part --help' has another usage"
+    [[ "$("$measure" "$part" --help)" == *"measure -- $part "* ]] || fail "'measure $part --help' has another usage"
 done
 
 # The same files and the same faults for both programs that take two of them.

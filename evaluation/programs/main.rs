@@ -49,7 +49,7 @@ Measures the library by one program:
 
 {lines}
 NAME --help tells what it measures, its options and its output.
-Exit status: 0; 2 for a wrong command line; the program's own else."
+Exit status: 0; 1 as the program says; 2 for a wrong command line."
     )
 }
 
