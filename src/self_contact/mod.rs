@@ -2,6 +2,7 @@
 
 mod certificate;
 mod culling;
+mod fans;
 mod near_triangles;
 mod nearness;
 mod own_side;

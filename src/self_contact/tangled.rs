@@ -10,6 +10,7 @@ pub(crate) mod tests;
 
 use crate::math::Scalar;
 use crate::mesh::Mesh;
+use crate::self_contact::fans::count_folds;
 use crate::self_contact::near_triangles::is_merged;
 use crate::self_contact::nearness::{Nearness, nearness};
 
@@ -32,9 +33,9 @@ const FIRST_PART: usize = 4;
 /// A body whose triangles each have boxes that overlap those of fewer others than this is in order.
 const FEWEST_CLOSE: usize = 12;
 
-/// For the rays of other bodies, a body is tangled if the tiles on their way times the triangles that each touches are this many.
-/// Bodies of coarse parts that overlap have up to 20, one of 224 triangles thrown anywhere has 780.
-const TILES_TIMES_TOUCHING: usize = 64;
+/// For the rays of other bodies, a body is tangled if the tiles on their way times the triangles that each touches are this many,
+/// and if it folds over around many vertices: bodies of parts that overlap have up to thousands, but do not fold.
+const TILES_TIMES_TOUCHING: usize = 8;
 /// How many random pairs are tried for each triangle then, since few touch where few triangles are large,
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
 /// after which part of them a body in order is recognised,
@@ -112,10 +113,11 @@ pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
 pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
     let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART_FOR_RAYS;
     let enough = (TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / tiles).max(FEWEST_TOUCHING);
-    judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
+    let touch_often = judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
         let is_in_order = tried == first && touching * FIRST_PART_FOR_RAYS * 2 < enough;
         if touching >= enough { Some(true) } else { is_in_order.then_some(false) }
-    })
+    });
+    touch_often && count_folds(mesh) * VERTICES_OF_A_FOLD > mesh.topology().surface_vertices().len()
 }
 
 /// Tries random pairs of a body's triangles, so many for each, until the judge can tell by how many were tried, are close and

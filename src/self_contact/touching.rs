@@ -4,11 +4,12 @@
 #[cfg(test)]
 pub(crate) mod tests;
 
-use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
+use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::query::Octree;
 use crate::self_contact::certificate::reach::Reach;
+use crate::self_contact::fans::{Facet, altitude_of_fan, least_altitude, strain_of_fan};
 use crate::self_contact::near_triangles::NearParts;
 use crate::self_contact::nearness::{projected_gap, rounding, separation, touch_distance};
 use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_PARTS, is_tangled};
@@ -33,15 +34,6 @@ pub(crate) struct Touching<T: Scalar> {
     /// Pairs of triangles held against each other.
     #[cfg(test)]
     pub(crate) tried: u64,
-}
-
-/// A triangle as its fans see it.
-#[derive(Clone, Copy, Debug)]
-struct Facet<T: Scalar> {
-    scaled_normal: Vector3<T>,
-    /// Twice its area.
-    area: T,
-    longest_edge: T,
 }
 
 /// What holds for the triangles around the vertices.
@@ -189,63 +181,6 @@ impl<T: Scalar> Touching<T> {
         });
         any
     }
-}
-
-impl<T: Scalar> Facet<T> {
-    fn new(corners: &[Vector3<T>; 3]) -> Self {
-        let [a, b, c] = corners;
-        let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-        let scaled_normal = (b - a).cross(&(c - a));
-        Self { scaled_normal, area: length(&scaled_normal), longest_edge: longest.sqrt() }
-    }
-}
-
-/// Fans seen as flatter than this touch.
-fn least_altitude<T: Scalar>(mesh: &Mesh<T>) -> T {
-    rounding(mesh) * T::of(margins::ALTITUDE_OF_FAN)
-}
-
-/// Looks along the mean normal of the triangles around a vertex. If each is seen from outside and they go around only once,
-/// they cover a plane once, and none crosses another. Returns the least altitude of a triangle seen so, 0 if they do not,
-/// and the least cosine between its normal and the line of sight.
-fn altitude_of_fan<T: Scalar>(mesh: &Mesh<T>, vertex: u32, facet: impl Fn(u32) -> Facet<T>) -> (T, T) {
-    let around = mesh.topology().triangles_around(vertex);
-    let sum = around.iter().fold(Vector3::zeros(), |sum, &t| sum + facet(t).scaled_normal);
-    let Some(axis) = direction(&sum) else { return (T::zero(), T::zero()) };
-    let corners = |triangle: u32| {
-        let corners = mesh.topology().triangles()[triangle as usize];
-        let first = if corners[0] == vertex { 0 } else { 1 + usize::from(corners[1] != vertex) };
-        [1, 2].map(|i| mesh.positions()[corners[(first + i) % 3] as usize] - mesh.positions()[vertex as usize])
-    };
-    // A direction within the first triangle: within how many is it?
-    let [p, q] = corners(around[0]);
-    let across = (p + q).cross(&axis);
-    let mut turns = 0;
-    let (mut least, mut least_cosine) = (T::INFINITY, T::INFINITY);
-    for &triangle in around {
-        let facet = facet(triangle);
-        let seen = facet.scaled_normal.dot(&axis);
-        let (altitude, cosine) = (seen / facet.longest_edge, seen / facet.area);
-        least_cosine = if cosine >= least_cosine { least_cosine } else { cosine };
-        // Written so that NaN counts as none.
-        least = if altitude >= least { least } else { altitude };
-        let [p, q] = corners(triangle);
-        turns += u32::from(p.dot(&across) >= T::zero() && q.dot(&across) < T::zero());
-    }
-    if turns == 1 && least > T::zero() { (least, least_cosine) } else { (T::zero(), T::zero()) }
-}
-
-/// How far the triangles of a fan may be strained, seen at no less than a cosine, with the least altitude that is allowed
-/// as a part of theirs.
-///
-/// The strain s of a triangle is the square root of the sum of squares of what a map adds to the unit map along the triangle
-/// and across it. Its normal, scaled by the area, changes by at most √2 s + s²/2 of that, less than 1.665 s for s up to
-/// ½, and edges grow by at most s of their length. So its altitude as seen is still at least (1 − 1.665 s / cosine) / (1 + s)
-/// of what it was.
-fn strain_of_fan<T: Scalar>(cosine: T, part: T) -> T {
-    let most = T::of(margins::STRAIN) * (T::one() - part) * cosine / (cosine + T::of(1.67));
-    // In this form NaN counts as none.
-    if most > T::zero() { most } else { T::zero() }
 }
 
 /// Whether the line of centres alone parts two triangles by more than `distance`: quicker than its length.
