@@ -33,9 +33,9 @@ const FIRST_PART: usize = 4;
 /// A body whose triangles each have boxes that overlap those of fewer others than this is in order.
 const FEWEST_CLOSE: usize = 12;
 
-/// For the rays of other bodies, a body is tangled if the tiles on their way times the triangles that each touches are this many,
-/// and if it folds over around many vertices: bodies of parts that overlap have up to thousands, but do not fold.
-const TILES_TIMES_TOUCHING: usize = 8;
+/// For the rays of other bodies, a body is tangled if the square of the tiles on their way times the triangles that each touches
+/// is this many, and if it folds over around many vertices: bodies of parts that overlap have thousands, but do not fold.
+const SQUARE_OF_TILES_TIMES_TOUCHING: usize = 512;
 /// How many random pairs are tried for each triangle then, since few touch where few triangles are large,
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
 /// after which part of them a body in order is recognised,
@@ -112,7 +112,7 @@ pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
 /// of which less than half as many touch as would be enough is known after the first part of them.
 pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
     let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART_FOR_RAYS;
-    let enough = (TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / tiles).max(FEWEST_TOUCHING);
+    let enough = (SQUARE_OF_TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / (tiles * tiles)).max(FEWEST_TOUCHING);
     let touch_often = judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
         let is_in_order = tried == first && touching * FIRST_PART_FOR_RAYS * 2 < enough;
         if touching >= enough { Some(true) } else { is_in_order.then_some(false) }
