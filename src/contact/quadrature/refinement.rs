@@ -39,7 +39,7 @@ const ELEMENTS_AT_TOLERANCE_OF_ONE: f64 = 200.0;
 const MOST_ELEMENTS: [f64; 2] = [8192.0, 1_048_576.0];
 /// About so many samples stand on the overlap box's largest face where loads are not measured.
 const UNMEASURED: f64 = 128.0;
-/// Of a body, so many elements are halved then at most; fewer where a pair has a part of the samples.
+/// Of a body, so many elements are halved then at most.
 const MOST_UNMEASURED: f64 = 4096.0;
 /// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
 /// with the bodies and not with the pairs; but each pair has at least this part.
@@ -135,12 +135,11 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
                 quadrature.refine::<L>(pair, &frame, &size);
             }
             sampling => {
-                let part = pair.part_of_samples;
                 let (square, most) = match sampling {
-                    Sampling::Spacing(spacing) => (spacing * spacing, T::of(MOST_ELEMENTS[1])),
-                    _ => (pair.overlap.largest_face() / (T::of(UNMEASURED) * part), T::of(MOST_UNMEASURED) * part),
+                    Sampling::Spacing(spacing) => (spacing * spacing, MOST_ELEMENTS[1]),
+                    _ => (pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_samples), MOST_UNMEASURED),
                 };
-                quadrature.most = most.to_f64() as usize;
+                quadrature.most = most as usize;
                 // A region that is no more than a line or a point gives no measure.
                 let longest = if square > T::zero() { square * T::of(2.0) } else { T::INFINITY };
                 // Patches of a spacing stay as a body bends.
