@@ -52,7 +52,8 @@ impl<T: Scalar> Narrow<T> {
         ((inside - self.within.lower[axis]) * self.inverse).to_f64() as f32
     }
 
+    /// No more than finite, since places without a triangle are infinitely far.
     pub(crate) fn distance(&self, distance: T) -> f32 {
-        (distance * self.inverse).to_f64() as f32 + NARROW_BOX
+        ((distance * self.inverse).to_f64() as f32 + NARROW_BOX).min(f32::MAX)
     }
 }
