@@ -37,7 +37,7 @@ pub(crate) fn altitude_of_fan<T: Scalar>(mesh: &Mesh<T>, vertex: u32, facet: imp
     let corners = |triangle: u32| {
         let corners = mesh.topology().triangles()[triangle as usize];
         let first = if corners[0] == vertex { 0 } else { 1 + usize::from(corners[1] != vertex) };
-        [1, 2].map(|i| mesh.positions()[corners[(first + i) % 3] as usize] - mesh.positions()[vertex as usize])
+        [1, 2].map(|i| mesh.position(corners[(first + i) % 3]) - mesh.position(vertex))
     };
     // A direction within the first triangle: within how many is it?
     let [p, q] = corners(around[0]);
