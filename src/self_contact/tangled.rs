@@ -49,6 +49,8 @@ const VERTICES_WITHOUT_SIDE: usize = 4;
 const VERTICES_OF_A_FOLD: usize = 64;
 /// With more folds, this many pairs of triangles with overlapping boxes for each triangle are too many: spikes and rags.
 const CLOSE_BESIDE_FOLDS: usize = 8;
+/// At that limit 16 of random pairs, one for each triangle, are close on average. So many never are.
+const FAR_TOO_MANY_CLOSE: usize = 48;
 /// Of all pairs, this many that touch for each triangle: a large part of the surface lies on the rest.
 const MOST_TOUCHING: usize = 3;
 /// This many pairs of near parts for each triangle: their list would take more memory than everything else.
@@ -58,7 +60,7 @@ pub(crate) const MOST_PAIRS_OF_PARTS: usize = 64;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     /// Vertices around which the surface folds over.
-    pub(crate) folds: usize,
+    folds: usize,
     /// Pairs of triangles that touch.
     pub(crate) touching: usize,
     /// Pairs of triangles whose boxes overlap, beside many folds.
@@ -79,6 +81,12 @@ impl Limits {
         }
         let (touching, close) = (triangles * MOST_TOUCHING, triangles * CLOSE_BESIDE_FOLDS);
         Self { folds: vertices / VERTICES_WITHOUT_SIDE, touching, close, few_folds: vertices / VERTICES_OF_A_FOLD }
+    }
+
+    /// Whether a body with so many folds is tangled without counting the pairs that are close.
+    pub(crate) fn are_exceeded<T: Scalar>(&self, mesh: &Mesh<T>, folds: usize) -> bool {
+        let are_too_close = |_, close, _| (close >= FAR_TOO_MANY_CLOSE).then_some(true);
+        folds > self.folds || folds > self.few_folds && judge_by_random_pairs(mesh, 1, are_too_close)
     }
 
     /// How many pairs may be close in a body with so many folds.

@@ -115,7 +115,7 @@ impl<T: Scalar> Touching<T> {
                 least = least.min(altitude);
             }
         }
-        self.is_tangled |= self.folds > self.limits.folds;
+        self.is_tangled |= self.limits.are_exceeded(mesh, self.folds);
         // With edges up to L strained by ε, twice the area of a triangle changes by at most 2 ε L + ε².
         Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
     }
