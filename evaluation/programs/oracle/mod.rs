@@ -46,13 +46,7 @@ use tally::Tally;
 
 pub fn main(arguments: Arguments) -> ExitCode {
     let options = Options::parse(arguments.parser()).unwrap_or_else(|error| arguments.fail(&error.to_string()));
-    let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads).build() {
-        Ok(pool) => pool,
-        Err(error) => {
-            eprintln!("oracle: cannot start {} threads: {error}", options.threads);
-            return ExitCode::from(2);
-        }
-    };
+    let pool = arguments.pool(options.threads);
     let start = Instant::now();
     let tally = pool.install(|| run(&options));
     print(&tally, &options, start.elapsed().as_secs_f64());

@@ -33,13 +33,7 @@ use std::time::Instant;
 
 pub fn main(arguments: Arguments) -> ExitCode {
     let options = Options::parse(arguments.parser()).unwrap_or_else(|error| arguments.fail(&error.to_string()));
-    let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads).build() {
-        Ok(pool) => pool,
-        Err(error) => {
-            eprintln!("poses: cannot start {} threads: {error}", options.threads);
-            return ExitCode::from(2);
-        }
-    };
+    let pool = arguments.pool(options.threads);
     let numbers = options.shape.map_or(0..shapes::NAMES.len(), |number| number..number + 1);
     let make = |number| Rest::new(number, options.vertices);
     let rests: Vec<Rest> = pool.install(|| numbers.into_par_iter().map(make).collect());

@@ -48,6 +48,12 @@ impl Arguments {
         lexopt::Parser::from_args(&self.rest)
     }
 
+    /// So many threads; ends the process where they do not start.
+    pub fn pool(&self, threads: usize) -> rayon::ThreadPool {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap_or_else(|error| self.fail(&format!("cannot start {threads} threads: {error}")))
+    }
+
     /// Ends the process where an argument was not taken.
     pub fn finish(self) {
         if let Some(first) = self.rest.first() {
