@@ -2,8 +2,8 @@ use crate::contact::cast::Cast;
 use crate::contact::list::ContactList;
 use crate::contact::pair::{Direction, Pair};
 use crate::contact::point_pair::{Contact, ContactKind};
-use crate::contact::quadrature::Sampling;
 use crate::contact::quadrature::sampler::Starts;
+use crate::contact::quadrature::{Purpose, Sampling};
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::{CastLoad, scale_contacts, shares};
 use crate::contact::workspace::{Chunk, Workspace};
@@ -48,8 +48,9 @@ impl<T: Scalar> Pair<'_, T> {
         let starts = if self.options.sampling == Sampling::Vertices {
             groups.each_ref().map(|groups| Starts::Groups(groups))
         } else {
-            quadrature.fill(self, groups, self.measures_distances());
-            quadrature.count(statistics);
+            let purpose = if self.measures_distances() { Purpose::Load } else { Purpose::Rays };
+            quadrature.fill(self, groups, purpose);
+            *statistics += quadrature.counts;
             quadrature.samples.each_ref().map(|samples| Starts::Samples(samples))
         };
         let [of_first, of_second] = starts.map(Starts::chunk_count);

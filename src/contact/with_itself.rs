@@ -9,7 +9,7 @@ use crate::contact::list::ContactList;
 use crate::contact::options::DetectionOptions;
 use crate::contact::pair::Pair;
 use crate::contact::point_pair::{Contact, ContactKind};
-use crate::contact::quadrature::{Sample, Sampling};
+use crate::contact::quadrature::{Purpose, Sample, Sampling};
 use crate::contact::weigh::{cos_alpha, make_contact};
 use crate::contact::workspace::Workspace;
 use crate::math::{Aabb, Scalar, margins};
@@ -146,7 +146,7 @@ impl<T: Scalar> Body<'_, T> {
             });
         }
         let (bodies, tracers) = ([self.number; 2], [&self.tracer; 2]);
-        Pair::new(bodies, tracers, [&overlap, region], self.options).collect(0, workspace);
+        Pair::new(bodies, tracers, [&overlap, region], self.options).collect(0, Purpose::Rays, workspace);
         let Workspace { samples, rays, hits, crossings, own, .. } = workspace;
         let wanted = &own.culling.is_wanted;
         let is_wanted = |sample: &Sample<T>| {

@@ -3,8 +3,8 @@
 //! back to the middle; what frees them is that one direction is kept.
 
 use crate::contact::{
-    Contact, ContactKind, ContactList, EscapePush, Pair, Sample, Statistics, Workspace, for_each_inside_stretch,
-    make_contact,
+    Contact, ContactKind, ContactList, EscapePush, Pair, Purpose, Sample, Statistics, Workspace,
+    for_each_inside_stretch, make_contact,
 };
 use crate::math::{Scalar, Vector3, direction};
 use crate::memory::{self, Room};
@@ -157,7 +157,7 @@ fn inside_samples<T: Scalar>(
 ) {
     let Workspace { groups, sides, .. } = &mut *workspace;
     pair.tracers[side].groups_not_outside(pair.tracers[1 - side], pair.region, &mut groups[side], &mut sides[side]);
-    pair.collect(side, workspace);
+    pair.collect(side, Purpose::Escape, workspace);
     let Workspace { samples, rays, .. } = &mut *workspace;
     memory::refill(rays, samples.iter().map(|sample| pair.ray_out(side, sample.point.position, away)));
     keep_inside(pair, side, workspace, statistics);

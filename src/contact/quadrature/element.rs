@@ -6,7 +6,7 @@ use crate::contact::quadrature::corners::{Corners, DEEPEST, longest_edge};
 use crate::contact::quadrature::moments::{Moments, MomentsOf};
 use crate::contact::quadrature::sample::{Sample, WHOLE};
 use crate::math::{Aabb, Scalar, Vector3, direction, length, normalising_factor};
-use crate::memory::Room;
+use crate::memory;
 use crate::mesh::Mesh;
 use crate::query::Tracer;
 use crate::simd::Lanes;
@@ -107,7 +107,7 @@ pub(crate) struct Element<T: Scalar> {
     /// The depth of what it is a half of, where that was measured.
     expected: Option<T>,
     /// Whether the other half comes next.
-    is_first_half: bool,
+    pub(crate) is_first_half: bool,
     pub(crate) is_halved: bool,
 }
 
@@ -128,32 +128,25 @@ impl<T: Scalar> Element<T> {
         let is_curved = triangles.len() >= FEWEST_OF_CURVED;
         let on_surface = is_curved.then(|| tracer.closest_on(patches.middle(patch), &frame.point(&centroid)));
         let centre = on_surface.flatten().map_or(centroid, |closest| frame.local(&closest.position));
-        Self::new(body, Extent::Patch(patch), area, vector, centre, radius, frame)
+        let bounds = Aabb { lower: centre, upper: centre }.grown(radius);
+        (area > T::zero() && bounds.overlaps(&frame.region))
+            .then(|| Self::new(body, Extent::Patch(patch), area, vector, centre, radius))
     }
 
     fn piece(body: u8, triangle: u32, corners: Corners<T>, number: u32, depth: u8, frame: &Frame<T>) -> Option<Self> {
-        let [a, b, c] = corners.positions.map(|corner| frame.local(&corner));
+        let local = corners.positions.map(|corner| frame.local(&corner));
+        let (bounds, [a, b, c]) = (Aabb::of_triangle(&local), local);
         let vector = (b - a).cross(&(c - a)) * T::of(0.5);
         let centre = (a + b + c) / T::of(3.0);
         let farthest = [a, b, c].iter().fold(T::zero(), |most, corner| most.max((corner - centre).norm_squared()));
-        let extent = Extent::Piece { triangle, corners, number, depth };
-        Self::new(body, extent, length(&vector), vector, centre, farthest.sqrt(), frame)
+        let (area, extent) = (length(&vector), Extent::Piece { triangle, corners, number, depth });
+        (area > T::zero() && bounds.overlaps(&frame.region))
+            .then(|| Self::new(body, extent, area, vector, centre, farthest.sqrt()))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new(
-        body: u8,
-        extent: Extent<T>,
-        area: T,
-        vector: Vector3<T>,
-        centre: Vector3<T>,
-        radius: T,
-        frame: &Frame<T>,
-    ) -> Option<Self> {
-        let is_near = |axis: usize| {
-            frame.region.lower[axis] <= centre[axis] + radius && centre[axis] - radius <= frame.region.upper[axis]
-        };
-        (area > T::zero() && (0..3).all(is_near)).then(|| Self {
+    fn new(body: u8, extent: Extent<T>, area: T, vector: Vector3<T>, centre: Vector3<T>, radius: T) -> Self {
+        Self {
             body,
             extent,
             area,
@@ -172,7 +165,7 @@ impl<T: Scalar> Element<T> {
             expected: None,
             is_first_half: false,
             is_halved: false,
-        })
+        }
     }
 
     /// Whether it is a patch of several triangles.
@@ -189,30 +182,32 @@ impl<T: Scalar> Element<T> {
     /// where it cannot be halved.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn halve<L: Lanes<T>>(&self, tracer: &Tracer<'_, T>, frame: &Frame<T>, halves: &mut Vec<Self>) -> bool {
-        let body = self.body;
-        let found = match self.extent {
+        let (body, before) = (self.body, halves.len());
+        match self.extent {
             Extent::Patch(patch) => {
                 let Some(parts) = tracer.mesh().patches().parts(patch) else { return false };
-                parts.map(|part| Self::patch::<L>(body, part, tracer, frame))
+                parts.iter().for_each(|&part| memory::append(halves, Self::patch::<L>(body, part, tracer, frame)));
             }
             Extent::Piece { triangle, corners, number, depth } => {
-                let Some(halves) = corners.halves().filter(|_| depth < DEEPEST) else { return false };
-                let numbers = [0, 1].map(|half| number.wrapping_mul(2).wrapping_add(half));
-                [0, 1].map(|half| Self::piece(body, triangle, halves[half], numbers[half], depth + 1, frame))
+                let Some(parts) = corners.halves().filter(|_| depth < DEEPEST) else { return false };
+                for (half, corners) in parts.into_iter().enumerate() {
+                    let number = number.wrapping_mul(2).wrapping_add(half as u32);
+                    memory::append(halves, Self::piece(body, triangle, corners, number, depth + 1, frame));
+                }
             }
-        };
-        let are_both = found[0].is_some() && found[1].is_some();
-        for (number, half) in found.into_iter().enumerate() {
-            let Some(mut half) = half else { continue };
-            half.is_first_half = are_both && number == 0;
-            if self.side != Side::Unknown {
+        }
+        let added = &mut halves[before..];
+        if let [first, _] = added {
+            first.is_first_half = true;
+        }
+        if self.side != Side::Unknown {
+            for half in added {
                 let away = length(&(half.centre - self.centre));
                 // The surface is as far from the middle as it is from this one, but for the way between the two.
                 half.side = if self.depth.abs() > away { self.side } else { Side::Unknown };
                 (half.depth, half.near, half.expected) = (self.depth.abs() + away, self.near, Some(self.depth));
                 (half.bend, half.slope) = (self.bend, self.slope);
             }
-            halves.room_for(1).push(half);
         }
         true
     }
@@ -227,11 +222,6 @@ impl<T: Scalar> Element<T> {
         for element in [first, second] {
             (element.bend, element.slope) = (bend, slope);
         }
-    }
-
-    /// Whether the next element is the other half of what this one is a half of.
-    pub(crate) fn is_first_half(&self) -> bool {
-        self.is_first_half
     }
 
     /// Notes whether the next element is the other half of what this one is a half of.

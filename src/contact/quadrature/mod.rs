@@ -9,5 +9,6 @@ pub(crate) mod refinement;
 pub(crate) mod sample;
 pub(crate) mod sampler;
 
+pub(crate) use refinement::Purpose;
 pub(crate) use sample::Sample;
 pub use sample::Sampling;

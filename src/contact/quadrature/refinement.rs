@@ -42,8 +42,9 @@ const ELEMENTS_AT_TOLERANCE_OF_ONE: f64 = 200.0;
 const MOST_ELEMENTS: [f64; 2] = [8192.0, 1_048_576.0];
 /// About so many samples stand on the overlap box's largest face where loads are not measured.
 const UNMEASURED: f64 = 128.0;
-/// Of a body, so many elements are halved then at most.
+/// By halves, so many elements may a body get then beyond its triangles; where the pair escapes so many.
 const MOST_UNMEASURED: f64 = 4096.0;
+const MOST_OF_ESCAPE: f64 = 512.0;
 /// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
 /// with the bodies and not with the pairs; but each pair has at least this part.
 const MOST_WITH_ALL_SAMPLES: u32 = 12;
@@ -54,53 +55,38 @@ pub(crate) fn part_of_samples<T: Scalar>(neighbours: u32) -> T {
     T::of((f64::from(MOST_WITH_ALL_SAMPLES) / f64::from(neighbours.max(1))).clamp(LEAST_PART, 1.0))
 }
 
+/// What samples are for.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Purpose {
+    /// Forces by the depth below the other body's surface, which is measured: an accuracy puts samples where the load needs them.
+    Load,
+    /// Forces by what rays meet: an accuracy puts samples on each triangle, and on the parts of large ones.
+    Rays,
+    /// One push for all alike: an accuracy puts samples on patches.
+    Escape,
+}
+
 /// Where the samples of both bodies are, and room for finding out.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Quadrature<T: Scalar> {
     pub(crate) samples: [Vec<Sample<T>>; 2],
-    counts: Counts,
+    /// What was done for them.
+    pub(crate) counts: Statistics,
     /// The patches to begin with, and room for finding them.
     patches: Vec<u32>,
     marks: Vec<u64>,
     elements: Vec<Element<T>>,
     fresh: Vec<Element<T>>,
-    /// So many elements may there be, or halvings of the first ones of a body.
+    /// So many elements may there be, or so many more than the patches of a body.
     most: usize,
     crossings: Vec<Hit<T>>,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Counts {
-    /// Rays traced to tell on which side of the other surface elements lie.
-    rays: u64,
-    /// Elements left larger than the error asks.
-    uncut: u64,
-    /// Elements that have no normal.
-    without_normal: u64,
-    /// Samples that stand for patches of several triangles.
-    patches: u64,
-    /// By what part the net force may be off, and by what part it is expected to be.
-    asked: f64,
-    estimated: f64,
-}
-
 impl<T: Scalar> Quadrature<T> {
-    /// Counts what was done for the samples.
-    pub(crate) fn count(&self, statistics: &mut Statistics) {
-        let Counts { rays, uncut, without_normal, patches, asked, estimated } = self.counts;
-        statistics.estimate_rays += rays;
-        statistics.uncut_pieces += uncut;
-        statistics.without_normal += without_normal;
-        statistics.patches += patches;
-        statistics.error_asked = statistics.error_asked.max(asked);
-        statistics.error_estimated = statistics.error_estimated.max(estimated);
-    }
-
-    /// Finds the samples of a pair, given the groups of either body's triangles that may lie inside the other. An accuracy puts
-    /// them where the load needs them, or without measuring that on each triangle and on the parts of large ones.
-    pub(crate) fn fill(&mut self, pair: &Pair<'_, T>, groups: &[Vec<u32>; 2], by_load: bool) {
+    /// Finds the samples of a pair, given the groups of either body's triangles that may lie inside the other.
+    pub(crate) fn fill(&mut self, pair: &Pair<'_, T>, groups: &[Vec<u32>; 2], purpose: Purpose) {
         debug_assert!(pair.options.sampling != Sampling::Vertices, "vertices are no elements");
-        dispatch::<T, _>(Filling { pair, groups, by_load, quadrature: self });
+        dispatch::<T, _>(Filling { pair, groups, purpose, quadrature: self });
     }
 }
 
@@ -108,7 +94,7 @@ impl<T: Scalar> Quadrature<T> {
 struct Filling<'a, 'b, T: Scalar> {
     pair: &'a Pair<'b, T>,
     groups: &'a [Vec<u32>; 2],
-    by_load: bool,
+    purpose: Purpose,
     quadrature: &'a mut Quadrature<T>,
 }
 
@@ -117,13 +103,13 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { pair, groups, by_load, quadrature } = self;
+        let Self { pair, groups, purpose, quadrature } = self;
         let frame = Frame::new(pair.overlap, pair.region);
-        quadrature.counts = Counts::default();
+        quadrature.counts = Statistics::default();
         match pair.options.sampling {
-            Sampling::Accuracy(accuracy) if by_load => {
+            Sampling::Accuracy(accuracy) if purpose == Purpose::Load => {
                 let size = Size::new(pair, accuracy, &frame);
-                quadrature.counts.asked = size.tolerance.to_f64();
+                quadrature.counts.error_asked = size.tolerance.to_f64();
                 let [fewest, most] = MOST_ELEMENTS;
                 quadrature.most = (ELEMENTS_AT_TOLERANCE_OF_ONE / size.tolerance.to_f64()).clamp(fewest, most) as usize;
                 // Above this area no part of the whole is left.
@@ -138,15 +124,18 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
                 quadrature.refine::<L>(pair, &frame, &size);
             }
             sampling => {
-                let (square, most) = match sampling {
-                    Sampling::Spacing(spacing) => (spacing * spacing, MOST_ELEMENTS[1]),
-                    _ => (pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_samples), MOST_UNMEASURED),
+                let unmeasured = pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_samples);
+                // Patches of a spacing stay as a body bends. Of a body with itself they may lie on either side of a fold.
+                let (square, most, is_joined) = match (sampling, purpose) {
+                    (Sampling::Spacing(spacing), _) => {
+                        (spacing * spacing, MOST_ELEMENTS[1], pair.bodies[0] != pair.bodies[1])
+                    }
+                    (_, Purpose::Escape) => (unmeasured, MOST_OF_ESCAPE, true),
+                    _ => (unmeasured, MOST_UNMEASURED, false),
                 };
                 quadrature.most = most as usize;
                 // A region that is no more than a line or a point gives no measure.
                 let longest = if square > T::zero() { square * T::of(2.0) } else { T::INFINITY };
-                // Patches of a spacing stay as a body bends.
-                let is_joined = matches!(sampling, Sampling::Spacing(_)) && pair.bodies[0] != pair.bodies[1];
                 let of_patches = if is_joined { square } else { T::zero() };
                 quadrature.start::<L>(pair, &frame, groups, |_| of_patches, Largest::Edge(longest));
                 std::mem::swap(&mut quadrature.elements, &mut quadrature.fresh);
@@ -268,9 +257,10 @@ impl<T: Scalar> Quadrature<T> {
         for (body, groups) in groups.iter().enumerate().filter(|(_, groups)| !groups.is_empty()) {
             let (tracer, first, before) = (pair.tracers[body], fresh.len(), *counts);
             tracer.patches_of_groups(of_patches(body)).list(groups, marks, patches);
-            // With too many halvings all may be larger, so that it does not matter which come first.
-            'larger: for attempt in 0i32.. {
-                let (times, mut halvings) = (T::of(f64::from(attempt * (attempt + 1) / 2).exp2()), 0);
+            // With too many all may be larger, so that it does not matter which come first.
+            let mut times = T::one();
+            'larger: loop {
+                let mut added = 0;
                 elements.clear();
                 fresh.truncate(first);
                 *counts = before;
@@ -279,13 +269,15 @@ impl<T: Scalar> Quadrature<T> {
                     counts.without_normal +=
                         u64::from(elements.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
                     while let Some(element) = elements.pop() {
+                        let others = elements.len();
                         if !(largest.is_exceeded_by(&element, times) && element.halve::<L>(tracer, frame, elements)) {
-                            counts.uncut += u64::from(largest.is_exceeded_by(&element, T::one()));
+                            counts.uncut_pieces += u64::from(largest.is_exceeded_by(&element, T::one()));
                             fresh.room_for(1).push(element);
                             continue;
                         }
-                        halvings += 1;
-                        if halvings > *most {
+                        added += elements.len().saturating_sub(others + 1);
+                        if added > *most {
+                            times *= times.max(T::of(8.0));
                             continue 'larger;
                         }
                     }
@@ -306,7 +298,7 @@ impl<T: Scalar> Quadrature<T> {
         while !self.fresh.is_empty() {
             let Self { counts, elements, fresh, crossings, .. } = &mut *self;
             for body in 0..2 {
-                counts.rays += measurement.run::<L>(body, fresh, crossings);
+                counts.estimate_rays += measurement.run::<L>(body, fresh, crossings);
             }
             compare_halves(fresh);
             // What lies outside as a whole is of no use any more.
@@ -322,13 +314,13 @@ impl<T: Scalar> Quadrature<T> {
     fn halve<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
         let Self { counts, elements, fresh, most, .. } = self;
         let limits = size.limits(elements);
-        counts.estimated = limits.estimate.to_f64();
+        counts.error_estimated = limits.estimate.to_f64();
         // All that need it or none, so that it does not matter which come first.
         if 3 * elements.len() > *most {
             let is_wanted = |element: &&Element<T>| !element.is_halved && size.halved(element, &limits) > T::zero();
             let wanted = elements.iter().filter(is_wanted).count();
             if elements.len() + 2 * wanted > *most {
-                counts.uncut += wanted as u64;
+                counts.uncut_pieces += wanted as u64;
                 return;
             }
         }
@@ -344,7 +336,7 @@ impl<T: Scalar> Quadrature<T> {
                 element.weight = whole.weight * (T::one() - halved);
                 fresh[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
             } else {
-                counts.uncut += 1;
+                counts.uncut_pieces += 1;
             }
         }
     }
@@ -379,7 +371,7 @@ fn compare_halves<T: Scalar>(elements: &mut [Element<T>]) {
     for place in 1..elements.len() {
         let (before, after) = elements.split_at_mut(place);
         let first = &mut before[place - 1];
-        if first.is_first_half() {
+        if first.is_first_half {
             Element::compare([first, &mut after[0]]);
         }
     }

@@ -19,8 +19,8 @@ pub enum Sampling<T: Scalar> {
     ///
     /// Under [`ContactLaw::RayLength`](crate::contact::ContactLaw) and with an open mesh depths say nothing beforehand: there
     /// rays start in the middle of each triangle, along its normal, and triangles that are large beside the overlap are cut
-    /// first, so that about 128 rays stand on its largest side; in crowds fewer, but at least 8. Of a body with itself each
-    /// triangle casts one.
+    /// first, so that about 128 rays stand on its largest side; in crowds fewer, but at least 8. Where a pair escapes, patches
+    /// cast that many. Of a body with itself each triangle casts one.
     Accuracy(T),
     /// About so far apart, a length > 0, whatever the triangulation. Larger triangles are cut into pieces of that size, and
     /// each piece casts from its middle. Smaller ones are joined to patches of at most the length's square, connected and
