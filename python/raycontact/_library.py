@@ -24,10 +24,13 @@ library: Any = ffi.dlopen(os.path.join(os.path.dirname(os.path.abspath(__file__)
 class Error(RuntimeError):
     """A call of the library has failed and changed nothing. The text says what was wrong where, and what to do."""
 
-    def __init__(self, status: int) -> None:
+    def __init__(self, status: int, told: str = "") -> None:
         self.status = _header.Status(status)
-        told = ffi.string(library.rayc_last_error_message()).decode().replace("RAYC_SAMPLING_", "Sampling.")
-        super().__init__(told or self.status.name)
+        told = told or ffi.string(library.rayc_last_error_message()).decode().replace("RAYC_SAMPLING_", "Sampling.")
+        super().__init__(self.status, told or self.status.name)
+
+    def __str__(self) -> str:
+        return str(self.args[1])
 
 
 @functools.lru_cache(None)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """Bad input raises what says what is wrong and where, and changes nothing."""
 
+import pickle
+
 import numpy as np
 import pytest
 from raycontact import Contacts, Error, Mesh, Sampling, Scalar, Scene, Status, query_pair
@@ -34,6 +36,9 @@ def test_faults_of_a_surface(positions, triangles, status, text):
         Mesh(positions, triangles)
     assert caught.value.status == status
     assert str(caught.value) != status.name
+    # As from another process.
+    sent = pickle.loads(pickle.dumps(caught.value))
+    assert (type(sent), sent.status, str(sent)) == (Error, status, str(caught.value))
 
 
 @pytest.mark.parametrize(

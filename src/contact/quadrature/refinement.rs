@@ -42,7 +42,7 @@ const ELEMENTS_AT_TOLERANCE_OF_ONE: f64 = 200.0;
 const MOST_ELEMENTS: [f64; 2] = [8192.0, 1_048_576.0];
 /// About so many samples stand on the overlap box's largest face where loads are not measured.
 const UNMEASURED: f64 = 128.0;
-/// By halves, so many elements may a body get then beyond its triangles; where the pair escapes so many.
+/// Halving may add so many elements to the first ones of a body then; where the pair escapes, so many.
 const MOST_UNMEASURED: f64 = 4096.0;
 const MOST_OF_ESCAPE: f64 = 512.0;
 /// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
@@ -77,7 +77,7 @@ pub(crate) struct Quadrature<T: Scalar> {
     marks: Vec<u64>,
     elements: Vec<Element<T>>,
     fresh: Vec<Element<T>>,
-    /// So many elements may there be, or so many more than the patches of a body.
+    /// There may be so many elements, or so many more than a body has patches.
     most: usize,
     crossings: Vec<Hit<T>>,
 }
@@ -257,7 +257,7 @@ impl<T: Scalar> Quadrature<T> {
         for (body, groups) in groups.iter().enumerate().filter(|(_, groups)| !groups.is_empty()) {
             let (tracer, first, before) = (pair.tracers[body], fresh.len(), *counts);
             tracer.patches_of_groups(of_patches(body)).list(groups, marks, patches);
-            // With too many all may be larger, so that it does not matter which come first.
+            // Where there would be too many, all may be larger, so that it does not matter which come first.
             let mut times = T::one();
             'larger: loop {
                 let mut added = 0;
