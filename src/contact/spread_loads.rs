@@ -169,6 +169,7 @@ impl<'a, T: Scalar> End<'a, T> {
     }
 
     /// Adds the same weight to three vertices.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn load(&mut self, vertices: [u32; 3], corners: [Vector3<T>; 3], weight: T, marks: &mut Marks) {
         for (vertex, corner) in vertices.into_iter().zip(corners) {
             let place = &mut marks.places[vertex as usize];
