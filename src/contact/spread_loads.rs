@@ -90,8 +90,9 @@ impl<'a, T: Scalar> End<'a, T> {
         (point - self.origin) * self.factor
     }
 
-    fn corners(&self, vertices: [u32; 3]) -> [Vector3<T>; 3] {
-        vertices.map(|vertex| self.local(&self.mesh.position(vertex)))
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn corners(&self, [a, b, c]: [u32; 3]) -> [Vector3<T>; 3] {
+        [self.mesh.position(a), self.mesh.position(b), self.mesh.position(c)].map(|corner| self.local(&corner))
     }
 
     fn mean(&self) -> Vector3<T> {
@@ -123,8 +124,8 @@ impl<'a, T: Scalar> End<'a, T> {
     /// The vertices of the triangles about the origin, from this one on, that face the push, on about this area, the nearest the
     /// most. Their mean is this far beside the origin, seen along the push. False where that is one triangle.
     fn bear_around(&mut self, triangle: u32, aside: &Vector3<T>, area: T, marks: &mut Marks) -> bool {
-        // With weights that fall to 0 there, the area counts once.
-        let mut square = area * self.factor * self.factor * T::of(std::f64::consts::FRAC_2_PI);
+        // With weights that fall to 0 there, the area counts a little more than once.
+        let mut square = area * self.factor * self.factor * T::of(0.7);
         loop {
             let count = self.load_around(triangle, square, marks);
             self.normalise(marks);
@@ -143,29 +144,35 @@ impl<'a, T: Scalar> End<'a, T> {
     /// Loads the triangles within a distance of the origin that face the push; gives how many there are.
     fn load_around(&mut self, triangle: u32, square: T, marks: &mut Marks) -> usize {
         let topology = self.mesh.topology();
-        let (mut next, mut count) = (0, 0);
-        memory::refill(&mut marks.met, [triangle]);
-        marks.is_met[triangle as usize] = true;
-        while let Some(&triangle) = marks.met.get(next) {
+        marks.met.clear();
+        let mut count = usize::from(self.load_within(triangle, square, marks));
+        let mut next = 0;
+        // What is around a vertex that bears some of the load may bear some too.
+        while let Some(&(vertex, _)) = self.bearings.get(next) {
             next += 1;
-            let vertices = topology.triangles()[triangle as usize];
-            let [a, b, c] = self.corners(vertices);
-            let facing = (b - a).cross(&(c - a)).dot(&self.direction);
-            let away = ((a + b + c) / T::of(3.0)).norm_squared();
-            // Written so that NaN is left out.
-            if !(away < square && facing > T::zero()) {
-                continue;
-            }
-            count += 1;
-            self.load(vertices, [a, b, c], facing * (square - away), marks);
-            for &neighbour in vertices.iter().flat_map(|&vertex| topology.triangles_around(vertex)) {
-                if !std::mem::replace(&mut marks.is_met[neighbour as usize], true) {
-                    marks.met.room_for(1).push(neighbour);
-                }
+            for &neighbour in topology.triangles_around(vertex) {
+                count += usize::from(!marks.is_met[neighbour as usize] && self.load_within(neighbour, square, marks));
             }
         }
         marks.met.iter().for_each(|&triangle| marks.is_met[triangle as usize] = false);
         count
+    }
+
+    /// Loads a triangle where its middle lies within a distance of the origin and it faces the push.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load_within(&mut self, triangle: u32, square: T, marks: &mut Marks) -> bool {
+        marks.is_met[triangle as usize] = true;
+        marks.met.room_for(1).push(triangle);
+        let vertices = self.mesh.topology().triangles()[triangle as usize];
+        let [a, b, c] = self.corners(vertices);
+        let facing = (b - a).cross(&(c - a)).dot(&self.direction);
+        let away = ((a + b + c) / T::of(3.0)).norm_squared();
+        // Written so that NaN is left out.
+        let bears = away < square && facing > T::zero();
+        if bears {
+            self.load(vertices, [a, b, c], facing * (square - away), marks);
+        }
+        bears
     }
 
     /// Adds the same weight to three vertices.

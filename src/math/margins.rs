@@ -157,7 +157,7 @@ pub(crate) const ELIMINATED_PART: f64 = 16.0;
 /// Which part of what rigid bodies answer may be wrong before it is corrected, so that each correction leaves no more than
 /// that; and which part may stay. Beyond the first, forces that cancel between two bodies take with them 1e-9 of the momentum.
 /// Held by `tests/library/system/range.rs`.
-pub(crate) const WRONG_ANSWER: [f64; 2] = [1.0 / 1024.0, 1.0 / (1_u64 << 33) as f64];
+pub(crate) const WRONG_ANSWER: [f64; 2] = [1.0 / 8192.0, 1.0 / (1_u64 << 36) as f64];
 
 /// The largest number that a contact system takes: of a material, a position, a velocity, a step's length. Its energies are
 /// squares of forces over stiffnesses, and a force is a product of six of them, stiffness, area, friction, damping time and

@@ -235,7 +235,7 @@ impl<T: Scalar> Element<T> {
         };
     }
 
-    /// What the depth in the middle leaves out where the other surface crosses the element: at most about a fifth of how
+    /// What the depth in the middle leaves out where the other surface crosses the element: at most about a tenth of how
     /// far the depth reaches across it, and nothing where it does not cross.
     fn cut(&self, thickness: T) -> T {
         let reach = self.slope * self.radius;
@@ -286,8 +286,8 @@ impl<T: Scalar> Element<T> {
 
 /// Patches of at least so many triangles are curved; those of fewer have an edge in the middle, which stands out.
 const FEWEST_OF_CURVED: usize = 8;
-/// Parts of this many times how far the depth reaches are left out where the surface crosses an element in its middle.
-const CUT: f64 = 0.2;
+/// This part of how far the depth reaches is left out where the surface crosses an element in its middle.
+const CUT: f64 = 0.1;
 /// What an element may hide beyond what it and its neighbours show, as a part of its size, or of the overlap's thickness where
 /// that is less.
 const UNSEEN: f64 = 0.1;

@@ -20,12 +20,12 @@ use crate::triangle::{Hit, RayPacket};
 // These numbers were chosen together: docs/architecture.md, *Tuned constants*.
 
 /// About so many elements cover the overlap box's largest face at first.
-const FIRST_ELEMENTS: f64 = 192.0;
-/// One of n elements may be off by this part of the tolerance, divided by √n, since errors of many add up as if by chance.
-const ERROR_BY_CHANCE: f64 = 0.85;
+const FIRST_ELEMENTS: f64 = 203.0;
+/// What all elements may be off by together, as if by chance, is so many times the tolerance: it turns out to be half of that.
+const ESTIMATE: f64 = 1.3;
 /// At tolerances below this, what errors have in common shows as well: less in proportion.
 const SYSTEMATIC: f64 = 0.01;
-/// But it may always be off by this part of the tolerance, or by so many times its square, whichever is less.
+/// But one may always be off by this part of the tolerance, or by so many times its square, whichever is less.
 const ERROR_AT_ONCE: [f64; 2] = [0.1, 3.0];
 /// Where the forces of a pair cancel, errors are held against so much of their load.
 const LEAST_FORCE: f64 = 0.1;
@@ -76,7 +76,10 @@ pub(crate) struct Quadrature<T: Scalar> {
     patches: Vec<u32>,
     marks: Vec<u64>,
     elements: Vec<Element<T>>,
-    fresh: Vec<Element<T>>,
+    /// How far each element of either body may be off.
+    errors: [Vec<T>; 2],
+    /// What waits to be halved at the start.
+    waiting: Vec<Element<T>>,
     /// There may be so many elements, or so many more than a body has patches.
     most: usize,
     crossings: Vec<Hit<T>>,
@@ -138,7 +141,6 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
                 let longest = if square > T::zero() { square * T::of(2.0) } else { T::INFINITY };
                 let of_patches = if is_joined { square } else { T::zero() };
                 quadrature.start::<L>(pair, &frame, groups, |_| of_patches, Largest::Edge(longest));
-                std::mem::swap(&mut quadrature.elements, &mut quadrature.fresh);
             }
         }
         quadrature.sample(pair, &frame);
@@ -206,23 +208,45 @@ impl<T: Scalar> Size<T> {
     }
 
     /// The limits that follow from what all elements carry.
-    fn limits(&self, elements: &[Element<T>]) -> Limits<T> {
+    fn limits(&self, elements: &[Element<T>], errors: &mut [Vec<T>; 2]) -> Limits<T> {
         // One by one, so that it does not matter which body comes first.
-        let mut sums = [[T::zero(); 6]; 2];
+        let mut sums = [[T::zero(); 5]; 2];
+        errors.iter_mut().for_each(Vec::clear);
         for &Element { body, push, load, error, weight, .. } in elements {
-            let numbers = [push.x, push.y, push.z, load, error, error * error];
+            let numbers = [push.x, push.y, push.z, load, error * error];
             sums[usize::from(body)].iter_mut().zip(numbers).for_each(|(sum, number)| *sum += weight * number);
+            errors[usize::from(body)].room_for(1).push(weight * error);
         }
-        let [x, y, z, load, error, square] = std::array::from_fn(|number| sums[0][number] + sums[1][number]);
+        let [x, y, z, load, square] = std::array::from_fn(|number| sums[0][number] + sums[1][number]);
         // Of the net force, or where that cancels a part of all.
         let force = length(&Vector3::new(x, y, z)).max(load * T::of(LEAST_FORCE));
-        // Errors add up as if by chance, and root_of_count² of one size would add up to the same.
-        let by_all = square.sqrt();
-        let root_of_count = error / by_all;
-        let estimate = if load > T::zero() { by_all / force } else { T::zero() };
-        let by_chance = T::of(ERROR_BY_CHANCE) * (self.tolerance / T::of(SYSTEMATIC)).min(T::one()) / root_of_count;
+        // Errors add up as if by chance.
+        let estimate = if load > T::zero() { square.sqrt() / force } else { T::zero() };
+        let allowed = force * self.tolerance;
+        let together = T::of(ESTIMATE) * (self.tolerance / T::of(SYSTEMATIC)).min(T::one());
         let always = T::of(ERROR_AT_ONCE[0]).min(T::of(ERROR_AT_ONCE[1]) * self.tolerance);
-        Limits { error: force * self.tolerance * by_chance.max(always), load: load * self.largest_share, estimate }
+        let error = limit_of_errors(errors, allowed * together).max(allowed * always);
+        Limits { error, load: load * self.largest_share, estimate }
+    }
+}
+
+/// To what the largest errors have to come down so that all together, as if by chance, are no more than this.
+fn limit_of_errors<T: Scalar>(errors: &[Vec<T>; 2], together: T) -> T {
+    let mut limit = T::zero();
+    loop {
+        let of_body = |errors: &Vec<T>| {
+            errors.iter().fold([T::zero(); 2], |[squares, larger], &error| {
+                if error > limit { [squares, larger + T::one()] } else { [squares + error * error, larger] }
+            })
+        };
+        let [first, second] = errors.each_ref().map(of_body);
+        // The larger ones share what the others leave, and fewer are larger each time.
+        let next = ((together * together - (first[0] + second[0])) / (first[1] + second[1])).sqrt();
+        // In this form NaN ends it.
+        if !(next > limit) {
+            return limit;
+        }
+        limit = next;
     }
 }
 
@@ -251,31 +275,30 @@ impl<T: Scalar> Quadrature<T> {
         of_patches: impl Fn(usize) -> T,
         largest: Largest<T>,
     ) {
-        let Self { counts, patches, marks, elements, fresh, most, .. } = self;
+        let Self { counts, patches, marks, elements, waiting, most, .. } = self;
         elements.clear();
-        fresh.clear();
         for (body, groups) in groups.iter().enumerate().filter(|(_, groups)| !groups.is_empty()) {
-            let (tracer, first, before) = (pair.tracers[body], fresh.len(), *counts);
+            let (tracer, first, before) = (pair.tracers[body], elements.len(), *counts);
             tracer.patches_of_groups(of_patches(body)).list(groups, marks, patches);
             // Where there would be too many, all may be larger, so that it does not matter which come first.
             let mut times = T::one();
             'larger: loop {
                 let mut added = 0;
-                elements.clear();
-                fresh.truncate(first);
+                waiting.clear();
+                elements.truncate(first);
                 *counts = before;
                 for &patch in &*patches {
-                    memory::append(elements, Element::patch::<L>(body as u8, patch, tracer, frame));
+                    memory::append(waiting, Element::patch::<L>(body as u8, patch, tracer, frame));
                     counts.without_normal +=
-                        u64::from(elements.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
-                    while let Some(element) = elements.pop() {
-                        let others = elements.len();
-                        if !(largest.is_exceeded_by(&element, times) && element.halve::<L>(tracer, frame, elements)) {
+                        u64::from(waiting.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
+                    while let Some(element) = waiting.pop() {
+                        let others = waiting.len();
+                        if !(largest.is_exceeded_by(&element, times) && element.halve::<L>(tracer, frame, waiting)) {
                             counts.uncut_pieces += u64::from(largest.is_exceeded_by(&element, T::one()));
-                            fresh.room_for(1).push(element);
+                            elements.room_for(1).push(element);
                             continue;
                         }
-                        added += elements.len().saturating_sub(others + 1);
+                        added += waiting.len().saturating_sub(others + 1);
                         if added > *most {
                             times *= times.max(T::of(8.0));
                             continue 'larger;
@@ -284,8 +307,8 @@ impl<T: Scalar> Quadrature<T> {
                 }
                 break;
             }
-            for place in first..fresh.len() {
-                let (before, after) = fresh.split_at_mut(place + 1);
+            for place in first..elements.len() {
+                let (before, after) = elements.split_at_mut(place + 1);
                 before[place].note_other_half(after.first(), tracer.mesh());
             }
         }
@@ -294,17 +317,25 @@ impl<T: Scalar> Quadrature<T> {
     /// Measures elements and halves those that need it, until none do.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn refine<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
-        let mut measurement = Measurement::new(pair, frame);
-        while !self.fresh.is_empty() {
-            let Self { counts, elements, fresh, crossings, .. } = &mut *self;
+        let (mut measurement, mut first) = (Measurement::new(pair, frame), 0);
+        while first < self.elements.len() {
+            let Self { counts, elements, crossings, .. } = &mut *self;
+            let fresh = &mut elements[first..];
             for body in 0..2 {
                 counts.estimate_rays += measurement.run::<L>(body, fresh, crossings);
             }
             compare_halves(fresh);
             // What lies outside as a whole is of no use any more.
-            fresh.retain(|element| element.depth > -element.radius);
-            fresh.iter_mut().for_each(|element| element.assess(size.thickness, size.shares));
-            memory::append(elements, fresh.drain(..));
+            let mut kept = first;
+            for place in first..elements.len() {
+                if elements[place].depth > -elements[place].radius {
+                    elements[place].assess(size.thickness, size.shares);
+                    elements[kept] = elements[place];
+                    kept += 1;
+                }
+            }
+            elements.truncate(kept);
+            first = kept;
             self.halve::<L>(pair, frame, size);
         }
     }
@@ -312,8 +343,8 @@ impl<T: Scalar> Quadrature<T> {
     /// Adds the halves of elements that need it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn halve<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
-        let Self { counts, elements, fresh, most, .. } = self;
-        let limits = size.limits(elements);
+        let Self { counts, elements, errors, most, .. } = self;
+        let limits = size.limits(elements, errors);
         counts.error_estimated = limits.estimate.to_f64();
         // All that need it or none, so that it does not matter which come first.
         if 3 * elements.len() > *most {
@@ -324,17 +355,18 @@ impl<T: Scalar> Quadrature<T> {
                 return;
             }
         }
-        for element in elements.iter_mut() {
+        for place in 0..elements.len() {
+            let element = &mut elements[place];
             let halved = if element.is_halved { T::zero() } else { size.halved(element, &limits) };
             if halved == T::zero() {
                 continue;
             }
             element.is_halved = true;
-            let (whole, before) = (*element, fresh.len());
-            let tracer = pair.tracers[usize::from(whole.body)];
-            if whole.halve::<L>(tracer, frame, fresh) {
-                element.weight = whole.weight * (T::one() - halved);
-                fresh[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
+            let whole = *element;
+            let (tracer, before) = (pair.tracers[usize::from(whole.body)], elements.len());
+            if whole.halve::<L>(tracer, frame, elements) {
+                elements[place].weight = whole.weight * (T::one() - halved);
+                elements[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
             } else {
                 counts.uncut_pieces += 1;
             }
