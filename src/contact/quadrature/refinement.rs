@@ -243,10 +243,11 @@ fn limit_of_errors<T: Scalar>(errors: &[Vec<T>; 2], together: T) -> T {
         // The larger ones share what the others leave, and fewer are larger each time.
         let next = ((together * together - (first[0] + second[0])) / (first[1] + second[1])).sqrt();
         // In this form NaN ends it.
-        if !(next > limit) {
+        if next > limit {
+            limit = next;
+        } else {
             return limit;
         }
-        limit = next;
     }
 }
 
