@@ -85,7 +85,7 @@ def test_rows_in_descending_order_are_copied():
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_forces_are_added_where_they_lie(layout, dtype):
     # Few contacts, since each rounds once where it is added.
-    contacts = query_pair(Mesh(X, TETRAHEDRON), Mesh(*tetrahedron(0.2)), sampling_value=0.1)
+    contacts = query_pair(Mesh(X, TETRAHEDRON), Mesh(*tetrahedron(0.2)), sampling="spacing", sampling_value=0.3)
     wanted = [np.zeros((4, 3)) for _ in range(2)]
     contacts.add_forces(wanted)
     assert np.abs(wanted[1]).max() > 1e-3
