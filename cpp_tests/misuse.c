@@ -66,6 +66,7 @@ static void call_with_scene(rayc_scene* scene, const rayc_mesh* mesh, rayc_conta
   CHECK_INVALID(rayc_scene_set_positions(scene, 0, positions));
   CHECK_INVALID(rayc_scene_set_detection_options(scene, NULL));
   CHECK_INVALID(rayc_scene_set_self_collision(scene, 0, 1));
+  CHECK_INVALID(rayc_scene_set_carrier_spacing(scene, 0, 0.1));
   CHECK_INVALID(rayc_scene_set_pair_collision(scene, 0, 1, 1));
   CHECK_INVALID(rayc_scene_query(scene, contacts));
   CHECK_INVALID(rayc_scene_allow_escape(scene, 0, 1, 1));

@@ -209,6 +209,18 @@ enum rayc_status rayc_scene_release_body_numbers(struct rayc_scene *scene);
 enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene, uint32_t body, uint32_t is_on);
 
 /**
+ * Says how far apart the unknowns are that move a body's vertices: 0, as for a new body, where the vertices are unknowns
+ * themselves or the body is rigid; about the edge of the cells where a cage carries it; infinity where nothing moves it. With
+ * RAYC_SAMPLING_ACCURACY a pair has no more samples than a few for each cell of the finer one of both. From the next query
+ * on. A contact system knows it, but what is said here counts.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where it is negative or NaN.
+ */
+enum rayc_status rayc_scene_set_carrier_spacing(struct rayc_scene *scene,
+                                                uint32_t body,
+                                                double spacing);
+
+/**
  * Switches contacts between two bodies off (is_on = 0) or on again (1), from the next query on; they are on for new
  * bodies. Use it for collision groups, or for parts of one machine. While it is off, the pair costs nothing, is not
  * counted, and forgets what it remembered.

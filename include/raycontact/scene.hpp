@@ -150,6 +150,11 @@ class Scene {
     return check(rayc_scene_set_self_collision(get(), body, is_on));
   }
 
+  /** How far apart the unknowns are that move a body's vertices, m: rayc_scene_set_carrier_spacing(). */
+  Outcome<void> set_carrier_spacing(uint32_t body, double spacing) {
+    return check(rayc_scene_set_carrier_spacing(get(), body, spacing));
+  }
+
   /** Switches contacts between two bodies off, or on again: rayc_scene_set_pair_collision(). */
   Outcome<void> set_pair_collision(uint32_t a, uint32_t b, bool is_on) {
     return check(rayc_scene_set_pair_collision(get(), a, b, is_on));

@@ -55,6 +55,12 @@ class Scene:
         """Switches contacts of a body with itself on or off from the next query on; off for a new body."""
         call(library.rayc_scene_set_self_collision, self._handle, body, is_on)
 
+    def set_carrier_spacing(self, body: int, spacing: float) -> None:
+        """Says how far apart the unknowns are that move a body's vertices, in m: 0, as for a new body, where the vertices
+        are unknowns themselves or the body is rigid; about the edge of the cells where a cage carries it; infinity where
+        nothing moves it. By default a pair has no more samples than a few for each cell of the finer one of both."""
+        call(library.rayc_scene_set_carrier_spacing, self._handle, body, spacing)
+
     def set_pair_collision(self, a: int, b: int, is_on: bool) -> None:
         """Switches contacts between two bodies off or on again from the next query on."""
         call(library.rayc_scene_set_pair_collision, self._handle, a, b, is_on)

@@ -113,6 +113,23 @@ def test_self_collision_is_switched_on_by_body():
     assert scene.query().statistics()["self_contacts"] > 0
 
 
+def test_coarse_carriers_take_fewer_samples():
+    scene = Scene()
+    for shift in (0, 1.5):
+        scene.add(Mesh(*ball(20, (shift, 0.01, 0.02))))
+    default = len(scene.query())
+    for body in (0, 1):
+        scene.set_carrier_spacing(body, 0.3)
+    assert 5 < len(scene.query()) < default / 2
+    scene.set_carrier_spacing(1, 0)  # the finer of both decides
+    assert len(scene.query()) == default
+    for wrong in (-1, np.nan):
+        with pytest.raises(Error, match="carrier_spacing is"):
+            scene.set_carrier_spacing(0, wrong)
+    with pytest.raises(Error):
+        scene.set_carrier_spacing(2, 0.3)
+
+
 def test_detection_options_hold_until_set_again():
     scene = Scene()
     for shift in (0, 0.2):

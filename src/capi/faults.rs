@@ -189,6 +189,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_scene_set_pose(null_mut(), 0, null());
         rayc_scene_set_detection_options(null_mut(), null());
         rayc_scene_set_self_collision(null_mut(), 0, 0);
+        rayc_scene_set_carrier_spacing(null_mut(), 0, 0.0);
         rayc_scene_set_pair_collision(null_mut(), 0, 0, 0);
         rayc_scene_advance(null_mut(), 0.0);
         rayc_scene_query(null_mut(), null_mut());

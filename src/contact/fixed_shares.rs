@@ -1,20 +1,28 @@
 use crate::math::Scalar;
+use crate::mesh::Roundness;
 
-/// The shares of the load that the two directions carry for bodies of these roundnesses, whatever their pose.
+/// The shares of the load that the two directions carry for bodies of these shapes, whatever their pose.
 ///
 /// The forces of one body's rays are the gradient of an energy, in the field of distances inside the other body. With constant
 /// shares the sum of both directions is such a gradient too, so closed paths cost no work. In the field of a flat face the
-/// force is that of Archimedes; in that of a ball it is smaller. So the rounder body casts more, and all where the other is
-/// flat beside it. docs/accuracy.md has the errors that the two constants leave.
-pub(crate) fn fixed_shares<T: Scalar>(roundness: [f64; 2]) -> [T; 2] {
+/// force is that of Archimedes; in that of a ball it is smaller, the more so the smaller the ball. So the one that is curved
+/// more casts more, and all where the other is flat beside it. Of two with flat faces the smaller casts more: it is more likely
+/// to touch with a whole face, where the border is its own and needs no search. docs/accuracy.md has the errors that the two
+/// constants leave.
+pub(crate) fn fixed_shares<T: Scalar>(shapes: [Roundness; 2]) -> [T; 2] {
     const LITTLE: f64 = 1.0 / 128.0;
     const NOTHING: f64 = 1.0 / 512.0;
-    let claims = roundness.map(|roundness| (roundness + LITTLE).powi(2));
+    let largest = shapes[0].area.max(shapes[1].area);
+    let [first, second] = shapes.map(|Roundness { of_unit, area }| [(of_unit + LITTLE).powi(2), area / largest]);
+    // The squares of both curvatures, times both areas.
+    let claims = [first[0] * second[1], second[0] * first[1]];
     let parts = claims.map(|claim| claim / (claims[0] + claims[1]));
     match parts {
         [first, _] if first < NOTHING => [T::zero(), T::one()],
         [_, second] if second < NOTHING => [T::one(), T::zero()],
-        _ => parts.map(T::of),
+        [first, second] if first + second > 0.0 => [T::of(first), T::of(second)],
+        // Beyond the largest numbers.
+        _ => [T::of(0.5); 2],
     }
 }
 
@@ -22,16 +30,33 @@ pub(crate) fn fixed_shares<T: Scalar>(roundness: [f64; 2]) -> [T; 2] {
 mod tests {
     use super::*;
 
+    fn share(roundness: [f64; 2], areas: [f64; 2]) -> f64 {
+        let shapes = [0, 1].map(|body| Roundness { of_unit: roundness[body], area: areas[body] });
+        let [first, second] = fixed_shares::<f64>(shapes);
+        assert!((first + second - 1.0).abs() < 1e-15);
+        first
+    }
+
     /// Rounder bodies carry more, equal ones the same, and beside a ball a flat body none.
     #[test]
     fn the_rounder_body_casts() {
-        let share = |roundness: [f64; 2]| fixed_shares::<f64>(roundness)[0];
         for roundness in [0.0, 1.0, 2.5] {
-            assert_eq!(fixed_shares::<f64>([roundness; 2]), [0.5; 2]);
+            assert_eq!(share([roundness; 2], [3.0; 2]), 0.5);
         }
-        assert_eq!((share([1.0, 0.0]), share([0.0, 1.0]), share([0.3, 0.0])), (1.0, 0.0, 1.0));
-        assert!((share([1.0, 0.5]) - 0.8).abs() < 0.01 && (share([0.01, 0.0]) - 0.84).abs() < 0.01);
-        let [first, second] = fixed_shares::<f64>([0.7, 0.4]);
-        assert!((first + second - 1.0f64).abs() < 1e-15);
+        let of_equal = |roundness| share(roundness, [7.0; 2]);
+        assert_eq!((of_equal([1.0, 0.0]), of_equal([0.0, 1.0]), of_equal([0.3, 0.0])), (1.0, 0.0, 1.0));
+        assert!((of_equal([1.0, 0.5]) - 0.8).abs() < 0.01 && (of_equal([0.01, 0.0]) - 0.84).abs() < 0.01);
+    }
+
+    /// A small ball on a large one is nearly a ball on a slab; a box on a floor casts from its own faces.
+    #[test]
+    fn the_smaller_body_casts_more() {
+        for roundness in [0.0, 1.0] {
+            assert!((share([roundness; 2], [1.0, 4.0]) - 0.8).abs() < 1e-12);
+            assert_eq!((share([roundness; 2], [1.0, 1e3]), share([roundness; 2], [1e3, 1.0])), (1.0, 0.0));
+        }
+        assert!((share([1.0, 0.0], [100.0, 1.0]) - share([1.0, 0.0], [1e302, 1e300])).abs() < 1e-15);
+        assert!(share([1.0, 0.0], [100.0, 1.0]) > 0.99, "a small flat body does not count for a ball");
+        assert_eq!(share([0.0; 2], [0.0; 2]), 0.5);
     }
 }

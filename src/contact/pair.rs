@@ -98,6 +98,14 @@ impl<T: Scalar> Pair<'_, T> {
         self.options.law == ContactLaw::Pressure && !self.hides_behind_own_surface
     }
 
+    /// How far apart the unknowns of the finer carrier are; 0 where nothing moves either body, since their contacts are for
+    /// the host alone.
+    pub(crate) fn carrier_spacing(&self) -> T {
+        let [first, second] = self.tracers.map(|tracer| tracer.mesh().carrier_spacing());
+        let finer = first.min(second);
+        if finer < T::INFINITY { finer } else { T::zero() }
+    }
+
     /// From the middle of the second body's box to that of the first; where they are the same, along an axis.
     pub(crate) fn line_of_centres(&self) -> Vector3<T> {
         let [first, second] = self.tracers.map(|tracer| tracer.mesh().aabb().centre());

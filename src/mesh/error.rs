@@ -88,6 +88,11 @@ pub enum MeshError {
         /// The largest number of the mesh's precision.
         largest: f64,
     },
+    /// The distance between the unknowns that carry a mesh is negative or NaN.
+    CarrierSpacing {
+        /// It.
+        value: f64,
+    },
 }
 
 /// What to call triangles and vertices.
@@ -143,7 +148,7 @@ impl MeshError {
     fn write(&self, f: &mut fmt::Formatter<'_>, names: Names<'_>) -> fmt::Result {
         self.write_fault(f, names)?;
         match (self, names) {
-            (Self::Empty | Self::TooLarge { .. } | Self::WrongCount { .. }, _) => Ok(()),
+            (Self::Empty | Self::TooLarge { .. } | Self::WrongCount { .. } | Self::CarrierSpacing { .. }, _) => Ok(()),
             (_, Names::OfArrays) => write!(f, " (numbers count from 0)"),
             (_, Names::OfFile(_)) => write!(f, " (lines and vertices count from 1)"),
         }
@@ -224,6 +229,11 @@ impl MeshError {
                 "vertex {} has a coordinate that is NaN or infinite; check the {}",
                 Vertex(names, vertex),
                 if is_renewal { "simulation's last step" } else { "input" }
+            ),
+            Self::CarrierSpacing { value } => write!(
+                f,
+                "carrier_spacing is {value}; give the distance between the nodes that carry the mesh, 0 where its vertices \
+                 are the nodes, infinity where nothing moves it"
             ),
             Self::BeyondRange { vertex, value, largest } => write!(
                 f,

@@ -31,6 +31,7 @@ pub(crate) use order::OrderInSpace;
 pub(crate) use patches::Patches;
 pub(crate) use positions::PositionSource;
 use positions::{FiniteBounds, Numbered};
+pub(crate) use roundness::Roundness;
 use topology::RING_LENGTH;
 pub use topology::Topology;
 
@@ -59,6 +60,8 @@ pub struct Mesh<T: Scalar> {
     placed: Vec<u32>,
     /// All positions under the pose, once they have been asked for.
     all: OnceLock<Vec<Vector3<T>>>,
+    /// How far apart the unknowns are that move its vertices, as it was told and as a contact system knows.
+    carrier_spacing: (Option<T>, T),
     /// The same for clones.
     reference: Arc<Reference<T>>,
 }
@@ -72,7 +75,7 @@ struct Reference<T: Scalar> {
     patches: OnceLock<Patches<T>>,
     /// The triangles, in an order that numbering does not change.
     triangles_in_space: OnceLock<Vec<u32>>,
-    roundness: OnceLock<f64>,
+    roundness: OnceLock<Roundness>,
 }
 
 impl<T: Scalar> Clone for Mesh<T> {
@@ -85,6 +88,7 @@ impl<T: Scalar> Clone for Mesh<T> {
             pose: None,
             placed: Vec::new(),
             all: OnceLock::new(),
+            carrier_spacing: self.carrier_spacing,
             reference: self.reference.clone(),
         }
     }
@@ -144,6 +148,7 @@ impl<T: Scalar> Mesh<T> {
             pose: None,
             placed: Vec::new(),
             all: OnceLock::new(),
+            carrier_spacing: (None, T::zero()),
             reference: memory::shared(Reference {
                 positions: reference,
                 clusters: OnceLock::new(),
@@ -238,15 +243,39 @@ impl<T: Scalar> Mesh<T> {
         patches.get_or_init(|| Patches::new(&self.topology, positions))
     }
 
-    /// How round it is, from 0 for flat faces to 1 for a ball or more, by its reference positions; found when it is first
-    /// asked for.
-    pub(crate) fn roundness(&self) -> f64 {
+    /// How round and how large it is, by its reference positions; found when it is first asked for.
+    pub(crate) fn roundness(&self) -> Roundness {
         *self.reference.roundness.get_or_init(|| roundness::roundness(&self.topology, &self.reference.positions))
     }
 
     /// The positions at creation.
     pub(crate) fn reference_positions(&self) -> &[Vector3<T>] {
         &self.reference.positions
+    }
+
+    /// Says how far apart the unknowns are that move its vertices, in m: 0 where the vertices are unknowns themselves or it is
+    /// a rigid body, about the edge of the cells where a cage carries it, infinity where nothing moves it. With
+    /// [`Accuracy`](crate::contact::Sampling::Accuracy) a pair has no more samples than a few for each cell of the finer one
+    /// of both. A host that never calls this has 0, or in a contact system what that knows.
+    ///
+    /// # Errors
+    /// [`MeshError::CarrierSpacing`] where it is negative or NaN.
+    pub fn set_carrier_spacing(&mut self, spacing: T) -> Result<(), MeshError> {
+        if spacing.to_f64().is_nan() || spacing < T::zero() {
+            return Err(MeshError::CarrierSpacing { value: spacing.to_f64() });
+        }
+        self.carrier_spacing.0 = Some(spacing);
+        Ok(())
+    }
+
+    /// What holds where the host says nothing.
+    pub(crate) fn carry_by(&mut self, spacing: T) {
+        self.carrier_spacing.1 = spacing;
+    }
+
+    pub(crate) fn carrier_spacing(&self) -> T {
+        let (told, known) = self.carrier_spacing;
+        told.unwrap_or(known)
     }
 
     /// Triangles, neighbourhoods and vertices.

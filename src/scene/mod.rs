@@ -154,6 +154,11 @@ impl<T: Scalar> Scene<T> {
         self.bodies.get_mut(body).map(|body| body.surface.mesh_mut()).ok_or(SceneError::UnknownBody { body })
     }
 
+    /// Tells a body how far apart the unknowns are that move it, where the host says nothing.
+    pub(crate) fn carry_by(&mut self, body: u32, spacing: T) {
+        self.bodies.get_mut(body).into_iter().for_each(|body| body.surface.mesh_mut().carry_by(spacing));
+    }
+
     /// Lets two bodies escape from one another, as they may by default, or forbids it: a press fit, a body meant to stay
     /// inside another. An escape that is under way ends. It holds until it is set otherwise or one of the bodies is removed;
     /// it is no part of what [`save_pair_memories`](Self::save_pair_memories) saves.

@@ -150,6 +150,15 @@ impl Table {
         }
     }
 
+    /// How many nodes carry the surface, where they are not its vertices.
+    fn carrier_count(&self) -> Option<usize> {
+        let Self::Weights { entries, .. } = self else { return None };
+        let mut nodes = memory::listed(entries.iter().filter(|(_, weight)| *weight != 0.0).map(|&(node, _)| node));
+        nodes.sort_unstable();
+        nodes.dedup();
+        Some(nodes.len())
+    }
+
     fn vertex_count(&self) -> usize {
         match self {
             Self::Nodes { count, .. } => *count,
@@ -211,6 +220,8 @@ pub(super) struct Body<T: Scalar> {
     pub(super) ahead_pose: (V3, Matrix3<f64>),
     /// Scratch memory for the positions of its surface.
     pub(super) positions: Vec<[T; 3]>,
+    /// How far apart the unknowns are that move its surface: see [`Mesh::set_carrier_spacing`].
+    pub(super) carrier_spacing: T,
     /// Whether it was added within the step under way, or the last one.
     pub(super) has_joined: bool,
 }
@@ -229,6 +240,13 @@ impl<T: Scalar> Body<T> {
     pub(super) fn new(number: u32, material: Material, mover: Mover, mesh: &Mesh<T>, mass: f64) -> Self {
         let ahead_pose = (V3::zeros(), Matrix3::identity());
         let outermost = outermost(mesh);
+        let carrier_spacing = match &mover {
+            Mover::Nodes { table, .. } => {
+                table.carrier_count().map_or(0.0, |count| (mesh.roundness().area / count as f64).sqrt())
+            }
+            Mover::Rigid { .. } => 0.0,
+            Mover::Host(_) => f64::INFINITY,
+        };
         Self {
             number,
             material,
@@ -238,6 +256,7 @@ impl<T: Scalar> Body<T> {
             ahead: Vec::new(),
             ahead_pose,
             positions: Vec::new(),
+            carrier_spacing: T::of(carrier_spacing),
             has_joined: false,
         }
     }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "../engine/creatures.hpp"
 #include "../engine/engine.hpp"
 #include "../../../examples/own_engine/number_arguments.hpp"
 
@@ -19,50 +20,6 @@ struct Options {
 };
 
 using caged::Vector;
-
-struct Limb {
-  Vector towards;
-  double length;  // beyond a ball of radius 1
-};
-
-/** A ball with limbs, of 2900 vertices. */
-demo::Surface creature(const std::string& name, const std::vector<Limb>& limbs) {
-  constexpr uint32_t around = 58, rings = 50;
-  const double pi = std::acos(-1.0);
-  demo::Surface surface{name, {}, {}};
-  const auto add = [&](double polar, double turn) {
-    const Vector d{{std::sin(polar) * std::cos(turn), std::cos(polar), -std::sin(polar) * std::sin(turn)}};
-    double radius = 1;
-    for (const Limb& limb : limbs)
-      radius += limb.length * std::exp(12 * (caged::dot(d, limb.towards) / caged::length(limb.towards) - 1));
-    for (std::size_t k = 0; k < 3; ++k) surface.positions.push_back(radius * d[k]);
-  };
-  add(0, 0);
-  for (uint32_t i = 1; i <= rings; ++i)
-    for (uint32_t j = 0; j < around; ++j) add(pi * i / (rings + 1), 2 * pi * j / around);
-  add(pi, 0);
-  const auto at = [&](uint32_t ring, uint32_t j) { return 1 + ring * around + j % around; };
-  const uint32_t last = 1 + rings * around;
-  for (uint32_t j = 0; j < around; ++j) {
-    surface.triangles.insert(surface.triangles.end(), {0, at(0, j), at(0, j + 1)});
-    for (uint32_t i = 0; i + 1 < rings; ++i)
-      surface.triangles.insert(surface.triangles.end(),
-                               {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    surface.triangles.insert(surface.triangles.end(), {at(rings - 1, j), last, at(rings - 1, j + 1)});
-  }
-  return surface;
-}
-
-std::vector<demo::Surface> creatures() {
-  const std::vector<Limb> legs{{{{1, -1.2, 1}}, 1}, {{{1, -1.2, -1}}, 1}, {{{-1, -1.2, 1}}, 1}, {{{-1, -1.2, -1}}, 1}};
-  std::vector<Limb> cow = legs, stool = legs, crab = legs;
-  cow.push_back({{{1, 0.6, 0}}, 1.2});
-  cow.push_back({{{-1, 0.2, 0}}, 0.5});
-  stool.push_back({{{0, 1, 0}}, 0.3});
-  crab.push_back({{{0, 0.1, 1}}, 0.8});
-  crab.push_back({{{0, 0.1, -1}}, 0.8});
-  return {creature("cow", cow), creature("stool", stool), creature("crab", crab)};
-}
 
 /** A box around the origin, each face cut into squares. */
 demo::Surface box(const Vector& edges, std::size_t cuts) {
@@ -102,7 +59,7 @@ int run(const Options& options) {
   rayc_material floor = raycontact::bearing_material(10 * pressure, 10 * sinking);
   floor.friction = options.friction;
   engine.add_floor(floor);
-  std::vector<demo::Surface> surfaces = options.files.empty() ? creatures() : std::vector<demo::Surface>{};
+  std::vector<demo::Surface> surfaces = options.files.empty() ? caged::creatures(50) : std::vector<demo::Surface>{};
   for (const std::string& file : options.files) surfaces.push_back(demo::read_obj(file));
   const Vector places[3] = {{{-0.8, 0, 0}}, {{0.8, 0, 0}}, {{0, 0, 0.9}}};
   for (std::size_t b = 0; b < 3; ++b) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,13 @@ struct Fastest {
   double contacts = 0;  // that of the contacts
 };
 
+/** What a step took, in seconds. */
+struct Spent {
+  double detection = 0;  // with the rows
+  double products = 0;   // of the contacts
+  double elements = 0;   // their products, and the rest of the solver
+};
+
 class Engine {
  public:
   Vector gravity{{0, -9.81, 0}};
@@ -36,7 +44,14 @@ class Engine {
   /** `threads`: for detection; 0 = one for each core. */
   explicit Engine(uint32_t threads = 1) : scene_(threads) {}
 
-  void add_floor(const rayc_material& material) { contacts_.add_half_space({{0, 1, 0}}, 0, material); }
+  void add_floor(const rayc_material& material) { add_wall({{0, 1, 0}}, 0, material); }
+
+  /** Solid where normal * x < offset. */
+  void add_wall(const Vector& normal, double offset, const rayc_material& material) {
+    contacts_.add_half_space(normal, offset, material);
+  }
+
+  void set_sampling(rayc_sampling sampling, double value) { scene_.set_sampling(sampling, value); }
 
   /**
    * `held(position)`: whether a node stays where it is. `on_floor`: of this body and the floor, in place of the two
@@ -93,7 +108,9 @@ class Engine {
     for (std::size_t k = 0; k < free.size(); ++k)
       if (!is_held(k)) free[k] = (free[k] + dt * gravity[k % 3]) / (1 + dt * drag);
     for (const Rigid& rigid : rigids_) contacts_.set_motion(rigid.number, motion(rigid, dt));
-    contacts_.begin(scene_, dt, x_, v_, free);
+    spent_ = {};
+    const auto detecting = [&](const auto& call) { return timed(spent_.detection, call); };
+    detecting([&] { contacts_.begin(scene_, dt, x_, v_, free); });
     elasticity_.linearise(x_, own);
     for (int solve = 1;; ++solve) {
       Numbers right(x_.size());
@@ -101,11 +118,12 @@ class Engine {
       elasticity_.add_product(-dt - damping_time, v, right);
       for (std::size_t k = 0; k < right.size(); ++k)
         right[k] = is_held(k) ? 0 : dt * (right[k] + own[k]) - masses_[k / 3] * (v[k] - free[k]);
-      solve_for_change(dt, right, v);
-      const bool is_wrong = contacts_.linearise(v) > 0.01;
+      timed(spent_.elements, [&] { solve_for_change(dt, right, v); });
+      const bool is_wrong = detecting([&] { return contacts_.linearise(v) > 0.01; });
       if (solve == solves) break;
-      if (!contacts_.detect_again(scene_, v) && !is_wrong) break;
+      if (!detecting([&] { return contacts_.detect_again(scene_, v) > 0; }) && !is_wrong) break;
     }
+    spent_.elements -= spent_.products;
     find_fastest(dt, v);
     contacts_.finish(v);
     v_ = v;
@@ -121,6 +139,8 @@ class Engine {
     }
   }
 
+  /** By the last step. */
+  const Spent& spent() const { return spent_; }
   const Fastest& fastest() const { return fastest_; }
 
   /** Of the last detection. */
@@ -158,6 +178,17 @@ class Engine {
     Matrix turned;
     std::array<double, 6> velocity;
   };
+
+  /** Adds the seconds that a call takes. */
+  template <class Call>
+  static auto timed(double& seconds, const Call& call) -> decltype(call()) {
+    struct Clock {
+      double& seconds;
+      std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+      ~Clock() { seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); }
+    } clock{seconds};
+    return call();
+  }
 
   Numbers of_body(std::size_t body, const Numbers& all, std::size_t each) const {
     const auto begin = all.begin() + static_cast<std::ptrdiff_t>(each * bodies_[body].first);
@@ -216,7 +247,7 @@ class Engine {
       if (!is_held(k)) inverse[k] = 1 / (masses_[k / 3] + elastic * elasticity_.diagonal(k));
     const auto add_product = [&](const Numbers& direction, Numbers& product) {
       elasticity_.add_product(elastic, direction, product);
-      contacts_.add_product(dt, direction, product);
+      timed(spent_.products, [&] { contacts_.add_product(dt, direction, product); });
       for (std::size_t k = 0; k < product.size(); ++k)
         product[k] = is_held(k) ? 0 : product[k] + masses_[k / 3] * direction[k];
     };
@@ -230,6 +261,7 @@ class Engine {
   std::vector<Caged> bodies_;
   std::vector<Rigid> rigids_;
   Fastest fastest_;
+  Spent spent_;
 };
 
 }  // namespace caged

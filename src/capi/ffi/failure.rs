@@ -130,6 +130,7 @@ pub(in crate::capi) fn mesh_status(error: &MeshError) -> rayc_status {
         MeshError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
         MeshError::Flat { .. } => RAYC_STATUS_MESH_FLAT,
         MeshError::Overflow { .. } | MeshError::BeyondRange { .. } => RAYC_STATUS_MESH_BEYOND_RANGE,
+        MeshError::CarrierSpacing { .. } => RAYC_STATUS_INVALID_OPTION,
     }
 }
 

@@ -219,3 +219,24 @@ pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, b
         with_precision!(&mut scene.scene, |scene| Ok(scene.set_self_collision(body, is_on)?))
     })
 }
+
+/// Says how far apart the unknowns are that move a body's vertices: 0, as for a new body, where the vertices are unknowns
+/// themselves or the body is rigid; about the edge of the cells where a cage carries it; infinity where nothing moves it. With
+/// RAYC_SAMPLING_ACCURACY a pair has no more samples than a few for each cell of the finer one of both. From the next query
+/// on. A contact system knows it, but what is said here counts.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where it is negative or NaN.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_set_carrier_spacing(
+    scene: *mut rayc_scene,
+    body: u32,
+    spacing: f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        with_precision!(&mut changing(scene, "scene")?.scene, |scene| {
+            let spacing = Scalar::of(spacing);
+            Ok(scene.mesh_mut(body)?.set_carrier_spacing(spacing)?)
+        })
+    })
+}

@@ -45,6 +45,8 @@ const UNMEASURED: f64 = 128.0;
 /// Halving may add so many elements to the first ones of a body then; where the pair escapes, so many.
 const MOST_UNMEASURED: f64 = 4096.0;
 const MOST_OF_ESCAPE: f64 = 512.0;
+/// So many samples stand on the area of a cell where cages carry both bodies.
+const SAMPLES_OF_CELL: f64 = 2.0;
 /// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
 /// with the bodies and not with the pairs; but each pair has at least this part.
 const MOST_WITH_ALL_SAMPLES: u32 = 12;
@@ -109,7 +111,17 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
         let Self { pair, groups, purpose, quadrature } = self;
         let frame = Frame::new(pair.overlap, pair.region);
         quadrature.counts = Statistics::default();
-        match pair.options.sampling {
+        let few = T::of(SAMPLES_OF_CELL.sqrt().recip()) * pair.carrier_spacing();
+        let sampling = match pair.options.sampling {
+            // What is carried by few unknowns has no use for more.
+            Sampling::Accuracy(_)
+                if purpose != Purpose::Escape && frame.of_area(few * few) > Size::first(pair, &frame) =>
+            {
+                Sampling::Spacing(few)
+            }
+            sampling => sampling,
+        };
+        match sampling {
             Sampling::Accuracy(accuracy) if purpose == Purpose::Load => {
                 let size = Size::new(pair, accuracy, &frame);
                 quadrature.counts.error_asked = size.tolerance.to_f64();

@@ -73,6 +73,8 @@ pub fn run(bytes: &mut Bytes) {
     for mesh in &meshes {
         let body = scene.add(mesh.clone());
         let _ = scene.set_self_collision(body, bytes.below(4) == 0);
+        let spacing = [0.0, 1e-9, 0.3, 1e9, f64::INFINITY, f64::NAN][bytes.below(6)];
+        let _ = scene.mesh_mut(body).map(|mesh| mesh.set_carrier_spacing(spacing));
     }
     let (mut first, mut again) = (ContactList::default(), ContactList::default());
     for _ in 0..1 + bytes.below(4) {

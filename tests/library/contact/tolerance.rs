@@ -149,6 +149,31 @@ fn hard_overlaps_keep_near_the_tolerance_too() {
     assert!(all[middle] <= 0.6 * tolerance, "{}", all[middle]);
 }
 
+/// Along an edge of a box that lies flush on a wide face all elements of that may be off the same way, as its large triangles are
+/// halved by lines along the edges. Wherever the box lies, in the plane of the face and turned in it.
+#[test]
+fn what_lies_flush_on_a_wide_face_keeps_near_the_tolerance() {
+    let floor = shapes::cube(1).scaled(3.0).moved([0.0, 0.0, -3.0]);
+    let mut random = Random::new(91_101);
+    for cells in [1, 3] {
+        for depth in [0.003, 0.03, 0.1] {
+            let block = shapes::cube(cells).scaled(0.5).moved([0.0, 0.0, 0.5 - depth]);
+            for pose in 0..8 {
+                let moved = match pose {
+                    0 => block.clone(),
+                    1..4 => block.moved([random.signed(), random.signed(), 0.0]),
+                    _ => block.turned(0.0, random.signed()).moved([random.signed(), random.signed(), 0.0]),
+                };
+                let meshes = [moved.mesh::<f64>(), floor.mesh()];
+                let found = detect(&meshes, Layout::Bvh, Sampling::Accuracy(0.01));
+                let [error, _] = errors_against(&meshes, &found, 20_000.0);
+                println!("{cells} cells, {depth} deep, pose {pose}: {} contacts, off by {error}", found.len());
+                assert!(error <= 0.025, "{cells} cells, {depth} deep, pose {pose}: {error}");
+            }
+        }
+    }
+}
+
 /// Bodies pressed between others: the net force is a tenth of all forces or less, and errors are held against that tenth. They
 /// are less independent there, so the worst may be five times what was asked.
 #[test]
