@@ -210,9 +210,9 @@ enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene, uint32_
 
 /**
  * Says how far apart the unknowns are that move a body's vertices: 0, as for a new body, where the vertices are unknowns
- * themselves or the body is rigid; about the edge of the cells where a cage carries it; infinity where nothing moves it. With
- * RAYC_SAMPLING_ACCURACY a pair has no more samples than a few for each cell of the finer one of both. From the next query
- * on. A contact system knows it, but what is said here counts.
+ * themselves or the body is rigid; the distance between nodes where a cage carries it; infinity where nothing moves it. With
+ * RAYC_SAMPLING_ACCURACY the samples of a pair stand no closer to one another than the unknowns of the finer one of both.
+ * From the next query on. A contact system knows it, but what is said here counts.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where it is negative or NaN.
  */

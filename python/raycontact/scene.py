@@ -57,8 +57,8 @@ class Scene:
 
     def set_carrier_spacing(self, body: int, spacing: float) -> None:
         """Says how far apart the unknowns are that move a body's vertices, in m: 0, as for a new body, where the vertices
-        are unknowns themselves or the body is rigid; about the edge of the cells where a cage carries it; infinity where
-        nothing moves it. By default a pair has no more samples than a few for each cell of the finer one of both."""
+        are unknowns themselves or the body is rigid; the distance between nodes where a cage carries it; infinity where
+        nothing moves it. By default the samples of a pair stand no closer than the unknowns of the finer one of both."""
         call(library.rayc_scene_set_carrier_spacing, self._handle, body, spacing)
 
     def set_pair_collision(self, a: int, b: int, is_on: bool) -> None:

@@ -254,9 +254,9 @@ impl<T: Scalar> Mesh<T> {
     }
 
     /// Says how far apart the unknowns are that move its vertices, in m: 0 where the vertices are unknowns themselves or it is
-    /// a rigid body, about the edge of the cells where a cage carries it, infinity where nothing moves it. With
-    /// [`Accuracy`](crate::contact::Sampling::Accuracy) a pair has no more samples than a few for each cell of the finer one
-    /// of both. A host that never calls this has 0, or in a contact system what that knows.
+    /// a rigid body, the distance between nodes where a cage carries it, infinity where nothing moves it. With
+    /// [`Accuracy`](crate::contact::Sampling::Accuracy) the samples of a pair stand no closer to one another than the unknowns
+    /// of the finer one of both. A host that never calls this has 0, or in a contact system what that knows.
     ///
     /// # Errors
     /// [`MeshError::CarrierSpacing`] where it is negative or NaN.

@@ -3,6 +3,7 @@
 pub(crate) mod corners;
 pub(crate) mod edges;
 pub(crate) mod element;
+pub(crate) mod measurement;
 pub(crate) mod moments;
 pub(crate) mod packet;
 pub(crate) mod refinement;

@@ -4,18 +4,16 @@
 #[cfg(test)]
 mod tests;
 
-use crate::bvh::{Candidates, PacketHits};
-use crate::contact::classify::past_folds;
 use crate::contact::pair::Pair;
-use crate::contact::quadrature::element::{Element, Frame, Side};
+use crate::contact::quadrature::element::{Element, Frame};
+use crate::contact::quadrature::measurement::Measurement;
 use crate::contact::quadrature::sample::{Sample, Sampling};
 use crate::contact::statistics::Statistics;
-use crate::math::{Aabb, Scalar, Vector3, direction, length, margins};
+use crate::math::{Aabb, Scalar, Vector3, direction, length};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::query::PointDistances;
-use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch, set_lane};
-use crate::triangle::{Hit, RayPacket};
+use crate::simd::{Kernel, Lanes, dispatch};
+use crate::triangle::Hit;
 
 // These numbers were chosen together: docs/architecture.md, *Tuned constants*.
 
@@ -45,8 +43,6 @@ const UNMEASURED: f64 = 128.0;
 /// Halving may add so many elements to the first ones of a body then; where the pair escapes, so many.
 const MOST_UNMEASURED: f64 = 4096.0;
 const MOST_OF_ESCAPE: f64 = 512.0;
-/// So many samples stand on the area of a cell where cages carry both bodies.
-const SAMPLES_OF_CELL: f64 = 2.0;
 /// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
 /// with the bodies and not with the pairs; but each pair has at least this part.
 const MOST_WITH_ALL_SAMPLES: u32 = 12;
@@ -111,13 +107,13 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
         let Self { pair, groups, purpose, quadrature } = self;
         let frame = Frame::new(pair.overlap, pair.region);
         quadrature.counts = Statistics::default();
-        let few = T::of(SAMPLES_OF_CELL.sqrt().recip()) * pair.carrier_spacing();
+        let spacing = pair.carrier_spacing();
         let sampling = match pair.options.sampling {
             // What is carried by few unknowns has no use for more.
             Sampling::Accuracy(_)
-                if purpose != Purpose::Escape && frame.of_area(few * few) > Size::first(pair, &frame) =>
+                if purpose != Purpose::Escape && frame.of_area(spacing * spacing) > Size::first(pair, &frame) =>
             {
-                Sampling::Spacing(few)
+                Sampling::Spacing(spacing)
             }
             sampling => sampling,
         };
@@ -419,105 +415,5 @@ fn compare_halves<T: Scalar>(elements: &mut [Element<T>]) {
         if first.is_first_half {
             Element::compare([first, &mut after[0]]);
         }
-    }
-}
-
-/// Asks how deep the middles of elements lie.
-struct Measurement<'a, 'b, T: Scalar> {
-    pair: &'a Pair<'b, T>,
-    frame: &'a Frame<T>,
-    rays: RayPacket<T>,
-    hits: PacketHits<T>,
-    candidates: Candidates<T>,
-    distances: PointDistances<T>,
-}
-
-impl<'a, 'b, T: Scalar> Measurement<'a, 'b, T> {
-    fn new(pair: &'a Pair<'b, T>, frame: &'a Frame<T>) -> Self {
-        let (rays, hits) = (RayPacket::empty(), PacketHits::empty());
-        Self { pair, frame, rays, hits, candidates: Candidates::new(), distances: PointDistances::new() }
-    }
-
-    /// Measures one body's elements; gives how many rays it took.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<L: Lanes<T>>(&mut self, body: usize, elements: &mut [Element<T>], crossings: &mut Vec<Hit<T>>) -> u64 {
-        let (mut next, mut ray_count) = (0, 0);
-        loop {
-            let (mut places, mut count) = ([0; LANE_COUNT], 0);
-            while count < LANE_COUNT && next < elements.len() {
-                if usize::from(elements[next].body) == body {
-                    places[count] = next;
-                    count += 1;
-                }
-                next += 1;
-            }
-            if count == 0 {
-                return ray_count;
-            }
-            ray_count += self.measure::<L>(body, &places[..count], elements, crossings);
-        }
-    }
-
-    /// Measures up to sixteen elements: by rays on which side of the surface they are, where that is not known, and then how far
-    /// the surface is, no farther than where the ray meets it, and outside no farther than the element reaches.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn measure<L: Lanes<T>>(
-        &mut self,
-        body: usize,
-        places: &[usize],
-        elements: &mut [Element<T>],
-        crossings: &mut Vec<Hit<T>>,
-    ) -> u64 {
-        let Self { pair, frame, rays, hits, candidates, distances } = self;
-        let other = pair.tracers[1 - body];
-        let (mut positions, mut normals) = ([[T::zero(); LANE_COUNT]; 3], [[T::zero(); LANE_COUNT]; 3]);
-        let mut unknown = 0;
-        for (lane, &place) in places.iter().enumerate() {
-            let element = &elements[place];
-            set_lane(&mut positions, lane, &frame.point(&element.centre));
-            set_lane(&mut normals, lane, &direction(&element.vector).unwrap_or_else(Vector3::z));
-            unknown |= Mask::from(element.side == Side::Unknown) << lane;
-        }
-        if unknown != 0 {
-            rays.set_inward::<L>(unknown, &positions, &normals, &pair.ray_regions[body]);
-            other.nearest_of_packet::<L>(rays, candidates, hits);
-            if pair.options.past_folds {
-                past_folds::follow(other, rays, hits, crossings);
-            }
-        }
-        let inside = hits.found & hits.exits;
-        let (mut bounds, mut near) = ([T::zero(); LANE_COUNT], [0; LANE_COUNT]);
-        let margin = T::one() + margins::margin(margins::DISTANCE_BOUND);
-        for (lane, &place) in places.iter().enumerate() {
-            let element = &mut elements[place];
-            let mut bound = frame.length(element.depth);
-            if element.side == Side::Unknown {
-                element.side = if inside >> lane & 1 == 1 { Side::Inside } else { Side::Outside };
-                if element.side == Side::Inside {
-                    bound = bound.min(hits.t[lane]);
-                    element.near = element.near.or(Some(hits.triangle[lane]));
-                }
-            }
-            if element.side == Side::Outside {
-                bound = bound.min(frame.length(element.radius));
-            }
-            bounds[lane] = bound;
-            near[lane] = element.near.unwrap_or(0);
-        }
-        // A triangle that was near before is the best guess, and its distance the best bound.
-        let mut to_near = [T::zero(); LANE_COUNT];
-        other.distances_to_triangles::<L>(&positions, &near, &mut to_near, distances);
-        for lane in 0..places.len() {
-            bounds[lane] = bounds[lane].min(to_near[lane]) * margin;
-        }
-        let asked = ((1u32 << places.len()) - 1) as Mask;
-        other.distances_of_packet::<L>(&positions, asked, &bounds, distances);
-        for (lane, &place) in places.iter().enumerate() {
-            let element = &mut elements[place];
-            let distance = frame.of_length(distances.distances[lane]);
-            element.depth = if element.side == Side::Inside { distance } else { -distance };
-            element.near = distances.triangle(lane).or(element.near);
-        }
-        u64::from(unknown.count_ones())
     }
 }

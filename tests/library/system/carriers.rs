@@ -67,9 +67,9 @@ impl World {
     }
 }
 
-/// A few samples for each cell; the force is what many give, but for a few per cent. As many as ever where the host says so.
+/// No more samples than nodes; the force is what many give, but for a few per cent. As many as ever where the host says so.
 #[test]
-fn cages_take_a_few_samples_for_each_cell() {
+fn samples_are_as_far_apart_as_the_nodes_of_cages() {
     for is_still in [false, true] {
         let mut world = World::new(is_still);
         let (few, force) = world.step();
@@ -79,8 +79,8 @@ fn cages_take_a_few_samples_for_each_cell() {
         let (many, exact) = world.step();
         let off = (force - exact).norm() / exact.norm();
         println!("{few} and {many} contacts, off by {off}");
-        assert!((8..=NODES).contains(&few) && many > 150, "{few} and {many}");
-        assert!(off < 0.05, "{off}");
+        assert!((5..=NODES).contains(&few) && many > 150, "{few} and {many}");
+        assert!(off < 0.1, "{off}");
         let mut plain = ContactList::default();
         world.scene.query(&mut plain);
         assert_eq!(plain.len(), many, "the plain scene knows what the host said");
