@@ -43,6 +43,9 @@ const UNMEASURED: f64 = 128.0;
 /// Halving may add so many elements to the first ones of a body then; where the pair escapes, so many.
 const MOST_UNMEASURED: f64 = 4096.0;
 const MOST_OF_ESCAPE: f64 = 512.0;
+/// About so many samples stand on the overlap box's largest face at least, however far apart the nodes are that carry the bodies:
+/// what stands on a face must not tip over before its centre is beyond an edge.
+const FEWEST_FOR_CARRIERS: f64 = 16.0;
 /// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
 /// with the bodies and not with the pairs; but each pair has at least this part.
 const MOST_WITH_ALL_SAMPLES: u32 = 12;
@@ -107,7 +110,7 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
         let Self { pair, groups, purpose, quadrature } = self;
         let frame = Frame::new(pair.overlap, pair.region);
         quadrature.counts = Statistics::default();
-        let spacing = pair.carrier_spacing();
+        let spacing = pair.carrier_spacing().min((pair.overlap.largest_face() / T::of(FEWEST_FOR_CARRIERS)).sqrt());
         let sampling = match pair.options.sampling {
             // What is carried by few unknowns has no use for more.
             Sampling::Accuracy(_)
