@@ -45,10 +45,9 @@ class Contacts:
         return iter(self.to_array())
 
     def to_array(self) -> NDArray[Any]:
-        """A copy of all contacts: kind, a ContactKind; colliding and collided, the body that the ray starts from and
-        the one it ends on; piece, the part of p1's triangle; id, from step to step; p1 and p2, the ray's ends, each
-        with triangle, vertices, weights (barycentric) and position in m; direction, of unit length; depth in m;
-        cos_alpha; area in m²."""
+        """A copy of all contacts: kind, a ContactKind; colliding and collided, the bodies that the ray starts from and
+        ends on; piece, the part of p1's triangle; id, from step to step; p1 and p2, the ray's ends, each with triangle,
+        vertices, barycentric weights and position in m; a unit direction; depth in m; cos_alpha; area in m²."""
         return copied(library.rayc_contacts_copy, len(self), self._handle, 0, len(self))
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
@@ -63,10 +62,9 @@ class Contacts:
         return {name: getattr(found, name) for name, _ in ffi.typeof(found).fields}
 
     def coefficients(self, **response: Unpack[ResponseOptions]) -> Doubles:
-        """The spring coefficient of each contact, in N/m. The force on p1 is coefficient · depth · direction, that on
-        p2 its opposite."""
-        given = self._handle, options("response", response), 0, len(self)
-        return copied(library.rayc_contacts_copy_coefficients, len(self), *given)
+        """The spring coefficient c of each contact, in N/m. The force on p1 is c · depth · direction, on p2 its opposite."""
+        law, count = options("response", response), len(self)
+        return copied(library.rayc_contacts_copy_coefficients, count, self._handle, law, 0, count)
 
     def add_forces(
         self, forces: Targets, positions: Arrays = None, velocities: Arrays = None, **response: Unpack[ResponseOptions]

@@ -34,8 +34,7 @@ class Scene:
         call(library.rayc_scene_remove_body, self._handle, body)
 
     def release_body_numbers(self) -> None:
-        """Lets new bodies have the numbers of removed ones, so that numbers stay small. Call it when nothing uses those
-        numbers any more: no contacts, no saved state, no contact system."""
+        """Lets new bodies have the numbers of removed ones, once no contacts, saved state or contact system use them."""
         call(library.rayc_scene_release_body_numbers, self._handle)
 
     def set_positions(self, body: int, positions: Array) -> None:
@@ -56,9 +55,7 @@ class Scene:
         call(library.rayc_scene_set_self_collision, self._handle, body, is_on)
 
     def set_carrier_spacing(self, body: int, spacing: float) -> None:
-        """Says how far apart the unknowns are that move a body's vertices, in m: 0, as for a new body, where the vertices
-        are unknowns themselves or the body is rigid; the distance between nodes where a cage carries it; infinity where
-        nothing moves it. By default the samples of a pair stand no closer than the unknowns of the finer one of both."""
+        """How far apart a body's unknowns are in m, as samples may be: the nodes of a cage; inf for none; else 0."""
         call(library.rayc_scene_set_carrier_spacing, self._handle, body, spacing)
 
     def set_pair_collision(self, a: int, b: int, is_on: bool) -> None:
@@ -74,8 +71,8 @@ class Scene:
         return bool(answer(library.rayc_scene_may_escape, self._handle, a, b))
 
     def query(self, contacts: Contacts | None = None) -> Contacts:
-        """Finds all contacts at the present positions, into `contacts`, which is returned, or new ones; the same for the
-        same positions in a step. Pairs that contacts cannot part escape; set_detection_options(escape=False) stops it."""
+        """Finds all contacts at the present positions, into `contacts` or new ones, and returns them. Pairs that contacts
+        cannot part escape; set_detection_options(escape=False) stops it."""
         contacts = Contacts() if contacts is None else contacts
         call(library.rayc_scene_query, self._handle, contacts._handle)
         return contacts
