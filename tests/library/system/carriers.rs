@@ -75,7 +75,7 @@ impl World {
             system.add_deformable(&scene, number, first..end, carriers, material).expect("a body");
             first = end;
         }
-        for shape in still {
+        if let Some(shape) = still {
             let number = scene.add(shape.mesh());
             system.add_moved(&scene, number, material).expect("a body");
         }
