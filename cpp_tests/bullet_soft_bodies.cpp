@@ -198,7 +198,7 @@ void classic_bodies() {
   for (int step = 0; step < 100; ++step) {
     world.stepSimulation(btScalar(dt), 0);
     contact.apply(dt);
-    if (step == 0) expect(contact.contact_count() > 30, test, "contacts at the start, as far apart as the cages' nodes");
+    if (step == 0) expect(contact.contact_count() > 30, test, "contacts at the start, as far apart as nodes");
   }
   expect(contact.contact_count() == 0, test, "the tori have parted");
   expect_refusal([&] { contact.apply(0); }, test, "above 0");
