@@ -77,8 +77,8 @@ int run(const Options& options) {
     products.push_back(1e3 * engine.spent().products);
     elements.push_back(1e3 * engine.spent().elements);
     if (step % half_second != 0 && step != steps) continue;
-    std::printf("%4.1f s: %7zu contacts; ms a step: %6.1f = detection and rows %6.1f, products %6.1f, elements %6.1f;"
-                " %.2g m/s, %.2g mm deep\n",
+    std::printf("%4.1f s: %7zu contacts; ms a step: %6.1f = detection and rows %6.1f, products %6.1f, "
+                "elements %6.1f; %.2g m/s, %.2g mm deep\n",
                 step * dt, engine.contact_count(), median(all), median(detection), median(products), median(elements),
                 engine.fastest().speed, 1e3 * engine.depth());
     std::fflush(stdout);
