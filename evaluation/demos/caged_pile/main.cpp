@@ -92,8 +92,8 @@ int run(const Options& options) {
 void print_usage(FILE* out) {
   std::fputs(
       "usage: caged_pile [options]\n\n"
-      "Soft bodies with legs, each a fine skin in a coarse cage, fall into a room and pile up. Prints a line of medians\n"
-      "for each half second.\n"
+      "Soft bodies with legs, each a fine skin in a coarse cage, fall into a room and pile up. Prints a line of\n"
+      "medians for each half second.\n"
       "Exit status: 0; 1 when a body is 6 cm deep in the floor at the end or as fast as 10 m/s; 2 for wrong usage.\n\n"
       "  --bodies N           (200)\n"
       "  --triangles N        of each skin, about (2000)\n"
