@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 #include <cstdio>
-#include <exception>
 #include <map>
 #include <string>
 
-#include "number_arguments.hpp"
+#include "command_line.hpp"
 #include "engine.hpp"
 
 namespace {
@@ -164,12 +163,6 @@ void print_usage(FILE* out) {
       out);
 }
 
-int wrong_usage(const std::string& what) {
-  std::fprintf(stderr, "own_engine: %s\n\n", what.c_str());
-  print_usage(stderr);
-  return 2;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -191,9 +184,6 @@ int main(int argc, char** argv) try {
   if (scene == scenes.end()) throw demo::WrongUsage("name a scene: stack, tori or ramp");
   if (!(options.dt > 0 && options.dt <= 1)) throw demo::WrongUsage("--dt must be above 0 and at most 1");
   return scene->second(options);
-} catch (const demo::WrongUsage& error) {
-  return wrong_usage(error.what());
-} catch (const std::exception& error) {
-  std::fprintf(stderr, "own_engine: %s\n", error.what());
-  return 1;
+} catch (...) {
+  return demo::report_failure("own_engine", print_usage);
 }

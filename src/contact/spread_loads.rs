@@ -12,7 +12,9 @@ use crate::mesh::Mesh;
 impl<T: Scalar> Pair<'_, T> {
     /// Spreads the loads of its contacts, from `start` on, where they are those of elements.
     pub(crate) fn spread_loads(&self, start: usize, list: &mut ContactList<T>) {
-        let Some(shares) = self.fixed_shares.filter(|_| list.len() > start) else { return };
+        // Cages spread loads by themselves, and rigid bodies need not.
+        let are_nodes = self.tracers.iter().any(|tracer| tracer.mesh().are_vertices_nodes());
+        let Some(shares) = self.fixed_shares.filter(|_| are_nodes && list.len() > start) else { return };
         let ContactList { contacts, spreads, workspace, .. } = list;
         let SpreadWorkspace { ends, marks } = &mut workspace.spread;
         let meshes = self.tracers.map(|tracer| tracer.mesh());

@@ -60,10 +60,19 @@ pub struct Mesh<T: Scalar> {
     placed: Vec<u32>,
     /// All positions under the pose, once they have been asked for.
     all: OnceLock<Vec<Vector3<T>>>,
-    /// How far apart the unknowns are that move its vertices, as it was told and as a contact system knows.
-    carrier_spacing: (Option<T>, T),
+    /// How far apart the unknowns are that move its vertices, where the host has said so.
+    told_spacing: Option<T>,
+    carrier: Carrier<T>,
     /// The same for clones.
     reference: Arc<Reference<T>>,
+}
+
+/// What moves a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carrier<T> {
+    /// How far apart its unknowns are; 0 for a rigid body.
+    pub(crate) spacing: T,
+    pub(crate) are_vertices_nodes: bool,
 }
 
 /// A mesh as it was created.
@@ -88,7 +97,8 @@ impl<T: Scalar> Clone for Mesh<T> {
             pose: None,
             placed: Vec::new(),
             all: OnceLock::new(),
-            carrier_spacing: self.carrier_spacing,
+            told_spacing: self.told_spacing,
+            carrier: self.carrier,
             reference: self.reference.clone(),
         }
     }
@@ -148,7 +158,8 @@ impl<T: Scalar> Mesh<T> {
             pose: None,
             placed: Vec::new(),
             all: OnceLock::new(),
-            carrier_spacing: (None, T::zero()),
+            told_spacing: None,
+            carrier: Carrier { spacing: T::zero(), are_vertices_nodes: true },
             reference: memory::shared(Reference {
                 positions: reference,
                 clusters: OnceLock::new(),
@@ -256,7 +267,8 @@ impl<T: Scalar> Mesh<T> {
     /// Says how far apart the unknowns are that move its vertices, in m: 0 where the vertices are unknowns themselves or it is
     /// a rigid body, the distance between nodes where a cage carries it, infinity where nothing moves it. With
     /// [`Accuracy`](crate::contact::Sampling::Accuracy) the samples of a pair stand no closer to one another than the unknowns
-    /// of the finer one of both. A host that never calls this has 0, or in a contact system what that knows.
+    /// of the finer one of both. Where neither has 0, a contact's force acts on the triangles at its two ends alone. A host that
+    /// never calls this has 0, or in a contact system what that knows.
     ///
     /// # Errors
     /// [`MeshError::CarrierSpacing`] where it is negative or NaN.
@@ -264,18 +276,22 @@ impl<T: Scalar> Mesh<T> {
         if spacing.to_f64().is_nan() || spacing < T::zero() {
             return Err(MeshError::CarrierSpacing { value: spacing.to_f64() });
         }
-        self.carrier_spacing.0 = Some(spacing);
+        self.told_spacing = Some(spacing);
         Ok(())
     }
 
     /// What holds where the host says nothing.
-    pub(crate) fn carry_by(&mut self, spacing: T) {
-        self.carrier_spacing.1 = spacing;
+    pub(crate) fn carry_by(&mut self, carrier: Carrier<T>) {
+        self.carrier = carrier;
     }
 
     pub(crate) fn carrier_spacing(&self) -> T {
-        let (told, known) = self.carrier_spacing;
-        told.unwrap_or(known)
+        self.told_spacing.unwrap_or(self.carrier.spacing)
+    }
+
+    /// Whether it matters on which vertices a load lies.
+    pub(crate) fn are_vertices_nodes(&self) -> bool {
+        self.told_spacing.map_or(self.carrier.are_vertices_nodes, |spacing| spacing == T::zero())
     }
 
     /// Triangles, neighbourhoods and vertices.

@@ -20,7 +20,7 @@ use crate::contact::{ContactList, DetectionOptions};
 use crate::escape::PairMemory;
 use crate::math::Scalar;
 use crate::memory::Room;
-use crate::mesh::Mesh;
+use crate::mesh::{Carrier, Mesh};
 use crate::threads::{ParallelFor, Threads};
 use bodies::{Bodies, Body};
 use broad_phase::BroadPhase;
@@ -154,9 +154,9 @@ impl<T: Scalar> Scene<T> {
         self.bodies.get_mut(body).map(|body| body.surface.mesh_mut()).ok_or(SceneError::UnknownBody { body })
     }
 
-    /// Tells a body how far apart the unknowns are that move it, where the host says nothing.
-    pub(crate) fn carry_by(&mut self, body: u32, spacing: T) {
-        self.bodies.get_mut(body).into_iter().for_each(|body| body.surface.mesh_mut().carry_by(spacing));
+    /// Tells a body what moves it, where the host says nothing.
+    pub(crate) fn carry_by(&mut self, body: u32, carrier: Carrier<T>) {
+        self.bodies.get_mut(body).into_iter().for_each(|body| body.surface.mesh_mut().carry_by(carrier));
     }
 
     /// Lets two bodies escape from one another, as they may by default, or forbids it: a press fit, a body meant to stay

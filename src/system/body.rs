@@ -5,7 +5,7 @@ use crate::contact::SurfacePoint;
 use crate::math::{Pose, Scalar, margins};
 use crate::memory;
 use crate::memory::Room;
-use crate::mesh::Mesh;
+use crate::mesh::{Carrier, Mesh};
 use nalgebra::Matrix3;
 use std::ops::Range;
 
@@ -220,8 +220,7 @@ pub(super) struct Body<T: Scalar> {
     pub(super) ahead_pose: (V3, Matrix3<f64>),
     /// Scratch memory for the positions of its surface.
     pub(super) positions: Vec<[T; 3]>,
-    /// How far apart the unknowns are that move its surface: see [`Mesh::set_carrier_spacing`].
-    pub(super) carrier_spacing: T,
+    pub(super) carrier: Carrier<T>,
     /// Whether it was added within the step under way, or the last one.
     pub(super) has_joined: bool,
 }
@@ -240,13 +239,14 @@ impl<T: Scalar> Body<T> {
     pub(super) fn new(number: u32, material: Material, mover: Mover, mesh: &Mesh<T>, mass: f64) -> Self {
         let ahead_pose = (V3::zeros(), Matrix3::identity());
         let outermost = outermost(mesh);
-        let carrier_spacing = match &mover {
+        let spacing = match &mover {
             Mover::Nodes { table, .. } => {
                 table.carrier_count().map_or(0.0, |count| (mesh.roundness().area / count as f64).sqrt())
             }
             Mover::Rigid { .. } => 0.0,
             Mover::Host(_) => f64::INFINITY,
         };
+        let are_vertices_nodes = matches!(mover, Mover::Nodes { table: Table::Nodes { .. }, .. });
         Self {
             number,
             material,
@@ -256,7 +256,7 @@ impl<T: Scalar> Body<T> {
             ahead: Vec::new(),
             ahead_pose,
             positions: Vec::new(),
-            carrier_spacing: T::of(carrier_spacing),
+            carrier: Carrier { spacing: T::of(spacing), are_vertices_nodes },
             has_joined: false,
         }
     }
@@ -312,11 +312,6 @@ impl<T: Scalar> Body<T> {
             }
             Mover::Host(frame) => *ahead_pose = frame.moved(course.time, &frame.free_velocity),
         }
-    }
-
-    /// Whether each of its surface's vertices is a node.
-    pub(super) fn are_vertices_nodes(&self) -> bool {
-        matches!(self.mover, Mover::Nodes { table: Table::Nodes { .. }, .. })
     }
 
     /// Where a surface vertex was at the last detection.

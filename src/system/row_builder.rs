@@ -149,10 +149,9 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let direction: V3 = contact.direction.map(T::to_f64);
         let from = sorted(p1.vertices, weights_of(p1));
         let own = Corners { vertices: p2.vertices, weights: weights_of(p2), height: 0.0 };
-        // Cages spread loads by themselves, and rigid bodies need not.
         let spreads = bearings.map(|bearings| match bearings {
-            Bearings::Spread(spread) if first.are_vertices_nodes() || second.are_vertices_nodes() => Some(spread),
-            _ => None,
+            Bearings::Spread(spread) => Some(spread),
+            Bearings::Point(_) => None,
         });
         let [on_first, on_second] = [(&from, spreads[0]), (&own, spreads[1])].map(|(at, on)| End { at, on });
         let point = on_first.point_ahead(first);

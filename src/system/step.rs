@@ -180,7 +180,7 @@ impl<T: Scalar> ContactSystem<T> {
             })?;
         }
         for body in &*bodies {
-            scene.carry_by(body.number, body.carrier_spacing);
+            scene.carry_by(body.number, body.carrier);
             let is_moved =
                 |scene: &mut Scene<T>| body.pose_ahead().is_some_and(|pose| scene.follow(body.number, &pose));
             if is_left(scene, body.number) || is_moved(scene) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <map>
 #include <string>
 #include <utility>
@@ -9,7 +8,7 @@
 
 #include "../engine/creatures.hpp"
 #include "../engine/engine.hpp"
-#include "../../../examples/own_engine/number_arguments.hpp"
+#include "../../../examples/own_engine/command_line.hpp"
 
 namespace {
 
@@ -113,12 +112,6 @@ void print_usage(FILE* out) {
       out);
 }
 
-int wrong_usage(const std::string& what) {
-  std::fprintf(stderr, "caged_bodies: %s\n\n", what.c_str());
-  print_usage(stderr);
-  return 2;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -145,9 +138,6 @@ int main(int argc, char** argv) try {
   if (!(options.cells >= 1 && options.cells <= 100)) throw demo::WrongUsage("--cells must be from 1 to 100");
   if (!(options.youngs_modulus > 0)) throw demo::WrongUsage("--youngs-modulus must be above 0");
   return run(options);
-} catch (const demo::WrongUsage& error) {
-  return wrong_usage(error.what());
-} catch (const std::exception& error) {
-  std::fprintf(stderr, "caged_bodies: %s\n", error.what());
-  return 1;
+} catch (...) {
+  return demo::report_failure("caged_bodies", print_usage);
 }

@@ -2,13 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <map>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "../../../examples/own_engine/number_arguments.hpp"
+#include "../../../examples/own_engine/command_line.hpp"
 #include "../engine/creatures.hpp"
 #include "../engine/engine.hpp"
 
@@ -107,12 +106,6 @@ void print_usage(FILE* out) {
       out);
 }
 
-int wrong_usage(const std::string& what) {
-  std::fprintf(stderr, "caged_pile: %s\n\n", what.c_str());
-  print_usage(stderr);
-  return 2;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -131,9 +124,6 @@ int main(int argc, char** argv) try {
     throw demo::WrongUsage("--triangles must be from 20 to 1000000");
   if (!(options.cells >= 1 && options.cells <= 100)) throw demo::WrongUsage("--cells must be from 1 to 100");
   return run(options);
-} catch (const demo::WrongUsage& error) {
-  return wrong_usage(error.what());
-} catch (const std::exception& error) {
-  std::fprintf(stderr, "caged_pile: %s\n", error.what());
-  return 1;
+} catch (...) {
+  return demo::report_failure("caged_pile", print_usage);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <string>
 
+#include "../../../examples/own_engine/command_line.hpp"
 #include "raycontact/mujoco.hpp"
 
 namespace {
@@ -26,12 +26,6 @@ void print_usage(FILE* out) {
       "switches it on, and prints where the centre of each flex's vertices ends.\n"
       "Exit status: 0, or 1 where the model is refused, 2 wrong usage.\n",
       out);
-}
-
-int wrong_usage(const std::string& what) {
-  std::fprintf(stderr, "mujoco_step: %s\n\n", what.c_str());
-  print_usage(stderr);
-  return 2;
 }
 
 int run(const char* file, const char* library, double seconds) {
@@ -64,27 +58,25 @@ int run(const char* file, const char* library, double seconds) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   const char *file = nullptr, *library = nullptr;
   double seconds = 1;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--help" || argument == "-h") return print_usage(stdout), 0;
-    if (argument == "--seconds" || argument == "--plugin") {
-      if (++i == argc) return wrong_usage(argument + " needs a value");
-      if (argument == "--plugin") {
-        library = argv[i];
-        continue;
-      }
-      char* end = nullptr;
-      seconds = std::strtod(argv[i], &end);
-      if (*end != '\0' || !(seconds > 0 && seconds < 1e6)) return wrong_usage("--seconds needs a number above 0");
+    if (demo::take_number({{"--seconds", &seconds}}, argc, argv, i)) continue;
+    if (argument == "--plugin") {
+      if (++i == argc) throw demo::WrongUsage("--plugin needs a library");
+      library = argv[i];
     } else if (argument[0] == '-' || file != nullptr) {
-      return wrong_usage("unknown argument '" + argument + "'");
+      throw demo::WrongUsage("unknown argument '" + argument + "'");
     } else {
       file = argv[i];
     }
   }
-  if (file == nullptr) return wrong_usage("name a model");
+  if (!(seconds > 0 && seconds < 1e6)) throw demo::WrongUsage("--seconds must be above 0 and below a million");
+  if (file == nullptr) throw demo::WrongUsage("name a model");
   return run(file, library, seconds);
+} catch (...) {
+  return demo::report_failure("mujoco_step", print_usage);
 }

@@ -113,8 +113,9 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
         let spacing = pair.carrier_spacing().min((pair.overlap.largest_face() / T::of(FEWEST_FOR_CARRIERS)).sqrt());
         let sampling = match pair.options.sampling {
             // What is carried by few unknowns has no use for more.
-            Sampling::Accuracy(_)
-                if purpose != Purpose::Escape && frame.of_area(spacing * spacing) > Size::first(pair, &frame) =>
+            Sampling::Accuracy(accuracy)
+                if purpose != Purpose::Escape
+                    && frame.of_area(spacing * spacing) > Size::new(pair, accuracy, &frame).first =>
             {
                 Sampling::Spacing(spacing)
             }
@@ -192,22 +193,18 @@ struct Size<T: Scalar> {
 }
 
 impl<T: Scalar> Size<T> {
-    fn new(pair: &Pair<'_, T>, tolerance: T, frame: &Frame<T>) -> Self {
-        let (first, part) = (Self::first(pair, frame), pair.part_of_samples);
-        let thickness = frame.of_length((pair.overlap.upper - pair.overlap.lower).min());
+    fn new(pair: &Pair<'_, T>, accuracy: T, frame: &Frame<T>) -> Self {
+        let tolerance = accuracy / pair.part_of_samples;
+        let times = (tolerance / T::of(SYSTEMATIC)).clamp(T::one(), T::of(1.0 / LEAST_PART));
+        let face = frame.of_area(pair.overlap.largest_face());
         Self {
-            first,
-            tolerance: tolerance / part,
-            largest_share: T::of(LARGEST_SHARE) / part,
-            thickness,
+            // A region that is no more than a line or a point gives no measure.
+            first: if face > T::zero() { face * times / T::of(FIRST_ELEMENTS) } else { T::INFINITY },
+            tolerance,
+            largest_share: times * T::of(LARGEST_SHARE),
+            thickness: frame.of_length((pair.overlap.upper - pair.overlap.lower).min()),
             shares: pair.fixed_shares.unwrap_or([T::of(0.5); 2]),
         }
-    }
-
-    fn first(pair: &Pair<'_, T>, frame: &Frame<T>) -> T {
-        let face = frame.of_area(pair.overlap.largest_face());
-        // A region that is no more than a line or a point gives no measure.
-        if face > T::zero() { face / (T::of(FIRST_ELEMENTS) * pair.part_of_samples) } else { T::INFINITY }
     }
 
     /// How much of an element its halves stand for, from 0 to 1.

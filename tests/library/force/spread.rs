@@ -93,13 +93,14 @@ fn no_vertex_carries_more_than_twice_what_an_even_pressure_gives_it() {
     let depth = 0.01;
     for cells in [[40, 40], [40, 24], [24, 40], [16, 60], [60, 16], [8, 60]] {
         for shift in [[0.0; 2], [0.013, -0.021], [0.11, 0.07]] {
-            for tolerance in [0.1, 0.01] {
+            // A tenth of the samples, at 0.1, is less even.
+            for (tolerance, limit) in [(0.1, 2.0), (0.01, 1.5)] {
                 let meshes = [plate(cells[0], [0.0; 3]), plate(cells[1], [shift[0], shift[1], 0.25 - depth])];
                 let meshes = meshes.each_ref();
                 let list = found(meshes, Sampling::Accuracy(tolerance));
                 let [least, most] = evenness(meshes, &list, depth);
                 println!("{cells:?}, {shift:?}, {tolerance}: {} contacts, {least:.2} to {most:.2}", list.len());
-                assert!(0.4 < least && most < 1.5, "{cells:?}, {shift:?}, {tolerance}: {least} to {most}");
+                assert!(0.4 < least && most < limit, "{cells:?}, {shift:?}, {tolerance}: {least} to {most}");
             }
         }
     }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-/** Numbers on a command line. */
-#ifndef RAYCONTACT_DEMOS_NUMBER_ARGUMENTS_HPP
-#define RAYCONTACT_DEMOS_NUMBER_ARGUMENTS_HPP
+/** Numbers on a command line, and what is said where one is wrong. */
+#ifndef RAYCONTACT_DEMOS_COMMAND_LINE_HPP
+#define RAYCONTACT_DEMOS_COMMAND_LINE_HPP
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <stdexcept>
@@ -28,6 +29,20 @@ inline bool take_number(const std::map<std::string, double*>& numbers, int argc,
   return true;
 }
 
+/** In a catch block: says what ended a program, after wrong usage the usage too. Returns its exit status: 2 then, else 1. */
+inline int report_failure(const char* program, void (*print_usage)(std::FILE*)) {
+  try {
+    throw;
+  } catch (const WrongUsage& error) {
+    std::fprintf(stderr, "%s: %s\n\n", program, error.what());
+    print_usage(stderr);
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", program, error.what());
+    return 1;
+  }
+}
+
 }  // namespace demo
 
-#endif  // RAYCONTACT_DEMOS_NUMBER_ARGUMENTS_HPP
+#endif  // RAYCONTACT_DEMOS_COMMAND_LINE_HPP
