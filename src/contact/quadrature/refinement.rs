@@ -17,7 +17,8 @@ use crate::triangle::Hit;
 
 // These numbers were chosen together: docs/architecture.md, *Tuned constants*.
 
-/// About so many elements cover the overlap box's largest face at first.
+/// About so many elements cover the overlap box's largest face at first; where more than `SYSTEMATIC` is allowed, so many times
+/// fewer.
 const FIRST_ELEMENTS: f64 = 203.0;
 /// What all elements may be off by together, as if by chance, is so many times the tolerance: it turns out to be half of that.
 const ESTIMATE: f64 = 1.3;
