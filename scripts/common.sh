@@ -53,3 +53,20 @@ apt-get install ${missing[*]}"
 }
 
 cd "$root"
+
+# side_by_side <function>: calls it with the arguments of each line of the input, as many at a time as there are processors.
+# Ends with 1 at the first call that fails.
+side_by_side() {
+    local running=0 arguments
+    while read -ra arguments; do
+        if ((running == $(nproc))); then
+            wait -n || return 1
+            running=$((running - 1))
+        fi
+        "$1" "${arguments[@]}" &
+        running=$((running + 1))
+    done
+    for ((; running; --running)); do
+        wait -n || return 1
+    done
+}

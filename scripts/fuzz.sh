@@ -55,25 +55,26 @@ ${coverage[*]/#/-Cllvm-args=-sanitizer-coverage-}" \
     cargo build --release --locked --quiet --manifest-path tests/fuzz/Cargo.toml --target "$host" ||
     fail 'the build failed, see above'
 
-for target in "${targets[@]}"; do
-    program="$folder/$host/release/$target"
-    if [[ -n "$input" ]]; then
-        "$program" "$input" || fail "$target: a fault"
-        continue
-    fi
-    known="$folder/known/$target"
-    new="$folder/corpus/$target"
+program() { echo "$folder/$host/release/$1"; }
+if [[ -n "$input" ]]; then
+    "$(program "$only")" "$input" || fail "$only: a fault"
+    exit 0
+fi
+
+# fuzz <target>
+fuzz() {
+    local target="$1" known="$folder/known/$1" new="$folder/corpus/$1" log="$folder/$1.log" most_seconds=120
+    [[ "$target" != options ]] || most_seconds=30
     rm -rf "$known"
     mkdir -p "$known" "$new" "$folder/faults"
     tar -xzf "tests/fuzz/corpus/$target.tar.gz" -C "$known"
-    log="$folder/$target.log"
-    most_seconds=120
-    [[ "$target" != options ]] || most_seconds=30
-    "$program" -seed="$seed" -max_total_time="$seconds" -max_len=512 -timeout="$most_seconds" -rss_limit_mb=4096 \
-        -print_final_stats=1 -artifact_prefix="$folder/faults/$target-" "$new" "$known" >"$log" 2>&1 ||
+    "$(program "$target")" -seed="$seed" -max_total_time="$seconds" -max_len=512 -timeout="$most_seconds" \
+        -rss_limit_mb=4096 -print_final_stats=1 -artifact_prefix="$folder/faults/$target-" "$new" "$known" >"$log" 2>&1 ||
         fail "$target: a fault. $(grep -m 1 -E 'ERROR|panicked|SUMMARY' "$log"); all of it: $log; the input: \
 $(sed -n 's/.*Test unit written to //p' "$log")"
+    local executions edges
     executions="$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")"
     edges="$(grep -oE ' cov: [0-9]+' "$log" | tail -n 1 | grep -oE '[0-9]+')"
     printf '%-14s %9d executions, %6d edges reached, no fault\n' "$target" "$executions" "$edges"
-done
+}
+printf '%s\n' "${targets[@]}" | side_by_side fuzz || exit 1

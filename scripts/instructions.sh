@@ -42,15 +42,20 @@ per_step() { echo $((($(instructions "$@" 12) - $(instructions "$@" 4)) / 8)); }
 
 measured="$(mktemp)"
 trap 'rm -f "$measured"' EXIT
-echo 'workload,mode,path,instructions' >"$measured"
+# count <workload> <mode> <simd path>
+count() {
+    local found
+    found="$(per_step "$3" "$1" "$2")" || exit 1
+    say "$1, $2, $3: $found"
+    echo "$1,$2,$3,$found" >>"$measured"
+}
 for workload in stack2 stack10 pair80x40 deep80; do
     for mode in paper default; do
-        for path in avx2 baseline; do
-            say "$workload, $mode, $path"
-            echo "$workload,$mode,$path,$(per_step "$path" "$workload" "$mode")" >>"$measured"
-        done
+        printf '%s\n' "$workload $mode avx2" "$workload $mode baseline"
     done
-done
+done | side_by_side count || exit 1
+sort -o "$measured" "$measured"
+sed -i '1i workload,mode,path,instructions' "$measured"
 
 if [[ $renew == true ]]; then
     cp "$measured" "$counts"

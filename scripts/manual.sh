@@ -37,7 +37,7 @@ mkdir -p build/reference
 doxygen - <<END || fail 'doxygen could not make pages of the C headers'
 @INCLUDE               = docs/Doxyfile
 INPUT                  = include
-FILE_PATTERNS          = *.h
+FILE_PATTERNS          = *.h *.hpp
 USE_MDFILE_AS_MAINPAGE =
 OUTPUT_DIRECTORY       = build/reference
 HTML_OUTPUT            = html

@@ -10,9 +10,9 @@ import xml.etree.ElementTree as ElementTree
 from mkdocs.structure.files import File
 
 ROOT = pathlib.Path(__file__).parents[2]
-# What Doxygen has made of the C headers.
+# What Doxygen has made of the headers.
 HTML, XML = ROOT / "build/reference/html", ROOT / "build/reference/xml"
-HEADERS = "raycontact", "base", "mesh", "scene", "contacts", "contact_system", "queries", "state", "distributed"
+C_HEADERS = "raycontact", "base", "mesh", "scene", "contacts", "contact_system", "queries", "state", "distributed"
 LINK = re.compile(r"(?<!!)\[([^]]*)\]\(([^):#]+)(#[^)]*)?\)")
 
 
@@ -26,7 +26,7 @@ def on_files(files, config):
 
 def on_page_markdown(markdown, page, config, files):
     if page.file.src_uri == "reference/c.md":
-        markdown += names_of_headers()
+        markdown += "\n\n".join(names_of_headers())
     return LINK.sub(lambda link: link_within(files, page.file.src_uri, link), markdown)
 
 
@@ -40,8 +40,26 @@ def link_within(files, source, link):
 
 
 def names_of_headers():
-    """Every name of the C headers with its brief text, so that the search finds them."""
-    return "".join("\n\n".join(texts_of_header(header)) for header in HEADERS)
+    """Every name of the C headers and every class of C++ with its brief text, so that the search finds them."""
+    yield from (text for header in C_HEADERS for text in texts_of_header(header))
+    yield "## Classes of C++"
+    compounds = ElementTree.parse(XML / "index.xml").findall("compound[@kind='class']")
+    compounds += ElementTree.parse(XML / "index.xml").findall("compound[@kind='struct']")
+    # An inline namespace is nothing a user writes.
+    found = {compound.findtext("name").replace("with_exceptions::", ""): compound.get("refid") for compound in compounds}
+    for name in sorted(found):
+        page = read(found[name])
+        if "::" in name and page.get("prot") == "public" and text_of(page, "briefdescription"):
+            yield from texts_of(name, f"{page.get('id')}.html", page, members_of(page))
+
+
+def members_of(page):
+    """Those with a text; overloads once."""
+    found = {}
+    for member in page.iter("memberdef"):
+        if member.get("prot") == "public" and text_of(member, "briefdescription"):
+            found.setdefault(member.findtext("name"), member)
+    return found.values()
 
 
 def texts_of_header(header):
@@ -80,8 +98,10 @@ def text_of(described, which):
 
 
 def on_post_build(config):
-    """Leaves out what no page of the site loads: the theme's source maps and its other languages."""
+    """Leaves out what no page of the site loads: the theme's source maps and its other languages, and the index of the search,
+    which is read from disk as a script."""
     scripts = pathlib.Path(config.site_dir) / "assets"
+    (pathlib.Path(config.site_dir) / "search/search_index.json").unlink()
     shutil.rmtree(scripts / "javascripts/lunr")
     for path in scripts.rglob("*.map"):
         path.unlink()

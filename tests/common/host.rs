@@ -191,6 +191,20 @@ impl Host {
         }
     }
 
+    /// One step of the implicit midpoint rule: the step to its middle, and as far again.
+    pub fn midpoint_step(&mut self, dt: f64) {
+        let (x, v, rigids) = (self.x.clone(), self.v.clone(), self.rigids.clone());
+        self.step(0.5 * dt);
+        self.x.iter_mut().zip(&x).for_each(|(middle, start)| *middle += *middle - start);
+        self.v.iter_mut().zip(&v).for_each(|(middle, start)| *middle += *middle - start);
+        for (rigid, start) in self.rigids.iter_mut().zip(&rigids) {
+            let [a, b, c, d, e, f] = rigid.velocity;
+            rigid.position = start.position + V3::new(a, b, c) * dt;
+            rigid.rotation = rotation(&(V3::new(d, e, f) * dt)) * start.rotation;
+            rigid.velocity.iter_mut().zip(start.velocity).for_each(|(middle, start)| *middle += *middle - start);
+        }
+    }
+
     fn conjugate_gradients(&mut self, dt: f64, right: &[f64], v: &mut [f64]) {
         let count = right.len();
         let mut residual = right.to_vec();

@@ -100,18 +100,30 @@ fn downhill() -> V3 {
     V3::new(TILT.cos(), 0.0, -TILT.sin())
 }
 
-#[test]
-fn what_friction_holds_does_not_creep() {
-    for kind in [Kind::Rigid, Kind::Soft, Kind::Cage] {
-        for (floor, dt) in [Floor::HalfSpace, Floor::Slab].into_iter().flat_map(|floor| STEPS.map(|dt| (floor, dt))) {
-            let mut host = on_a_plane(kind, floor, TILT, 0.5);
-            run(&mut host, 2.0, dt);
-            let from = centre(&host);
-            run(&mut host, 2.0, dt);
-            let creep = (centre(&host) - from).dot(&downhill()) / 2.0;
-            assert!(creep.abs() < 1e-3, "{kind:?} on {floor:?} at {dt} s creeps {creep} m/s");
-        }
+fn does_not_creep(kind: Kind) {
+    for (floor, dt) in [Floor::HalfSpace, Floor::Slab].into_iter().flat_map(|floor| STEPS.map(|dt| (floor, dt))) {
+        let mut host = on_a_plane(kind, floor, TILT, 0.5);
+        run(&mut host, 1.0, dt);
+        let from = centre(&host);
+        run(&mut host, 1.0, dt);
+        let creep = (centre(&host) - from).dot(&downhill());
+        assert!(creep.abs() < 1e-3, "{kind:?} on {floor:?} at {dt} s creeps {creep} m/s");
     }
+}
+
+#[test]
+fn a_rigid_body_that_friction_holds_does_not_creep() {
+    does_not_creep(Kind::Rigid);
+}
+
+#[test]
+fn a_soft_body_that_friction_holds_does_not_creep() {
+    does_not_creep(Kind::Soft);
+}
+
+#[test]
+fn a_caged_body_that_friction_holds_does_not_creep() {
+    does_not_creep(Kind::Cage);
 }
 
 /// A box that leans on its lower edge, held by little more friction than it needs, in a host that solves once and linearises

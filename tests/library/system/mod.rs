@@ -7,6 +7,7 @@ mod closed;
 mod energy;
 mod friction;
 pub mod laws;
+mod midpoint;
 mod pairs;
 mod range;
 mod refusals;
