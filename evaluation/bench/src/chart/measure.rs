@@ -2,7 +2,7 @@
 
 use super::load::{Loads, Moment, Weights};
 use super::row::Row;
-use super::scene::{Limits, Scene, shortest_mean_edge};
+use super::scene::{Scene, shortest_mean_edge};
 use super::setting::{self, Setting};
 use crate::clock;
 use crate::host::{Frame, Host};
@@ -130,13 +130,12 @@ fn truths(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Truth>, String> {
     }
     let inside: usize = found.iter().map(|truth| truth.inside.len()).sum::<usize>() / found.len();
     say(progress, format!("{}: {inside} vertices inside", scene.name));
+    let spacings = limit_spacings(&scene.workload);
     for (number, law) in LAWS.into_iter().enumerate() {
-        let [coarser, finer] = match &scene.limits {
-            Limits::Finer(workloads) => [0, 1].map(|level| limit_loads(&workloads[level], law, Sampling::default())),
-            Limits::Spacings(spacings) => {
-                spacings.map(|spacing| limit_loads(&scene.workload, law, Sampling::Spacing(spacing)))
-            }
-        };
+        let [coarser, finer] = [0, 1].map(|level| {
+            let workload = scene.finer.as_ref().map_or(&scene.workload, |finer| &finer[level]);
+            limit_loads(workload, law, spacings[level])
+        });
         let mut still = 0.0f64;
         for ((truth, finer), coarser) in found.iter_mut().zip(finer?).zip(coarser?) {
             host.write(&truth.frame);
@@ -147,7 +146,7 @@ fn truths(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Truth>, String> {
         let law = setting::name_of(law);
         say(progress, format!("{}, {law}: limit known to {:.4} %", scene.name, still * 100.0));
     }
-    if matches!(scene.limits, Limits::Finer(_)) {
+    if scene.finer.is_some() {
         for (number, law) in LAWS.into_iter().enumerate() {
             let error = surface_error(&scene.workload, number, &found, &mut host)? * 100.0;
             let law = setting::name_of(law);
@@ -159,9 +158,7 @@ fn truths(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Truth>, String> {
 
 /// The force error of the triangulation, which no rays can mend: that of a law on the surfaces as they are measured.
 fn surface_error(workload: &Workload, law: usize, truths: &[Truth], host: &mut Host) -> Result<f64, String> {
-    let edge = shortest_mean_edge(workload);
-    let [coarser, finer] =
-        [edge / 4.0, edge / 8.0].map(|spacing| limit_loads(workload, LAWS[law], Sampling::Spacing(spacing)));
+    let [coarser, finer] = limit_spacings(workload).map(|spacing| limit_loads(workload, LAWS[law], spacing));
     let mut sum = 0.0;
     for ((truth, coarser), finer) in truths.iter().zip(coarser?).zip(finer?) {
         host.write(&truth.frame);
@@ -170,9 +167,16 @@ fn surface_error(workload: &Workload, law: usize, truths: &[Truth], host: &mut H
     Ok(sum / truths.len() as f64)
 }
 
-/// A law at the judged steps with as many rays as `sampling` says, in double precision.
-fn limit_loads(workload: &Workload, law: ContactLaw, sampling: Sampling<f64>) -> Result<Vec<Loads>, String> {
+/// The distances of rays from which a limit is extrapolated, on meshes as they are measured and on finer ones alike.
+fn limit_spacings(workload: &Workload) -> [f64; 2] {
+    let edge = shortest_mean_edge(workload);
+    [edge / 4.0, edge / 8.0]
+}
+
+/// A law at the judged steps with rays as far apart as `spacing` says, in double precision.
+fn limit_loads(workload: &Workload, law: ContactLaw, spacing: f64) -> Result<Vec<Loads>, String> {
     let mut host = Host::new(workload);
+    let sampling = Sampling::Spacing(spacing);
     let options = DetectionOptions { law, sampling, escape: false, ..DetectionOptions::default() };
     let mut method = Whole::<f64>::new(workload, &host, 0, options)?;
     let at_step = |step: &u32| {

@@ -14,15 +14,8 @@ pub struct Scene {
     pub name: String,
     /// As it is measured.
     pub workload: Workload,
-    /// What stands for the smooth shapes; each has half the edges of the one before.
-    pub limits: Limits,
-}
-
-pub enum Limits {
-    /// Finer meshes of the same shapes.
-    Finer([Workload; 2]),
-    /// The given surface is the shape: rays this far apart.
-    Spacings([f64; 2]),
+    /// What stands for the smooth shapes, each with half the edges of the one before. Without them the surface is the shape.
+    pub finer: Option<[Workload; 2]>,
 }
 
 /// The scenes that are generated.
@@ -44,8 +37,7 @@ impl Scene {
             };
             let [first, second] = shapes;
             let workload = workload(&name, pair(first, second, [0.6, 0.25, 0.9]));
-            let edge = shortest_mean_edge(&workload);
-            return Ok(Self { name, workload, limits: Limits::Spacings([edge / 4.0, edge / 8.0]) });
+            return Ok(Self { name, workload, finer: None });
         }
         let bodies: fn(usize) -> Vec<Body> = match name {
             "deep-tori" => |finer| pair(torus(160 * finer), torus(160 * finer), [0.25, 0.1, 0.3]),
@@ -55,8 +47,8 @@ impl Scene {
             "resolution" => fine_in_coarse,
             _ => return Err(format!("there is no scene '{name}'; there are {} and {GIVEN}", NAMES.join(", "))),
         };
-        let limits = Limits::Finer([2, 4].map(|finer| workload(name, bodies(finer))));
-        Ok(Self { name: name.to_owned(), workload: workload(name, bodies(1)), limits })
+        let finer = Some([2, 4].map(|finer| workload(name, bodies(finer))));
+        Ok(Self { name: name.to_owned(), workload: workload(name, bodies(1)), finer })
     }
 }
 
