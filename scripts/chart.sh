@@ -6,8 +6,8 @@ usage() {
     cat <<END
 usage: scripts/chart.sh [quick|full|docs] [options of the measuring program]
 
-quick (default): one option at a time beside the default, some three minutes after the build.
-full: each option with each other, some twenty minutes.
+quick (default): one option at a time beside the default, some five minutes after the build.
+full: each option with each other, three times as long.
 docs: measures nothing; takes the last measurement over into docs/choosing.md and docs/chart/.
 Writes out/chart/chart.csv and charts beside it, and prints the settings of each scene that none beats in both time and
 force. Further options go to the measuring program ('scripts/chart.sh quick --help' lists them). Two surfaces of your
