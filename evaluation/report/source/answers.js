@@ -11,12 +11,9 @@ const rounded = (number) => String(Number(number.toPrecision(2)));
 /** Digits in threes, as in 10 000. */
 const digits = (number) => String(number).replace(/\B(?=(\d{3})+$)/g, "\u00a0");
 
-/** The files were measured with the sampling that was the default before 0.3. */
-const ownDefault = "default of 0.2";
-
 /** What measuring programs call the methods of detection, and what people do. */
 export const methodNames = {
-  raycontact: `raycontact, ${ownDefault}`, "raycontact-paper": "raycontact, paper's options", "raycontact-rust": "raycontact, from Rust",
+  raycontact: "raycontact, default", "raycontact-paper": "raycontact, paper's options", "raycontact-rust": "raycontact, from Rust",
   "raycontact-paper-classic": "raycontact, paper's options and octree", "lower-bound": "lower bound",
   "embree-refit": "Embree, tree refitted", "embree-low": "Embree, tree rebuilt", "parry3d-refit": "Parry, tree refitted",
   "obvhs-refit": "obvhs, tree refitted", "fcl-aabb": "FCL", "bullet-vf": "Bullet VF",
@@ -36,7 +33,7 @@ export function speed({ detect }) {
   }).sort((a, b) => a.value - b.value);
   const [best, own] = [rows.find((row) => !row.isOwn), rows.find((row) => row.method === "raycontact")];
   return { rows, text: `For the paper's work ${best.name.split(",")[0]}, the fastest of the others, takes ${best.figure} times as ` +
-    `long as raycontact; raycontact's ${ownDefault} does more and takes ${own.figure} times as long (medians of ${scenes.length} scenes).` };
+    `long as raycontact; raycontact's default does more and takes ${own.figure} times as long (medians of ${scenes.length} scenes).` };
 }
 
 /** What the chart of speed against accuracy has of the many settings. */
@@ -59,7 +56,7 @@ export function accuracy({ chart }) {
       error: median(own.map((row) => row.direction_error)) }));
   const [own, embree] = [methodNames.raycontact, "Embree"].map((name) => rows.find((row) => row.name === name));
   const figures = ({ time, error }) => `${rounded(error)}° off in ${rounded(time)} times the lower bound's time`;
-  return { rows, text: `The force of raycontact's ${ownDefault} is ${figures(own)}, that of the paper's method on Embree ` +
+  return { rows, text: `The force of raycontact's default is ${figures(own)}, that of the paper's method on Embree ` +
     `${figures(embree)} (medians of ${new Set(chart.map((row) => row.scene)).size} scenes).` };
 }
 
@@ -119,6 +116,6 @@ export function growth({ detect }) {
     const own = rows.filter((row) => row.name === methodNames[method]);
     return rounded(own.at(-1).total_us / own[0].total_us);
   };
-  return { rows, text: `Bodies of ${digits(rows.at(-1).size / rows[0].size)} times as many triangles take raycontact's ${ownDefault} ` +
+  return { rows, text: `Bodies of ${digits(rows.at(-1).size / rows[0].size)} times as many triangles take raycontact's default ` +
     `${times("raycontact")} times as long, the paper's options ${times("raycontact-paper")} times, and Embree ${times("embree-refit")} times.` };
 }
