@@ -11,8 +11,9 @@ install_wheel() {
     # Nothing of the caller's own Python: only what is installed here.
     unset PYTHONPATH PYTHONHOME
     export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_QUIET=1 PYTHONDONTWRITEBYTECODE=1
+    python3 -c 'import ensurepip' 2>/dev/null || install_packages python3-venv
     [[ -x "$environment/bin/pip" ]] || python3 -m venv --clear "$environment" ||
-        fail "python3 cannot make a virtual environment in $environment. On Debian: scripts/setup.sh"
+        fail "python3 cannot make a virtual environment in $environment"
     "$environment/bin/pip" install "${tools[@]}" "$@" || fail "pip could not install ${tools[*]} $*"
 
     say 'Building the wheel'
