@@ -54,6 +54,13 @@ apt-get install ${missing[*]}"
 
 cd "$root"
 
+# make_environment <folder>: a virtual environment of Python, where there is none.
+make_environment() {
+    [[ ! -x "$1/bin/pip" ]] || return 0
+    python3 -c 'import ensurepip' 2>/dev/null || install_packages python3-venv
+    python3 -m venv --clear "$1" || fail "python3 cannot make a virtual environment in $1"
+}
+
 # side_by_side <function>: calls it with the arguments of each line of the input, as many at a time as there are processors.
 # Ends with 1 at the first call that fails.
 side_by_side() {

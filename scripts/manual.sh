@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the manual as one site, with a search, from the pages in docs/ and the texts of the C headers and the Python package.
+# Makes the manual as one site, with a search, from the pages in docs/ and the texts of the C and C++ headers and the Python package.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 usage() {
@@ -27,14 +27,13 @@ command -v doxygen >/dev/null || fail 'doxygen is missing. On Debian: scripts/se
 # Nothing of the caller's own Python: only what is installed here.
 unset PYTHONPATH PYTHONHOME
 export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_QUIET=1 PYTHONDONTWRITEBYTECODE=1 NO_MKDOCS_2_WARNING=1
-[[ -x "$environment/bin/pip" ]] || python3 -m venv --clear "$environment" ||
-    fail "python3 cannot make a virtual environment in $environment. On Debian: scripts/setup.sh"
+make_environment "$environment"
 "$environment/bin/pip" install --requirement docs/site/requirements.txt ||
     fail 'pip could not install docs/site/requirements.txt: is there a network?'
 
 rm -rf build/reference build/site
 mkdir -p build/reference
-doxygen - <<END || fail 'doxygen could not make pages of the C headers'
+doxygen - <<END || fail 'doxygen could not make pages of the headers'
 @INCLUDE               = docs/Doxyfile
 INPUT                  = include
 FILE_PATTERNS          = *.h *.hpp

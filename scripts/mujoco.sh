@@ -30,8 +30,7 @@ esac
 environment="$root/build/mujoco-download"
 unset PYTHONPATH PYTHONHOME
 export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_QUIET=1
-[[ -x "$environment/bin/pip" ]] || python3 -m venv --clear "$environment" ||
-    fail "python3 cannot make a virtual environment in $environment. On Debian: scripts/setup.sh"
+make_environment "$environment"
 say "Downloading MuJoCo $version from PyPI"
 printf 'mujoco-core==%s --hash=sha256:%s\n' "$version" "$hash" >"$environment/requirements.txt"
 "$environment/bin/pip" download --no-deps --require-hashes --only-binary :all: --python-version 3.11 \

@@ -11,11 +11,9 @@ install_wheel() {
     # Nothing of the caller's own Python: only what is installed here.
     unset PYTHONPATH PYTHONHOME
     export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_QUIET=1 PYTHONDONTWRITEBYTECODE=1
-    python3 -c 'import ensurepip' 2>/dev/null || install_packages python3-venv
     # Rust links with it.
     command -v cc >/dev/null || install_packages gcc libc6-dev
-    [[ -x "$environment/bin/pip" ]] || python3 -m venv --clear "$environment" ||
-        fail "python3 cannot make a virtual environment in $environment"
+    make_environment "$environment"
     "$environment/bin/pip" install "${tools[@]}" "$@" || fail "pip could not install ${tools[*]} $*"
 
     say 'Building the wheel'

@@ -43,8 +43,8 @@ def names_of_headers():
     """Every name of the C headers and every class of C++ with its brief text, so that the search finds them."""
     yield from (text for header in C_HEADERS for text in texts_of_header(header))
     yield "## Classes of C++"
-    compounds = ElementTree.parse(XML / "index.xml").findall("compound[@kind='class']")
-    compounds += ElementTree.parse(XML / "index.xml").findall("compound[@kind='struct']")
+    index = ElementTree.parse(XML / "index.xml")
+    compounds = index.findall("compound[@kind='class']") + index.findall("compound[@kind='struct']")
     # An inline namespace is nothing a user writes.
     found = {compound.findtext("name").replace("with_exceptions::", ""): compound.get("refid") for compound in compounds}
     for name in sorted(found):
