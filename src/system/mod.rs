@@ -92,6 +92,8 @@ pub struct ContactSystem<T: Scalar> {
     pub(crate) loads: PairLoads,
     pub(crate) step: Option<step::Step>,
     pub(crate) buffers: step::Buffers,
+    /// Room for the vertices of a patch below a half-space, with their weights.
+    on_patch: Vec<(u32, T)>,
 }
 
 impl<T: Scalar> ContactSystem<T> {
@@ -112,6 +114,7 @@ impl<T: Scalar> ContactSystem<T> {
             loads: PairLoads::default(),
             step: None,
             buffers: step::Buffers::default(),
+            on_patch: Vec::new(),
         }
     }
 

@@ -7,7 +7,7 @@ use super::loads::{Key, PairLoads, Surface, in_order};
 use super::row::{Entry, Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
-use crate::contact::{Bearings, Contact, ContactKind, ContactList, EscapePush};
+use crate::contact::{Bearings, Contact, ContactKind, ContactList, EscapePush, FEWEST_FOR_CARRIERS};
 use crate::force::Weighting;
 use crate::math::{Scalar, direction};
 use crate::memory;
@@ -201,14 +201,15 @@ impl<T: Scalar> RowBuilder<'_, T> {
     }
 
     /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
-    /// seen along the normal. `room`: for two numbers for each vertex.
+    /// seen along the normal. Those of a patch together make one row where the body is carried by fewer nodes than it has
+    /// patches. `room`: for two numbers for each vertex, and for what a row acts on.
     pub(super) fn add_half_space_rows(
         &mut self,
         number: u32,
         half_space: &HalfSpace,
         place: usize,
         mesh: &Mesh<T>,
-        room: &mut Vec<[f64; 2]>,
+        (room, pressed): (&mut Vec<[f64; 2]>, &mut Vec<(u32, T)>),
     ) {
         let (bodies, normal) = (self.bodies, half_space.normal);
         let body = &bodies[place];
@@ -226,28 +227,80 @@ impl<T: Scalar> RowBuilder<'_, T> {
         if vertices.iter().all(|&vertex| is_out(room, vertex)) {
             return;
         }
-        for corners in mesh.topology().triangles() {
+        let triangles = mesh.topology().triangles();
+        let add_area = |room: &mut [[f64; 2]], corners: &[u32; 3]| {
             if corners.iter().all(|&vertex| is_out(room, vertex)) {
-                continue;
+                return;
             }
             let [a, b, c] = corners.map(position);
             let sixth = -normal.dot(&(b - a).cross(&(c - a))) / 6.0;
             corners.iter().for_each(|&vertex| room[vertex as usize][1] += sixth);
-        }
-        for &vertex in vertices {
-            let [depth, area] = room[vertex as usize];
-            if !(depth > 0.0 && area > 0.0) {
-                continue;
+        };
+        triangles.iter().for_each(|corners| add_area(room, corners));
+        let is_pressed = |[depth, area]: [f64; 2]| depth > 0.0 && area > 0.0;
+        let largest = mesh.carrier_spacing().to_f64().powi(2);
+        if largest <= 0.0 {
+            for &vertex in vertices {
+                let [depth, area] = room[vertex as usize];
+                if is_pressed([depth, area]) {
+                    let end = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
+                    self.add_half_space_row((number, half_space), body, vertex, (&end, None), [depth, area]);
+                }
             }
-            let from = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
-            let (own, point) = (body.number, body.vertex_ahead(vertex));
-            let mut ends = Ends::default();
-            self.add_end(&mut ends, 0, body, &End { at: &from, on: None }, None, &point);
-            let key = (own, Surface::HalfSpace(number));
-            let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
-            let pair = self.pair(key, Some(half_space));
-            self.finish(spring, pair, ends, Some((vertex, from, None)));
+            return;
         }
+        let whole: f64 = room.iter().filter(|&&both| is_pressed(both)).map(|[_, area]| area).sum();
+        room.iter_mut().for_each(|[_, area]| *area = 0.0);
+        let patches = mesh.patches();
+        for patch in patches.of_area(T::of(largest.min(whole / FEWEST_FOR_CARRIERS))) {
+            let own = || patches.triangles_of(patch).iter().map(|&triangle| &triangles[triangle as usize]);
+            own().for_each(|corners| add_area(room, corners));
+            pressed.clear();
+            let (mut sums, mut most, mut heaviest) = ([0.0; 2], 0.0, 0);
+            for &vertex in own().flatten() {
+                let [depth, area] = room[vertex as usize];
+                room[vertex as usize][1] = 0.0;
+                if is_pressed([depth, area]) {
+                    pressed.room_for(1).push((vertex, T::of(area)));
+                    sums = [sums[0] + depth * area, sums[1] + area];
+                    if depth * area > most {
+                        (most, heaviest) = (depth * area, vertex);
+                    }
+                }
+            }
+            let area = sums[1];
+            if area > 0.0 {
+                pressed.iter_mut().for_each(|(_, weight)| *weight = T::of(weight.to_f64() / area));
+                let end = Corners { vertices: [heaviest; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
+                let name = patches.middle(patch);
+                self.add_half_space_row(
+                    (number, half_space),
+                    body,
+                    name,
+                    (&end, Some(pressed)),
+                    [sums[0] / area, area],
+                );
+            }
+        }
+    }
+
+    /// A row of a body's vertex or patch with this name, which acts on so much area so deep below the plane.
+    fn add_half_space_row(
+        &mut self,
+        (number, half_space): (u32, &HalfSpace),
+        body: &Body<T>,
+        name: u32,
+        (at, on): (&Corners, Option<&[(u32, T)]>),
+        [depth, area]: [f64; 2],
+    ) {
+        let key = (body.number, Surface::HalfSpace(number));
+        let end = End { at, on };
+        let point = end.point_ahead(body);
+        let mut ends = Ends::default();
+        self.add_end(&mut ends, 0, body, &end, None, &point);
+        let spring = Spring { key, direction: half_space.normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
+        let pair = self.pair(key, Some(half_space));
+        self.finish(spring, pair, ends, Some((name, *at, None)));
     }
 
     fn body(&self, number: u32) -> &Body<T> {

@@ -195,7 +195,7 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Adds rows for the wanted pairs' contacts; with a scene also for escapes and half-spaces.
     pub(super) fn add_rows(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
-        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, .. } = self;
+        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, on_patch, .. } = self;
         let (weighting, mut pressed) = (self.weighting, std::mem::take(&mut buffers.pressed));
         let course = buffers.course(time);
         let before = buffers.before();
@@ -209,7 +209,7 @@ impl<T: Scalar> ContactSystem<T> {
             for (number, half_space) in self.half_spaces.iter().enumerate() {
                 for (place, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_foreign(body.number)) {
                     if let Ok(mesh) = scene.mesh(body.number) {
-                        builder.add_half_space_rows(number as u32, half_space, place, mesh, &mut pressed);
+                        builder.add_half_space_rows(number as u32, half_space, place, mesh, (&mut pressed, on_patch));
                     }
                 }
             }
