@@ -22,7 +22,7 @@ impl<T: Scalar> Direction<'_, T> {
     /// bend, so no strip is wider than the middle is deep.
     pub(crate) fn cast_edges(&self, list: &mut ContactList<T>) -> (usize, CastLoad<T>) {
         let ContactList { contacts, statistics, workspace, .. } = list;
-        let Workspace { samples, groups, vertices, edge_sides, crossings, .. } = workspace;
+        let Workspace { samples, groups, vertices, marks, edge_sides, crossings, .. } = workspace;
         let first = contacts.len();
         let mut load = CastLoad::default();
         let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
@@ -30,7 +30,7 @@ impl<T: Scalar> Direction<'_, T> {
         for_each_inside_stretch(
             tracers,
             self.pair.region,
-            [&mut groups[self.side], vertices],
+            (&mut groups[self.side], marks),
             (edge_sides, crossings),
             |sample, length| {
                 samples.room_for(1).push(Sample { area: length, ..sample });

@@ -28,6 +28,8 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) spread: SpreadWorkspace<T>,
     /// Of one chunk's groups the vertices in the overlap box.
     pub(crate) vertices: Vec<u32>,
+    /// A bit for each vertex.
+    pub(crate) marks: Vec<u64>,
     pub(crate) samples: Vec<Sample<T>>,
     pub(crate) rays: Vec<Ray<T>>,
     pub(crate) hits: Vec<Option<Hit<T>>>,

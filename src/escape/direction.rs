@@ -171,12 +171,12 @@ fn inside_stretches<T: Scalar>(
     workspace: &mut Workspace<T>,
     statistics: &mut Statistics,
 ) {
-    let Workspace { samples, rays, edge_sides, crossings, groups, vertices, .. } = workspace;
+    let Workspace { samples, rays, edge_sides, crossings, groups, marks, .. } = workspace;
     samples.clear();
     rays.clear();
     let tracers = [pair.tracers[side], pair.tracers[1 - side]];
     let scratch = (edge_sides, crossings);
-    for_each_inside_stretch(tracers, pair.region, [&mut groups[side], vertices], scratch, |sample: Sample<T>, _| {
+    for_each_inside_stretch(tracers, pair.region, (&mut groups[side], marks), scratch, |sample: Sample<T>, _| {
         rays.room_for(1).push(pair.ray_out(side, sample.point.position, away));
         samples.room_for(1).push(sample);
     });

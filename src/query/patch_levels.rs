@@ -74,12 +74,17 @@ impl PatchesOfGroups {
             }
         }
         patches.clear();
-        for (word, &marked) in marks.iter().enumerate() {
-            let mut left = marked;
-            while left != 0 {
-                patches.room_for(1).push(self.patches[word * 64 + left.trailing_zeros() as usize]);
-                left &= left - 1;
-            }
+        for_each_mark(marks, |place| patches.room_for(1).push(self.patches[place]));
+    }
+}
+
+/// The places of the bits that are set, in ascending order.
+pub(crate) fn for_each_mark(marks: &[u64], mut use_place: impl FnMut(usize)) {
+    for (word, &marked) in marks.iter().enumerate() {
+        let mut left = marked;
+        while left != 0 {
+            use_place(word * 64 + left.trailing_zeros() as usize);
+            left &= left - 1;
         }
     }
 }

@@ -3,12 +3,10 @@ use crate::math::{Aabb, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
 use crate::query::octree::Cells;
+use crate::query::patch_levels::for_each_mark;
 use crate::query::tracer::Tracer;
 use crate::simd::{LANE_COUNT, Lanes, dispatch};
 use crate::triangle::TriangleTest;
-
-/// If more than one group in this many is wanted, sorting them takes as long as visiting all.
-const PART_TO_LIST: usize = 16;
 
 /// A region that is thinner than so many of a body's tiles has few that are not near both surfaces, and rays from those that
 /// are not are short.
@@ -115,22 +113,22 @@ impl<T: Scalar> Tracer<'_, T> {
         memory::append(vertices, of_group.iter().copied().filter(is_inside));
     }
 
-    /// The vertices of the groups that may have something in the region, in ascending order, into `vertices`. Gives false,
-    /// and lists none, where they are so large a part of all that these had better be looked at as they come.
-    pub(crate) fn list_vertices_near(&self, region: &Aabb<T>, groups: &mut Vec<u32>, vertices: &mut Vec<u32>) -> bool {
-        vertices.clear();
-        let Some(cells) = self.cells_with_few(region, groups) else { return false };
-        groups.iter().for_each(|&tile| memory::append(vertices, cells.vertices_of(tile).iter().copied()));
-        vertices.sort_unstable();
-        vertices.dedup();
-        true
-    }
-
-    /// The layout with groups of its own, where few of them may have something in the region; these into `groups`.
-    fn cells_with_few(&self, region: &Aabb<T>, groups: &mut Vec<u32>) -> Option<&Bvh<T>> {
-        let Cells::Bvh(cells) = self.cells else { return None };
+    /// Offers the vertices of the groups that may have something in the region, each once, in ascending order. The lists are
+    /// scratch memory.
+    pub(crate) fn vertices_near(
+        &self,
+        region: &Aabb<T>,
+        (groups, marks): (&mut Vec<u32>, &mut Vec<u64>),
+        mut offer: impl FnMut(u32),
+    ) {
+        let count = self.mesh().topology().vertex_count();
+        let Cells::Bvh(cells) = self.cells else { return (0..count as u32).for_each(offer) };
         cells.tiles_in(region, groups);
-        (groups.len() <= cells.tile_count() as usize / PART_TO_LIST).then_some(cells)
+        memory::refill_with(marks, 0, count.div_ceil(64));
+        for &vertex in groups.iter().flat_map(|&tile| cells.vertices_of(tile)) {
+            marks[vertex as usize / 64] |= 1 << (vertex % 64);
+        }
+        for_each_mark(marks, |vertex| offer(vertex as u32));
     }
 
     /// A group's triangles.

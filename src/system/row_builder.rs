@@ -9,7 +9,7 @@ use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
 use crate::contact::{Bearings, Contact, ContactKind, ContactList, EscapePush, FEWEST_FOR_CARRIERS};
 use crate::force::Weighting;
-use crate::math::{Scalar, direction};
+use crate::math::{Aabb, Scalar, direction};
 use crate::memory;
 use crate::memory::Room;
 use crate::mesh::Mesh;
@@ -214,6 +214,11 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let (bodies, normal) = (self.bodies, half_space.normal);
         let body = &bodies[place];
         if !body.is_movable() {
+            return;
+        }
+        let Aabb { lower, upper } = mesh.aabb();
+        let deepest = V3::from_fn(|axis, _| if normal[axis] > 0.0 { lower[axis] } else { upper[axis] }.to_f64());
+        if normal.dot(&deepest) >= half_space.offset {
             return;
         }
         let position = |vertex: u32| V3::from(body.positions[vertex as usize].map(T::to_f64));

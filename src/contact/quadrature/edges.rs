@@ -13,7 +13,7 @@ use crate::triangle::{Hit, Ray};
 pub(crate) fn for_each_inside_stretch<T: Scalar>(
     tracers: [&Tracer<'_, T>; 2],
     region: &Aabb<T>,
-    [groups, vertices]: [&mut Vec<u32>; 2],
+    lists: (&mut Vec<u32>, &mut Vec<u64>),
     (sides, crossings): (&mut Vec<Side>, &mut Vec<Hit<T>>),
     mut offer: impl FnMut(Sample<T>, T),
 ) {
@@ -34,11 +34,7 @@ pub(crate) fn for_each_inside_stretch<T: Scalar>(
         });
     };
     let topology = mesh.topology();
-    if tracers[0].list_vertices_near(region, groups, vertices) {
-        vertices.iter().for_each(|&vertex| topology.edges_from(vertex, sides).for_each(&mut look));
-    } else {
-        (0..topology.vertex_count() as u32).for_each(|vertex| topology.edges_from(vertex, sides).for_each(&mut look));
-    }
+    tracers[0].vertices_near(region, lists, |vertex| topology.edges_from(vertex, sides).for_each(&mut look));
 }
 
 /// Offers the parts of [0, 1] that lie inside, for the crossings of a segment in their order.
