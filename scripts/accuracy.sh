@@ -37,10 +37,11 @@ for program in forces figure8 convergence; do
         (($? == 1)) || fail "$program ended early, see above"
         are_met=no
     }
+    head_csv "$scratch/$program.csv" "$([[ $program == forces ]] && echo 1 || echo none)" 'scripts/accuracy.sh'
 done
 /usr/bin/python3 scripts/draw_accuracy.py "$scratch" || fail 'the charts could not be drawn, see above'
 mkdir -p docs/accuracy
 cp "$scratch"/{forces.csv,{figure8,convergence}.{csv,svg}} docs/accuracy/
-/usr/bin/python3 scripts/tabulate_accuracy.py || fail 'the tables could not be written, see above'
+/usr/bin/python3 scripts/figures.py --renew || fail 'the pages could not be renewed, see above'
 say "Figures and charts: $root/docs/accuracy/"
 [[ "$are_met" == yes ]] || fail 'a target was missed, see above'

@@ -30,4 +30,5 @@ say 'Measuring'
 mkdir -p "$root/out/anchors"
 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 "$environment/bin/python" scripts/measure_anchors.py "$@" \
     "$root/out/anchors/anchors.csv" || fail 'the measurement failed, see above'
+head_csv out/anchors/anchors.csv none 'scripts/anchors.sh'
 say "Figures: $root/out/anchors/anchors.csv"

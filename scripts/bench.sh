@@ -22,8 +22,10 @@ start_measuring out/bench/detect.csv docs/performance "$@"
 
 if [[ $measures == false ]]; then
     "$bench" --out docs/performance --document docs/performance_notebook.md
+    scripts/figures.py --renew || fail 'the pages could not be renewed, see above'
     say "Renewed: $root/docs/performance_notebook.md"
     exit 0
 fi
 "$bench" "${size[@]}" --out out/bench "${libraries[@]}" "$@"
+head_csv out/bench/detect.csv 1 'scripts/bench.sh'
 say "Times and charts: $root/out/bench"

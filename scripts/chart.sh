@@ -26,6 +26,7 @@ if [[ $measures == false ]]; then
     "$bench" chart --draw --out docs/chart --document docs/choosing.md
     install_packages python3-matplotlib
     /usr/bin/python3 scripts/draw_choices.py docs/chart || fail 'the chart of choices could not be drawn, see above'
+    scripts/figures.py --renew || fail 'the pages could not be renewed, see above'
     say "Renewed: $root/docs/choosing.md; 'scripts/report.sh' renews the page"
     exit 0
 fi
@@ -36,4 +37,5 @@ for option in "$@"; do
     options+=("$option")
 done
 "$bench" chart "${size[@]}" --out out/chart "${libraries[@]}" "${options[@]}"
+head_csv out/chart/chart.csv none 'scripts/chart.sh'
 say "Figures and charts: $root/out/chart"

@@ -28,6 +28,13 @@ absolute_path() {
     esac
 }
 
+# head_csv <file> <seed> <command>: says in the first line of a file of figures where they come from.
+head_csv() {
+    local commit
+    commit="$(git describe --always --dirty --exclude '*')"
+    sed -i "1i # date $(date +%F), commit $commit, seed $2, command $3" "$1"
+}
+
 # install_packages <Debian package>...: those that are missing.
 install_packages() {
     command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||

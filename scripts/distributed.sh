@@ -59,5 +59,6 @@ rm -f out/distributed/parts.csv
 for division in 60/1 120/1 220/1 330/1 1000000/10 1000000/100 1000000/1000 10000/10 100000/100 1000/10 10000/100 100000/1000; do
     "$programs/distributed_parts" "${division%/*}" "${division#*/}" >>out/distributed/parts.csv
 done
+head_csv out/distributed/measured.csv none 'scripts/distributed.sh'
 /usr/bin/python3 scripts/draw_distributed.py out/distributed || fail 'the chart could not be drawn, see above'
 say "Chart: $root/out/distributed/scaling.svg"

@@ -7,9 +7,9 @@ Usage: draw_accuracy.py [docs/accuracy]
 scripts/accuracy.sh measures and calls it. Needs Debian's python3-matplotlib.
 """
 
-import csv
 import os
 
+import document_tables
 from drawing import FuncFormatter, NullFormatter, draw_in_folder, plot, save
 
 # Told apart by colour-blind readers too.
@@ -31,8 +31,7 @@ CASES = {
 def read(folder, name, columns):
     """The rows of a CSV file, as dictionaries."""
     path = os.path.join(folder, name)
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = document_tables.rows(path)
     missing = [column for column in columns if not rows or column not in rows[0]]
     if missing:
         raise ValueError(f"{path} has no rows or no column {', '.join(missing)}: run scripts/accuracy.sh")

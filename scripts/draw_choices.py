@@ -7,9 +7,9 @@ Usage: draw_choices.py [docs/chart]
 scripts/chart.sh calls it. Needs matplotlib.
 """
 
-import csv
 import os
 
+import document_tables
 from drawing import draw_in_folder, plot, save
 
 SCENE = "deep-tori"
@@ -40,8 +40,8 @@ PANELS = [
 
 
 def draw(folder):
-    with open(os.path.join(folder, "chart.csv"), newline="", encoding="utf-8") as file:
-        rows = {(row["method"], row["settings"]): row for row in csv.DictReader(file) if row["scene"] == SCENE}
+    found = document_tables.rows(os.path.join(folder, "chart.csv"))
+    rows = {(row["method"], row["settings"]): row for row in found if row["scene"] == SCENE}
     figure, panels = plot.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
     for number, (axes, (column, factor, name, ends)) in enumerate(zip(panels, PANELS)):
         for method, settings, label, *offsets in POINTS:

@@ -16,6 +16,7 @@ import csv
 import math
 import os
 
+import document_tables
 from drawing import draw_and_tabulate, numpy, plot, save
 
 LATENCY = 1.5e-6  # s, of a message
@@ -26,9 +27,8 @@ NEW = 0.1  # of the ghosts of a step, where bodies are divided every ten steps
 
 
 def read(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        # Each run of a program begins with the names again.
-        rows = [row for row in csv.DictReader(file) if row["ranks" if "ranks" in row else "parts"] not in ("ranks", "parts")]
+    # Each run of a program begins with the names again.
+    rows = [row for row in document_tables.rows(path) if row["ranks" if "ranks" in row else "parts"] not in ("ranks", "parts")]
     if not rows:
         raise ValueError(f"{path} has no rows: run scripts/distributed.sh")
     return [{name: float(value) for name, value in row.items()} for row in rows]
@@ -211,7 +211,10 @@ def draw(folder):
     model = Model(measured, parts)
     worked = work_out(model, [part for part in parts if part["parts"] > 1])
     compared = compare(model, measured, parts)
+    with open(os.path.join(folder, "measured.csv"), encoding="utf-8") as file:
+        head = file.readline()
     with open(os.path.join(folder, "model.csv"), "w", newline="", encoding="utf-8") as file:
+        file.write(head)
         writer = csv.DictWriter(file, list(worked[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(worked)

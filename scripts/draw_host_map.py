@@ -7,10 +7,10 @@ MuJoCo are those of `mujoco_flexes map`, SOFA's are those of
 `plugins/sofa/tests/measure.py --map`. Needs Debian's python3-matplotlib.
 """
 
-import csv
 import os
 
 from draw_stability import VERDICTS
+import document_tables
 from drawing import draw_in_folder, plot, save
 
 CONTACTS = {
@@ -24,8 +24,7 @@ CONTACTS = {
 
 
 def read(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = document_tables.rows(path)
     unknown = {row["verdict"] for row in rows} - set(VERDICTS) | {row["contact"] for row in rows} - set(CONTACTS)
     if not rows or unknown:
         raise ValueError(f"{path} has no rows, or verdicts or contacts that nobody knows: {sorted(unknown)}")

@@ -7,9 +7,9 @@ Usage: draw_penetration.py [docs/penetration]
 scripts/penetration.sh measures and calls it. Needs matplotlib.
 """
 
-import csv
 import os
 
+import document_tables
 from drawing import draw_in_folder, plot, save
 
 # Told apart by colour-blind readers too.
@@ -24,8 +24,7 @@ JUDGES = {"overlap_volume": ("even pressure", "#555555", "s"), "hydroelastic": (
 
 
 def read(folder, name):
-    with open(os.path.join(folder, name), newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return document_tables.rows(os.path.join(folder, name))
 
 
 def add_up(rows, outcomes):

@@ -12,9 +12,9 @@ python3-matplotlib.
 Exit status: 0; 1 where map.csv cannot be read; 2 for a wrong command line.
 """
 
-import csv
 import os
 
+import document_tables
 from drawing import draw_and_tabulate, plot, save
 
 METHODS = {
@@ -41,8 +41,7 @@ VERDICTS = {
 
 
 def read(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = document_tables.rows(path)
     unknown = {row["verdict"] for row in rows} - set(VERDICTS)
     if not rows or unknown:
         raise ValueError(f"{path} has no rows or verdicts that nobody knows {sorted(unknown)}: run scripts/stability.sh")

@@ -58,13 +58,14 @@ sort -o "$measured" "$measured"
 sed -i '1i workload,mode,path,instructions' "$measured"
 
 if [[ $renew == true ]]; then
+    head_csv "$measured" none 'scripts/instructions.sh --renew'
     cp "$measured" "$counts"
     say "Renewed: $counts"
     exit 0
 fi
 
 [[ -r $counts ]] || fail "there is no $counts: write it with scripts/instructions.sh --renew"
-join -t, -j1 <(sed 1d "$counts" | sed 's/,/ /;s/,/ /' | sort) <(sed 1d "$measured" | sed 's/,/ /;s/,/ /' | sort) |
+join -t, -j1 <(sed '/^#/d' "$counts" | sed '1d;s/,/ /;s/,/ /' | sort) <(sed '1d;s/,/ /;s/,/ /' "$measured" | sort) |
     awk -F, -v tolerance="$tolerance" '{
         change = 100 * ($3 / $2 - 1)
         printf "%-28s %12d -> %12d  %+6.1f %%\n", $1, $2, $3, change

@@ -46,10 +46,16 @@ fi
 
 run() { "$environment/bin/python" -m penetration_benchmark "$@" || fail 'a task failed, see above'; }
 docs="$root/docs/penetration"
+# head_all <folder> <command>...
+head_all() {
+    local file
+    for file in "$1"/*.csv; do head_csv "$file" 1 "${*:2}"; done
+}
 renew_own() {
     run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper,raycontact-own-exits \
         --tasks measure,free,detect,simulate,self
     mkdir -p "$docs/quick"
+    head_all "$folder/own" scripts/penetration.sh --own
     cp "$folder/own"/*.csv "$docs/quick/"
 }
 if [[ $size == --own ]]; then
@@ -81,8 +87,9 @@ run "$folder/free" --tasks free --share 53 \
     --libraries raycontact,raycontact-paper,raycontact-no-escape,embree,trimesh,fcl,coal,bullet
 run "$folder/free-slow" --tasks free --share 5.3 --libraries mujoco,drake,ipc-toolkit
 renew_own
+{ cat "$folder/free/free.csv" && tail --lines=+2 "$folder/free-slow/free.csv"; } >"$folder/full/free.csv"
+head_all "$folder/full" scripts/penetration.sh --full
 cp "$folder/full"/*.csv "$docs/"
-{ cat "$folder/free/free.csv" && tail --lines=+2 "$folder/free-slow/free.csv"; } >"$docs/free.csv"
 "$environment/bin/python" "$root/scripts/draw_penetration.py" "$docs" || fail 'the charts could not be drawn, see above'
-"$environment/bin/python" "$root/scripts/tabulate_penetration.py" "$root/docs" || fail 'the tables could not be written'
+"$environment/bin/python" "$root/scripts/figures.py" --renew || fail 'the pages could not be renewed, see above'
 say "Figures and charts: $docs"

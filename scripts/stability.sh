@@ -44,7 +44,8 @@ install_packages python3-matplotlib
 if [[ $runs == false ]]; then
     [[ -r out/stability/map.csv ]] || fail "there is no out/stability/map.csv yet: run 'scripts/stability.sh full' first"
     cp out/stability/map.csv docs/stability/
-    /usr/bin/python3 scripts/draw_stability.py docs/stability docs/stability.md || fail 'the map could not be drawn'
+    /usr/bin/python3 scripts/draw_stability.py docs/stability || fail 'the map could not be drawn'
+    /usr/bin/python3 scripts/figures.py --renew || fail 'the pages could not be renewed, see above'
     say "Renewed: $root/docs/stability.md"
     exit 0
 fi
@@ -104,9 +105,10 @@ say "Running $count scenes on $(nproc) cores"
 } >out/stability/map.csv.part || fail 'the scenes could not be run, see above'
 [[ $is_part == true && -r out/stability/map.csv ]] || echo "$header" >out/stability/map.csv
 # Of two lines for the same scene, method, time step and stiffness the later one counts.
-sed 1d out/stability/map.csv | cat out/stability/map.csv.part - | awk -F, -v OFS=, 'NR == 1 || !seen[$1, $2, $3 + 0, $4 + 0]++' |
+sed '/^#/d' out/stability/map.csv | sed 1d | cat out/stability/map.csv.part - | awk -F, -v OFS=, 'NR == 1 || !seen[$1, $2, $3 + 0, $4 + 0]++' |
     { read -r first && echo "$first" && sort; } >out/stability/map.csv.new
 mv out/stability/map.csv.new out/stability/map.csv
 rm out/stability/map.csv.part
+head_csv out/stability/map.csv none 'scripts/stability.sh'
 /usr/bin/python3 scripts/draw_stability.py out/stability || fail 'the map could not be drawn, see above'
 say "Map: $root/out/stability/map.csv"

@@ -1,17 +1,8 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Writes the tables of docs/accuracy.md anew from forces.csv, figure8.csv and convergence.csv in docs/accuracy.
+"""The tables of docs/accuracy.md, from forces.csv, figure8.csv and convergence.csv in docs/accuracy: for figures.py."""
 
-Usage: tabulate_accuracy.py [docs]
-
-A table stands between the lines <!-- NAME --> and <!-- end -->. scripts/accuracy.sh measures and calls this.
-"""
-
-import argparse
-import csv
 import math
 import os
-import sys
 
 import document_tables
 
@@ -85,33 +76,12 @@ def convergence(rows, kinds):
     return table(["triangles, about", *SIZES, "order", "rays at 1600"], lines)
 
 
-def read(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__.split("\n\n", maxsplit=1)[0],
-        epilog="Exit status: 0 when written, 1 when something is missing, 2 for a wrong command line.",
-    )
-    parser.add_argument("folder", nargs="?", default="docs", help="default: docs")
-    folder = parser.parse_args().folder
-    path = os.path.join(folder, "accuracy.md")
-    try:
-        errors = read(os.path.join(folder, "accuracy", "convergence.csv"))
-        tables = {
-            "forces": forces(read(os.path.join(folder, "accuracy", "forces.csv"))),
-            "figure8": figure8(read(os.path.join(folder, "accuracy", "figure8.csv"))),
-            "convergence": convergence(errors, DEFAULTS),
-            "convergence, others": convergence(errors, OTHERS),
-        }
-        document_tables.renew(path, tables)
-    except (OSError, ValueError) as error:
-        sys.exit(f"tabulate_accuracy.py: {error}")
-    except (KeyError, IndexError) as error:
-        sys.exit(f"tabulate_accuracy.py: a CSV file lacks {error}: run scripts/accuracy.sh")
-
-
-if __name__ == "__main__":
-    main()
+def tables(folder):
+    """Of docs/accuracy.md, from the folder docs."""
+    errors = document_tables.rows(os.path.join(folder, "accuracy", "convergence.csv"))
+    return {
+        "forces": forces(document_tables.rows(os.path.join(folder, "accuracy", "forces.csv"))),
+        "figure8": figure8(document_tables.rows(os.path.join(folder, "accuracy", "figure8.csv"))),
+        "convergence": convergence(errors, DEFAULTS),
+        "convergence, others": convergence(errors, OTHERS),
+    }

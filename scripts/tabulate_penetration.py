@@ -1,16 +1,7 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Writes the tables of docs/penetration.md anew from the CSV files in docs/penetration.
+"""The tables of docs/penetration.md, from the CSV files in docs/penetration: for figures.py."""
 
-Usage: tabulate_penetration.py [docs]
-
-A table stands between the lines <!-- NAME --> and <!-- end -->. scripts/penetration.sh measures and calls this.
-"""
-
-import argparse
-import csv
 import os
-import sys
 
 import document_tables
 
@@ -264,44 +255,27 @@ def self_times(rows):
 
 
 def read(folder, name):
-    with open(os.path.join(folder, "penetration", f"{name}.csv"), newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return document_tables.rows(os.path.join(folder, "penetration", f"{name}.csv"))
 
 
-def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__.split("\n\n", maxsplit=1)[0],
-        epilog="Exit status: 0 when written, 1 when something is missing, 2 for a wrong command line.",
-    )
-    parser.add_argument("folder", nargs="?", default="docs", help="default: docs")
-    folder = parser.parse_args().folder
-    path = os.path.join(folder, "penetration.md")
-    try:
-        detected, measured, freed = (read(folder, name) for name in ("detect", "measure", "free"))
-        about = read(folder, "libraries")
-        tables = {
-            "libraries": libraries_table(about),
-            "verdicts": verdicts(detected),
-            "vertices": vertices(detected),
-            "times": times(detected),
-            "directions": forces(measured, FORCES, direction, "library"),
-            "sizes": forces(measured, FORCES[:4], size, "library"),
-            "free": free(freed),
-            "ways": shapes(freed),
-            "simulate": simulated(read(folder, "simulate")),
-            "simulate_steps": simulated_steps(read(folder, "simulate")),
-            "intersecting": intersecting(read(folder, "intersecting")),
-            "self": self_contact(read(folder, "self")),
-            "self_times": self_times(read(folder, "self")),
-            "date": f"Run on {about[0]['date']}, seed {about[0]['seed']}, "
-                    f"{100 * float(about[0]['share']):.3g} % of the full number of poses.",
-        }
-        document_tables.renew(path, tables)
-    except (OSError, ValueError) as error:
-        sys.exit(f"tabulate_penetration.py: {error}")
-    except (KeyError, IndexError) as error:
-        sys.exit(f"tabulate_penetration.py: a CSV file lacks {error}: run scripts/penetration.sh --full")
-
-
-if __name__ == "__main__":
-    main()
+def tables(folder):
+    """Of docs/penetration.md, from the folder docs."""
+    detected, measured, freed = (read(folder, name) for name in ("detect", "measure", "free"))
+    about = read(folder, "libraries")
+    return {
+        "libraries": libraries_table(about),
+        "verdicts": verdicts(detected),
+        "vertices": vertices(detected),
+        "times": times(detected),
+        "directions": forces(measured, FORCES, direction, "library"),
+        "sizes": forces(measured, FORCES[:4], size, "library"),
+        "free": free(freed),
+        "ways": shapes(freed),
+        "simulate": simulated(read(folder, "simulate")),
+        "simulate_steps": simulated_steps(read(folder, "simulate")),
+        "intersecting": intersecting(read(folder, "intersecting")),
+        "self": self_contact(read(folder, "self")),
+        "self_times": self_times(read(folder, "self")),
+        "date": f"Run on {about[0]['date']}, seed {about[0]['seed']}, "
+                f"{100 * float(about[0]['share']):.3g} % of the full number of poses.",
+    }

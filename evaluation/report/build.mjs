@@ -26,11 +26,16 @@ function fields(line) {
     field.startsWith('"') ? field.slice(1, -1).replaceAll('""', '"') : field).slice(0, -1);
 }
 
+/** By the name of each CSV file, its first line: date, commit, seed and command of its figures. */
+const origins = {};
+
 /** Rows as objects; numbers as numbers, empty fields as null. */
 function readCsv(name) {
   const path = `docs/${name}`;
   if (!existsSync(join(root, path))) return null;
-  const [head, ...lines] = read(path).toString().trim().split("\n").map(fields);
+  const [origin, ...table] = read(path).toString().trim().split("\n");
+  origins[name] = origin.replace("# ", "");
+  const [head, ...lines] = table.map(fields);
   const value = (text) => (text === "" ? null : Number.isNaN(Number(text)) ? text : Number(text));
   return lines.map((line) => Object.fromEntries(head.map((name, i) => [name, value(line[i])])));
 }
@@ -80,6 +85,7 @@ const data = {
     simulate: readCsv("penetration/simulate.csv"),
   },
   scaling: read("docs/distributed/scaling.svg").toString(),
+  origins,
 };
 const recordings = readRecordings();
 

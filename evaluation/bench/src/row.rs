@@ -44,7 +44,8 @@ impl Row {
 
 pub fn read(path: &Path) -> Result<Vec<Row>, String> {
     let failed = |error: csv::Error| format!("cannot read {}: {error}", path.display());
-    csv::Reader::from_path(path).map_err(failed)?.deserialize().map(|row| row.map_err(failed)).collect()
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(failed)?;
+    reader.deserialize().map(|row| row.map_err(failed)).collect()
 }
 
 /// The labels of all methods, and the names of all workloads, each in the order of the rows.

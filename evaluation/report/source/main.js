@@ -166,6 +166,7 @@ function open() {
 addEventListener("hashchange", open);
 open();
 
+at("origin-list").append(...Object.entries(data.origins).map(([name, origin]) => element("li", `${name}: ${origin}`)));
 start(data.recordings);
 failures();
 deep();
