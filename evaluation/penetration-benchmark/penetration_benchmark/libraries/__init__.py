@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The libraries that have been measured, each at the settings that its authors recommend for this."""
+"""The libraries that have been measured, each at the settings that did best of those tried."""
 
 import importlib
 
