@@ -18,6 +18,7 @@ END
 
 source scripts/peers.sh
 start_measuring out/bench/detect.csv docs/performance "$@"
+command="scripts/bench.sh $*"
 (($# == 0)) || shift
 
 if [[ $measures == false ]]; then
@@ -27,5 +28,5 @@ if [[ $measures == false ]]; then
     exit 0
 fi
 "$bench" "${size[@]}" --out out/bench "${libraries[@]}" "$@"
-head_csv out/bench/detect.csv 1 'scripts/bench.sh'
+head_csv out/bench/detect.csv 1 "$command"
 say "Times and charts: $root/out/bench"

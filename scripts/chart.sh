@@ -20,6 +20,7 @@ END
 
 source scripts/peers.sh
 start_measuring out/chart/chart.csv docs/chart "$@"
+command="scripts/chart.sh $*"
 (($# == 0)) || shift
 
 if [[ $measures == false ]]; then
@@ -37,5 +38,5 @@ for option in "$@"; do
     options+=("$option")
 done
 "$bench" chart "${size[@]}" --out out/chart "${libraries[@]}" "${options[@]}"
-head_csv out/chart/chart.csv none 'scripts/chart.sh'
+head_csv out/chart/chart.csv none "$command"
 say "Figures and charts: $root/out/chart"
