@@ -127,16 +127,6 @@ impl<T: Scalar> Patches<T> {
         }
     }
 
-    /// The largest patches of at most this area, each once, in their order.
-    pub(crate) fn of_area(&self, area: T) -> impl Iterator<Item = u32> {
-        let mut next = 0;
-        std::iter::from_fn(move || {
-            let patch = self.around(*self.order.get(next)?, area);
-            next = self.patches[patch as usize].end as usize;
-            Some(patch)
-        })
-    }
-
     /// The two that a patch was merged from; `None` for a triangle.
     pub(crate) fn parts(&self, patch: u32) -> Option<[u32; 2]> {
         let parts = self.patches[patch as usize].parts;

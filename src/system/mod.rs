@@ -22,6 +22,7 @@ mod coupling;
 mod detect_again;
 mod error;
 mod explicit;
+mod half_spaces;
 pub(crate) mod hooks;
 mod lines;
 mod loads;
@@ -52,9 +53,10 @@ use crate::mesh::Mesh;
 use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table};
+use half_spaces::{Below, HalfSpace};
 use loads::{Key, PairLoads};
 use nalgebra::Matrix3;
-use row_builder::{HalfSpace, PairMaterials};
+use row_builder::PairMaterials;
 use rows::Rows;
 use std::ops::Range;
 use twist::V3;
@@ -92,8 +94,7 @@ pub struct ContactSystem<T: Scalar> {
     pub(crate) loads: PairLoads,
     pub(crate) step: Option<step::Step>,
     pub(crate) buffers: step::Buffers,
-    /// Room for the vertices of a patch below a half-space, with their weights.
-    on_patch: Vec<(u32, T)>,
+    below: Below<T>,
 }
 
 impl<T: Scalar> ContactSystem<T> {
@@ -114,7 +115,7 @@ impl<T: Scalar> ContactSystem<T> {
             loads: PairLoads::default(),
             step: None,
             buffers: step::Buffers::default(),
-            on_patch: Vec::new(),
+            below: Below::default(),
         }
     }
 

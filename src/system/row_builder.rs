@@ -3,25 +3,16 @@
 use super::Material;
 use super::anchors::{Anchors, Corners, Hold, sorted};
 use super::body::{Body, Course, Mover, weights_of};
+use super::half_spaces::HalfSpace;
 use super::loads::{Key, PairLoads, Surface, in_order};
 use super::row::{Entry, Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
 use super::twist::{V3, angular, linear};
-use crate::contact::{Bearings, Contact, ContactKind, ContactList, EscapePush, FEWEST_FOR_CARRIERS};
+use crate::contact::{Bearings, Contact, ContactKind, ContactList, EscapePush};
 use crate::force::Weighting;
-use crate::math::{Aabb, Scalar, direction};
-use crate::memory;
+use crate::math::{Scalar, direction};
 use crate::memory::Room;
-use crate::mesh::Mesh;
 use nalgebra::Matrix3;
-
-/// A floor or wall: solid where normal · x < offset.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HalfSpace {
-    pub(super) normal: V3,
-    pub(super) offset: f64,
-    pub(super) material: Material,
-}
 
 /// Materials of pairs that have one of their own, in order.
 pub(super) type PairMaterials = Vec<(Key, Material)>;
@@ -42,15 +33,15 @@ pub(super) struct RowBuilder<'a, T: Scalar> {
 }
 
 /// What a row is made of, apart from its entries.
-struct Spring {
-    key: Key,
-    direction: V3,
-    depth: f64,
-    cos_alpha: f64,
+pub(super) struct Spring {
+    pub(super) key: Key,
+    pub(super) direction: V3,
+    pub(super) depth: f64,
+    pub(super) cos_alpha: f64,
     /// The coefficient for a stiffness of 1.
-    area: f64,
+    pub(super) area: f64,
     /// The direction of the pair's net push on its first body, of unit length, or zero.
-    pushes: V3,
+    pub(super) pushes: V3,
 }
 
 /// A contact's area seen along its direction; multiplied by a stiffness in N/m³, it is the spring's coefficient. Weighted by
@@ -80,17 +71,17 @@ fn net_direction<T: Scalar>(contacts: &[Contact<T>], weighting: Weighting) -> V3
 type Holds = (u32, Corners, Option<[u32; 3]>);
 
 #[derive(Default)]
-struct Ends {
+pub(super) struct Ends {
     rigid: [Option<RigidEnd>; 2],
     given: V3,
     given_before: V3,
 }
 
 /// Where a contact acts on one body.
-struct End<'a, T: Scalar> {
-    at: &'a Corners,
+pub(super) struct End<'a, T: Scalar> {
+    pub(super) at: &'a Corners,
     /// The vertices over which it is spread, with their weights.
-    on: Option<&'a [(u32, T)]>,
+    pub(super) on: Option<&'a [(u32, T)]>,
 }
 
 impl<T: Scalar> End<'_, T> {
@@ -102,7 +93,7 @@ impl<T: Scalar> End<'_, T> {
     }
 
     /// Its middle, at the last detection.
-    fn point_ahead(&self, body: &Body<T>) -> V3 {
+    pub(super) fn point_ahead(&self, body: &Body<T>) -> V3 {
         if self.on.is_none() {
             return body.point_ahead(self.at);
         }
@@ -200,120 +191,12 @@ impl<T: Scalar> RowBuilder<'_, T> {
         }
     }
 
-    /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
-    /// seen along the normal. Those of a patch together make one row where the body is carried by fewer nodes than it has
-    /// patches. `room`: for two numbers for each vertex, and for what a row acts on.
-    pub(super) fn add_half_space_rows(
-        &mut self,
-        number: u32,
-        half_space: &HalfSpace,
-        place: usize,
-        mesh: &Mesh<T>,
-        (room, pressed): (&mut Vec<[f64; 2]>, &mut Vec<(u32, T)>),
-    ) {
-        let (bodies, normal) = (self.bodies, half_space.normal);
-        let body = &bodies[place];
-        if !body.is_movable() {
-            return;
-        }
-        let Aabb { lower, upper } = mesh.aabb();
-        let deepest = V3::from_fn(|axis, _| if normal[axis] > 0.0 { lower[axis] } else { upper[axis] }.to_f64());
-        if normal.dot(&deepest) >= half_space.offset {
-            return;
-        }
-        let position = |vertex: u32| V3::from(body.positions[vertex as usize].map(T::to_f64));
-        // The depth of each vertex, and the area that it stands for.
-        memory::refill(
-            room,
-            (0..).take(body.positions.len()).map(|vertex| [half_space.offset - normal.dot(&position(vertex)), 0.0]),
-        );
-        let is_out = |room: &[[f64; 2]], vertex: u32| room[vertex as usize][0] <= 0.0;
-        let vertices = mesh.topology().surface_vertices();
-        if vertices.iter().all(|&vertex| is_out(room, vertex)) {
-            return;
-        }
-        let triangles = mesh.topology().triangles();
-        let add_area = |room: &mut [[f64; 2]], corners: &[u32; 3]| {
-            if corners.iter().all(|&vertex| is_out(room, vertex)) {
-                return;
-            }
-            let [a, b, c] = corners.map(position);
-            let sixth = -normal.dot(&(b - a).cross(&(c - a))) / 6.0;
-            corners.iter().for_each(|&vertex| room[vertex as usize][1] += sixth);
-        };
-        triangles.iter().for_each(|corners| add_area(room, corners));
-        let is_pressed = |[depth, area]: [f64; 2]| depth > 0.0 && area > 0.0;
-        let largest = mesh.carrier_spacing().to_f64().powi(2);
-        if largest <= 0.0 {
-            for &vertex in vertices {
-                let [depth, area] = room[vertex as usize];
-                if is_pressed([depth, area]) {
-                    let end = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
-                    self.add_half_space_row((number, half_space), body, vertex, (&end, None), [depth, area]);
-                }
-            }
-            return;
-        }
-        let whole: f64 = room.iter().filter(|&&both| is_pressed(both)).map(|[_, area]| area).sum();
-        room.iter_mut().for_each(|[_, area]| *area = 0.0);
-        let patches = mesh.patches();
-        for patch in patches.of_area(T::of(largest.min(whole / FEWEST_FOR_CARRIERS))) {
-            let own = || patches.triangles_of(patch).iter().map(|&triangle| &triangles[triangle as usize]);
-            own().for_each(|corners| add_area(room, corners));
-            pressed.clear();
-            let (mut sums, mut most, mut heaviest) = ([0.0; 2], 0.0, 0);
-            for &vertex in own().flatten() {
-                let [depth, area] = room[vertex as usize];
-                room[vertex as usize][1] = 0.0;
-                if is_pressed([depth, area]) {
-                    pressed.room_for(1).push((vertex, T::of(area)));
-                    sums = [sums[0] + depth * area, sums[1] + area];
-                    if depth * area > most {
-                        (most, heaviest) = (depth * area, vertex);
-                    }
-                }
-            }
-            let area = sums[1];
-            if area > 0.0 {
-                pressed.iter_mut().for_each(|(_, weight)| *weight = T::of(weight.to_f64() / area));
-                let end = Corners { vertices: [heaviest; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
-                let name = patches.middle(patch);
-                self.add_half_space_row(
-                    (number, half_space),
-                    body,
-                    name,
-                    (&end, Some(pressed)),
-                    [sums[0] / area, area],
-                );
-            }
-        }
-    }
-
-    /// A row of a body's vertex or patch with this name, which acts on so much area so deep below the plane.
-    fn add_half_space_row(
-        &mut self,
-        (number, half_space): (u32, &HalfSpace),
-        body: &Body<T>,
-        name: u32,
-        (at, on): (&Corners, Option<&[(u32, T)]>),
-        [depth, area]: [f64; 2],
-    ) {
-        let key = (body.number, Surface::HalfSpace(number));
-        let end = End { at, on };
-        let point = end.point_ahead(body);
-        let mut ends = Ends::default();
-        self.add_end(&mut ends, 0, body, &end, None, &point);
-        let spring = Spring { key, direction: half_space.normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
-        let pair = self.pair(key, Some(half_space));
-        self.finish(spring, pair, ends, Some((name, *at, None)));
-    }
-
     fn body(&self, number: u32) -> &Body<T> {
         &self.bodies[self.place(number)]
     }
 
     /// The row's pair, and where it is its first row its material.
-    fn pair(&mut self, key: Key, floor: Option<&HalfSpace>) -> usize {
+    pub(super) fn pair(&mut self, key: Key, floor: Option<&HalfSpace>) -> usize {
         let Self { bodies, pair_materials, loads, .. } = self;
         loads.place(key, || {
             let find = |number: u32| &bodies[place_of(bodies, number)];
@@ -329,7 +212,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
     }
 
     /// Adds one body's entries to the row under way: at its end for the normal force, and where `held` says for friction.
-    fn add_end(
+    pub(super) fn add_end(
         &mut self,
         ends: &mut Ends,
         side: usize,
@@ -391,7 +274,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
     }
 
     /// Makes a row of the entries added since the last one.
-    fn finish(&mut self, spring: Spring, pair: usize, ends: Ends, holds: Option<Holds>) {
+    pub(super) fn finish(&mut self, spring: Spring, pair: usize, ends: Ends, holds: Option<Holds>) {
         let Spring { key, direction, depth, cos_alpha, area, pushes } = spring;
         let material = self.loads.now[pair].material;
         let holds = holds.filter(|_| material.friction > 0.0);

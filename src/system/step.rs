@@ -32,8 +32,6 @@ pub(crate) struct Buffers {
     pub(super) free_twists: Vec<f64>,
     /// At the end of the last step.
     pub(super) end_twists: Vec<f64>,
-    /// The depth of each vertex in a half-space, and the area that it stands for.
-    pub(super) pressed: Vec<[f64; 2]>,
     pub(super) sums: Vec<f64>,
     pub(super) unknowns: Vec<f64>,
     /// Each pair with the area of the contacts that a later detection found, and that of its rows.
@@ -195,8 +193,8 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Adds rows for the wanted pairs' contacts; with a scene also for escapes and half-spaces.
     pub(super) fn add_rows(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
-        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, on_patch, .. } = self;
-        let (weighting, mut pressed) = (self.weighting, std::mem::take(&mut buffers.pressed));
+        let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, below, .. } = self;
+        let weighting = self.weighting;
         let course = buffers.course(time);
         let before = buffers.before();
         rows.stamp = next_stamp();
@@ -209,12 +207,11 @@ impl<T: Scalar> ContactSystem<T> {
             for (number, half_space) in self.half_spaces.iter().enumerate() {
                 for (place, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_foreign(body.number)) {
                     if let Ok(mesh) = scene.mesh(body.number) {
-                        builder.add_half_space_rows(number as u32, half_space, place, mesh, (&mut pressed, on_patch));
+                        builder.add_half_space_rows((number as u32, half_space), place, mesh, below);
                     }
                 }
             }
         }
-        buffers.pressed = pressed;
     }
 
     /// Whether these are numbers for all nodes.

@@ -1,0 +1,154 @@
+//! Half-spaces, and the rows of the bodies that reach into them.
+
+use super::Material;
+use super::anchors::Corners;
+use super::body::Body;
+use super::loads::Surface;
+use super::row_builder::{End, Ends, RowBuilder, Spring};
+use super::twist::V3;
+use crate::contact::FEWEST_FOR_CARRIERS;
+use crate::math::{Aabb, Scalar};
+use crate::memory;
+use crate::memory::Room;
+use crate::mesh::Mesh;
+
+/// A floor or wall: solid where normal · x < offset.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HalfSpace {
+    pub(super) normal: V3,
+    pub(super) offset: f64,
+    pub(super) material: Material,
+}
+
+/// Room for what of a body lies below a half-space's plane.
+#[derive(Debug, Default)]
+pub(super) struct Below<T: Scalar> {
+    /// Of each vertex: its depth, and the area that it stands for, seen along the normal.
+    vertices: Vec<[f64; 2]>,
+    /// The triangles with a corner below, each with its patch.
+    triangles: Vec<(u32, u32)>,
+    /// The vertices that bear a patch's load, and their parts of it.
+    bearing: Vec<(u32, T)>,
+}
+
+impl<T: Scalar> Below<T> {
+    /// Finds the triangles, and the depths of all vertices.
+    fn find(&mut self, half_space: &HalfSpace, body: &Body<T>, mesh: &Mesh<T>) {
+        let depth = |&position: &[T; 3]| half_space.offset - half_space.normal.dot(&V3::from(position.map(T::to_f64)));
+        memory::refill(&mut self.vertices, body.positions.iter().map(|position| [depth(position), 0.0]));
+        let Self { vertices, triangles, .. } = self;
+        triangles.clear();
+        let is_below = |vertex: &u32| vertices[*vertex as usize][0] > 0.0;
+        for vertex in (0..vertices.len() as u32).filter(is_below) {
+            for &triangle in mesh.topology().triangles_around(vertex) {
+                // Each comes with the first of its corners below.
+                if mesh.topology().triangles()[triangle as usize].iter().find(|corner| is_below(corner))
+                    == Some(&vertex)
+                {
+                    triangles.room_for(1).push((0, triangle));
+                }
+            }
+        }
+        triangles.sort_unstable();
+    }
+
+    /// Shares out a triangle's area to its corners.
+    fn add_area(&mut self, half_space: &HalfSpace, body: &Body<T>, corners: [u32; 3]) {
+        let [a, b, c] = corners.map(|vertex| V3::from(body.positions[vertex as usize].map(T::to_f64)));
+        let sixth = -half_space.normal.dot(&(b - a).cross(&(c - a))) / 6.0;
+        corners.iter().for_each(|&vertex| self.vertices[vertex as usize][1] += sixth);
+    }
+
+    /// The depth and the area of a vertex that bears a load.
+    fn pressed(&self, vertex: u32) -> Option<[f64; 2]> {
+        let [depth, area] = self.vertices[vertex as usize];
+        (depth > 0.0 && area > 0.0).then_some([depth, area])
+    }
+}
+
+impl<T: Scalar> RowBuilder<'_, T> {
+    /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
+    /// seen along the normal. Where nodes carry the body that are further apart than its vertices, the vertices of a patch
+    /// make one row, and share its load by their areas.
+    pub(super) fn add_half_space_rows(
+        &mut self,
+        (number, half_space): (u32, &HalfSpace),
+        place: usize,
+        mesh: &Mesh<T>,
+        below: &mut Below<T>,
+    ) {
+        let (body, normal) = (&self.bodies[place], half_space.normal);
+        let Aabb { lower, upper } = mesh.aabb();
+        let deepest = V3::from_fn(|axis, _| if normal[axis] > 0.0 { lower[axis] } else { upper[axis] }.to_f64());
+        if !body.is_movable() || normal.dot(&deepest) >= half_space.offset {
+            return;
+        }
+        below.find(half_space, body, mesh);
+        let all = mesh.topology().triangles();
+        for place in 0..below.triangles.len() {
+            below.add_area(half_space, body, all[below.triangles[place].1 as usize]);
+        }
+        let vertices = mesh.topology().surface_vertices();
+        let spacing = mesh.carrier_spacing().to_f64();
+        if spacing == 0.0 {
+            for &vertex in vertices {
+                if let Some(pressed) = below.pressed(vertex) {
+                    self.add_half_space_row((number, half_space), body, [vertex; 2], None, pressed);
+                }
+            }
+            return;
+        }
+        let whole: f64 = vertices.iter().filter_map(|&vertex| below.pressed(vertex)).map(|[_, area]| area).sum();
+        below.vertices.iter_mut().for_each(|[_, area]| *area = 0.0);
+        let (patches, largest) = (mesh.patches(), T::of((spacing * spacing).min(whole / FEWEST_FOR_CARRIERS)));
+        below.triangles.iter_mut().for_each(|(patch, triangle)| *patch = patches.around(*triangle, largest));
+        below.triangles.sort_unstable();
+        let (mut start, mut end) = (0, 0);
+        while let Some(&(patch, _)) = below.triangles.get(start) {
+            while let Some(&(_, triangle)) = below.triangles.get(end).filter(|of_triangle| of_triangle.0 == patch) {
+                below.add_area(half_space, body, all[triangle as usize]);
+                end += 1;
+            }
+            below.bearing.clear();
+            let (mut load, mut sum, mut most, mut heaviest) = (0.0, 0.0, 0.0, 0);
+            for place in start..end {
+                for vertex in all[below.triangles[place].1 as usize] {
+                    if let Some([depth, area]) = below.pressed(vertex) {
+                        below.bearing.room_for(1).push((vertex, T::of(area)));
+                        (load, sum) = (load + depth * area, sum + area);
+                        if depth * area > most {
+                            (most, heaviest) = (depth * area, vertex);
+                        }
+                    }
+                    below.vertices[vertex as usize][1] = 0.0;
+                }
+            }
+            start = end;
+            if sum > 0.0 {
+                below.bearing.iter_mut().for_each(|(_, weight)| *weight /= T::of(sum));
+                let (name, on) = ([patches.middle(patch), heaviest], Some(&*below.bearing));
+                self.add_half_space_row((number, half_space), body, name, on, [load / sum, sum]);
+            }
+        }
+    }
+
+    /// A row of a body's vertex, or of the patch that is named first, from the vertex that is named then. It acts on so much
+    /// area so deep below the plane.
+    fn add_half_space_row(
+        &mut self,
+        (number, half_space): (u32, &HalfSpace),
+        body: &Body<T>,
+        [name, vertex]: [u32; 2],
+        on: Option<&[(u32, T)]>,
+        [depth, area]: [f64; 2],
+    ) {
+        let at = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
+        let end = End { at: &at, on };
+        let mut ends = Ends::default();
+        self.add_end(&mut ends, 0, body, &end, None, &end.point_ahead(body));
+        let key = (body.number, Surface::HalfSpace(number));
+        let spring = Spring { key, direction: half_space.normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
+        let pair = self.pair(key, Some(half_space));
+        self.finish(spring, pair, ends, Some((name, at, None)));
+    }
+}
