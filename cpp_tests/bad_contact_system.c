@@ -149,6 +149,9 @@ static void calls_out_of_order_are_refused(void) {
   CHECK_STATUS(rayc_contact_system_add_product(contacts, 1, UNKNOWNS, v, out), none, "begin");
   CHECK_STATUS(rayc_contact_system_block_count(contacts, &count), none, "begin");
   CHECK_STATUS(rayc_contact_system_copy_blocks(contacts, 1, 0, NULL, NULL, NULL), none, "begin");
+  rayc_csr matrix = {42, 42, NULL, NULL, NULL};
+  CHECK_STATUS(rayc_contact_system_csr(contacts, 1, &matrix), none, "begin");
+  CHECK(matrix.row_count == 42);
   CHECK_STATUS(rayc_contact_system_energy(contacts, UNKNOWNS, v, &number), none, "begin");
   CHECK_STATUS(rayc_contact_system_linearise(contacts, UNKNOWNS, v, &number), none, "begin");
   CHECK_STATUS(rayc_contact_system_detect_again(contacts, scene, UNKNOWNS, v, &is_more), none, "begin");
@@ -200,6 +203,11 @@ static void a_step_keeps_momentum(void) {
   free(rows);
   free(columns);
   free(blocks);
+
+  rayc_csr matrix = {42, 42, NULL, NULL, NULL};
+  CHECK_STATUS(rayc_contact_system_csr(contacts, NAN, &matrix), RAYC_STATUS_NOT_FINITE, "factor");
+  CHECK_STATUS(rayc_contact_system_csr(contacts, 1, NULL), RAYC_STATUS_NULL_POINTER, "matrix");
+  CHECK(matrix.row_count == 42 && matrix.values == NULL);
 
   double wrong = 42;
   uint32_t is_more = 42;
@@ -295,6 +303,8 @@ static void lost_masses_are_refused(void) {
   CHECK_STATUS(rayc_contact_system_finish(rigid, 0, NULL), RAYC_STATUS_OUT_OF_ORDER, "begin");
   CHECK_OK(rayc_contact_system_set_pair_material(rigid, 0, 1, &fine));
   CHECK_OK(rayc_contact_system_begin(rigid, apart, 0.01, 0, NULL, NULL, NULL));
+  rayc_csr matrix;
+  CHECK_STATUS(rayc_contact_system_csr(rigid, 1, &matrix), RAYC_STATUS_RIGID_ELIMINATED, "unknowns kept");
   CHECK_OK(rayc_contact_system_finish(rigid, 0, NULL));
   double velocities[2][6];
   for (uint32_t k = 0; k < 2; ++k) CHECK_OK(rayc_contact_system_rigid_velocity(rigid, k, velocities[k]));

@@ -14,7 +14,7 @@ use raycontact::query::{Layout, Octree};
 use raycontact::scene::Scene;
 use raycontact::system::{Carriers, ContactSystem, Material, Motion, RigidUnknowns};
 use raycontact::threads::ParallelFor;
-use std::ptr::null;
+use std::ptr::{null, null_mut};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -247,8 +247,12 @@ fn forces_and_differential_allocate_nothing() {
 /// All that a solver asks of a step, of nodes, a rigid body and a floor, with friction.
 #[test]
 fn a_steady_step_of_a_contact_system_allocates_nothing() {
+    [RigidUnknowns::Eliminated, RigidUnknowns::Kept].map(check_steady_steps_of_a_system);
+}
+
+fn check_steady_steps_of_a_system(rigid_unknowns: RigidUnknowns) {
     let (torus, mut scene) = (shapes::torus(16, 8, 0.4), Scene::<f64>::new(1).expect("no thread is started"));
-    let mut system = ContactSystem::new(RigidUnknowns::Eliminated);
+    let mut system = ContactSystem::new(rigid_unknowns);
     let material = Material { stiffness: 1e3, damping_time: 0.01, friction: 0.5, depth_cap: 0.01 };
     let count = torus.positions.len() as u32;
     system.set_node_masses(&vec![0.1; 2 * count as usize]).expect("masses");
@@ -261,20 +265,25 @@ fn a_steady_step_of_a_contact_system_allocates_nothing() {
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     system.add_rigid(&scene, rigid, 1.0, unit, material).expect("a body");
     system.add_half_space([0.0, 0.0, 1.0], -0.3, material).expect("a floor");
-    let (mut forces, mut wrong) = (vec![0.0; 6 * count as usize], 0.0);
+    let (mut forces, mut wrong) = (vec![0.0; system.unknown_count()], 0.0);
     for step in 0..16 {
         let ends = [moved(&torus, step), torus.moved([0.1, 0.2, 0.6]).positions].concat();
         let positions: Vec<f64> = ends.into_iter().flatten().collect();
         let fall = if step % 4 < 2 { -2.0 } else { 2.0 };
         let velocities: Vec<f64> = (0..positions.len()).map(|k| if k % 3 == 2 { fall } else { 0.3 }).collect();
-        let still = vec![0.0; positions.len()];
+        let still = vec![0.0; system.unknown_count()];
+        let change: Vec<f64> = (0..still.len()).map(|k| (k as f64).sin()).collect();
         let velocity = [0.0, 0.0, fall, 0.0, 0.0, 0.0];
         let motion = Motion { position: [0.0, 0.0, 1.6], rotation: unit, velocity, free_velocity: velocity };
         let allocations = measure(|| {
             system.set_motion(rigid, &motion).expect("it is rigid");
             system.begin(&mut scene, 0.02, &positions, &velocities, &velocities).expect("a step");
             system.add_forces(&still, &mut forces).expect("a step is under way");
-            system.add_product(0.02, &velocities, &mut forces).expect("a step is under way");
+            system.add_product(0.02, &change, &mut forces).expect("a step is under way");
+            if rigid_unknowns == RigidUnknowns::Kept {
+                let matrix = system.compressed_rows(0.02).expect("a step is under way");
+                assert!(matrix.values.len() > 100);
+            }
             wrong += system.linearise(&still).expect("a step is under way");
             system.detect_again(&mut scene, &still).expect("a step is under way");
             system.finish(&still).expect("a step is under way");
@@ -282,6 +291,93 @@ fn a_steady_step_of_a_contact_system_allocates_nothing() {
         assert!(step < 8 || allocations.count_total == 0, "step {step}: {allocations:?}");
     }
     assert!(!system.contacts().is_empty() && forces.iter().any(|&force| force != 0.0) && wrong > 0.0);
+}
+
+/// Scenes in one call, and floats in place of doubles.
+#[test]
+#[allow(unsafe_code)] // the C interface
+fn a_steady_step_in_floats_or_of_many_scenes_allocates_nothing() {
+    let (torus, masses) = (shapes::torus(16, 8, 0.4), [0.1; 256]);
+    let count = torus.positions.len();
+    let mut scenes: Vec<_> = (0..3).map(|_| common::c::Scene::new(64, 1).expect("no thread is started")).collect();
+    let mesh =
+        common::c::Mesh::new(64, false, &common::c::vectors(&torus.positions), &torus.triangles).expect("closed");
+    let material = rayc_material {
+        struct_size: size_of::<rayc_material>(),
+        stiffness: 1e3,
+        damping_time: 0.01,
+        friction: 0.5,
+        depth_cap: 0.01,
+    };
+    let systems: Vec<_> =
+        scenes.iter_mut().map(|scene| system_of_two(scene, &mesh, &masses[..2 * count], &material)).collect();
+    let handles: Vec<_> = scenes.iter().map(|scene| scene.0).collect();
+    let mut statuses = [0; 3];
+    let (numbers, mut sums) = (6 * count, vec![0.0_f32; 6 * count]);
+    for step in 0..16 {
+        let ends = [moved(&torus, step), torus.moved([0.1, 0.2, 0.6]).positions].concat();
+        let positions: Vec<f64> = ends.into_iter().flatten().collect();
+        let (each, velocities) = (positions.repeat(3), vec![0.1_f32; numbers]);
+        let doubles = vec![0.1; each.len()];
+        let single: Vec<f32> = positions.iter().map(|&x| x as f32).collect();
+        let allocations = measure(|| {
+            let (scenes, begun) = (handles.as_ptr(), systems.as_ptr());
+            let (x, v) = (each.as_ptr(), doubles.as_ptr());
+            let (mut wrong, mut is_more) = (0.0, [0; 3]);
+            // SAFETY: the arrays are as they say.
+            let found = unsafe {
+                let places = statuses.as_mut_ptr();
+                let begin = rayc_contact_systems_begin(3, begun, scenes, 0.02, numbers, x, v, v, places);
+                let again =
+                    rayc_contact_systems_detect_again(3, begun, scenes, numbers, v, is_more.as_mut_ptr(), places);
+                let of_first = [
+                    rayc_contact_system_add_forces_f32(systems[0], numbers, velocities.as_ptr(), sums.as_mut_ptr()),
+                    rayc_contact_system_linearise_f32(systems[0], numbers, velocities.as_ptr(), &mut wrong),
+                ];
+                let finish =
+                    systems.iter().map(|&system| rayc_contact_system_finish_f32(system, numbers, velocities.as_ptr()));
+                let is_done = finish.chain(of_first).all(|status| status == RAYC_STATUS_OK);
+                let (v, free) = (velocities.as_ptr(), velocities.as_ptr());
+                let in_floats =
+                    rayc_contact_system_begin_f32(systems[0], handles[0], 0.02, numbers, single.as_ptr(), v, free);
+                [begin, again, in_floats, rayc_contact_system_finish_f32(systems[0], numbers, v)]
+                    .map(|status| status == RAYC_STATUS_OK && is_done)
+            };
+            assert_eq!(found, [true; 4]);
+        });
+        assert!(step < 8 || allocations.count_total == 0, "step {step}: {allocations:?}");
+    }
+    assert!(sums.iter().any(|&sum| sum != 0.0) && statuses == [0; 3]);
+    for system in systems {
+        // SAFETY: it is not used again.
+        assert_eq!(unsafe { rayc_contact_system_destroy(system) }, RAYC_STATUS_OK);
+    }
+}
+
+/// Two bodies of the mesh, whose vertices are nodes.
+#[allow(unsafe_code)] // the C interface
+fn system_of_two(
+    scene: &mut common::c::Scene,
+    mesh: &common::c::Mesh,
+    masses: &[f64],
+    material: &rayc_material,
+) -> *mut rayc_contact_system {
+    let (mut system, count) = (null_mut(), masses.len() as u32 / 2);
+    // SAFETY: the arrays are as they say.
+    unsafe {
+        assert_eq!(rayc_contact_system_create(null(), &mut system), RAYC_STATUS_OK);
+        assert_eq!(rayc_contact_system_set_node_masses(system, masses.len(), masses.as_ptr()), RAYC_STATUS_OK);
+        for body in 0..2 {
+            assert_eq!(scene.add(mesh), Ok(body));
+            let first = body * count;
+            let (none, no_weights) = (null(), null());
+            let added = rayc_contact_system_add_deformable(
+                system, scene.0, body, first, count, none, 0, none, no_weights, material,
+            );
+            assert_eq!(added, RAYC_STATUS_OK);
+        }
+    }
+    system
 }
 
 /// A body in a scene, in single precision, in contact with another by rays from all vertices.

@@ -237,6 +237,10 @@ typedef enum rayc_status {
    */
   RAYC_STATUS_TOO_STIFF = 609,
   /**
+   * A matrix in compressed rows has more numbers or rows than 32-bit indices reach, 2^31 - 1.
+   */
+  RAYC_STATUS_MATRIX_TOO_LARGE = 610,
+  /**
    * Options that must be equal on all ranks are not. This and the next are only said by raycontact/mpi.hpp, on all ranks.
    */
   RAYC_STATUS_RANKS_DISAGREE = 700,

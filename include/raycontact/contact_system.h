@@ -27,7 +27,7 @@ extern "C" {
  * rayc_contact_system_linearise() and rayc_contact_system_detect_again(); rayc_contact_system_finish(). A steady step
  * allocates nothing.
  *
- * Numbers are doubles in SI units, whatever the precision. Vectors of unknowns hold x, y, z of each node, then, where
+ * Numbers are doubles in SI units, whatever the precision; functions whose names end in _f32 take floats. Vectors of unknowns hold x, y, z of each node, then, where
  * rigid bodies are kept, six numbers of each in the order they were added: linear and angular velocity, or force and torque.
  * Numbers given are at most 2^80 (1.2e24) in size, so that forces and energies stay finite; others are refused with
  * RAYC_STATUS_INVALID_OPTION or, where they have one, with a status of their own.
@@ -351,6 +351,45 @@ enum rayc_status rayc_contact_system_copy_blocks(const struct rayc_contact_syste
                                                  double *blocks);
 
 /**
+ * A square matrix in compressed sparse rows (CSR), one for each unknown: row i has the numbers `offsets[i]` to
+ * `offsets[i + 1]`, exclusive, of `columns` and `values`. Columns ascend within each row, and none comes twice.
+ */
+typedef struct rayc_csr {
+  /**
+   * How many rows and columns it has.
+   */
+  size_t row_count;
+  /**
+   * How many numbers it has, also the last of the offsets.
+   */
+  size_t value_count;
+  /**
+   * One more than there are rows.
+   */
+  const int32_t *offsets;
+  /**
+   * The column of each number, from 0.
+   */
+  const int32_t *columns;
+  /**
+   * The numbers, in N s/m and, with rigid bodies, in N s and N s m.
+   */
+  const double *values;
+} rayc_csr;
+
+/**
+ * Assembles the matrix of rayc_contact_system_add_product() in compressed sparse rows, for direct solvers and
+ * preconditioners. The arrays are the system's: they stay as they are until this is called again, whatever it then returns,
+ * or the system is destroyed. In a steady step no memory is allocated.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
+ * RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MATRIX_TOO_LARGE, which rayc_contact_system_copy_blocks() does not return.
+ */
+enum rayc_status rayc_contact_system_csr(struct rayc_contact_system *system,
+                                         double factor,
+                                         struct rayc_csr *matrix);
+
+/**
  * The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of the
  * step, velocity times dt. For line searches. count: that of the unknowns.
  *
@@ -485,6 +524,125 @@ enum rayc_status rayc_contact_system_pair_force(const struct rayc_contact_system
                                                 uint32_t other,
                                                 uint32_t is_half_space,
                                                 double *force);
+
+/**
+ * rayc_contact_system_begin() with floats. Numbers are read as they are, of a system of either precision; all
+ * arithmetic is in double. This holds for all functions whose names end in _f32.
+ */
+enum rayc_status rayc_contact_system_begin_f32(struct rayc_contact_system *system,
+                                               struct rayc_scene *scene,
+                                               double dt,
+                                               size_t count,
+                                               const float *positions,
+                                               const float *velocities,
+                                               const float *free_velocities);
+
+/**
+ * rayc_contact_system_add_forces() with floats. Each sum is rounded once; it is infinite where no float is as large.
+ */
+enum rayc_status rayc_contact_system_add_forces_f32(struct rayc_contact_system *system,
+                                                    size_t count,
+                                                    const float *velocities,
+                                                    float *forces);
+
+/**
+ * rayc_contact_system_add_product() with floats, rounded as by rayc_contact_system_add_forces_f32().
+ */
+enum rayc_status rayc_contact_system_add_product_f32(struct rayc_contact_system *system,
+                                                     double factor,
+                                                     size_t count,
+                                                     const float *change,
+                                                     float *result);
+
+/**
+ * rayc_contact_system_energy() with floats.
+ */
+enum rayc_status rayc_contact_system_energy_f32(struct rayc_contact_system *system,
+                                                size_t count,
+                                                const float *velocities,
+                                                double *joules);
+
+/**
+ * rayc_contact_system_linearise() with floats.
+ */
+enum rayc_status rayc_contact_system_linearise_f32(struct rayc_contact_system *system,
+                                                   size_t count,
+                                                   const float *velocities,
+                                                   double *wrong);
+
+/**
+ * rayc_contact_system_misjudged() with floats.
+ */
+enum rayc_status rayc_contact_system_misjudged_f32(struct rayc_contact_system *system,
+                                                   size_t count,
+                                                   const float *velocities,
+                                                   double *wrong);
+
+/**
+ * rayc_contact_system_detect_again() with floats.
+ */
+enum rayc_status rayc_contact_system_detect_again_f32(struct rayc_contact_system *system,
+                                                      struct rayc_scene *scene,
+                                                      size_t count,
+                                                      const float *velocities,
+                                                      uint32_t *is_more);
+
+/**
+ * rayc_contact_system_finish() with floats.
+ */
+enum rayc_status rayc_contact_system_finish_f32(struct rayc_contact_system *system,
+                                                size_t count,
+                                                const float *velocities);
+
+/**
+ * rayc_contact_system_explicit_step() with floats, rounded as by rayc_contact_system_add_forces_f32().
+ */
+enum rayc_status rayc_contact_system_explicit_step_f32(struct rayc_contact_system *system,
+                                                       struct rayc_scene *scene,
+                                                       double dt,
+                                                       size_t count,
+                                                       const float *positions,
+                                                       const float *velocities,
+                                                       size_t unknown_count,
+                                                       float *forces,
+                                                       double *longest_step);
+
+/**
+ * rayc_contact_system_begin() for many scenes at once, such as those of robot learning: system i with scene i, on the threads
+ * of the first scene, a scene on one thread at a time. Each gets the same bits as by itself. No handle may come twice.
+ *
+ * number_count: three times the number of nodes of each system, all of which have equally many, or none; the numbers of
+ * system i begin at i * number_count of the three arrays.
+ *
+ * statuses[i]: what the call for scene i would have returned. Where one is an error, the others are done nevertheless; the call
+ * returns the first error, and rayc_last_error_message() names its scene.
+ *
+ * Errors: those of rayc_contact_system_begin(). Where the first scene is no handle or an array is NULL, nothing is done
+ * and no status written.
+ */
+enum rayc_status rayc_contact_systems_begin(size_t count,
+                                            struct rayc_contact_system *const *systems,
+                                            struct rayc_scene *const *scenes,
+                                            double dt,
+                                            size_t number_count,
+                                            const double *positions,
+                                            const double *velocities,
+                                            const double *free_velocities,
+                                            uint32_t *statuses);
+
+/**
+ * rayc_contact_system_detect_again() for many scenes at once: see rayc_contact_systems_begin(). number_count: the number of
+ * unknowns of each system; is_more[i]: 0 or 1 for each scene that has no error.
+ *
+ * Errors: those of rayc_contact_system_detect_again(), as there.
+ */
+enum rayc_status rayc_contact_systems_detect_again(size_t count,
+                                                   struct rayc_contact_system *const *systems,
+                                                   struct rayc_scene *const *scenes,
+                                                   size_t number_count,
+                                                   const double *velocities,
+                                                   uint32_t *is_more,
+                                                   uint32_t *statuses);
 
 #ifdef __cplusplus
 } // extern "C"

@@ -9,6 +9,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <type_traits>
 #include <vector>
 
 #include "contacts.hpp"
@@ -39,6 +41,16 @@ inline Outcome<rayc_material> bearing_material(double pressure, double depth) {
   return detail::outcome(status, material);
 }
 
+/// @cond internal
+namespace detail {
+
+/** For arrays of floats; those of doubles, and `{}`, go to the function of the same name before. */
+template <class Numbers>
+using IfFloats = std::enable_if_t<std::is_convertible<const Numbers&, Span<const float>>::value, int>;
+
+}  // namespace detail
+/// @endcond
+
 /** How nodes carry a surface: rayc_contact_system_add_deformable() says what the arrays hold. */
 struct Carriers {
   Span<const uint32_t> offsets;  ///< one more than the mesh has vertices
@@ -51,6 +63,13 @@ struct Blocks {
   std::vector<uint32_t> rows;     ///< in blocks of three unknowns
   std::vector<uint32_t> columns;  ///< the same
   std::vector<double> numbers;    ///< nine for each block, by rows
+};
+
+/** A matrix in compressed sparse rows, as rayc_csr: its arrays are those of the system that gave it. */
+struct CompressedRows {
+  Span<const int32_t> offsets;  ///< where each row begins, and where the last ends
+  Span<const int32_t> columns;  ///< ascending within each row
+  Span<const double> values;    ///< a number for each column
 };
 
 /** What each pair's rows do to each of its bodies: which unknowns, in blocks of three. */
@@ -154,16 +173,52 @@ class ContactSystem {
                                            velocities.data(), free_velocities.data()));
   }
 
+  /** The same with floats, as below: rayc_contact_system_begin_f32(). */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<void> begin(Scene& scene, double dt, const Numbers& positions, Span<const float> velocities,
+                      Span<const float> free_velocities) {
+    const Span<const float> x = positions;
+    if (velocities.size() != x.size() || free_velocities.size() != x.size()) return unequal();
+    return check(rayc_contact_system_begin_f32(get(), scene.get(), dt, x.size(), x.data(), velocities.data(),
+                                               free_velocities.data()));
+  }
+
   /** Adds the forces at these velocities, as the rows are held. */
   Outcome<void> add_forces(Span<const double> velocities, Span<double> forces) {
     if (forces.size() != velocities.size()) return unequal();
     return check(rayc_contact_system_add_forces(get(), velocities.size(), velocities.data(), forces.data()));
   }
 
+  /** The same with floats. */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<void> add_forces(const Numbers& velocities, Span<float> forces) {
+    const Span<const float> v = velocities;
+    if (forces.size() != v.size()) return unequal();
+    return check(rayc_contact_system_add_forces_f32(get(), v.size(), v.data(), forces.data()));
+  }
+
   /** Adds factor * (-dforce/dvelocity) * change. */
   Outcome<void> add_product(double factor, Span<const double> change, Span<double> result) {
     if (result.size() != change.size()) return unequal();
     return check(rayc_contact_system_add_product(get(), factor, change.size(), change.data(), result.data()));
+  }
+
+  /** The same with floats. */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<void> add_product(double factor, const Numbers& change, Span<float> result) {
+    const Span<const float> by = change;
+    if (result.size() != by.size()) return unequal();
+    return check(rayc_contact_system_add_product_f32(get(), factor, by.size(), by.data(), result.data()));
+  }
+
+  /** The same matrix in compressed sparse rows, until this is called again or the system ends. */
+  Outcome<CompressedRows> csr(double factor) {
+    rayc_csr matrix{};
+    const rayc_status status = rayc_contact_system_csr(get(), factor, &matrix);
+    const std::size_t offsets = matrix.offsets == nullptr ? 0 : matrix.row_count + 1;
+    return detail::outcome(status, CompressedRows{{matrix.offsets, offsets},
+                                                  {matrix.columns, matrix.value_count},
+                                                  {matrix.values, matrix.value_count}});
   }
 
   /** The same matrix as blocks; replaces what `blocks` held. */
@@ -186,6 +241,15 @@ class ContactSystem {
     return detail::outcome(status, joules);
   }
 
+  /** The same with floats. */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<double> energy(const Numbers& velocities) {
+    const Span<const float> v = velocities;
+    double joules = 0;
+    const rayc_status status = rayc_contact_system_energy_f32(get(), v.size(), v.data(), &joules);
+    return detail::outcome(status, joules);
+  }
+
   /** Holds the rows anew, at these velocities; the part of the force that had been predicted wrongly. */
   Outcome<double> linearise(Span<const double> velocities) {
     double wrong = 0;
@@ -193,10 +257,28 @@ class ContactSystem {
     return detail::outcome(status, wrong);
   }
 
+  /** The same with floats. */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<double> linearise(const Numbers& velocities) {
+    const Span<const float> v = velocities;
+    double wrong = 0;
+    const rayc_status status = rayc_contact_system_linearise_f32(get(), v.size(), v.data(), &wrong);
+    return detail::outcome(status, wrong);
+  }
+
   /** What linearise() would give, but the rows are held as before. */
   Outcome<double> misjudged(Span<const double> velocities) {
     double wrong = 0;
     const rayc_status status = rayc_contact_system_misjudged(get(), velocities.size(), velocities.data(), &wrong);
+    return detail::outcome(status, wrong);
+  }
+
+  /** The same with floats. */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<double> misjudged(const Numbers& velocities) {
+    const Span<const float> v = velocities;
+    double wrong = 0;
+    const rayc_status status = rayc_contact_system_misjudged_f32(get(), v.size(), v.data(), &wrong);
     return detail::outcome(status, wrong);
   }
 
@@ -216,6 +298,16 @@ class ContactSystem {
     uint32_t is_more = 0;
     const rayc_status status =
         rayc_contact_system_detect_again(get(), scene.get(), velocities.size(), velocities.data(), &is_more);
+    return detail::outcome(status, is_more != 0);
+  }
+
+  /** The same with floats. */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<bool> detect_again(Scene& scene, const Numbers& velocities) {
+    const Span<const float> v = velocities;
+    uint32_t is_more = 0;
+    const rayc_status status =
+        rayc_contact_system_detect_again_f32(get(), scene.get(), v.size(), v.data(), &is_more);
     return detail::outcome(status, is_more != 0);
   }
 
@@ -287,6 +379,13 @@ class ContactSystem {
     return check(rayc_contact_system_finish(get(), velocities.size(), velocities.data()));
   }
 
+  /** The same with floats. */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<void> finish(const Numbers& velocities) {
+    const Span<const float> v = velocities;
+    return check(rayc_contact_system_finish_f32(get(), v.size(), v.data()));
+  }
+
   /** Ends a step as if it had not begun. */
   Outcome<void> cancel() { return check(rayc_contact_system_cancel(get())); }
 
@@ -328,6 +427,19 @@ class ContactSystem {
     return detail::outcome(status, longest);
   }
 
+  /** The same with floats. */
+  template <class Numbers, detail::IfFloats<Numbers> = 0>
+  Outcome<double> explicit_step(Scene& scene, double dt, const Numbers& positions, Span<const float> velocities,
+                                Span<float> forces) {
+    const Span<const float> x = positions;
+    if (velocities.size() != x.size())
+      return detail::failure<double>(Error(RAYC_STATUS_WRONG_COUNT, "positions and velocities are not equally many"));
+    double longest = 0;
+    const rayc_status status = rayc_contact_system_explicit_step_f32(
+        get(), scene.get(), dt, x.size(), x.data(), velocities.data(), forces.size(), forces.data(), &longest);
+    return detail::outcome(status, longest);
+  }
+
   /** For raycontact.h; stays this object's. NULL after a move. */
   rayc_contact_system* get() const noexcept { return handle_.get(); }
 
@@ -337,6 +449,62 @@ class ContactSystem {
     return detail::failure<void>(Error(RAYC_STATUS_WRONG_COUNT, "the two arrays are not equally long"));
   }
   detail::Owner<rayc_contact_system, rayc_contact_system_destroy> handle_;
+};
+
+/**
+ * Many scenes at once, such as those of robot learning: one call for all, on the threads of the first scene. Each gets the
+ * same bits as by itself. Scenes, contact systems and lists of contacts stay the caller's and outlive it. Where some of
+ * the scenes have an error, the others are done nevertheless: the error is that of the first, and statuses() has all.
+ */
+class Batch {
+ public:
+  /** `scenes` for query(), and as many `systems` for begin() and detect_again(). */
+  explicit Batch(Span<const Scene> scenes, Span<const ContactSystem> systems = {}) : statuses_(scenes.size()) {
+    for (const Scene& scene : scenes) scenes_.push_back(scene.get());
+    for (const ContactSystem& system : systems) systems_.push_back(system.get());
+  }
+
+  /** Contacts of each scene, into one list for each: rayc_scenes_query(). */
+  Outcome<void> query(Span<Contacts> contacts) {
+    if (contacts.size() != scenes_.size()) return wrong_count("lists of contacts");
+    lists_.clear();
+    for (const Contacts& list : contacts) lists_.push_back(list.get());
+    return check(rayc_scenes_query(scenes_.size(), scenes_.data(), lists_.data(), statuses_.data()));
+  }
+
+  /** ContactSystem::begin() of each system; the numbers of each follow one another: rayc_contact_systems_begin(). */
+  Outcome<void> begin(double dt, Span<const double> positions, Span<const double> velocities,
+                      Span<const double> free_velocities) {
+    const std::size_t size = positions.size();
+    if (systems_.size() != scenes_.size()) return wrong_count("systems");
+    if (velocities.size() != size || free_velocities.size() != size || !is_shared(size)) return wrong_count("numbers");
+    return check(rayc_contact_systems_begin(scenes_.size(), systems_.data(), scenes_.data(), dt, each(size),
+                                            positions.data(), velocities.data(), free_velocities.data(),
+                                            statuses_.data()));
+  }
+
+  /** ContactSystem::detect_again() of each; `is_more` gets 0 or 1 for each: rayc_contact_systems_detect_again(). */
+  Outcome<void> detect_again(Span<const double> velocities, Span<uint32_t> is_more) {
+    if (systems_.size() != scenes_.size() || is_more.size() != scenes_.size()) return wrong_count("systems");
+    if (!is_shared(velocities.size())) return wrong_count("numbers");
+    return check(rayc_contact_systems_detect_again(scenes_.size(), systems_.data(), scenes_.data(),
+                                                   each(velocities.size()), velocities.data(), is_more.data(),
+                                                   statuses_.data()));
+  }
+
+  /** A rayc_status of each scene in the last call. */
+  Span<const uint32_t> statuses() const { return statuses_; }
+
+ private:
+  std::size_t each(std::size_t size) const { return scenes_.empty() ? 0 : size / scenes_.size(); }
+  bool is_shared(std::size_t size) const { return each(size) * scenes_.size() == size; }
+  Outcome<void> wrong_count(const std::string& what) const {
+    return detail::failure<void>(Error(RAYC_STATUS_WRONG_COUNT, "give as many " + what + " for each of the scenes"));
+  }
+  std::vector<rayc_scene*> scenes_;
+  std::vector<rayc_contact_system*> systems_;
+  std::vector<rayc_contacts*> lists_;
+  std::vector<uint32_t> statuses_;
 };
 
 }  // inline namespace

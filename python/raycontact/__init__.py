@@ -17,11 +17,10 @@ scene, mesh or list of contacts at once where one changes it: that raises Error 
 from . import _header
 from ._header import *  # noqa: F403 (constants, enums and options of the C header)
 from ._library import Error, paper_detection_options
-from .contact_system import ContactSystem, Material
-from .contacts import Contacts, query_pair, query_self
+from .contact_system import Batch, ContactSystem, Material
 from .mesh import Mesh
-from .scene import Scene
+from .scene import Contacts, Scene, query_pair, query_self
 
 __version__ = f"{_header.VERSION_MAJOR}.{_header.VERSION_MINOR}.{_header.VERSION_PATCH}"
-__all__ = ["ContactSystem", "Contacts", "Error", "Material", "Mesh", "Scene"]
+__all__ = ["Batch", "ContactSystem", "Contacts", "Error", "Material", "Mesh", "Scene"]
 __all__ += ["paper_detection_options", "query_pair", "query_self", *_header.__all__]

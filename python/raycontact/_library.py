@@ -1,23 +1,22 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The shared library: how it is called, and how it fails."""
+"""The shared library: how it is called and fails, and the caller's arrays: where they lie, wherever that can be."""
 
 from __future__ import annotations
 
 import functools
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _header
-from ._ffi import ffi
+from ._ffi import ffi as ffi
 
 NULL: Any = ffi.NULL
 NUMBERS = {"double": np.float64, "int32_t": np.int32, "uint8_t": np.uint8, "uint32_t": np.uint32, "uint64_t": np.uint64}
 SCALARS = {np.dtype(np.float32): _header.Scalar.F32, np.dtype(np.float64): _header.Scalar.F64}
-# It stays until the process ends: Python then frees objects in no certain order, some of them through the library.
-FLAGS = ffi.RTLD_NOW | getattr(ffi, "RTLD_NODELETE", 0)
+FLAGS = ffi.RTLD_NOW | getattr(ffi, "RTLD_NODELETE", 0)  # it stays, since objects may be freed as the process ends
 library: Any = ffi.dlopen(os.path.join(os.path.dirname(os.path.abspath(__file__)), _header.LIBRARY), FLAGS)
 
 
@@ -78,6 +77,17 @@ def copied(function: Any, shape: int | tuple[int, ...], *given: Any) -> NDArray[
     return found
 
 
+def copy_of(numbers: Any, count: int) -> NDArray[Any]:
+    """A copy of so many numbers of the library's own."""
+    kind = ffi.typeof(numbers).item
+    return np.frombuffer(ffi.buffer(numbers, count * ffi.sizeof(kind)), dtype_of(kind)).copy()
+
+
+def call_for(name: str, array: NDArray[Any]) -> Any:
+    """The function of contact systems for arrays of this type."""
+    return getattr(library, f"rayc_contact_system_{name}" + "_f32" * (array.dtype == np.float32))
+
+
 def create(kind: str, *given: Any, way: str = "create") -> Any:
     """A handle that is freed with its last reference."""
     handle = answer(getattr(library, f"rayc_{kind}_{way}"), *given)
@@ -107,3 +117,86 @@ def paper_detection_options() -> dict[str, Any]:
     """The options of a query that does just what the paper does, as keyword arguments."""
     found = answer(library.rayc_paper_detection_options, ffi.sizeof("rayc_detection_options"))
     return {name: getattr(found, name) for name in _header.DetectionOptions.__annotations__}
+
+
+if TYPE_CHECKING:  # the options of calls, for type checkers alone
+    from typing_extensions import Unpack as Unpack
+else:
+    Unpack = None
+
+Array = ArrayLike
+Doubles = NDArray[np.float64]
+
+
+def rows(given: Array, name: str, count: str = "n") -> NDArray[Any]:
+    """One vector for each row."""
+    array = np.asarray(given)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name} has the shape {array.shape}; give ({count}, 3)")
+    return array
+
+
+def lies_well(array: NDArray[Any]) -> bool:
+    """Whether vectors can be used where they are: in the library's numbers, rows packed and in ascending order."""
+    is_ascending = len(array) < 2 or array.strides[0] >= 3 * array.itemsize
+    return array.dtype in SCALARS and (len(array) == 0 or array.strides[1] == array.itemsize and is_ascending)
+
+
+def to_read(given: Array, name: str) -> NDArray[Any]:
+    """Vectors: the array itself where the library can read it, else a copy."""
+    array = rows(given, name)
+    return array if lies_well(array) else numbers(array, name)
+
+
+def to_write(given: Any, name: str, is_packed: bool = False) -> NDArray[Any]:
+    """Vectors, or packed numbers in any shape: the array itself, as its owner would not see what is added to a copy."""
+    if not isinstance(given, np.ndarray):
+        raise TypeError(f"{name} is of the type {type(given).__name__}; give a numpy array, which is added to")
+    fits = given.dtype in SCALARS and given.flags.carray if is_packed else lies_well(rows(given, name))
+    if not (fits and given.flags.writeable):
+        found = f"dtype {given.dtype}, strides {given.strides}, writeable {given.flags.writeable}"
+        example = "np.zeros(n)" if is_packed else "np.zeros((n, 3))"
+        raise ValueError(f"{name} cannot be added to where it lies ({found}); give one such as {example}")
+    return given
+
+
+def of_bodies(given: Any, name: str, count: int | None = None, prepare: Any = to_read) -> Any:
+    """One array for each body, in the order of their numbers, None for a body that has none. NULL for no arrays."""
+    if given is None and prepare is to_read:
+        return NULL
+    arrays = [np.empty((0, 3)) if a is None else prepare(a, f"{name}[{i}]") for i, a in enumerate(given)]
+    if count not in (None, len(arrays)):  # the library cannot tell
+        raise ValueError(f"{name} has {len(arrays)} arrays for {count} bodies; give one for each")
+    return arrays
+
+
+def numbers(given: Array, name: str, count: int | None = None, dtype: Any = np.float64) -> NDArray[Any]:
+    """Packed doubles, or numbers of another type, in any shape; used where they lie if they are so already."""
+    array = np.asarray(given)
+    if not np.can_cast(array.dtype, np.float64, "same_kind"):
+        raise TypeError(f"{name} has the dtype {array.dtype}; give real numbers")
+    if count not in (None, array.size):
+        raise ValueError(f"{name} has {array.size} numbers; give {count}")
+    return np.ascontiguousarray(array, dtype)
+
+
+def alike(names: str, *given: Array, dtype: Any = None) -> list[NDArray[Any]]:
+    """Equally many numbers each, of this type; by default as floats if all are, else as doubles."""
+    arrays = [np.asarray(array) for array in given]
+    dtype = dtype or (np.float32 if {array.dtype for array in arrays} == {np.dtype(np.float32)} else np.float64)
+    return [numbers(array, name, arrays[0].size, dtype) for name, array in zip(names.split(), arrays)]
+
+
+def packed(**fields: tuple[Array, int]) -> Doubles:
+    """The numbers of a struct that is made of doubles alone, given with their count for each field."""
+    return np.concatenate([numbers(given, name, count).ravel() for name, (given, count) in fields.items()])
+
+
+def indices(given: Array, name: str) -> NDArray[np.uint32]:
+    """Numbers of vertices or nodes in any shape; a packed array of uint32 is used where it lies."""
+    array = np.asarray(given)
+    if array.dtype.kind not in "iu" and array.size:
+        raise TypeError(f"{name} has the dtype {array.dtype}; give whole numbers")
+    for wrong in np.argwhere((array < 0) | (array > 2**32 - 1)):
+        raise ValueError(f"{name}{wrong.tolist()} is {array[tuple(wrong)]}; give a whole number from 0 to 2**32 - 1")
+    return np.ascontiguousarray(array, np.uint32)

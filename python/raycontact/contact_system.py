@@ -4,17 +4,15 @@
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
-from typing import Any
+from typing import Any, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Array, Doubles, Unpack, counted, indices, numbers, packed, to_write
-from ._ffi import ffi
 from ._header import ContactSystemOptions
-from ._library import NULL, answer, call, copied, create, library, options
-from .contacts import Contacts
-from .scene import Scene
+from ._library import NULL, Array, Doubles, Unpack, alike, answer, call, call_for, copied, copy_of, create, ffi
+from ._library import indices, library, numbers, options, packed, to_write
+from .scene import Contacts, Scene, filled
 
 Weights = tuple[Array, Array, Array]
 
@@ -31,9 +29,8 @@ class Material:
 
     @classmethod
     def bearing(cls, pressure: float, depth: float) -> Material:
-        """One that bears `pressure` in Pa at `depth` in m: of an elastic body, a quarter of Young's modulus at a
-        quarter of its elements' edge; of a rigid or still one, ten times the pressure at rest at ten times the depth
-        to which bodies may sink in."""
+        """One that bears `pressure` in Pa at `depth` in m: of elastic bodies, a quarter of Young's modulus at a quarter of
+        an element's edge; of rigid or still ones, ten times the pressure at rest at ten times the depth allowed."""
         found = answer(library.rayc_bearing_material, pressure, depth, ffi.sizeof("rayc_material"))
         return cls(*(getattr(found, name) for name in cls.__annotations__))
 
@@ -49,8 +46,8 @@ class ContactSystem:
 
     A step: set_motion() for bodies that are not deformable, begin(); a solve with add_forces() and add_product(), then
     linearise() and detect_again(), as often as needed; finish(). SI units. Vectors of unknowns hold x, y, z of each
-    node, in any shape of float64, then six numbers of each rigid body where those are kept. Velocities are those at
-    the end of the step where nothing else is said.
+    node, in any shape, then six numbers of each rigid body where those are kept; they are used where they lie if they
+    are packed and all of a call float64, or all float32. Velocities are those at the step's end where no other is said.
     """
 
     def __init__(self, **system_options: Unpack[ContactSystemOptions]) -> None:
@@ -58,7 +55,8 @@ class ContactSystem:
 
     def set_node_masses(self, masses: Array) -> None:
         """The mass of each node in kg, infinity for one held fast; before bodies that have these nodes are added."""
-        call(library.rayc_contact_system_set_node_masses, self._handle, *counted(masses, "masses"))
+        (m,) = alike("masses", masses, dtype=np.float64)
+        call(library.rayc_contact_system_set_node_masses, self._handle, m.size, m)
 
     def add_deformable(
         self, scene: Scene, body: int, first: int, count: int, material: Material, weights: Weights | None = None
@@ -68,10 +66,7 @@ class ContactSystem:
         table: Any = (NULL, 0, NULL, NULL)
         if weights is not None:
             offsets, nodes = indices(weights[0], "offsets"), indices(weights[1], "nodes")
-            entries, shares = counted(weights[2], "weights")
-            if entries != nodes.size:
-                raise ValueError(f"{nodes.size} nodes have {entries} weights; give one for each")
-            table = offsets, entries, nodes, shares
+            table = offsets, nodes.size, nodes, numbers(weights[2], "weights", nodes.size)
         given = scene._handle, body, first, count, *table, struct_of(material)
         call(library.rayc_contact_system_add_deformable, self._handle, *given)
 
@@ -86,8 +81,8 @@ class ContactSystem:
 
     def add_half_space(self, normal: Array, offset: float, material: Material) -> None:
         """Adds a floor, solid where normal · x < offset."""
-        given = numbers(normal, "normal", 3), offset, struct_of(material)
-        call(library.rayc_contact_system_add_half_space, self._handle, *given)
+        n = numbers(normal, "normal", 3)
+        call(library.rayc_contact_system_add_half_space, self._handle, n, offset, struct_of(material))
 
     def remove_body(self, body: int) -> None:
         """Removes a body from the system; to be removed from the scene too."""
@@ -112,22 +107,25 @@ class ContactSystem:
         """How many numbers a vector of unknowns has."""
         return int(answer(library.rayc_contact_system_unknown_count, self._handle))
 
+    def _ask(self, name: str, velocities: Array, *given: Any, ask: Any = answer) -> Any:
+        (v,) = alike("velocities", velocities)
+        return ask(call_for(name, v), self._handle, *given, v.size, v)
+
     def begin(self, scene: Scene, dt: float, positions: Array, velocities: Array, free_velocities: Array) -> None:
         """Begins a step of dt seconds: the nodes' positions and velocities at its start, and their velocities at its
         end without contact. Detects where bodies would then be."""
-        count, x = counted(positions, "positions")
-        given = count, x, numbers(velocities, "velocities", count), numbers(free_velocities, "free_velocities", count)
-        call(library.rayc_contact_system_begin, self._handle, scene._handle, dt, *given)
+        x, v, free = alike("positions velocities free_velocities", positions, velocities, free_velocities)
+        call(call_for("begin", x), self._handle, scene._handle, dt, x.size, x, v, free)
 
-    def add_forces(self, velocities: Array, forces: Doubles) -> None:
+    def add_forces(self, velocities: Array, forces: NDArray[Any]) -> None:
         """Adds the contact forces to `forces`, in N."""
         f = to_write(forces, "forces", is_packed=True)
-        call(library.rayc_contact_system_add_forces, self._handle, *counted(velocities, "velocities", f.size), f)
+        call(call_for("add_forces", f), self._handle, f.size, numbers(velocities, "velocities", f.size, f.dtype), f)
 
-    def add_product(self, factor: float, change: Array, result: Doubles) -> None:
+    def add_product(self, factor: float, change: Array, result: NDArray[Any]) -> None:
         """Adds factor · (−∂force/∂velocity) · change to `result`; the matrix is positive semi-definite."""
         r = to_write(result, "result", is_packed=True)
-        call(library.rayc_contact_system_add_product, self._handle, factor, *counted(change, "change", r.size), r)
+        call(call_for("add_product", r), self._handle, factor, r.size, numbers(change, "change", r.size, r.dtype), r)
 
     def blocks(self, factor: float) -> tuple[NDArray[np.uint32], NDArray[np.uint32], Doubles]:
         """The same matrix in blocks, those of equal place to be added: rows (n,), columns (n,), blocks (n, 3, 3)."""
@@ -136,27 +134,32 @@ class ContactSystem:
         call(library.rayc_contact_system_copy_blocks, self._handle, factor, count, *found)
         return found
 
+    def csr(self, factor: float = 1.0) -> tuple[Doubles, NDArray[np.int32], NDArray[np.int32]]:
+        """The same matrix in compressed sparse rows, as scipy.sparse.csr_array(system.csr(), shape) takes them: numbers,
+        their columns, which ascend in each row, and where rows begin and the last one ends."""
+        m = answer(library.rayc_contact_system_csr, self._handle, factor)
+        return copy_of(m.values, m.value_count), copy_of(m.columns, m.value_count), copy_of(m.offsets, m.row_count + 1)
+
     def energy(self, velocities: Array) -> float:
         """The potential of the rows, in J. Forces are its negative gradient by the positions at the end of the step."""
-        return float(answer(library.rayc_contact_system_energy, self._handle, *counted(velocities, "velocities")))
+        return float(self._ask("energy", velocities))
 
     def linearise(self, velocities: Array) -> float:
         """Decides anew which rows push and rub, after a solve; returns the part of all force, 0 to 1, that was
         predicted wrongly: above 0.05 or so another solve is due."""
-        return float(answer(library.rayc_contact_system_linearise, self._handle, *counted(velocities, "velocities")))
+        return float(self._ask("linearise", velocities))
 
     def misjudged(self, velocities: Array) -> float:
         """What linearise() would return; the rows stay as they are."""
-        return float(answer(library.rayc_contact_system_misjudged, self._handle, *counted(velocities, "velocities")))
+        return float(self._ask("misjudged", velocities))
 
     def detect_again(self, scene: Scene, velocities: Array) -> bool:
         """Looks whether bodies that were stopped are in the way of others; True: another solve is due."""
-        given = self._handle, scene._handle, *counted(velocities, "velocities")
-        return bool(answer(library.rayc_contact_system_detect_again, *given))
+        return bool(self._ask("detect_again", velocities, scene._handle))
 
     def finish(self, velocities: Array) -> None:
         """Ends the step with these velocities: loads and what friction holds on to are remembered."""
-        call(library.rayc_contact_system_finish, self._handle, *counted(velocities, "velocities"))
+        self._ask("finish", velocities, ask=call)
 
     def cancel(self) -> None:
         """Ends the step as if it had not begun, but for the positions of the scene's bodies."""
@@ -164,9 +167,7 @@ class ContactSystem:
 
     def contacts(self) -> Contacts:
         """A copy of the contacts of the last detection."""
-        found = Contacts()
-        call(library.rayc_contact_system_copy_contacts, self._handle, found._handle)
-        return found
+        return filled(None, library.rayc_contact_system_copy_contacts, self._handle)
 
     def pair_force(self, body: int, other: int, is_half_space: bool = False) -> Doubles:
         """The net force, in N, of another body or a half-space on a body in the last finished step: (3,)."""
@@ -176,9 +177,42 @@ class ContactSystem:
         """Linear and angular velocity of a rigid body at the end of the last finished step: (6,)."""
         return copied(library.rayc_contact_system_rigid_velocity, 6, self._handle, body)
 
-    def explicit_step(self, scene: Scene, dt: float, positions: Array, velocities: Array, forces: Doubles) -> float:
-        """For hosts that integrate explicitly: adds the contact forces at these positions and velocities, and returns
-        the longest step in s for which they are stable."""
-        (count, x), f = counted(positions, "positions"), to_write(forces, "forces", is_packed=True)
-        given = scene._handle, dt, count, x, numbers(velocities, "velocities", count), f.size, f
-        return float(answer(library.rayc_contact_system_explicit_step, self._handle, *given))
+    def explicit_step(self, scene: Scene, dt: float, positions: Array, velocities: Array, forces: NDArray[Any]) -> float:
+        """For explicit integrators: adds the contact forces and returns the longest step, in s, that they are stable for."""
+        f = to_write(forces, "forces", is_packed=True)
+        x, v = alike("positions velocities", positions, velocities, dtype=f.dtype)
+        return float(answer(call_for("explicit_step", f), self._handle, scene._handle, dt, x.size, x, v, f.size, f))
+
+
+class Batch:
+    """Many scenes, such as those of robot learning, in one call, on the threads of the first one (its option `threads`);
+    each gets the same bits as by itself. Arrays have a row for each scene. Where some have an error, the others are done
+    nevertheless: Error is that of the first, and `statuses` has the Status of each in the last call."""
+
+    def __init__(self, scenes: Sequence[Scene], systems: Sequence[ContactSystem] = ()) -> None:
+        self.contacts, self.statuses = [Contacts() for _ in scenes], np.zeros(len(scenes), np.uint32)
+        self._kept: Any = {"contact_system": [*systems], "scene": [*scenes], "contacts": [*self.contacts]}
+        self._handles = [ffi.new(f"rayc_{kind} *[]", [one._handle for one in each]) for kind, each in self._kept.items()]
+
+    def query(self) -> list[Contacts]:
+        """Scene.query() of each scene, into `contacts`."""
+        call(library.rayc_scenes_query, len(self.statuses), *self._handles[1:], self.statuses)
+        return self.contacts
+
+    def begin(self, dt: float, positions: Array, velocities: Array, free_velocities: Array) -> None:
+        """ContactSystem.begin() of each system."""
+        names = "positions velocities free_velocities"
+        self._call("begin", alike(names, positions, velocities, free_velocities, dtype=np.float64), dt)
+
+    def detect_again(self, velocities: Array) -> NDArray[np.bool_]:
+        """ContactSystem.detect_again() of each system."""
+        is_more = np.zeros(len(self.statuses), np.uint32)
+        self._call("detect_again", [*alike("velocities", velocities, dtype=np.float64), is_more])
+        return is_more != 0
+
+    def _call(self, name: str, arrays: list[NDArray[Any]], *given: Any) -> None:
+        count, rows = len(self._kept["contact_system"]), [array.shape[:1] for array in arrays]
+        if {(count,), *rows} != {self.statuses.shape}:
+            raise ValueError(f"{len(self.statuses)} scenes have {count} systems and {rows} rows; give equally many")
+        given = *self._handles[:2], *given, arrays[0].size // max(count, 1), *arrays, self.statuses
+        call(getattr(library, f"rayc_contact_systems_{name}"), count, *given)

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Array, Doubles, Unpack, indices, numbers, rows, to_read
-from ._ffi import ffi
 from ._header import MeshOptions, OctreeOptions
-from ._library import NULL, answer, call, copied, create, dtype_of, library, options
+from ._library import NULL, Array, Doubles, Unpack, answer, call, copied, create, dtype_of, ffi, indices, library
+from ._library import numbers, options, rows, to_read
 
 
 class Mesh:
@@ -57,9 +56,8 @@ class Mesh:
 
     def set_positions(self, positions: Array) -> None:
         """Renews the positions of all vertices: (n, 3), in m. Where that raises Error, the old ones stay."""
-        x = to_read(positions, "positions")
         with self._lock:
-            call(library.rayc_mesh_set_positions, self._handle, [x])
+            call(library.rayc_mesh_set_positions, self._handle, [to_read(positions, "positions")])
             self._is_stale = True
 
     @property
@@ -83,17 +81,15 @@ class Mesh:
     @property
     def faces(self) -> NDArray[np.uint32]:
         """The triangles: (m, 3). A copy for each use, to be read alone."""
-        count = self.triangle_count
-        found = copied(library.rayc_mesh_copy_triangles, (count, 3), self._handle, 3 * count)
+        shape = self.triangle_count, 3
+        found = copied(library.rayc_mesh_copy_triangles, shape, self._handle, 3 * shape[0])
         found.flags.writeable = False
         return found
 
     def closest_points(self, points: Array, bounds: Array = np.inf) -> NDArray[Any]:
         """The points of the surface, open or closed, that are nearest to `points`: triangle (NO_TRIANGLE where none is
-        within the bound), is_found, distance in m, weights (barycentric), position.
-
-        bounds: how far away the surface may be to count, in m, one number or (k,); a tight one saves time. Fastest
-        where each 16 points that follow one another are neighbours."""
+        within the bound), is_found, distance in m, weights (barycentric), position. bounds: how far away the surface
+        may be, in m, one number or (k,); tight ones save time. Fastest where 16 points in a row are neighbours."""
         asked = to_read(points, "points")
         limits = numbers(np.broadcast_to(bounds, len(asked)), "bounds")
         return copied(library.rayc_octree_closest_points, len(asked), self.octree(), self._handle, [asked], limits)
@@ -131,9 +127,8 @@ class Mesh:
 
     def set_octree_options(self, **octree_options: Unpack[OctreeOptions]) -> None:
         """How the search tree of this mesh is built from now on: see OctreeOptions."""
-        given = options("octree", octree_options)
         with self._lock:
-            self._octree, self._octree_options = NULL, given
+            self._octree, self._octree_options = NULL, options("octree", octree_options)
 
     def octree(self) -> Any:
         """The rayc_octree for the present positions, renewed when it is next needed."""

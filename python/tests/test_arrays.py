@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from raycontact import Mesh, Scene, query_pair
-from raycontact._arrays import indices, lies_well, to_read
+from raycontact._library import indices, lies_well, to_read
 from shapes import TETRAHEDRON, tetrahedron
 
 X = tetrahedron()[0]

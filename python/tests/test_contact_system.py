@@ -104,7 +104,7 @@ def test_a_skin_follows_its_nodes_by_weights():
     with pytest.raises(raycontact.Error) as refused:
         system.add_half_space([0, 0, 2], 0.0, MATERIAL)
     assert refused.value.status == Status.INVALID_DIRECTION
-    with pytest.raises(ValueError, match="8 nodes have 7 weights"):
+    with pytest.raises(ValueError, match="weights has 7 numbers; give 8"):
         system.add_deformable(scene, body, 0, 1, MATERIAL, (np.arange(9), np.zeros(8, int), np.ones(7)))
 
 

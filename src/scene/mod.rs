@@ -81,6 +81,11 @@ impl<T: Scalar> Scene<T> {
         }
     }
 
+    /// Works with these threads from here on; those that it had are in their place.
+    pub(crate) fn exchange_threads(&mut self, threads: &mut Threads) {
+        std::mem::swap(&mut self.threads, threads);
+    }
+
     /// Sets how contacts are found from the next query on.
     pub fn set_options(&mut self, options: DetectionOptions<T>) {
         self.options = options;

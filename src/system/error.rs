@@ -116,6 +116,8 @@ pub enum SystemError {
     StepUnderWay,
     /// Rigid bodies are eliminated, and the matrix is then no sum of blocks.
     Eliminated,
+    /// A matrix in compressed rows has more numbers or rows than 32-bit indices reach.
+    MatrixSize,
     /// Eliminated, a rigid body would lose its mass to rounding beside the stiffness of its contacts.
     TooStiff {
         /// The body.
@@ -204,6 +206,9 @@ impl fmt::Display for SystemError {
             Self::StepUnderWay => f.write_str("a step is under way; finish it first"),
             Self::Eliminated => f.write_str(
                 "rigid bodies are eliminated, so the matrix is no sum of blocks; make the system with their unknowns kept",
+            ),
+            Self::MatrixSize => f.write_str(
+                "the matrix has more numbers or rows than 32-bit indices reach; take its 3 × 3 blocks, or products with it",
             ),
             Self::TooStiff { body, dt } => write!(
                 f,

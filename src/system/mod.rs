@@ -18,6 +18,7 @@
 
 mod anchors;
 mod body;
+mod compressed;
 mod coupling;
 mod detect_again;
 mod error;
@@ -40,6 +41,7 @@ mod step;
 mod twist;
 
 pub use body::{Carriers, Motion};
+pub use compressed::CompressedRows;
 pub use error::SystemError;
 pub use loads::Surface;
 pub use material::Material;
@@ -54,6 +56,7 @@ use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table};
 use half_spaces::{Below, HalfSpace};
+use compressed::Compressed;
 use loads::{Key, PairLoads};
 use nalgebra::Matrix3;
 use row_builder::PairMaterials;
@@ -90,6 +93,7 @@ pub struct ContactSystem<T: Scalar> {
     pair_materials: PairMaterials,
     contacts: ContactList<T>,
     pub(crate) rows: Rows,
+    compressed: Compressed,
     pub(crate) anchors: Anchors,
     pub(crate) loads: PairLoads,
     pub(crate) step: Option<step::Step>,
@@ -111,6 +115,7 @@ impl<T: Scalar> ContactSystem<T> {
             pair_materials: Vec::new(),
             contacts: ContactList::default(),
             rows: Rows::default(),
+            compressed: Compressed::default(),
             anchors: Anchors::default(),
             loads: PairLoads::default(),
             step: None,

@@ -7,7 +7,7 @@ use super::row::{Held, Row};
 use super::rows::Velocities;
 use super::step::{Buffers, Step};
 use super::twist::V3;
-use super::{ContactSystem, RigidUnknowns, SystemError, check_count};
+use super::{CompressedRows, ContactSystem, RigidUnknowns, SystemError, check_count};
 use crate::math::{Scalar, margins};
 
 impl<T: Scalar> ContactSystem<T> {
@@ -59,6 +59,21 @@ impl<T: Scalar> ContactSystem<T> {
         super::check_range("factor", &[factor])?;
         self.rows.for_each_block(self.node_masses.len(), factor, |_, row, column, block| use_block(row, column, block));
         Ok(())
+    }
+
+    /// The same matrix in compressed sparse rows, a row for each unknown. In a steady step this allocates nothing.
+    ///
+    /// # Errors
+    /// Those of [`for_each_block`](Self::for_each_block), and [`SystemError::MatrixSize`] where the matrix has more than
+    /// 2³¹ − 1 numbers or rows.
+    pub fn compressed_rows(&mut self, factor: f64) -> Result<CompressedRows<'_>, SystemError> {
+        self.check_has_blocks()?;
+        super::check_range("factor", &[factor])?;
+        let blocks = self.unknown_count() / 3;
+        if !self.compressed.assemble(&self.rows, self.node_masses.len(), blocks, factor, i32::MAX) {
+            return Err(SystemError::MatrixSize);
+        }
+        Ok(self.compressed.matrix())
     }
 
     /// The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of

@@ -118,7 +118,8 @@ fn share<I>(host: &dyn ParallelFor, items: impl ExactSizeIterator<Item = I> + Se
     }
 }
 
-/// The threads of a scene.
+/// The threads of a scene; by default, the caller's own.
+#[derive(Default)]
 pub(crate) struct Threads {
     pool: Option<Pool>,
     helpers: Helpers,
@@ -134,7 +135,7 @@ impl Threads {
     /// 1: the caller's own thread; n: a pool of n; 0: a pool of one for each core.
     pub(crate) fn new(count: usize) -> Result<Self, ThreadPoolBuildError> {
         Ok(match count {
-            1 => Self { pool: None, helpers: Helpers::Nobody },
+            1 => Self::default(),
             _ => Self { pool: Some(Pool::new(count)?), helpers: Helpers::Pool },
         })
     }

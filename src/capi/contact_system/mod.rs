@@ -1,10 +1,15 @@
 //! Contact with friction, rigid bodies and cages, on the unknowns of the host's own solver.
 
+mod batch;
 mod bodies;
+mod floats;
+mod number;
 mod options;
 mod step;
 
+pub use batch::*;
 pub use bodies::*;
+pub use floats::*;
 pub use options::*;
 pub(super) use step::apart;
 pub use step::*;
@@ -25,15 +30,18 @@ use crate::system::ContactSystem;
 /// rayc_contact_system_linearise() and rayc_contact_system_detect_again(); rayc_contact_system_finish(). A steady step
 /// allocates nothing.
 ///
-/// Numbers are doubles in SI units, whatever the precision. Vectors of unknowns hold x, y, z of each node, then, where
-/// rigid bodies are kept, six numbers of each in the order they were added: linear and angular velocity, or force and torque.
-/// Numbers given are at most 2^80 (1.2e24) in size, so that forces and energies stay finite; others are refused with
-/// RAYC_STATUS_INVALID_OPTION or, where they have one, with a status of their own.
+/// Numbers are doubles in SI units, whatever the precision; functions whose names end in _f32 take floats. Vectors of
+/// unknowns hold x, y, z of each node, then, where rigid bodies are kept, six numbers of each in the order they were
+/// added: linear and angular velocity, or force and torque. Numbers given are at most 2^80 (1.2e24) in size, so that forces
+/// and energies stay finite; others are refused with RAYC_STATUS_INVALID_OPTION or, where they have one, with a status of
+/// their own.
 ///
 /// Threads: one call at a time for one system. The caller frees it with rayc_contact_system_destroy().
 pub struct rayc_contact_system {
     pub(super) system: AnySystem,
     pub(super) parts: Parts,
+    /// Room for floats as doubles.
+    room: [Vec<f64>; 3],
 }
 
 impl Handle for rayc_contact_system {

@@ -79,7 +79,7 @@ pub unsafe extern "C" fn rayc_contact_system_create(
             rayc_scalar::RAYC_SCALAR_F32 => AnySystem::F32(options.system()?),
             rayc_scalar::RAYC_SCALAR_F64 => AnySystem::F64(options.system()?),
         };
-        give(place, rayc_contact_system { system, parts: Default::default() });
+        give(place, rayc_contact_system { system, parts: Default::default(), room: Default::default() });
         Ok(())
     })
 }

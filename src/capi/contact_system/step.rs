@@ -1,3 +1,4 @@
+use super::number::Number;
 use super::{AnySystem, rayc_contact_system};
 use crate::capi::base::rayc_status;
 use crate::capi::contacts::rayc_contacts;
@@ -8,7 +9,7 @@ use crate::capi::scene::rayc_scene;
 use crate::contact::ContactList;
 use crate::math::Scalar;
 use crate::memory::text;
-use crate::system::Surface;
+use crate::system::{CompressedRows, Surface};
 
 /// Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in
 /// m; velocities: at the start, in m/s; free_velocities: the velocities at the end if nothing touched the nodes. The
@@ -30,15 +31,7 @@ pub unsafe extern "C" fn rayc_contact_system_begin(
     free_velocities: *const f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
-        let positions = slice(positions, count, "positions")?;
-        let velocities = slice(velocities, count, "velocities")?;
-        let free = slice(free_velocities, count, "free_velocities")?;
-        with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            Ok(system.begin(scene, dt, positions, velocities, free)?)
-        })
-    })
+    guard(|| unsafe { begin(system, scene, dt, count, [positions, velocities, free_velocities]) })
 }
 
 /// Adds the contact forces on the unknowns to `forces`, in N and N m. `velocities` are those at the end of the step.
@@ -55,11 +48,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces(
     forces: *mut f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
-        with_precision!(&mut system.system, |system| Ok(system.add_forces(velocities, forces)?))
-    })
+    guard(|| unsafe { add_forces(system, count, velocities, forces) })
 }
 
 /// Adds factor · (−∂force/∂velocity) · change to `result`, as the rows are held: a product with a symmetric, positive
@@ -78,11 +67,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_product(
     result: *mut f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
-        with_precision!(&mut system.system, |system| Ok(system.add_product(factor, change, result)?))
-    })
+    guard(|| unsafe { add_product(system, factor, count, change, result) })
 }
 
 /// How many blocks rayc_contact_system_copy_blocks() gives, as the rows are held.
@@ -135,16 +120,63 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
     })
 }
 
+/// A square matrix in compressed sparse rows (CSR), one for each unknown: row i has the numbers `offsets[i]` to
+/// `offsets[i + 1]`, exclusive, of `columns` and `values`. Columns ascend within each row, and none comes twice.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_csr {
+    /// How many rows and columns it has.
+    pub row_count: usize,
+    /// How many numbers it has, also the last of the offsets.
+    pub value_count: usize,
+    /// One more than there are rows.
+    pub offsets: *const i32,
+    /// The column of each number, from 0.
+    pub columns: *const i32,
+    /// The numbers, in N s/m and, with rigid bodies, in N s and N s m.
+    pub values: *const f64,
+}
+
+/// Assembles the matrix of rayc_contact_system_add_product() in compressed sparse rows, for direct solvers and
+/// preconditioners. The arrays are the system's: they stay as they are until this is called again, whatever it then returns,
+/// or the system is destroyed. In a steady step no memory is allocated.
+///
+/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
+/// RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MATRIX_TOO_LARGE, which rayc_contact_system_copy_blocks() does not return.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_csr(
+    system: *mut rayc_contact_system,
+    factor: f64,
+    matrix: *mut rayc_csr,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        let place = Output::new(matrix, "matrix")?;
+        let CompressedRows { offsets, columns, values } =
+            with_precision!(&mut system.system, |system| system.compressed_rows(factor)?);
+        place.write(rayc_csr {
+            row_count: offsets.len() - 1,
+            value_count: values.len(),
+            offsets: offsets.as_ptr(),
+            columns: columns.as_ptr(),
+            values: values.as_ptr(),
+        });
+        Ok(())
+    })
+}
+
 /// Writes the number that a method of the system gives for velocities.
 macro_rules! number_at {
     ($system:ident, $velocities:ident, $count:ident, $method:ident, $place:ident) => {{
-        let mut system = changing($system, "system")?;
-        let velocities = slice($velocities, $count, "velocities")?;
+        let rayc_contact_system { system, room: [room, ..], .. } = &mut *changing($system, "system")?;
+        let velocities = Number::read(slice($velocities, $count, "velocities")?, room);
         let place = Output::new($place, stringify!($place))?;
-        place.write(with_precision!(&mut system.system, |system| system.$method(velocities)?));
+        place.write(with_precision!(system, |system| system.$method(velocities)?));
         Ok(())
     }};
 }
+pub(super) use number_at;
 
 /// The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of the
 /// step, velocity times dt. For line searches. count: that of the unknowns.
@@ -213,15 +245,7 @@ pub unsafe extern "C" fn rayc_contact_system_detect_again(
     is_more: *mut u32,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
-        let velocities = slice(velocities, count, "velocities")?;
-        let place = Output::new(is_more, "is_more")?;
-        place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            u32::from(system.detect_again(scene, velocities)?)
-        }));
-        Ok(())
-    })
+    guard(|| unsafe { detect_again(system, scene, count, velocities, is_more) })
 }
 
 /// Finds how far the scene's bodies, without ghosts, end from where they were when contacts were last looked for, if
@@ -267,11 +291,7 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
     velocities: *const f64,
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        let velocities = slice(velocities, count, "velocities")?;
-        with_precision!(&mut system.system, |system| Ok(system.finish(velocities)?))
-    })
+    guard(|| unsafe { finish(system, count, velocities) })
 }
 
 /// Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies, and that pairs which escape
@@ -325,15 +345,7 @@ pub unsafe extern "C" fn rayc_contact_system_explicit_step(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
-        let place = Output::new(longest_step, "longest_step")?;
-        check_apart(positions, count, forces, unknown_count)?;
-        let positions = slice(positions, count, "positions")?;
-        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, unknown_count, "forces"))?;
-        place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
-            system.explicit_step(scene, dt, positions, velocities, forces)?
-        }));
-        Ok(())
+        explicit_step(system, scene, dt, (count, positions, velocities), (unknown_count, forces), longest_step)
     })
 }
 
@@ -393,22 +405,140 @@ fn block_count(system: &AnySystem) -> Result<usize, Failure> {
     Ok(count)
 }
 
+/// rayc_contact_system_begin() with numbers of either type, as the functions below.
+///
+/// # Safety
+/// That of the function, as for those below.
+pub(super) unsafe fn begin<N: Number>(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    dt: f64,
+    count: usize,
+    given: [*const N; 3],
+) -> Result<(), Failure> {
+    // SAFETY: by this function's contract.
+    unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let rayc_contact_system { system, room: [first, second, third], .. } = &mut *system;
+        let positions = N::read(slice(given[0], count, "positions")?, first);
+        let velocities = N::read(slice(given[1], count, "velocities")?, second);
+        let free = N::read(slice(given[2], count, "free_velocities")?, third);
+        with_precision!(system, &mut scene.scene, |system, scene| {
+            Ok(system.begin(scene, dt, positions, velocities, free)?)
+        })
+    }
+}
+
+pub(super) unsafe fn add_forces<N: Number>(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const N,
+    forces: *mut N,
+) -> Result<(), Failure> {
+    // SAFETY: by this function's contract.
+    let (mut system, velocities, forces) = unsafe {
+        let system = changing(system, "system")?;
+        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
+        (system, velocities, forces)
+    };
+    let rayc_contact_system { system, room: [first, second, _], .. } = &mut *system;
+    let velocities = N::read(velocities, first);
+    N::add(forces, second, |forces| with_precision!(system, |system| Ok(system.add_forces(velocities, forces)?)))
+}
+
+pub(super) unsafe fn add_product<N: Number>(
+    system: *mut rayc_contact_system,
+    factor: f64,
+    count: usize,
+    change: *const N,
+    result: *mut N,
+) -> Result<(), Failure> {
+    // SAFETY: by this function's contract.
+    let (mut system, change, result) = unsafe {
+        let system = changing(system, "system")?;
+        let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
+        (system, change, result)
+    };
+    let rayc_contact_system { system, room: [first, second, _], .. } = &mut *system;
+    let change = N::read(change, first);
+    N::add(result, second, |result| with_precision!(system, |system| Ok(system.add_product(factor, change, result)?)))
+}
+
+pub(super) unsafe fn detect_again<N: Number>(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    count: usize,
+    velocities: *const N,
+    is_more: *mut u32,
+) -> Result<(), Failure> {
+    // SAFETY: by this function's contract.
+    unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let rayc_contact_system { system, room: [room, ..], .. } = &mut *system;
+        let velocities = N::read(slice(velocities, count, "velocities")?, room);
+        let place = Output::new(is_more, "is_more")?;
+        place.write(with_precision!(system, &mut scene.scene, |system, scene| {
+            u32::from(system.detect_again(scene, velocities)?)
+        }));
+        Ok(())
+    }
+}
+
+pub(super) unsafe fn finish<N: Number>(
+    system: *mut rayc_contact_system,
+    count: usize,
+    velocities: *const N,
+) -> Result<(), Failure> {
+    // SAFETY: by this function's contract.
+    unsafe {
+        let rayc_contact_system { system, room: [room, ..], .. } = &mut *changing(system, "system")?;
+        let velocities = N::read(slice(velocities, count, "velocities")?, room);
+        with_precision!(system, |system| Ok(system.finish(velocities)?))
+    }
+}
+
+pub(super) unsafe fn explicit_step<N: Number>(
+    system: *mut rayc_contact_system,
+    scene: *mut rayc_scene,
+    dt: f64,
+    (count, positions, velocities): (usize, *const N, *const N),
+    (unknown_count, forces): (usize, *mut N),
+    longest_step: *mut f64,
+) -> Result<(), Failure> {
+    // SAFETY: by this function's contract.
+    unsafe {
+        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+        let place = Output::new(longest_step, "longest_step")?;
+        check_apart(positions, count, forces, unknown_count)?;
+        let rayc_contact_system { system, room: [first, second, third], .. } = &mut *system;
+        let positions = N::read(slice(positions, count, "positions")?, first);
+        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, unknown_count, "forces"))?;
+        let velocities = N::read(velocities, second);
+        N::add(forces, third, |forces| {
+            place.write(with_precision!(system, &mut scene.scene, |system, scene| {
+                system.explicit_step(scene, dt, positions, velocities, forces)?
+            }));
+            Ok(())
+        })
+    }
+}
+
 /// An array to be read and one to be written, each of so many numbers, which do not overlap.
 ///
 /// # Safety
 /// Those of [`slice`] and [`slice_mut`].
-pub(in crate::capi) unsafe fn apart<'a>(
-    (read, count, read_name): (*const f64, usize, &str),
-    (written, length, written_name): (*mut f64, usize, &str),
-) -> Result<(&'a [f64], &'a mut [f64]), Failure> {
+pub(in crate::capi) unsafe fn apart<'a, N>(
+    (read, count, read_name): (*const N, usize, &str),
+    (written, length, written_name): (*mut N, usize, &str),
+) -> Result<(&'a [N], &'a mut [N]), Failure> {
     check_apart(read, count, written, length)?;
     // SAFETY: by this function's contract.
     unsafe { Ok((slice(read, count, read_name)?, slice_mut(written, length, written_name)?)) }
 }
 
 /// Refuses to write to what is read.
-fn check_apart(read: *const f64, count: usize, written: *mut f64, length: usize) -> Result<(), Failure> {
-    let bytes = |count: usize| count.saturating_mul(size_of::<f64>());
+fn check_apart<N>(read: *const N, count: usize, written: *mut N, length: usize) -> Result<(), Failure> {
+    let bytes = |count: usize| count.saturating_mul(size_of::<N>());
     let (a, b) = (read.addr(), written.addr());
     if a < b.saturating_add(bytes(length)) && b < a.saturating_add(bytes(count)) {
         let message = text!("the array to be written overlaps one that is read; give arrays of their own");

@@ -1,7 +1,7 @@
 use super::{AnyContacts, AnyForcesByPair, rayc_contacts};
 use crate::capi::base::rayc_status;
-use crate::capi::ffi::{Output, changing, give, guard, guard_end, reading, take_back, with_precision};
-use crate::capi::scene::rayc_scene;
+use crate::capi::ffi::{Failure, Output, changing, give, guard, guard_end, reading, take_back, with_precision};
+use crate::capi::scene::{Pointers, for_each_scene, rayc_scene};
 use crate::contact::{Contact, ContactKind, ContactList, SurfacePoint};
 use crate::distributed::ForcesByPair;
 use crate::math::Scalar;
@@ -30,13 +30,39 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe { query(scene, contacts) })
+}
+
+/// rayc_scene_query() for many scenes at once: scene i into contacts i, on the threads of the first scene, a scene on one
+/// thread at a time. Each gets the same contacts as by itself. No handle may come twice.
+///
+/// statuses[i]: what the call for scene i would have returned. Where one is an error, the others are done nevertheless; the call
+/// returns the first error, and rayc_last_error_message() names its scene.
+///
+/// Errors: those of rayc_scene_query(). Where the first scene is no handle or an array is NULL, nothing is done and no
+/// status written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scenes_query(
+    count: usize,
+    scenes: *const *mut rayc_scene,
+    contacts: *const *mut rayc_contacts,
+    statuses: *mut u32,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let mut scene = changing(scene, "scene")?;
-        let mut contacts = changing(contacts, "contacts")?;
-        let list = &mut contacts.list;
-        with_precision!(&mut scene.scene, |scene| scene.query(list.as_mut()));
-        Ok(())
+        let (scenes, lists) = (Pointers::new(scenes, count, "scenes")?, Pointers::new(contacts, count, "contacts")?);
+        for_each_scene(&scenes, statuses, |k, scene| query(scene, lists.of(k)))
     })
+}
+
+/// # Safety
+/// That of rayc_scene_query().
+unsafe fn query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> Result<(), Failure> {
+    // SAFETY: by this function's contract.
+    let (mut scene, mut contacts) = unsafe { (changing(scene, "scene")?, changing(contacts, "contacts")?) };
+    let list = &mut contacts.list;
+    with_precision!(&mut scene.scene, |scene| scene.query(list.as_mut()));
+    Ok(())
 }
 
 /// How many contacts there are.

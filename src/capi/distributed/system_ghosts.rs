@@ -147,7 +147,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_couplings(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
+        let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let couplings = slice_mut(couplings, block_count, "couplings")?;
         with_precision!(system, |system| Ok(parts.of(system)?.couplings(couplings)?))
     })

@@ -40,7 +40,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_count(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
+        let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let places = [Output::new(part_count, "part_count")?, Output::new(block_count, "block_count")?];
         let counts = with_precision!(system, |system| {
             let (parts, blocks) = parts.of(system)?.lists();
@@ -68,7 +68,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_parts(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let rayc_contact_system { system, parts: found } = &mut *changing(system, "system")?;
+        let rayc_contact_system { system, parts: found, .. } = &mut *changing(system, "system")?;
         with_precision!(system, |system| {
             let (all_parts, all_blocks) = found.of(system)?.lists();
             let parts = Output::exactly(parts, part_count, all_parts.len(), "parts")?;
@@ -97,7 +97,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_forces(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
+        let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, length, "forces"))?;
         with_precision!(system, |system| Ok(parts.of(system)?.forces(velocities, forces)?))
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_products(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
+        let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (change, result) = apart((change, count, "change"), (result, length, "result"))?;
         with_precision!(system, |system| Ok(parts.of(system)?.products(factor, change, result)?))
@@ -141,7 +141,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_energies(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
+        let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let (velocities, joules) = apart((velocities, count, "velocities"), (joules, part_count, "joules"))?;
         with_precision!(system, |system| Ok(parts.of(system)?.energies(velocities, joules)?))
     })
@@ -157,7 +157,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_block_count(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let rayc_contact_system { system, parts } = &mut *changing(system, "system")?;
+        let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let place = Output::new(count, "count")?;
         place.write(with_precision!(system, |system| parts.of(system)?.matrix(1.0)?.len()));
         Ok(())
@@ -182,7 +182,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_part_blocks(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let rayc_contact_system { system, parts: found } = &mut *changing(system, "system")?;
+        let rayc_contact_system { system, parts: found, .. } = &mut *changing(system, "system")?;
         with_precision!(system, |system| {
             let all = found.of(system)?.matrix(factor)?;
             let parts = Output::exactly(parts, count, all.len(), "parts")?;

@@ -109,6 +109,7 @@ impl From<SystemError> for Failure {
             SystemError::NotRemembered { .. } => RAYC_STATUS_WRONG_COUNT,
             SystemError::Memory { .. } => RAYC_STATUS_SAVED_STATE_BROKEN,
             SystemError::Eliminated => RAYC_STATUS_RIGID_ELIMINATED,
+            SystemError::MatrixSize => RAYC_STATUS_MATRIX_TOO_LARGE,
             SystemError::TooStiff { .. } => RAYC_STATUS_TOO_STIFF,
             SystemError::Mesh { source, .. } => mesh_status(source),
         };

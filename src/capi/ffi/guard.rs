@@ -3,11 +3,13 @@ use super::float_mode::DefaultMode;
 use crate::capi::base::rayc_status;
 use crate::memory;
 use crate::memory::{OutOfMemory, text};
+use crate::threads::Threads;
 use libc::c_char;
 use std::any::Any;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 thread_local! {
@@ -26,7 +28,35 @@ type Outcome = (rayc_status, Cow<'static, [u8]>);
 /// The one door through which every export that can fail goes: no panic passes, and the outcome is recorded for
 /// rayc_last_error_message().
 pub(in crate::capi) fn guard(call: impl FnOnce() -> Result<(), Failure>) -> rayc_status {
-    record(if memory::keep_reserve().is_ok() { outcome(call) } else { out_of_memory() })
+    record(with_reserve(call))
+}
+
+fn with_reserve(call: impl FnOnce() -> Result<(), Failure>) -> Outcome {
+    if memory::keep_reserve().is_ok() { outcome(call) } else { out_of_memory() }
+}
+
+/// Makes the call for each of many scenes, on threads; one that fails keeps no other from being made. Writes the status of
+/// each, and fails as the first of them that does.
+pub(in crate::capi) fn guard_each(
+    threads: &Threads,
+    statuses: &mut [u32],
+    call: impl Fn(usize) -> Result<(), Failure> + Sync,
+) -> Result<(), Failure> {
+    let first = Mutex::new((usize::MAX, OK));
+    let one = |place: usize, status: &mut u32| {
+        let found = with_reserve(|| call(place));
+        *status = found.0 as u32;
+        if found.0 != rayc_status::RAYC_STATUS_OK {
+            let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+            if place < first.0 {
+                *first = (place, found);
+            }
+        }
+    };
+    threads.run(|| threads.helpers().for_each(statuses, one));
+    let (place, (status, message)) = first.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let message = String::from_utf8_lossy(&message[..message.len() - 1]);
+    if place == usize::MAX { Ok(()) } else { Err(Failure::new(status, text!("scene {place}: {message}"))) }
 }
 
 /// The same for calls that take no memory: what they give back is given back even where there is none.

@@ -18,7 +18,7 @@ pub(super) use failure::{Failure, mesh_status, unknown_enum};
 pub(super) use float_mode::DefaultMode;
 #[cfg(test)]
 pub(super) use float_mode::Mode;
-pub(super) use guard::{guard, guard_end, guard_value, last_error_message};
+pub(super) use guard::{guard, guard_each, guard_end, guard_value, last_error_message};
 pub(super) use handles::{Handle, HandleKind, changing, give, glancing, reading, take_back};
 pub(super) use host_positions::set_positions;
 pub(super) use pointers::{Output, check_length, range_of, reference, slice, slice_mut};

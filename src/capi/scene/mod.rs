@@ -1,11 +1,13 @@
 //! Many bodies in one scene: adding and removing them, moving them each step, and which of them may touch. What touches is asked
 //! with rayc_scene_query() of raycontact/contacts.h.
 
+mod batch;
 mod bodies;
 mod host_threads;
 mod options;
 mod pairs;
 
+pub(super) use batch::{Pointers, for_each_scene};
 pub use bodies::*;
 pub use options::*;
 pub use pairs::*;

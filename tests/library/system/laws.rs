@@ -6,7 +6,7 @@ use crate::common::random::Random;
 use crate::common::shapes;
 use nalgebra::{DMatrix, Vector3};
 use raycontact::contact::{DetectionOptions, Sampling};
-use raycontact::system::{Material, RigidUnknowns};
+use raycontact::system::{CompressedRows, Material, RigidUnknowns};
 
 type V3 = Vector3<f64>;
 
@@ -174,6 +174,8 @@ fn force_product_and_matrix_are_derivatives_of_the_energy() {
                 (0..9).for_each(|k| matrix[(3 * row + k / 3, 3 * column + k % 3)] += block[k]);
             });
             blocks.expect("rigid bodies are kept");
+            let rows = host.system.compressed_rows(1.0).expect("rigid bodies are kept");
+            assert_compressed(rows, &matrix);
             let assembled = &matrix * nalgebra::DVector::from_column_slice(&change);
             let error = (0..count).map(|k| (assembled[k] - product[k]).powi(2)).sum::<f64>().sqrt();
             assert!(error <= 1e-11 * size, "{pair:?}: {error} of {size}");
@@ -183,6 +185,22 @@ fn force_product_and_matrix_are_derivatives_of_the_energy() {
             assert!(dot(&change, &product) >= 0.0);
         }
     }
+}
+
+/// The rows are `expected`, in ascending order and without a place twice, and as symmetric as sums in another order are.
+fn assert_compressed(CompressedRows { offsets, columns, values }: CompressedRows<'_>, expected: &DMatrix<f64>) {
+    let count = expected.nrows();
+    assert!(offsets.len() == count + 1 && offsets[0] == 0 && offsets[count] as usize == columns.len());
+    let mut matrix = DMatrix::<f64>::zeros(count, count);
+    for (row, ends) in offsets.windows(2).enumerate() {
+        let own = ends[0] as usize..ends[1] as usize;
+        assert!(columns[own.clone()].is_sorted_by(|one, next| one < next), "row {row}");
+        for at in own {
+            matrix[(row, columns[at] as usize)] = values[at];
+        }
+    }
+    let near = |one: &DMatrix<f64>, other: &DMatrix<f64>| (one - other).norm() <= 1e-14 * expected.norm();
+    assert!(columns.len() == values.len() && near(&matrix, expected) && near(&matrix, &matrix.transpose()));
 }
 
 /// A host that eliminates rigid bodies gets what one that solves for them gets.

@@ -149,6 +149,7 @@ fn steps_are_begun_once_with_what_they_need_and_finished_once() {
     refuses!(system.add_forces(v, &mut out), SystemError::NoStep, "begin one first");
     refuses!(system.add_product(1.0, v, &mut out), SystemError::NoStep, "begin one first");
     refuses!(system.for_each_block(1.0, |_, _, _| ()), SystemError::NoStep, "begin one first");
+    refuses!(system.compressed_rows(1.0), SystemError::NoStep, "begin one first");
     refuses!(system.energy(v), SystemError::NoStep, "begin one first");
     refuses!(system.linearise(v), SystemError::NoStep, "begin one first");
     refuses!(system.detect_again(scene, v), SystemError::NoStep, "begin one first");
@@ -185,6 +186,7 @@ fn steps_are_begun_once_with_what_they_need_and_finished_once() {
     refuses!(system.add_forces(v, &mut out[1..]), SystemError::WrongCount { .. }, "forces");
     refuses!(system.add_product(1.0, &wrong, &mut out), SystemError::NotFinite { .. }, "change[5]");
     refuses!(system.add_product(f64::NAN, v, &mut out), SystemError::NotFinite { .. }, "factor");
+    refuses!(system.compressed_rows(f64::NAN), SystemError::NotFinite { .. }, "factor");
     assert!(out.iter().all(|&force| force == 0.0), "nothing was added");
     refuses!(system.linearise(&wrong), SystemError::NotFinite { .. }, "velocities[5]");
     refuses!(system.finish(&wrong), SystemError::NotFinite { .. }, "velocities[5]");
@@ -205,6 +207,7 @@ fn what_needs_rigid_unknowns_asks_for_them() {
     refuses!(system.explicit_step(&mut scene, 0.01, &[], &[], &mut []), SystemError::Eliminated, "unknowns kept");
     system.begin(&mut scene, 0.01, &[], &[], &[]).expect("a step");
     refuses!(system.for_each_block(1.0, |_, _, _| ()), SystemError::Eliminated, "unknowns kept");
+    refuses!(system.compressed_rows(1.0), SystemError::Eliminated, "unknowns kept");
 }
 
 /// Places move up, and what was at them is not taken for another's.
