@@ -232,6 +232,98 @@ void pairs_and_selves_without_a_scene() {
   CHECK(second.positions()[0] == 0.2 && second.positions().size() == 12);
 }
 
+/** Two tetrahedra whose corners are nodes. */
+struct Tetrahedra {
+  Tetrahedra() {
+    system.set_node_masses(std::vector<double>(8, 1.0));
+    for (uint32_t body = 0; body < 2; ++body) {
+      scene.add(Mesh(vectors(body == 0 ? corners : shifted(0.2)), faces));
+      system.add_deformable(scene, body, 4 * body, 4, bearing_material(1000, 0.1));
+    }
+  }
+  Scene scene;
+  ContactSystem system;
+};
+
+std::vector<double> positions_of_tetrahedra() {
+  std::vector<double> x;
+  for (double shift : {0.0, 0.25})
+    for (const Point& point : shifted(shift)) x.insert(x.end(), point.begin(), point.end());
+  return x;
+}
+
+void a_system_takes_floats_and_gives_compressed_rows() {
+  Tetrahedra one, other;
+  const std::vector<double> x = positions_of_tetrahedra(), v(24, 0.125);
+  const std::vector<float> float_x(x.begin(), x.end());
+  const std::array<float, 24> float_v = [] {
+    std::array<float, 24> all{};
+    all.fill(0.125F);
+    return all;
+  }();
+  one.system.begin(one.scene, 0.01, x, v, v);
+  other.system.begin(other.scene, 0.01, float_x, float_v, float_v);
+  std::vector<double> sums(24), product(24);
+  std::vector<float> float_sums(24), float_product(24);
+  one.system.add_forces(v, sums);
+  one.system.add_product(2, v, product);
+  other.system.add_forces(float_v, float_sums);
+  other.system.add_product(2, float_v, float_product);
+  const CompressedRows matrix = one.system.csr(2);
+  CHECK(matrix.offsets.size() == 25 && matrix.columns.size() == matrix.values.size() && matrix.values.size() > 9);
+  for (std::size_t row = 0; row < 24; ++row) {
+    CHECK(float_sums[row] == static_cast<float>(sums[row]) && float_product[row] == static_cast<float>(product[row]));
+    double sum = 0;
+    for (int32_t at = matrix.offsets[row]; at < matrix.offsets[row + 1]; ++at) sum += matrix.values[std::size_t(at)] * 0.125;
+    CHECK_NEAR(sum, product[row], 1e-9);
+  }
+  CHECK(one.system.energy(v) == other.system.energy(float_v) && one.system.energy(v) > 0);
+  CHECK(one.system.misjudged(v) == other.system.misjudged(float_v));
+  CHECK(one.system.linearise(v) == other.system.linearise(float_v));
+  CHECK(!other.system.detect_again(other.scene, float_v));
+  check_throws(RAYC_STATUS_WRONG_COUNT, "equally", [&] { other.system.add_forces(float_v, Span<float>()); });
+  other.system.finish(float_v);
+  check_throws(RAYC_STATUS_OUT_OF_ORDER, "begin", [&] { other.system.csr(1); });
+  rayc_contact_system_options options = default_contact_system_options();
+  options.keeps_rigid_unknowns = 1;
+  ContactSystem empty(options);
+  Scene nobody;
+  empty.begin(nobody, 0.01, {}, {}, {});  // doubles
+  CHECK(empty.csr(1).offsets.size() == 1 && empty.csr(1).values.size() == 0);
+  CHECK(other.system.explicit_step(other.scene, 0.01, float_x, float_v, float_sums) > 0);
+}
+
+void many_systems_begin_at_once() {
+  std::vector<Scene> scenes;
+  std::vector<ContactSystem> systems;
+  std::vector<Contacts> contacts(3);
+  std::vector<double> x;
+  for (int k = 0; k < 3; ++k) {
+    Tetrahedra pair;
+    scenes.push_back(std::move(pair.scene));
+    systems.push_back(std::move(pair.system));
+    for (const double number : positions_of_tetrahedra()) x.push_back(number);
+  }
+  const std::vector<double> v(x.size());
+  std::array<uint32_t, 3> is_more{};
+  Batch batch(scenes, systems);
+  x[30] = std::nan("");
+  check_throws(RAYC_STATUS_NOT_FINITE, "scene 1: positions[6]", [&] { batch.begin(0.01, x, v, v); });
+  CHECK(batch.statuses()[0] == RAYC_STATUS_OK && batch.statuses()[1] == RAYC_STATUS_NOT_FINITE);
+  CHECK(batch.statuses()[2] == RAYC_STATUS_OK);
+  systems[0].cancel();
+  systems[2].cancel();
+  x[30] = x[6];
+  batch.begin(0.01, x, v, v);
+  batch.detect_again(v, is_more);
+  batch.query(contacts);
+  for (int k = 0; k < 3; ++k) CHECK(contacts[k].size() > 0 && contacts[k].size() == contacts[0].size() && is_more[k] == 0);
+  const std::vector<double> few(4);
+  check_throws(RAYC_STATUS_WRONG_COUNT, "as many numbers", [&] { batch.begin(0.01, few, few, few); });
+  check_throws(RAYC_STATUS_WRONG_COUNT, "as many lists", [&] { batch.query(Span<Contacts>(contacts.data(), 2)); });
+  check_throws(RAYC_STATUS_WRONG_COUNT, "as many systems", [&] { Batch(scenes).begin(0.01, x, v, v); });
+}
+
 }  // namespace
 
 int main() {
@@ -242,6 +334,8 @@ int main() {
   own_exits_are_those_of_the_c_function();
   a_scene_answers_as_the_c_functions_do();
   pairs_and_selves_without_a_scene();
+  a_system_takes_floats_and_gives_compressed_rows();
+  many_systems_begin_at_once();
   const int without_exceptions = check_results_without_exceptions();
   return check_result() != 0 ? 1 : without_exceptions;
 }

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import raycontact
-from raycontact import ContactSystem, Material, Mesh, Scene, Status
+from raycontact import Batch, ContactSystem, Material, Mesh, Scene, Status
 from shapes import ball, box
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -50,11 +50,11 @@ def test_a_box_holds_at_friction_above_the_slope_and_slides_below():
     assert slide(0.1, 0.2, 1.0) - slide(0.1, 0.2, 0.5) == pytest.approx(0.5 * expected, rel=0.02)
 
 
-def soft_ball():
+def soft_ball(precision="f64"):
     """A ball whose surface vertices are nodes, pressed 5 cm into a floor."""
     points, faces = ball(rings=12)
-    scene, system = Scene(), ContactSystem()
-    body = scene.add(Mesh(points, faces))
+    scene, system = Scene(precision=precision), ContactSystem(precision=precision)
+    body = scene.add(Mesh(points, faces, precision=precision))
     system.set_node_masses(np.full(len(points), 0.1))
     system.add_deformable(scene, body, 0, len(points), MATERIAL)
     system.add_half_space([0, 0, 1], -0.95, MATERIAL)
@@ -137,6 +137,123 @@ def test_refusals():
     with pytest.raises(ValueError, match="velocities has 3 numbers"):
         system.begin(scene, 0.01, x, np.zeros(3), v)
     with pytest.raises(ValueError, match="forces cannot be added to"):
-        system.add_forces(v, np.zeros(x.shape, np.float32))
+        system.add_forces(v, np.zeros(x.shape, np.float16))
     suggested = Material.bearing(1000.0, 0.01)
     assert suggested.stiffness == pytest.approx(1e5) and suggested.depth_cap == 0.01
+
+
+@pytest.mark.parametrize("precision", ["f32", "f64"])
+def test_compressed_rows_are_the_matrix_of_the_products(precision):
+    scene, system, x = soft_ball(precision)
+    v = np.zeros_like(x)
+    system.begin(scene, 0.01, x, v, v)
+    numbers, columns, ends = system.csr(0.5)
+    assert (numbers.dtype, columns.dtype, ends.dtype) == (np.float64, np.int32, np.int32)
+    assert len(ends) == x.size + 1 and ends[0] == 0 and ends[-1] == len(columns) == len(numbers) > 9
+    rows = np.repeat(np.arange(x.size), np.diff(ends))
+    places = rows * x.size + columns
+    assert np.all(np.diff(places) > 0)  # columns ascend in each row, and none comes twice
+    matrix = np.zeros((x.size, x.size))
+    matrix[rows, columns] = numbers
+    change, product = np.random.default_rng(2).normal(size=x.shape), np.zeros_like(x)
+    system.add_product(0.5, change, product)
+    assert matrix @ change.ravel() == pytest.approx(product.ravel(), rel=1e-9, abs=1e-12 * np.abs(product).max())
+    assert np.array_equal(matrix, matrix.T)
+    kept = numbers.copy()
+    system.csr(1.0)
+    system.cancel()
+    del system
+    assert np.array_equal(numbers, kept)  # they own their memory
+
+
+def test_compressed_rows_of_nothing_and_of_eliminated_bodies():
+    system, scene = ContactSystem(), Scene()
+    empty = np.zeros(0)
+    with pytest.raises(raycontact.Error) as refused:
+        system.csr()
+    assert refused.value.status == Status.OUT_OF_ORDER
+    system.begin(scene, 0.01, empty, empty, empty)
+    numbers, columns, ends = system.csr()
+    assert len(numbers) == len(columns) == 0 and ends.tolist() == [0]
+    scene, system, body, *_ = rigid_box(0.5, 0.0)
+    system.begin(scene, 0.01, empty, empty, empty)
+    with pytest.raises(raycontact.Error) as refused:
+        system.csr()
+    assert refused.value.status == Status.RIGID_ELIMINATED
+
+
+@pytest.mark.parametrize("precision", ["f32", "f64"])
+def test_floats_come_in_and_go_out_where_they_lie(precision):
+    scene, system, x = soft_ball(precision)
+    twin_scene, twin, _ = soft_ball(precision)
+    single = x.astype(np.float32)
+    x, v = single.astype(np.float64), np.zeros(x.shape)
+    v[:, 2] = -0.25
+    v32 = v.astype(np.float32)
+    system.begin(scene, 0.01, x, v, v)
+    twin.begin(twin_scene, 0.01, single, v32, v32)
+    for add in ("forces", "product"):
+        sums, sums32 = np.zeros_like(x), np.zeros_like(single)
+        given = () if add == "forces" else (0.01,)
+        getattr(system, f"add_{add}")(*given, v, sums)
+        getattr(twin, f"add_{add}")(*given, v32, sums32)
+        assert np.any(sums32) and np.array_equal(sums32, sums.astype(np.float32))
+    assert twin.energy(v32) == system.energy(v) > 0
+    assert twin.misjudged(0 * v32) == system.misjudged(0 * v)
+    assert twin.linearise(v32) == system.linearise(v)
+    assert not twin.detect_again(twin_scene, v32)
+    twin.finish(v32)
+    system.finish(v)
+    assert np.array_equal(twin.pair_force(0, 0, True), system.pair_force(0, 0, True))
+    mixed = np.zeros_like(single)
+    system.begin(scene, 0.01, single, v, v32)
+    system.add_forces(v, mixed)
+    assert np.any(mixed)
+
+
+def overlapping_boxes(count, threads):
+    """So many scenes of two soft boxes each, by which the overlap differs; positions have a row for each scene."""
+    scenes, systems, positions = [], [], np.zeros((count, 2, 8, 3))
+    for k in range(count):
+        scenes.append(Scene(threads=threads))
+        systems.append(ContactSystem())
+        systems[k].set_node_masses(np.ones(16))
+        for body in range(2):
+            corners, faces = box([-0.5 + body * (0.8 + 0.01 * k)] * 3, [0.5 + body * (0.8 + 0.01 * k)] * 3)
+            systems[k].add_deformable(scenes[k], scenes[k].add(Mesh(corners, faces)), 8 * body, 8, MATERIAL)
+            positions[k, body] = corners
+    return scenes, systems, positions
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_batch_does_what_each_scene_does(threads):
+    (scenes, systems, x), (twin_scenes, twins, _) = overlapping_boxes(9, 1), overlapping_boxes(9, threads)
+    batch, v = Batch(twin_scenes, twins), np.zeros_like(x)
+    batch.begin(0.01, x, v, v)
+    assert not batch.statuses.any() and not batch.detect_again(v).any()
+    found = batch.query()
+    for k in range(9):
+        systems[k].begin(scenes[k], 0.01, x[k], v[k], v[k])
+        forces, of_twin = np.zeros((2, 2, 8, 3))
+        systems[k].add_forces(v[k], forces)
+        twins[k].add_forces(v[k], of_twin)
+        assert np.any(forces) and np.array_equal(forces, of_twin)
+        assert found[k].to_array().tobytes() == scenes[k].query().to_array().tobytes()
+
+
+def test_an_error_in_a_batch_spares_the_other_scenes():
+    scenes, systems, x = overlapping_boxes(5, 2)
+    batch, v = Batch(scenes, systems), np.zeros_like(x)
+    x[3, 1, 0, 0] = np.nan
+    with pytest.raises(raycontact.Error, match=r"scene 3: positions\[24\]") as refused:
+        batch.begin(0.01, x, v, v)
+    assert refused.value.status == Status.NOT_FINITE
+    assert batch.statuses.tolist() == [0, 0, 0, Status.NOT_FINITE, 0]
+    assert all(systems[k].energy(v[k]) > 0 for k in (0, 1, 2, 4))
+    with pytest.raises(ValueError, match="5 scenes have 5 systems"):
+        batch.begin(0.01, x[:4], v[:4], v[:4])
+    with pytest.raises(ValueError, match="5 scenes have 0 systems"):
+        Batch(scenes).begin(0.01, x, v, v)
+    with pytest.raises(ValueError, match="velocities has 96 numbers; give 240"):
+        batch.begin(0.01, x, v[:2], v)
+    assert Batch([]).query() == []

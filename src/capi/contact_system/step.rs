@@ -133,7 +133,7 @@ pub struct rayc_csr {
     pub offsets: *const i32,
     /// The column of each number, from 0.
     pub columns: *const i32,
-    /// The numbers, in N s/m and, with rigid bodies, in N s and N s m.
+    /// The numbers: the factor times N s/m and, with angular velocities, N s and N s m.
     pub values: *const f64,
 }
 
