@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import functools
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -119,10 +119,13 @@ def paper_detection_options() -> dict[str, Any]:
     return {name: getattr(found, name) for name in _header.DetectionOptions.__annotations__}
 
 
-if TYPE_CHECKING:  # the options of calls, for type checkers alone
+if TYPE_CHECKING:  # for type checkers alone: the options of calls, and an array or none for each body
     from typing_extensions import Unpack as Unpack
+
+    Arrays = Iterable[ArrayLike | None] | None
+    Targets = Iterable[NDArray[Any] | None]
 else:
-    Unpack = None
+    Unpack = Arrays = Targets = None
 
 Array = ArrayLike
 Doubles = NDArray[np.float64]

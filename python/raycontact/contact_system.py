@@ -194,10 +194,9 @@ class Batch:
         self._kept: Any = {"contact_system": [*systems], "scene": [*scenes], "contacts": [*self.contacts]}
         self._handles = [ffi.new(f"rayc_{kind} *[]", [one._handle for one in each]) for kind, each in self._kept.items()]
 
-    def query(self) -> list[Contacts]:
-        """Scene.query() of each scene, into `contacts`."""
+    def query(self) -> None:
+        """Scene.query() of each scene, into `contacts`, a list of one Contacts for each."""
         call(library.rayc_scenes_query, len(self.statuses), *self._handles[1:], self.statuses)
-        return self.contacts
 
     def begin(self, dt: float, positions: Array, velocities: Array, free_velocities: Array) -> None:
         """ContactSystem.begin() of each system."""
@@ -208,7 +207,7 @@ class Batch:
         """ContactSystem.detect_again() of each system."""
         is_more = np.zeros(len(self.statuses), np.uint32)
         self._call("detect_again", [*alike("velocities", velocities, dtype=np.float64), is_more])
-        return is_more != 0
+        return np.not_equal(is_more, 0)
 
     def _call(self, name: str, arrays: list[NDArray[Any]], *given: Any) -> None:
         count, rows = len(self._kept["contact_system"]), [array.shape[:1] for array in arrays]

@@ -81,10 +81,9 @@ class Mesh:
     @property
     def faces(self) -> NDArray[np.uint32]:
         """The triangles: (m, 3). A copy for each use, to be read alone."""
-        shape = self.triangle_count, 3
-        found = copied(library.rayc_mesh_copy_triangles, shape, self._handle, 3 * shape[0])
-        found.flags.writeable = False
-        return found
+        all = copied(library.rayc_mesh_copy_triangles, (self.triangle_count, 3), self._handle, 3 * self.triangle_count)
+        all.flags.writeable = False
+        return all
 
     def closest_points(self, points: Array, bounds: Array = np.inf) -> NDArray[Any]:
         """The points of the surface, open or closed, that are nearest to `points`: triangle (NO_TRIANGLE where none is

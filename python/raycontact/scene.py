@@ -3,19 +3,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Iterable, Iterator
+from typing import Any, Iterator
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from ._header import DetectionOptions, ResponseOptions, SceneOptions
-from ._library import Array, Doubles, Unpack, answer, call, copied, create, ffi, library, of_bodies, options
-from ._library import packed, to_read, to_write
+from ._library import Array, Arrays, Doubles, Targets, Unpack, answer, call, copied, create, ffi, library, of_bodies
+from ._library import options, packed, to_read, to_write
 from .mesh import Mesh
-
-if TYPE_CHECKING:
-    Arrays = Iterable[Array | None] | None
-    Targets = Iterable[NDArray[Any] | None]
 
 
 class Contacts:

@@ -231,14 +231,14 @@ def test_a_batch_does_what_each_scene_does(threads):
     batch, v = Batch(twin_scenes, twins), np.zeros_like(x)
     batch.begin(0.01, x, v, v)
     assert not batch.statuses.any() and not batch.detect_again(v).any()
-    found = batch.query()
+    batch.query()
     for k in range(9):
         systems[k].begin(scenes[k], 0.01, x[k], v[k], v[k])
         forces, of_twin = np.zeros((2, 2, 8, 3))
         systems[k].add_forces(v[k], forces)
         twins[k].add_forces(v[k], of_twin)
         assert np.any(forces) and np.array_equal(forces, of_twin)
-        assert found[k].to_array().tobytes() == scenes[k].query().to_array().tobytes()
+        assert batch.contacts[k].to_array().tobytes() == scenes[k].query().to_array().tobytes()
 
 
 def test_an_error_in_a_batch_spares_the_other_scenes():
@@ -256,4 +256,6 @@ def test_an_error_in_a_batch_spares_the_other_scenes():
         Batch(scenes).begin(0.01, x, v, v)
     with pytest.raises(ValueError, match="velocities has 96 numbers; give 240"):
         batch.begin(0.01, x, v[:2], v)
-    assert Batch([]).query() == []
+    empty = Batch([])
+    empty.query()
+    assert empty.contacts == []

@@ -34,6 +34,9 @@ def test_every_function_can_be_reached():
     called |= {f"rayc_{kind}_{end}" for kind in kinds for end in ("create", "destroy")}
     called |= {f"rayc_{kind}_{way}" for kind in kinds for way in re.findall(r'way="(\w+)"', sources)}
     called |= {f"rayc_default_{kind}_options" for kind in re.findall(r'options\("(\w+)"', sources)}
+    of_either_type = re.findall(r'(?:call_for|_ask)\("(\w+)"', sources)
+    called |= {f"rayc_contact_system_{name}{end}" for name in of_either_type for end in ("", "_f32")}
+    called |= {f"rayc_contact_systems_{name}" for name in re.findall(r'_call\("(\w+)"', sources)}
     assert functions - called == set(LEFT_OUT)
     for function in functions:
         getattr(_library.library, function)  # is in the library
