@@ -1,5 +1,5 @@
-/* A contact system in the arrays of its host: the matrix in compressed rows, and floats in place of doubles, for systems of
-   either precision. */
+/* A contact system in the arrays of its host: the matrix in compressed rows, and floats in place of doubles, for
+   systems of either precision. */
 #include "check.h"
 #include "shapes.h"
 

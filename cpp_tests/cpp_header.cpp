@@ -274,7 +274,8 @@ void a_system_takes_floats_and_gives_compressed_rows() {
   for (std::size_t row = 0; row < 24; ++row) {
     CHECK(float_sums[row] == static_cast<float>(sums[row]) && float_product[row] == static_cast<float>(product[row]));
     double sum = 0;
-    for (int32_t at = matrix.offsets[row]; at < matrix.offsets[row + 1]; ++at) sum += matrix.values[std::size_t(at)] * 0.125;
+    for (int32_t at = matrix.offsets[row]; at < matrix.offsets[row + 1]; ++at)
+      sum += matrix.values[std::size_t(at)] * 0.125;
     CHECK_NEAR(sum, product[row], 1e-9);
   }
   CHECK(one.system.energy(v) == other.system.energy(float_v) && one.system.energy(v) > 0);
@@ -317,7 +318,8 @@ void many_systems_begin_at_once() {
   batch.begin(0.01, x, v, v);
   batch.detect_again(v, is_more);
   batch.query(contacts);
-  for (int k = 0; k < 3; ++k) CHECK(contacts[k].size() > 0 && contacts[k].size() == contacts[0].size() && is_more[k] == 0);
+  for (int k = 0; k < 3; ++k)
+    CHECK(contacts[k].size() > 0 && contacts[k].size() == contacts[0].size() && is_more[k] == 0);
   const std::vector<double> few(4);
   check_throws(RAYC_STATUS_WRONG_COUNT, "as many numbers", [&] { batch.begin(0.01, few, few, few); });
   check_throws(RAYC_STATUS_WRONG_COUNT, "as many lists", [&] { batch.query(Span<Contacts>(contacts.data(), 2)); });

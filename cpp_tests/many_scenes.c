@@ -1,4 +1,5 @@
-/* Many scenes in one call: the same bits as one by one, whoever's threads work, and an error of one spares the others. */
+/* Many scenes in one call: the same bits as one by one, whoever's threads work, and an error of one spares the others.
+ */
 #include "check.h"
 #include "shapes.h"
 
@@ -43,8 +44,8 @@ static batch make(uint32_t threads, rayc_parallel_for host) {
       rayc_mesh* mesh = octahedron_mesh(octahedron_shift);
       CHECK_OK(rayc_scene_add_mesh(all.scenes[k], mesh, &number));
       CHECK_OK(rayc_mesh_destroy(mesh));
-      CHECK_OK(rayc_contact_system_add_deformable(all.systems[k], all.scenes[k], body, body * NODES, NODES, NULL, 0, NULL,
-                                                  NULL, &material));
+      CHECK_OK(rayc_contact_system_add_deformable(all.systems[k], all.scenes[k], body, body * NODES, NODES, NULL, 0,
+                                                  NULL, NULL, &material));
     }
   }
   return all;
@@ -101,7 +102,8 @@ static void a_call_for_all_does_what_one_for_each_does(uint32_t threads, rayc_pa
     }
     CHECK_OK(rayc_contact_systems_begin(SCENES, other.systems, other.scenes, 0.01, EACH, x[0], v[0], v[0], statuses));
     for (int k = 0; k < SCENES; ++k) CHECK(statuses[k] == RAYC_STATUS_OK);
-    CHECK_OK(rayc_contact_systems_detect_again(SCENES, other.systems, other.scenes, EACH, stopped[0], is_more, statuses));
+    CHECK_OK(
+        rayc_contact_systems_detect_again(SCENES, other.systems, other.scenes, EACH, stopped[0], is_more, statuses));
     for (int k = 0; k < SCENES; ++k) CHECK(is_more[k] == expected[k] && statuses[k] == RAYC_STATUS_OK);
     CHECK_OK(rayc_scenes_query(SCENES, other.scenes, other.contacts, statuses));
     for (int k = 0; k < SCENES; ++k) CHECK(statuses[k] == RAYC_STATUS_OK);

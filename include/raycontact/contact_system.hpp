@@ -306,8 +306,7 @@ class ContactSystem {
   Outcome<bool> detect_again(Scene& scene, const Numbers& velocities) {
     const Span<const float> v = velocities;
     uint32_t is_more = 0;
-    const rayc_status status =
-        rayc_contact_system_detect_again_f32(get(), scene.get(), v.size(), v.data(), &is_more);
+    const rayc_status status = rayc_contact_system_detect_again_f32(get(), scene.get(), v.size(), v.data(), &is_more);
     return detail::outcome(status, is_more != 0);
   }
 
@@ -452,9 +451,10 @@ class ContactSystem {
 };
 
 /**
- * Many scenes at once, such as those of robot learning: one call for all, on the threads of the first scene. Each gets the
- * same bits as by itself. Scenes, contact systems and lists of contacts stay the caller's and outlive it. Where some of
- * the scenes have an error, the others are done nevertheless: the error is that of the first, and statuses() has all.
+ * Many scenes at once, such as those of robot learning: one call for all, on the threads of the first scene. Each gets
+ * the same bits as by itself. Scenes, contact systems and lists of contacts stay the caller's and outlive it. Where
+ * some of the scenes have an error, the others are done nevertheless: the error is that of the first, and statuses()
+ * has all.
  */
 class Batch {
  public:

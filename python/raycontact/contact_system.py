@@ -29,8 +29,8 @@ class Material:
 
     @classmethod
     def bearing(cls, pressure: float, depth: float) -> Material:
-        """One that bears `pressure` in Pa at `depth` in m: of elastic bodies, a quarter of Young's modulus at a quarter of
-        an element's edge; of rigid or still ones, ten times the pressure at rest at ten times the depth allowed."""
+        """One that bears `pressure` in Pa at `depth` in m: of elastic bodies, a quarter of Young's modulus at a quarter
+        of an element's edge; of rigid or still ones, ten times the pressure at rest at ten times the depth allowed."""
         found = answer(library.rayc_bearing_material, pressure, depth, ffi.sizeof("rayc_material"))
         return cls(*(getattr(found, name) for name in cls.__annotations__))
 
@@ -135,7 +135,7 @@ class ContactSystem:
         return found
 
     def csr(self, factor: float = 1.0) -> tuple[Doubles, NDArray[np.int32], NDArray[np.int32]]:
-        """The same matrix in compressed sparse rows, as scipy.sparse.csr_array(system.csr(), shape) takes them: numbers,
+        """The same matrix in compressed sparse rows, as scipy.sparse.csr_array(system.csr(), shape) takes it: numbers,
         their columns, which ascend in each row, and where rows begin and the last one ends."""
         m = answer(library.rayc_contact_system_csr, self._handle, factor)
         return copy_of(m.values, m.value_count), copy_of(m.columns, m.value_count), copy_of(m.offsets, m.row_count + 1)
@@ -177,22 +177,22 @@ class ContactSystem:
         """Linear and angular velocity of a rigid body at the end of the last finished step: (6,)."""
         return copied(library.rayc_contact_system_rigid_velocity, 6, self._handle, body)
 
-    def explicit_step(self, scene: Scene, dt: float, positions: Array, velocities: Array, forces: NDArray[Any]) -> float:
-        """For explicit integrators: adds the contact forces and returns the longest step, in s, that they are stable for."""
+    def explicit_step(self, scene: Scene, dt: float, positions: Array, velocities: Array, forces: Any) -> float:
+        """For explicit integrators: adds the contact forces; returns the longest step in s for which they are stable."""
         f = to_write(forces, "forces", is_packed=True)
         x, v = alike("positions velocities", positions, velocities, dtype=f.dtype)
         return float(answer(call_for("explicit_step", f), self._handle, scene._handle, dt, x.size, x, v, f.size, f))
 
 
 class Batch:
-    """Many scenes, such as those of robot learning, in one call, on the threads of the first one (its option `threads`);
-    each gets the same bits as by itself. Arrays have a row for each scene. Where some have an error, the others are done
+    """Many scenes, such as those of robot learning, in one call, on the threads of the first one (option `threads`).
+    Each gets the same bits as by itself. Arrays have a row for each scene. Where some have an error, others are done
     nevertheless: Error is that of the first, and `statuses` has the Status of each in the last call."""
 
     def __init__(self, scenes: Sequence[Scene], systems: Sequence[ContactSystem] = ()) -> None:
         self.contacts, self.statuses = [Contacts() for _ in scenes], np.zeros(len(scenes), np.uint32)
         self._kept: Any = {"contact_system": [*systems], "scene": [*scenes], "contacts": [*self.contacts]}
-        self._handles = [ffi.new(f"rayc_{kind} *[]", [one._handle for one in each]) for kind, each in self._kept.items()]
+        self._handles = [ffi.new(f"rayc_{name} *[]", [x._handle for x in each]) for name, each in self._kept.items()]
 
     def query(self) -> None:
         """Scene.query() of each scene, into `contacts`, a list of one Contacts for each."""
