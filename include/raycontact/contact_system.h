@@ -27,10 +27,11 @@ extern "C" {
  * rayc_contact_system_linearise() and rayc_contact_system_detect_again(); rayc_contact_system_finish(). A steady step
  * allocates nothing.
  *
- * Numbers are doubles in SI units, whatever the precision; functions whose names end in _f32 take floats. Vectors of unknowns hold x, y, z of each node, then, where
- * rigid bodies are kept, six numbers of each in the order they were added: linear and angular velocity, or force and torque.
- * Numbers given are at most 2^80 (1.2e24) in size, so that forces and energies stay finite; others are refused with
- * RAYC_STATUS_INVALID_OPTION or, where they have one, with a status of their own.
+ * Numbers are doubles in SI units, whatever the precision; functions whose names end in _f32 take floats. Vectors of
+ * unknowns hold x, y, z of each node, then, where rigid bodies are kept, six numbers of each in the order they were
+ * added: linear and angular velocity, or force and torque. Numbers given are at most 2^80 (1.2e24) in size, so that forces
+ * and energies stay finite; others are refused with RAYC_STATUS_INVALID_OPTION or, where they have one, with a status of
+ * their own.
  *
  * Threads: one call at a time for one system. The caller frees it with rayc_contact_system_destroy().
  */
@@ -372,7 +373,7 @@ typedef struct rayc_csr {
    */
   const int32_t *columns;
   /**
-   * The numbers, in N s/m and, with rigid bodies, in N s and N s m.
+   * The numbers: the factor times N s/m and, with angular velocities, N s and N s m.
    */
   const double *values;
 } rayc_csr;

@@ -178,7 +178,7 @@ class ContactSystem:
         return copied(library.rayc_contact_system_rigid_velocity, 6, self._handle, body)
 
     def explicit_step(self, scene: Scene, dt: float, positions: Array, velocities: Array, forces: Any) -> float:
-        """For explicit integrators: adds the contact forces; returns the longest step in s for which they are stable."""
+        """For explicit integrators: adds contact forces; returns the longest step in s for which they are stable."""
         f = to_write(forces, "forces", is_packed=True)
         x, v = alike("positions velocities", positions, velocities, dtype=f.dtype)
         return float(answer(call_for("explicit_step", f), self._handle, scene._handle, dt, x.size, x, v, f.size, f))
