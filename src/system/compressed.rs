@@ -106,7 +106,7 @@ mod tests {
     fn a_matrix_beyond_its_indices_is_refused() {
         let mut rows = Rows::default();
         for (nodes, pushes) in [([0, 2], true), ([2, 3], true), ([1, 3], false)] {
-            nodes.map(|node| rows.add_distinct(node, 1.0, 1.0));
+            nodes.iter().for_each(|&node| rows.add_distinct(node, 1.0, 1.0));
             let held = Held { pushes, normal: 1.0, tangential: 1.0, ..Held::default() };
             rows.rows.push(Row { end: rows.entries.len(), held, ..Row::default() });
         }
