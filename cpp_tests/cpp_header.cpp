@@ -191,6 +191,19 @@ void a_scene_answers_as_the_c_functions_do() {
   CHECK_NEAR(contacts.energy(response, 2), expected_energy, 1e-15);
   CHECK_NEAR(contacts.energy(response, 2, positions), expected_energy, 1e-15);
 
+  // At rest rigid bodies get what their vertices do; the second slides, and friction brakes it.
+  const double points[6] = {};
+  double speeds[12] = {}, smooth[12] = {}, rough[12] = {};
+  contacts.add_wrenches(response, points, speeds, smooth);
+  CHECK_NEAR(smooth[6], along_x, 1e-15);
+  rayc_response_options rubbing = response;
+  rubbing.friction = 0.5;
+  rubbing.slip_speed = 0.1;
+  speeds[7] = 0.1;
+  contacts.add_wrenches(rubbing, points, speeds, rough);
+  CHECK(rough[7] < smooth[7] && rough[1] > smooth[1]);
+  check_throws(RAYC_STATUS_WRONG_COUNT, "for 2 bodies", [&] { contacts.add_wrenches(response, points, points, rough); });
+
   // Moved together, bodies change nothing between them.
   const std::vector<Point> along(4, Point{1, 2, 3});
   std::vector<Point> change_a(4), change_b(4);

@@ -82,6 +82,61 @@ static void damping_brakes_the_approach(void) {
   check_sums(&forces, -2 * (SHIFTED_DEPTH + 0.25 * 0.5));
 }
 
+/* The first body slides at 0.5 m/s across the rays: √(0.5² + 1.2²) is 1.3. */
+static const double slide[3] = {0, 0.3, 0.4};
+
+static rayc_response_options rubbing(void) {
+  rayc_response_options rough = options;
+  rough.friction = 0.5;
+  rough.slip_speed = 1.2;
+  return rough;
+}
+
+/* cos α is the root of a third. */
+static double friction_of_both(int axis) {
+  return -2 * 0.5 * sqrt(1.0 / 3) * SHIFTED_DEPTH * slide[axis] / 1.3;
+}
+
+static void friction_brakes_the_slip(void) {
+  field forces, velocities;
+  memset(&forces, 0, sizeof forces);
+  memset(&velocities, 0, sizeof velocities);
+  for (int i = 0; i < 3 * OCTAHEDRON_VERTICES; ++i) velocities.values[0][i] = slide[i % 3];
+  rayc_vectors speeds[2];
+  rayc_vectors_mut out[2];
+  views(&velocities, speeds);
+  views_mut(&forces, out);
+  const rayc_response_options rough = rubbing();
+  CHECK_OK(rayc_contacts_add_forces(contacts, &rough, 2, NULL, speeds, out));
+  for (int axis = 1; axis < 3; ++axis) {
+    CHECK_NEAR(sum(&forces, 0, axis), friction_of_both(axis), 1e-14);
+    CHECK_NEAR(sum(&forces, 1, axis), -friction_of_both(axis), 1e-14);
+    forces.values[0][axis] -= friction_of_both(axis);
+    forces.values[1][axis] += friction_of_both(axis);
+  }
+  check_sums(&forces, -2 * SHIFTED_DEPTH);
+}
+
+/* What the wrenches held is added to. Forces and torques about the origin add up to zero. */
+static void wrenches_balance(void) {
+  const rayc_response_options rough = rubbing();
+  const double points[6] = {0, 0, 0, 0.5, 7, 0};
+  double velocities[12] = {0, slide[1], slide[2]}, wrenches[12] = {10};
+  CHECK_OK(rayc_contacts_add_wrenches(contacts, &rough, 2, points, velocities, wrenches));
+  CHECK_NEAR(wrenches[0], 10 - 2 * SHIFTED_DEPTH, 1e-14);
+  wrenches[0] -= 10;
+  double moment[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    if (axis > 0) CHECK_NEAR(wrenches[axis], friction_of_both(axis), 1e-14);
+    CHECK_NEAR(wrenches[axis], -wrenches[6 + axis], 1e-14);
+    moment[axis] = points[3 + next] * wrenches[6 + last] - points[3 + last] * wrenches[6 + next];
+    CHECK_NEAR(wrenches[3 + axis] + wrenches[9 + axis] + moment[axis], 0, 1e-13);
+  }
+  /* Where the rays start: at (1, 0, 0), and at (-1, 0, 0) moved by the shift. */
+  CHECK_NEAR(wrenches[4], -octahedron_shift[0] * 0.5 * wrenches[2] + octahedron_shift[2] * 0.5 * wrenches[0], 1e-13);
+}
+
 static void differential_resists_displacement(void) {
   field forces, displacements;
   memset(&forces, 0, sizeof forces);
@@ -133,7 +188,18 @@ static void bad_arguments_change_nothing(void) {
     bad.damping_time = numbers[i];
     CHECK_STATUS(rayc_contacts_add_forces(contacts, &bad, 2, NULL, NULL, out), RAYC_STATUS_INVALID_OPTION,
                  "damping_time");
+    bad = rubbing();
+    bad.friction = numbers[i];
+    CHECK_STATUS(rayc_contacts_add_forces(contacts, &bad, 2, NULL, speeds, out), RAYC_STATUS_INVALID_OPTION,
+                 "friction is");
+    bad = rubbing();
+    bad.slip_speed = i == 0 ? 0 : numbers[i];
+    CHECK_STATUS(rayc_contacts_add_forces(contacts, &bad, 2, NULL, speeds, out), RAYC_STATUS_INVALID_OPTION,
+                 "slip_speed is");
   }
+  bad = rubbing();
+  CHECK_STATUS(rayc_contacts_add_forces(contacts, &bad, 2, NULL, NULL, out), RAYC_STATUS_INVALID_OPTION,
+               "friction is 0.5, but there are no velocities to rub against");
 
   bad = options;
   bad.damping_time = 0.25;
@@ -162,6 +228,42 @@ static void bad_arguments_change_nothing(void) {
   CHECK(memcmp(&forces, &before, sizeof forces) == 0);
 }
 
+static void bad_wrenches_change_nothing(void) {
+  const rayc_response_options rough = rubbing();
+  double points[6] = {0}, velocities[12] = {0}, wrenches[18] = {0};
+#define ADD(count, points, velocities, wrenches) \
+  rayc_contacts_add_wrenches(contacts, &rough, count, points, velocities, wrenches)
+  CHECK_STATUS(rayc_contacts_add_wrenches(NULL, &rough, 2, points, velocities, wrenches), RAYC_STATUS_NULL_POINTER,
+               "contacts");
+  CHECK_STATUS(ADD(2, NULL, velocities, wrenches), RAYC_STATUS_NULL_POINTER, "points");
+  CHECK_STATUS(ADD(2, points, NULL, wrenches), RAYC_STATUS_NULL_POINTER, "velocities");
+  CHECK_STATUS(ADD(2, points, velocities, NULL), RAYC_STATUS_NULL_POINTER, "wrenches");
+  CHECK_STATUS(ADD(1, points, velocities, wrenches), RAYC_STATUS_WRONG_COUNT, "body 1, but there are 1");
+  CHECK_STATUS(ADD(2, points, wrenches, wrenches + 6), RAYC_STATUS_INVALID_OPTION, "overlaps");
+  CHECK_STATUS(ADD(2, wrenches, velocities, wrenches + 5), RAYC_STATUS_INVALID_OPTION, "overlaps");
+  const double numbers[] = {NAN, INFINITY};
+  for (int i = 0; i < 2; ++i) {
+    points[4] = numbers[i];
+    CHECK_STATUS(ADD(2, points, velocities, wrenches), RAYC_STATUS_NOT_FINITE, "points: body 1");
+    points[4] = 0;
+    velocities[4] = numbers[i];
+    CHECK_STATUS(ADD(2, points, velocities, wrenches), RAYC_STATUS_NOT_FINITE, "velocities: body 0");
+    velocities[4] = 0;
+  }
+  points[3] = 1e308;
+  velocities[11] = 1e308;
+  rayc_response_options damped = rough;
+  damped.damping_time = 1;
+  CHECK_STATUS(rayc_contacts_add_wrenches(contacts, &damped, 2, points, velocities, wrenches),
+               RAYC_STATUS_INVALID_OPTION, "beyond");
+  rayc_response_options bad = rough;
+  bad.slip_speed = NAN;
+  CHECK_STATUS(rayc_contacts_add_wrenches(contacts, &bad, 2, points, velocities, wrenches), RAYC_STATUS_INVALID_OPTION,
+               "slip_speed");
+  for (int k = 0; k < 18; ++k) CHECK(wrenches[k] == 0);
+#undef ADD
+}
+
 int main(void) {
   rayc_mesh* meshes[2] = {octahedron_mesh(no_shift), octahedron_mesh(octahedron_shift)};
   rayc_octree* octrees[2] = {NULL, NULL};
@@ -172,15 +274,19 @@ int main(void) {
   const rayc_detection_options detection = from_vertices();
   CHECK_OK(rayc_query_pair(&detection, meshes[0], octrees[0], meshes[1], octrees[1], contacts));
   CHECK_OK(rayc_default_response_options(sizeof options, &options));
+  CHECK(options.friction == 0 && options.slip_speed == 0);
   CHECK(options.stiffness == 1 && options.damping_time == 0 && options.weighting == RAYC_WEIGHTING_AREA);
   options.stiffness = 3;
 
   coefficients_are_stiffness_times_area_times_cosine();
   forces_part_the_bodies_and_are_added();
   damping_brakes_the_approach();
+  friction_brakes_the_slip();
+  wrenches_balance();
   differential_resists_displacement();
   energy_is_that_of_two_springs();
   bad_arguments_change_nothing();
+  bad_wrenches_change_nothing();
 
   CHECK_OK(rayc_contacts_destroy(contacts));
   for (int i = 0; i < 2; ++i) {

@@ -23,6 +23,7 @@ other_packages=(
     libopenmpi-dev  # bodies over several processes, which openmpi-bin starts
     openmpi-bin
     libtrilinos-zoltan-dev # which process is to have which body
+    libsimbody-dev  # Simbody, for the example with it
     valgrind        # counts instructions
 )
 

@@ -226,18 +226,21 @@ fn forces_and_differential_allocate_nothing() {
     };
     let out: Vec<_> = forces.iter_mut().map(&mut array).collect();
     let given: Vec<_> = positions.iter().map(|positions| common::c::vectors(positions)).collect();
+    let [zeros, mut wrenches] = [(); 2].map(|()| vec![0.0; 6 * given.len()]);
     for step in 0..3 {
         let allocations = measure(|| {
             let (mut joules, options, count, read) = (0.0, null(), out.len(), given.as_ptr());
+            let still = zeros.as_ptr();
             // SAFETY: the arrays are as they say.
             let statuses = unsafe {
                 [
                     rayc_contacts_add_forces(contacts.0, options, count, read, read, out.as_ptr()),
                     rayc_contacts_add_differential(contacts.0, options, 1.0, 1.0, count, read, out.as_ptr()),
                     rayc_contacts_energy(contacts.0, options, count, read, &mut joules),
+                    rayc_contacts_add_wrenches(contacts.0, options, count, still, still, wrenches.as_mut_ptr()),
                 ]
             };
-            assert_eq!(statuses, [RAYC_STATUS_OK; 3]);
+            assert_eq!(statuses, [RAYC_STATUS_OK; 4]);
         });
         // The first call keeps the memory in reserve by which the thread could say that there is none.
         assert!(step < 1 || allocations.count_total == 0, "step {step}: {allocations:?}");

@@ -121,7 +121,7 @@ static void older_options_are_read_as_far_as_they_go(void) {
 static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_mesh_options, open) == sizeof(rayc_mesh_options));
   CHECK(END_OF(rayc_detection_options, reserved) == sizeof(rayc_detection_options));
-  CHECK(END_OF(rayc_response_options, reserved) == sizeof(rayc_response_options));
+  CHECK(END_OF(rayc_response_options, slip_speed) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
   CHECK(END_OF(rayc_contact_system_options, weighting) == sizeof(rayc_contact_system_options));
   CHECK(END_OF(rayc_material, depth_cap) == sizeof(rayc_material));

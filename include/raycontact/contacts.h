@@ -218,6 +218,18 @@ typedef struct rayc_response_options {
    * Always 0.
    */
   uint32_t reserved;
+  /**
+   * μ ≥ 0 of Coulomb friction that needs no memory, as integrators that choose their own steps want it. A contact that
+   * pushes by N rubs by μ cos α N v / √(v² + slip_speed²) against its slip v across the ray: regularised by the square
+   * root (Wriggers 2006, Computational Contact Mechanics, section 5.2). It needs velocities. Default 0.
+   */
+  double friction;
+  /**
+   * In m/s; above 0 where there is friction. What friction has to bear by a part p < μ of N creeps at
+   * slip_speed · p / √(μ² − p²). The smaller it is the stiffer: the damping of a contact at rest is μ cos α N / slip_speed.
+   * Default 0.
+   */
+  double slip_speed;
 } rayc_response_options;
 
 /**
@@ -231,17 +243,19 @@ enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_r
  * Adds the contact forces to `forces`, in N. Each contact gives stiffness · weight · cos α · depth along the ray at
  * p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4). A contact under
  * RAYC_LAW_PRESSURE that stands for many triangles presses on all their vertices, by area, and the opposite lies on
- * about as much of the other surface around p2. The two loads have no net force and no net torque.
+ * about as much of the other surface around p2. The two loads have no net force and no net torque. Friction acts in the
+ * same way, each end by its own velocity, so it has no net force, but the net torque of the depth times the friction;
+ * rayc_contacts_add_wrenches() has none.
  *
  * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
  * order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
- * detection. velocities NULL: no damping; damping_time must then be 0. Contacts stay as they were found: each keeps its two
+ * detection. velocities NULL: no damping and no friction; damping_time and friction must then be 0. Contacts stay as they were found: each keeps its two
  * points of the surfaces and its direction, whatever the positions. Where the points have moved apart, the force pulls,
  * because an implicit integrator's linear step needs that.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
  * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
- * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where damping_time has no velocities, where a sum might go
+ * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where damping_time or friction has no velocities, where a sum might go
  * beyond its largest number, or where `forces` shares memory with what is read. Numbers that no contact needs are not
  * checked.
  */
@@ -255,7 +269,7 @@ enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
 /**
  * Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, in N, for the
  * displacements d (m, or m/s); both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once
- * per iteration.
+ * per iteration. Friction is not in them: as it depends on the push too, its derivative is not symmetric.
  *
  * options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
  *
@@ -268,6 +282,28 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
                                                 size_t body_count,
                                                 const struct rayc_vectors *displacements,
                                                 const struct rayc_vectors_mut *forces);
+
+/**
+ * Adds what the contacts of rigid bodies exert to `wrenches`: force in N, then torque in N m, six numbers for each body. The
+ * law is that of rayc_contacts_add_forces() at the positions of detection, but no contact ever pulls, and all of each acts
+ * at its p1: so forces, and torques about one point, add up to zero, with friction too. Each contact is a function of the
+ * bodies' poses and velocities alone, and friction and damping never add energy. All in the world's coordinates.
+ *
+ * options: NULL for the defaults. points: three numbers for each body, in the order of the bodies' numbers, such as its centre
+ * of mass: the velocity is that of this point, and the torque is about it. velocities: six numbers for each body, linear in
+ * m/s, then angular in rad/s; 0 for a body that stays where it is. What deforms counts as rigid: where one of the bodies
+ * does, use rayc_contacts_add_forces() for all.
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body lies beyond the arrays, RAYC_STATUS_NOT_FINITE where a number of a
+ * body with contacts is NaN or infinite, RAYC_STATUS_INVALID_OPTION where a sum might go beyond the largest double, or where
+ * `wrenches` shares memory with what is read.
+ */
+enum rayc_status rayc_contacts_add_wrenches(const struct rayc_contacts *contacts,
+                                            const struct rayc_response_options *options,
+                                            size_t body_count,
+                                            const double *points,
+                                            const double *velocities,
+                                            double *wrenches);
 
 /**
  * The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
@@ -287,7 +323,7 @@ enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
 /**
  * Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
  * in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
- * coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite.
+ * coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite, before friction.
  *
  * options: NULL for the defaults. Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end,
  * RAYC_STATUS_INVALID_OPTION where a coefficient is beyond the largest number of the contacts' precision.

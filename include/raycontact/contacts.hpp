@@ -85,8 +85,8 @@ class Contacts {
   }
 
   /**
-   * Adds the forces at the positions of detection, without damping: rayc_contacts_add_forces(). One array for each
-   * body, in the order of their numbers. The options' damping_time must be 0.
+   * Adds the forces at the positions of detection, without damping or friction: rayc_contacts_add_forces(). One array for
+   * each body, in the order of their numbers. The options' damping_time and friction must be 0.
    */
   Outcome<void> add_forces(const rayc_response_options& options, Span<const rayc_vectors_mut> forces) const {
     return check(rayc_contacts_add_forces(get(), &options, forces.size(), nullptr, nullptr, forces.data()));
@@ -99,6 +99,18 @@ class Contacts {
       if (given.size() != 0 && given.size() != forces.size()) return wrong_count(given.size(), forces.size());
     return check(
         rayc_contacts_add_forces(get(), &options, forces.size(), given(positions), given(velocities), forces.data()));
+  }
+
+  /**
+   * Adds force and torque on each rigid body, six numbers for each in the order of their numbers:
+   * rayc_contacts_add_wrenches(). `points`: three numbers for each; `velocities`: six, linear and angular.
+   */
+  Outcome<void> add_wrenches(const rayc_response_options& options, Span<const double> points,
+                             Span<const double> velocities, Span<double> wrenches) const {
+    const std::size_t bodies = points.size() / 3;
+    for (const std::size_t given : {2 * points.size(), velocities.size(), wrenches.size()})
+      if (given != 6 * bodies) return wrong_count(given, bodies);
+    return check(rayc_contacts_add_wrenches(get(), &options, bodies, points.data(), velocities.data(), wrenches.data()));
   }
 
   /**

@@ -99,9 +99,8 @@ class ContactSystem:
     def set_motion(self, body: int, position: Array, rotation: Array, velocity: Array, free_velocity: Array) -> None:
         """Where a rigid or moved body is and how it moves: (3,), (3, 3), and linear and angular velocity, (6,), at the
         start of the step and at its end without contact."""
-        pose, velocities = {"position": (position, 3), "rotation": (rotation, 9)}, (velocity, 6)
-        motion = packed(**pose, velocity=velocities, free_velocity=(free_velocity, 6))
-        call(library.rayc_contact_system_set_motion, self._handle, body, motion)
+        x, v = {"position": (position, 3), "rotation": (rotation, 9)}, {"free_velocity": (free_velocity, 6)}
+        call(library.rayc_contact_system_set_motion, self._handle, body, packed(**x, velocity=(velocity, 6), **v))
 
     def unknown_count(self) -> int:
         """How many numbers a vector of unknowns has."""
@@ -145,8 +144,7 @@ class ContactSystem:
         return float(self._ask("energy", velocities))
 
     def linearise(self, velocities: Array) -> float:
-        """Decides anew which rows push and rub, after a solve; returns the part of all force, 0 to 1, that was
-        predicted wrongly: above 0.05 or so another solve is due."""
+        """Decides anew which rows push and rub; returns the part of all force predicted wrongly: above 0.05 solve again."""
         return float(self._ask("linearise", velocities))
 
     def misjudged(self, velocities: Array) -> float:

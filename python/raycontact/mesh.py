@@ -105,8 +105,7 @@ class Mesh:
 
     def signed_distances(self, points: Array) -> Doubles:
         """How far each of `points` is from the closed surface, in m, negative inside."""
-        distances = self.closest_points(points)["distance"]
-        return np.where(self.contains(points), -distances, distances)
+        return np.where(self.contains(points), -(d := self.closest_points(points)["distance"]), d)
 
     def own_exits(self) -> NDArray[Any]:
         """The vertices inside another part of the closed surface's own body, in ascending order, and their shortest

@@ -10,7 +10,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from ._header import DetectionOptions, ResponseOptions, SceneOptions
 from ._library import Array, Arrays, Doubles, Targets, Unpack, answer, call, copied, create, ffi, library, of_bodies
-from ._library import options, packed, to_read, to_write
+from ._library import numbers, options, packed, to_read, to_write
 from .mesh import Mesh
 
 
@@ -63,18 +63,24 @@ class Contacts:
     def add_forces(
         self, forces: Targets, positions: Arrays = None, velocities: Arrays = None, **response: Unpack[ResponseOptions]
     ) -> None:
-        """Adds the contact forces to `forces`, in N, with damping by `velocities` in m/s; without them damping_time must
-        be 0, its default. Each contact stays at its two surface points and along its direction."""
+        """Adds the contact forces to `forces`, in N. Damping and friction need `velocities` in m/s."""
         f, law = of_bodies(forces, "forces", prepare=to_write), options("response", response)
         x, v = of_bodies(positions, "positions", len(f)), of_bodies(velocities, "velocities", len(f))
         call(library.rayc_contacts_add_forces, self._handle, law, len(f), x, v, f)
+
+    def add_wrenches(self, wrenches: Doubles, about: Array, twists: Array, **response: Unpack[ResponseOptions]) -> None:
+        """Adds force, torque `about` points to rigid `wrenches` (n, 6); `twists` (n, 6): velocity of the point, angular."""
+        w, law = to_write(wrenches, "wrenches", is_packed=True), options("response", response)
+        if w.dtype != np.float64:
+            raise ValueError(f"wrenches has the dtype {w.dtype}; give float64")
+        x, v = numbers(about, "about", w.size // 2), numbers(twists, "twists", w.size)
+        call(library.rayc_contacts_add_wrenches, self._handle, law, w.size // 6, x, v, w)
 
     def add_differential(
         self, displacements: Arrays, forces: Targets, stiffness_factor: float = 1.0, damping_factor: float = 0.0,
         **response: Unpack[ResponseOptions]
     ) -> None:
-        """Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, in N, for
-        the displacements d in m (or m/s). Both Jacobians are symmetric and negative semi-definite."""
+        """Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, without friction."""
         f, law = of_bodies(forces, "forces", prepare=to_write), options("response", response)
         given = law, stiffness_factor, damping_factor, len(f), of_bodies(displacements, "displacements", len(f)), f
         call(library.rayc_contacts_add_differential, self._handle, *given)

@@ -54,6 +54,25 @@ def test_net_force_and_torque_are_zero():
     assert np.abs(torque).max() < 1e-13 * scale
 
 
+def test_a_ball_that_slides_on_a_floor_is_braked():
+    floor, sphere = box([-3, -3, -3], [3, 3, 0]), ball(30, (0, 0, 0.9))
+    contacts = query_pair(Mesh(*floor), Mesh(*sphere), sampling_value=0.05)
+    about, twists, wrenches = np.array([[0, 0, 0], [0, 0, 0.9]]), np.zeros((2, 6)), np.zeros((2, 6))
+    twists[1, :3] = 3, 4, 0
+    contacts.add_wrenches(wrenches, about, twists, friction=0.5, slip_speed=12)
+    # Shallow contact: all rays are nearly vertical, and all slip at 5 m/s; 5 / sqrt(5² + 12²).
+    x, y, n = wrenches[1, :3]
+    np.testing.assert_allclose([x / n, y / n], np.array([-0.6, -0.8]) * 0.5 * 5 / 13, rtol=0.1)
+    torques = wrenches[:, 3:] + np.cross(about, wrenches[:, :3])
+    np.testing.assert_allclose(wrenches[0, :3] + wrenches[1, :3], 0, atol=1e-14 * n)
+    np.testing.assert_allclose(torques[0] + torques[1], 0, atol=1e-13 * n)
+    with pytest.raises(Error, match="slip_speed is 0") as caught:
+        contacts.add_wrenches(wrenches, about, twists, friction=0.5)
+    assert caught.value.status == Status.INVALID_OPTION
+    with pytest.raises(ValueError, match="about has 3 numbers; give 6"):
+        contacts.add_wrenches(wrenches, about[:1], twists)
+
+
 @pytest.mark.parametrize("law", list(Law))
 @pytest.mark.parametrize("weighting", list(Weighting))
 def test_forces_are_those_of_the_contacts_own_numbers(law, weighting):

@@ -181,6 +181,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contacts_copy_escape_pushes(null(), 0, 0, 0, null_mut());
         rayc_contacts_copy_coefficients(null(), null(), 0, 0, null_mut());
         rayc_contacts_add_forces(null(), null(), 0, null(), null(), null());
+        rayc_contacts_add_wrenches(null(), null(), 0, null(), null(), null_mut());
         rayc_contacts_add_differential(null(), null(), 0.0, 0.0, 0, null(), null());
         rayc_contacts_sum_pair_forces(null_mut(), null(), 0, null(), null(), null_mut(), null_mut());
         rayc_contacts_copy_pair_forces(null(), 0, null_mut(), 0, null_mut());

@@ -1,5 +1,5 @@
 use crate::contact::Contact;
-use crate::math::Scalar;
+use crate::math::{Scalar, Vector3, length};
 use std::fmt;
 
 /// What a contact's stiffness is multiplied with.
@@ -12,12 +12,14 @@ pub enum Weighting {
     Vertex,
 }
 
-/// How strongly contacts push.
+/// How strongly contacts push and rub.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PenaltyLaw {
     stiffness: f64,
     damping_time: f64,
     weighting: Weighting,
+    friction: f64,
+    slip_speed: f64,
 }
 
 /// Why a law was refused.
@@ -27,6 +29,10 @@ pub enum LawError {
     Stiffness(f64),
     /// Negative or not finite.
     DampingTime(f64),
+    /// Negative or not finite.
+    Friction(f64),
+    /// Not above 0 where there is friction, or not finite.
+    SlipSpeed(f64),
 }
 
 impl fmt::Display for LawError {
@@ -34,6 +40,12 @@ impl fmt::Display for LawError {
         match self {
             Self::Stiffness(value) => write!(f, "stiffness is {value}; it must be a finite number ≥ 0"),
             Self::DampingTime(value) => write!(f, "damping_time is {value}; it must be a finite number of seconds ≥ 0"),
+            Self::Friction(value) => write!(f, "friction is {value}; it must be a finite number ≥ 0"),
+            Self::SlipSpeed(value) => write!(
+                f,
+                "slip_speed is {value}; it must be a finite number of m/s, above 0 where there is friction: how fast contacts at \
+                 rest may creep, such as a thousandth of the speeds that matter"
+            ),
         }
     }
 }
@@ -42,24 +54,46 @@ impl std::error::Error for LawError {}
 
 impl PenaltyLaw {
     /// A law with `stiffness` k (N/m³ or N/m, as `weighting` says) and damping k · `damping_time` along the ray, the
-    /// time in seconds.
+    /// time in seconds; without friction.
     ///
     /// # Errors
     /// [`LawError`] where a number is negative or not finite.
     pub fn new(stiffness: f64, damping_time: f64, weighting: Weighting) -> Result<Self, LawError> {
-        let valid = |value: f64| value.is_finite() && value >= 0.0;
-        if !valid(stiffness) {
+        if !is_valid(stiffness) {
             return Err(LawError::Stiffness(stiffness));
         }
-        if !valid(damping_time) {
+        if !is_valid(damping_time) {
             return Err(LawError::DampingTime(damping_time));
         }
-        Ok(Self { stiffness, damping_time, weighting })
+        Ok(Self { stiffness, damping_time, weighting, friction: 0.0, slip_speed: 0.0 })
+    }
+
+    /// The same law with Coulomb friction that needs no memory: of the velocities alone, hence for integrators that choose
+    /// their own steps. It is regularised by the square root (Wriggers 2006, Computational Contact Mechanics, section 5.2): a
+    /// contact that pushes by N rubs by μ cos α N v / √(v² + s²) against its slip v across the ray, with μ = `friction` and
+    /// s = `slip_speed` in m/s. So a part p < μ of N that friction has to bear makes the contact creep at s p / √(μ² − p²).
+    /// As in the contact system, μ is that of the part of the push that goes straight into the other surface.
+    ///
+    /// # Errors
+    /// [`LawError`] where a number is negative or not finite, or where there is friction and the slip speed is 0.
+    pub fn with_friction(self, friction: f64, slip_speed: f64) -> Result<Self, LawError> {
+        if !is_valid(friction) {
+            return Err(LawError::Friction(friction));
+        }
+        if !is_valid(slip_speed) || friction > 0.0 && slip_speed == 0.0 {
+            return Err(LawError::SlipSpeed(slip_speed));
+        }
+        Ok(Self { friction, slip_speed, ..self })
     }
 
     /// The damping's time constant, in seconds.
     pub fn damping_time(&self) -> f64 {
         self.damping_time
+    }
+
+    /// The coefficient of friction.
+    pub fn friction(&self) -> f64 {
+        self.friction
     }
 
     /// The spring coefficient of one contact, in N/m: stiffness · weight · cos α.
@@ -70,4 +104,27 @@ impl PenaltyLaw {
         };
         T::of(self.stiffness) * weight * contact.cos_alpha
     }
+
+    /// The force on the first end of a contact in this direction that pushes by `push` along it and whose second end moves
+    /// with `velocity` against the first: that push, and friction across it.
+    pub(super) fn force<T: Scalar>(
+        &self,
+        direction: &Vector3<T>,
+        cos_alpha: T,
+        push: T,
+        velocity: &Vector3<T>,
+    ) -> Vector3<T> {
+        let along = direction * push;
+        if self.friction == 0.0 || push <= T::zero() {
+            return along;
+        }
+        // In double precision, where no slip speed is lost.
+        let slip = (velocity - direction * velocity.dot(direction)).map(T::to_f64);
+        let rubbing = slip / length(&slip).hypot(self.slip_speed) * self.friction;
+        along + rubbing.map(T::of) * (push * cos_alpha)
+    }
+}
+
+fn is_valid(value: f64) -> bool {
+    value.is_finite() && value >= 0.0
 }

@@ -6,12 +6,14 @@
 //! (Hermann, Faure, Raffin 2008, section 4). A contact that stands for many triangles presses on all their vertices, by area,
 //! and the opposite lies on about as much of the other surface around p2, so that the pair gets no net force or torque. The energy is ½ Σ c δ², so the elastic force is its negative gradient.
 //! The differential is the rank-one part along d, positive semi-definite up to its sign: the turning of d with the
-//! surface is left out, so that conjugate gradients may be used.
+//! surface is left out, so that conjugate gradients may be used. Friction is left out of it as well.
 
 mod law;
+mod rigid;
 mod vectors;
 
 pub use law::{LawError, PenaltyLaw, Weighting};
+pub use rigid::{RigidMotion, add_wrenches};
 pub use vectors::{BodiesMut, Vectors, VectorsMut};
 
 use crate::contact::{Bearings, Contact, ContactList};
@@ -32,15 +34,20 @@ impl<'a, T: Scalar> Spring<'a, T> {
         Self { contact, bearings, gap, coefficient: law.coefficient(contact) }
     }
 
-    /// (u2 − u1)·d, for a field u given at the vertices of each body.
-    fn closing<V: Vectors<T>>(&self, bodies: &[V]) -> T {
-        let Contact { colliding, collided, direction, .. } = self.contact;
+    /// u2 − u1, for a field u given at the vertices of each body.
+    fn between<V: Vectors<T>>(&self, bodies: &[V]) -> Vector3<T> {
+        let Contact { colliding, collided, .. } = self.contact;
         let [first, second] = [0, 1].map(|end| {
             let (field, mut sum) = (&bodies[[*colliding, *collided][end] as usize], Vector3::zeros());
             self.bearings[end].for_each(|vertex, weight| sum += field.get(vertex) * weight);
             sum
         });
-        (second - first).dot(direction)
+        second - first
+    }
+
+    /// Its part along the direction.
+    fn closing<V: Vectors<T>>(&self, bodies: &[V]) -> T {
+        self.between(bodies).dot(&self.contact.direction)
     }
 
     /// The contact's depth, and what has been added to it since detection.
@@ -49,12 +56,10 @@ impl<'a, T: Scalar> Spring<'a, T> {
         positions.map_or(depth, |positions| self.closing(positions) - self.gap + depth)
     }
 
-    /// Pulls the first end along the direction and the second against it.
-    fn pull<F: BodiesMut<T> + ?Sized>(&self, force: T, forces: &mut F) {
-        let Contact { colliding, collided, direction, .. } = self.contact;
-        for (end, (body, force)) in
-            [(colliding, *direction * force), (collided, *direction * -force)].into_iter().enumerate()
-        {
+    /// Pulls the first end by the force and the second against it.
+    fn pull<F: BodiesMut<T> + ?Sized>(&self, force: Vector3<T>, forces: &mut F) {
+        let Contact { colliding, collided, .. } = self.contact;
+        for (end, (body, force)) in [(colliding, force), (collided, -force)].into_iter().enumerate() {
             self.bearings[end].for_each(|vertex, weight| {
                 if weight != T::zero() {
                     forces.add_to(*body, vertex, force * weight);
@@ -65,7 +70,8 @@ impl<'a, T: Scalar> Spring<'a, T> {
 }
 
 /// Adds the forces of a list's contacts to `forces`, which holds one array per body, as do `positions` (`None`: as at
-/// detection) and `velocities` (`None`: no damping).
+/// detection) and `velocities` (`None`: no damping and no friction). Friction acts at each end on what this bears on, so it
+/// keeps momentum, but turns the pair by the depth times the friction; [`add_wrenches`] keeps angular momentum too.
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
@@ -91,14 +97,15 @@ pub(crate) fn add_forces_of<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     let damping_time = T::of(law.damping_time());
     for contact in contacts {
         let spring = Spring::new(list, contact, law);
-        let closing_speed = velocities.map_or(T::zero(), |velocities| spring.closing(velocities));
-        let stretch = spring.depth(positions) + damping_time * closing_speed;
-        spring.pull(spring.coefficient * stretch, forces);
+        let velocity = velocities.map_or_else(Vector3::zeros, |velocities| spring.between(velocities));
+        let stretch = spring.depth(positions) + damping_time * velocity.dot(&contact.direction);
+        let push = spring.coefficient * stretch;
+        spring.pull(law.force(&contact.direction, contact.cos_alpha, push, &velocity), forces);
     }
 }
 
 /// Adds `stiffness_factor` · (∂force/∂position) d + `damping_factor` · (∂force/∂velocity) d to `forces`, for the
-/// displacements d; both Jacobians are negative semi-definite. What an implicit integrator asks once per iteration.
+/// displacements d, without friction; both Jacobians are negative semi-definite. What an implicit integrator asks once per iteration.
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
@@ -113,7 +120,7 @@ pub fn add_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     let factor = T::of(stiffness_factor + damping_factor * law.damping_time());
     for contact in &list.contacts {
         let spring = Spring::new(list, contact, law);
-        spring.pull(factor * spring.coefficient * spring.closing(displacements), forces);
+        spring.pull(contact.direction * (factor * spring.coefficient * spring.closing(displacements)), forces);
     }
 }
 

@@ -11,7 +11,6 @@ pub use batch::*;
 pub use bodies::*;
 pub use floats::*;
 pub use options::*;
-pub(super) use step::apart;
 pub use step::*;
 
 use crate::capi::ffi::{Handle, HandleKind, InPrecision};

@@ -3,12 +3,11 @@ use super::{AnySystem, rayc_contact_system};
 use crate::capi::base::rayc_status;
 use crate::capi::contacts::rayc_contacts;
 use crate::capi::ffi::{
-    Failure, Output, changing, check_length, flag, guard, reading, slice, slice_mut, with_precision,
+    Failure, Output, apart, changing, check_apart, check_length, flag, guard, reading, slice, slice_mut, with_precision,
 };
 use crate::capi::scene::rayc_scene;
 use crate::contact::ContactList;
 use crate::math::Scalar;
-use crate::memory::text;
 use crate::system::{CompressedRows, Surface};
 
 /// Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in
@@ -521,28 +520,4 @@ pub(super) unsafe fn explicit_step<N: Number>(
             Ok(())
         })
     }
-}
-
-/// An array to be read and one to be written, each of so many numbers, which do not overlap.
-///
-/// # Safety
-/// Those of [`slice`] and [`slice_mut`].
-pub(in crate::capi) unsafe fn apart<'a, N>(
-    (read, count, read_name): (*const N, usize, &str),
-    (written, length, written_name): (*mut N, usize, &str),
-) -> Result<(&'a [N], &'a mut [N]), Failure> {
-    check_apart(read, count, written, length)?;
-    // SAFETY: by this function's contract.
-    unsafe { Ok((slice(read, count, read_name)?, slice_mut(written, length, written_name)?)) }
-}
-
-/// Refuses to write to what is read.
-fn check_apart<N>(read: *const N, count: usize, written: *mut N, length: usize) -> Result<(), Failure> {
-    let bytes = |count: usize| count.saturating_mul(size_of::<N>());
-    let (a, b) = (read.addr(), written.addr());
-    if a < b.saturating_add(bytes(length)) && b < a.saturating_add(bytes(count)) {
-        let message = text!("the array to be written overlaps one that is read; give arrays of their own");
-        return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
-    }
-    Ok(())
 }

@@ -1,12 +1,12 @@
 use super::{AnyContacts, rayc_contacts};
 use crate::capi::base::{rayc_status, rayc_vectors, rayc_vectors_mut};
 use crate::capi::ffi::{
-    Arrays, BodyArray, BodyArraysMut, Failure, Options, Output, beyond_range, check_reserved, growing, guard,
-    read_options, reading, unknown_enum, with_precision, write_defaults,
+    Arrays, BodyArray, BodyArraysMut, Failure, Options, Output, apart, beyond_range, check_apart, check_numbers,
+    check_reserved, growing, guard, read_options, reading, slice, unknown_enum, with_precision, write_defaults,
 };
 use crate::contact::{Contact, ContactList};
-use crate::force::{PenaltyLaw, Weighting, add_differential, add_forces, energy};
-use crate::math::Scalar;
+use crate::force::{PenaltyLaw, RigidMotion, Weighting, add_differential, add_forces, add_wrenches, energy};
+use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 
 /// What a contact's stiffness is multiplied with.
@@ -43,15 +43,24 @@ pub struct rayc_response_options {
     pub weighting: u32,
     /// Always 0.
     pub reserved: u32,
+    /// μ ≥ 0 of Coulomb friction that needs no memory, as integrators that choose their own steps want it. A contact that
+    /// pushes by N rubs by μ cos α N v / √(v² + slip_speed²) against its slip v across the ray: regularised by the square
+    /// root (Wriggers 2006, Computational Contact Mechanics, section 5.2). It needs velocities. Default 0.
+    pub friction: f64,
+    /// In m/s; above 0 where there is friction. What friction has to bear by a part p < μ of N creeps at
+    /// slip_speed · p / √(μ² − p²). The smaller it is the stiffer: the damping of a contact at rest is μ cos α N / slip_speed.
+    /// Default 0.
+    pub slip_speed: f64,
 }
 
-growing!(rayc_response_options);
+growing!(rayc_response_options, reserved: u32);
 
 impl Options for rayc_response_options {
     fn defaults() -> Self {
         let weighting = rayc_weighting::RAYC_WEIGHTING_AREA as u32;
         let struct_size = size_of::<Self>();
-        Self { struct_size, stiffness: 1.0, damping_time: 0.0, weighting, reserved: 0 }
+        let [stiffness, damping_time, friction, slip_speed] = [1.0, 0.0, 0.0, 0.0];
+        Self { struct_size, stiffness, damping_time, weighting, reserved: 0, friction, slip_speed }
     }
 }
 
@@ -59,7 +68,8 @@ impl rayc_response_options {
     pub(in crate::capi) fn law(&self) -> Result<PenaltyLaw, Failure> {
         let weighting = rayc_weighting::read(self.weighting)?;
         check_reserved("rayc_response_options", self.reserved)?;
-        Ok(PenaltyLaw::new(self.stiffness, self.damping_time, weighting)?)
+        let law = PenaltyLaw::new(self.stiffness, self.damping_time, weighting)?;
+        Ok(law.with_friction(self.friction, self.slip_speed)?)
     }
 }
 
@@ -78,19 +88,21 @@ pub unsafe extern "C" fn rayc_default_response_options(
 /// Adds the contact forces to `forces`, in N. Each contact gives stiffness · weight · cos α · depth along the ray at
 /// p1 and the opposite at p2, spread by the barycentric weights (Hermann, Faure, Raffin 2008, section 4). A contact under
 /// RAYC_LAW_PRESSURE that stands for many triangles presses on all their vertices, by area, and the opposite lies on
-/// about as much of the other surface around p2. The two loads have no net force and no net torque.
+/// about as much of the other surface around p2. The two loads have no net force and no net torque. Friction acts in the
+/// same way, each end by its own velocity, so it has no net force, but the net torque of the depth times the friction;
+/// rayc_contacts_add_wrenches() has none.
 ///
 /// options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
 /// order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
-/// detection. velocities NULL: no damping; damping_time must then be 0. Contacts stay as they were found: each keeps its two
-/// points of the surfaces and its direction, whatever the positions. Where the points have moved apart, the force pulls,
-/// because an implicit integrator's linear step needs that.
+/// detection. velocities NULL: no damping and no friction; damping_time and friction must then be 0. Contacts stay as they
+/// were found: each keeps its two points of the surfaces and its direction, whatever the positions. Where the points have
+/// moved apart, the force pulls, because an implicit integrator's linear step needs that.
 ///
 /// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
 /// where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
-/// the precision of the contacts, RAYC_STATUS_INVALID_OPTION where damping_time has no velocities, where a sum might go
-/// beyond its largest number, or where `forces` shares memory with what is read. Numbers that no contact needs are not
-/// checked.
+/// the precision of the contacts, RAYC_STATUS_INVALID_OPTION where damping_time or friction has no velocities, where a sum
+/// might go beyond its largest number, or where `forces` shares memory with what is read. Numbers that no contact needs are
+/// not checked.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_add_forces(
     contacts: *const rayc_contacts,
@@ -114,7 +126,7 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
 
 /// Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, in N, for the
 /// displacements d (m, or m/s); both Jacobians are symmetric and negative semi-definite. What an implicit integrator asks once
-/// per iteration.
+/// per iteration. Friction is not in them: as it depends on the push too, its derivative is not symmetric.
 ///
 /// options: NULL for the defaults. displacements, forces: body_count arrays each, as in rayc_contacts_add_forces().
 ///
@@ -147,6 +159,41 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
     })
 }
 
+/// Adds what the contacts of rigid bodies exert to `wrenches`: force in N, then torque in N m, six numbers for each body. The
+/// law is that of rayc_contacts_add_forces() at the positions of detection, but no contact ever pulls, and all of each acts
+/// at its p1: so forces, and torques about one point, add up to zero, with friction too. Damping and friction never add
+/// energy. Wrenches are a function of poses and velocities alone where the scene remembers nothing: call rayc_scene_advance()
+/// with 0 before the first query, and then no more. All in the world's coordinates.
+///
+/// options: NULL for the defaults. points: three numbers for each body, in the order of the bodies' numbers, such as its centre
+/// of mass: the velocity is that of this point, and the torque is about it. velocities: six numbers for each body, linear in
+/// m/s, then angular in rad/s; 0 for a body that stays where it is. What deforms counts as rigid: where one of the bodies
+/// does, use rayc_contacts_add_forces() for all.
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT where a contact's body lies beyond the arrays, RAYC_STATUS_NOT_FINITE where a number of a
+/// body with contacts is NaN or infinite, RAYC_STATUS_INVALID_OPTION where a sum might go beyond the largest double, or where
+/// `wrenches` shares memory with what is read.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contacts_add_wrenches(
+    contacts: *const rayc_contacts,
+    options: *const rayc_response_options,
+    body_count: usize,
+    points: *const f64,
+    velocities: *const f64,
+    wrenches: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let list = &reading(contacts, "contacts")?.list;
+        let law = read_options(options)?.law()?;
+        let [three, six] = [3, 6].map(|numbers| body_count.saturating_mul(numbers));
+        check_apart(points, three, wrenches, six)?;
+        let (velocities, wrenches) = apart((velocities, six, "velocities"), (wrenches, six, "wrenches"))?;
+        let given = [slice(points, three, "points")?, velocities];
+        with_precision!(list, |list| add_all_wrenches(list, &law, given, wrenches))
+    })
+}
+
 /// The energy stored in the contacts, ½ Σ coefficient · depth², in J. positions: as in rayc_contacts_add_forces(). The
 /// elastic force is its negative gradient.
 ///
@@ -176,7 +223,7 @@ pub unsafe extern "C" fn rayc_contacts_energy(
 
 /// Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
 /// in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
-/// coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite.
+/// coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite, before friction.
 ///
 /// options: NULL for the defaults. Errors: RAYC_STATUS_WRONG_COUNT where the range reaches beyond the end,
 /// RAYC_STATUS_INVALID_OPTION where a coefficient is beyond the largest number of the contacts' precision.
@@ -212,9 +259,11 @@ pub(in crate::capi) fn most_force<T: Scalar>(
     law: &PenaltyLaw,
     is_moved: bool,
 ) -> impl Fn(&Contact<T>, [T; 2]) -> T {
-    let damping_time = T::of(law.damping_time());
+    let [damping_time, with_friction] = [law.damping_time(), 1.0 + law.friction()].map(T::of);
     move |contact, [positions, velocities]| {
-        law.coefficient(contact) * (most_depth(list, contact, positions, is_moved) + damping_time * velocities)
+        let push =
+            law.coefficient(contact) * (most_depth(list, contact, positions, is_moved) + damping_time * velocities);
+        push * with_friction
     }
 }
 
@@ -233,13 +282,12 @@ pub(in crate::capi) unsafe fn velocities_for<'a>(
     velocities: *const rayc_vectors,
     body_count: usize,
 ) -> Result<Option<&'a [BodyArray]>, Failure> {
-    let time = law.damping_time();
-    if velocities.is_null() && time > 0.0 && body_count.max(list.len()) > 0 {
+    let needing = [("damping_time", law.damping_time(), "to damp"), ("friction", law.friction(), "to rub against")];
+    let lost = needing.into_iter().find(|&(_, value, _)| value > 0.0);
+    if let Some((name, value, what)) = lost.filter(|_| velocities.is_null() && body_count.max(list.len()) > 0) {
         return Err(Failure::new(
             rayc_status::RAYC_STATUS_INVALID_OPTION,
-            text!(
-                "damping_time is {time}, but there are no velocities to damp; give velocities, or a damping_time of 0"
-            ),
+            text!("{name} is {value}, but there are no velocities {what}; give velocities, or a {name} of 0"),
         ));
     }
     // SAFETY: by this function's contract.
@@ -270,6 +318,45 @@ fn add_all_differentials<T: Scalar>(
     let most = |contact: &Contact<T>, [size]: [T; 1]| factor * law.coefficient(contact) * size;
     Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list, most)?;
     add_differential(list, law, stiffness, damping, displacements, &mut forces);
+    Ok(())
+}
+
+fn add_all_wrenches<T: Scalar>(
+    list: &ContactList<T>,
+    law: &PenaltyLaw,
+    [points, velocities]: [&[f64]; 2],
+    wrenches: &mut [f64],
+) -> Result<(), Failure> {
+    let motion = |body: u32| {
+        let vector = |from: &[f64], place: usize| Vector3::from_column_slice(&from[3 * place..3 * place + 3]);
+        let body = body as usize;
+        let velocity = [2 * body, 2 * body + 1].map(|place| vector(velocities, place));
+        RigidMotion { point: vector(points, body), velocity }
+    };
+    for &Contact { colliding, collided, .. } in &list.contacts {
+        for body in [colliding, collided] {
+            let count = wrenches.len() / 6;
+            if body as usize >= count {
+                let message = text!("a contact needs body {body}, but there are {count}; give numbers for each body");
+                return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
+            }
+            let RigidMotion { point, velocity: [linear, angular] } = motion(body);
+            for (numbers, name) in [(point, "points"), (linear, "velocities"), (angular, "velocities")] {
+                check_numbers::<f64>(numbers.as_slice(), format_args!("{name}: body {body}"))?;
+            }
+        }
+    }
+    let mut sizes = 0.0;
+    add_wrenches(list, law, motion, |_, wrench| {
+        sizes += wrench.iter().flatten().map(|number| number.abs()).sum::<f64>()
+    });
+    if let Some(contact) = list.contacts.first().filter(|_| !sizes.is_finite()) {
+        return Err(beyond_range(contact));
+    }
+    add_wrenches(list, law, motion, |body, wrench| {
+        let own = &mut wrenches[6 * body as usize..][..6];
+        own.iter_mut().zip(wrench.iter().flatten()).for_each(|(sum, number)| *sum += number);
+    });
     Ok(())
 }
 

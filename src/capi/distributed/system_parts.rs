@@ -1,7 +1,7 @@
 use super::numbers_of;
 use crate::capi::base::rayc_status;
-use crate::capi::contact_system::{apart, rayc_contact_system};
-use crate::capi::ffi::{Output, changing, guard, with_precision};
+use crate::capi::contact_system::rayc_contact_system;
+use crate::capi::ffi::{Output, apart, changing, guard, with_precision};
 use crate::distributed::Part;
 
 /// One pair's rows as they act on one of its bodies: which of the blocks of rayc_contact_system_copy_parts() are

@@ -21,7 +21,7 @@ pub(super) use float_mode::Mode;
 pub(super) use guard::{guard, guard_each, guard_end, guard_value, last_error_message};
 pub(super) use handles::{Handle, HandleKind, changing, give, glancing, reading, take_back};
 pub(super) use host_positions::set_positions;
-pub(super) use pointers::{Output, check_length, range_of, reference, slice, slice_mut};
+pub(super) use pointers::{Output, apart, check_apart, check_length, range_of, reference, slice, slice_mut};
 pub(super) use precision::{InPrecision, precision_mismatch, with_all, with_precision};
 pub(super) use sized_structs::{
     Growing, Known, Options, check_size, growing, read_options, write_defaults, write_known, write_options,

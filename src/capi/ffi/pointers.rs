@@ -40,6 +40,35 @@ pub(in crate::capi) unsafe fn slice_mut<'a, V>(
     }
 }
 
+/// An array to be read and one to be written, each of so many numbers, which do not overlap.
+///
+/// # Safety
+/// Those of [`slice`] and [`slice_mut`].
+pub(in crate::capi) unsafe fn apart<'a, N>(
+    (read, count, read_name): (*const N, usize, &str),
+    (written, length, written_name): (*mut N, usize, &str),
+) -> Result<(&'a [N], &'a mut [N]), Failure> {
+    check_apart(read, count, written, length)?;
+    // SAFETY: by this function's contract.
+    unsafe { Ok((slice(read, count, read_name)?, slice_mut(written, length, written_name)?)) }
+}
+
+/// Refuses to write to what is read.
+pub(in crate::capi) fn check_apart<N>(
+    read: *const N,
+    count: usize,
+    written: *mut N,
+    length: usize,
+) -> Result<(), Failure> {
+    let bytes = |count: usize| count.saturating_mul(size_of::<N>());
+    let (a, b) = (read.addr(), written.addr());
+    if a < b.saturating_add(bytes(length)) && b < a.saturating_add(bytes(count)) {
+        let message = text!("the array to be written overlaps one that is read; give arrays of their own");
+        return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
+    }
+    Ok(())
+}
+
 /// Refuses an array that has not the length of what is to be written to it.
 pub(in crate::capi) fn check_length(name: &str, given: usize, needed: usize) -> Result<(), Failure> {
     if given == needed {

@@ -1,4 +1,5 @@
 //! Forces, derivative and energy.
 
+mod friction;
 mod laws;
 mod spread;
