@@ -249,15 +249,15 @@ enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_r
  *
  * options: NULL for the defaults. positions, velocities, forces: body_count arrays each, one for each body, in the
  * order of the bodies' numbers; a body without contacts may have an array of count 0. positions NULL: the positions at
- * detection. velocities NULL: no damping and no friction; damping_time and friction must then be 0. Contacts stay as they were found: each keeps its two
- * points of the surfaces and its direction, whatever the positions. Where the points have moved apart, the force pulls,
- * because an implicit integrator's linear step needs that.
+ * detection. velocities NULL: no damping and no friction; damping_time and friction must then be 0. Contacts stay as they
+ * were found: each keeps its two points of the surfaces and its direction, whatever the positions. Where the points have
+ * moved apart, the force pulls, because an implicit integrator's linear step needs that.
  *
  * Errors: RAYC_STATUS_WRONG_COUNT where a contact's body or vertex lies beyond the arrays, RAYC_STATUS_NOT_FINITE
  * where a number that a contact needs is NaN or infinite, RAYC_STATUS_MESH_BEYOND_RANGE where it is infinite only in
- * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where damping_time or friction has no velocities, where a sum might go
- * beyond its largest number, or where `forces` shares memory with what is read. Numbers that no contact needs are not
- * checked.
+ * the precision of the contacts, RAYC_STATUS_INVALID_OPTION where damping_time or friction has no velocities, where a sum
+ * might go beyond its largest number, or where `forces` shares memory with what is read. Numbers that no contact needs are
+ * not checked.
  */
 enum rayc_status rayc_contacts_add_forces(const struct rayc_contacts *contacts,
                                           const struct rayc_response_options *options,
@@ -286,8 +286,9 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
 /**
  * Adds what the contacts of rigid bodies exert to `wrenches`: force in N, then torque in N m, six numbers for each body. The
  * law is that of rayc_contacts_add_forces() at the positions of detection, but no contact ever pulls, and all of each acts
- * at its p1: so forces, and torques about one point, add up to zero, with friction too. Each contact is a function of the
- * bodies' poses and velocities alone, and friction and damping never add energy. All in the world's coordinates.
+ * at its p1: so forces, and torques about one point, add up to zero, with friction too. Damping and friction never add
+ * energy. Wrenches are a function of poses and velocities alone where the scene remembers nothing: call rayc_scene_advance()
+ * with 0 before the first query, and then no more. All in the world's coordinates.
  *
  * options: NULL for the defaults. points: three numbers for each body, in the order of the bodies' numbers, such as its centre
  * of mass: the velocity is that of this point, and the torque is about it. velocities: six numbers for each body, linear in
