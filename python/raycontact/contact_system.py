@@ -111,8 +111,7 @@ class ContactSystem:
         return ask(call_for(name, v), self._handle, *given, v.size, v)
 
     def begin(self, scene: Scene, dt: float, positions: Array, velocities: Array, free_velocities: Array) -> None:
-        """Begins a step of dt seconds: the nodes' positions and velocities at its start, and their velocities at its
-        end without contact. Detects where bodies would then be."""
+        """Begins a step of dt seconds: positions and velocities at its start, and velocities at its end without contact."""
         x, v, free = alike("positions velocities free_velocities", positions, velocities, free_velocities)
         call(call_for("begin", x), self._handle, scene._handle, dt, x.size, x, v, free)
 

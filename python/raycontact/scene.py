@@ -172,8 +172,7 @@ class Scene:
         return bool(answer(library.rayc_scene_may_escape, self._handle, a, b))
 
     def query(self, contacts: Contacts | None = None) -> Contacts:
-        """Finds all contacts at the present positions, into `contacts` or new ones, and returns them. Pairs that contacts
-        cannot part escape; set_detection_options(escape=False) stops it."""
+        """Finds all contacts into `contacts`, or new ones, and returns them. Pairs may escape unless the options say no."""
         return filled(contacts, library.rayc_scene_query, self._handle)
 
     def advance(self, seconds: float) -> None:
