@@ -10,7 +10,7 @@
 
 static const double no_shift[3] = {0, 0, 0};
 static const double inertia[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-static const rayc_material fine = {sizeof fine, 1e4, 0.01, 0.3, 0.05};
+static const rayc_material fine = {sizeof fine, 1e4, 0.01, 0.3, 0.05, 0};
 
 static rayc_scene* scene = NULL;
 static rayc_contact_system* contacts = NULL;
@@ -55,13 +55,13 @@ static void options_are_refused(void) {
   CHECK(other == NULL);
   CHECK_OK(rayc_contact_system_destroy(NULL));
 
-  rayc_material material = {42, 42, 42, 42, 42};
+  rayc_material material = {42, 42, 42, 42, 42, 42};
   CHECK_STATUS(rayc_bearing_material(0, 1, sizeof material, &material), RAYC_STATUS_INVALID_MATERIAL, "pressure is 0");
   CHECK_STATUS(rayc_bearing_material(1, -1, sizeof material, &material), RAYC_STATUS_INVALID_MATERIAL, "depth is -1");
   CHECK_STATUS(rayc_bearing_material(1, 1, 8, &material), RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_material");
-  CHECK(material.stiffness == 42 && material.depth_cap == 42);
+  CHECK(material.stiffness == 42 && material.depth_cap == 42 && material.restitution == 42);
   CHECK_OK(rayc_bearing_material(500, 0.25, sizeof material, &material));
-  CHECK(material.stiffness == 2000 && material.depth_cap == 0.25);
+  CHECK(material.stiffness == 2000 && material.depth_cap == 0.25 && material.restitution == 0);
 }
 
 static void bodies_are_refused(void) {
@@ -82,6 +82,11 @@ static void bodies_are_refused(void) {
   wrong = fine;
   wrong.friction = NAN;
   CHECK_STATUS(add(0, &wrong), RAYC_STATUS_INVALID_MATERIAL, "friction is NaN");
+  wrong = fine;
+  wrong.restitution = 1.5;
+  CHECK_STATUS(add(0, &wrong), RAYC_STATUS_INVALID_MATERIAL, "restitution is 1.5; it must be from 0 to 1");
+  wrong = fine;
+  wrong.friction = NAN;
 
   uint32_t offsets[NODES + 1], nodes[NODES];
   double weights[NODES];

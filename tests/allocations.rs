@@ -258,7 +258,7 @@ fn a_steady_step_of_a_contact_system_allocates_nothing() {
 fn check_steady_steps_of_a_system(rigid_unknowns: RigidUnknowns) {
     let (torus, mut scene) = (shapes::torus(16, 8, 0.4), Scene::<f64>::new(1).expect("no thread is started"));
     let mut system = ContactSystem::new(rigid_unknowns);
-    let material = Material { stiffness: 1e3, damping_time: 0.01, friction: 0.5, depth_cap: 0.01 };
+    let material = Material { stiffness: 1e3, damping_time: 0.01, friction: 0.5, depth_cap: 0.01, restitution: 0.0 };
     let count = torus.positions.len() as u32;
     system.set_node_masses(&vec![0.1; 2 * count as usize]).expect("masses");
     for body in 0..2 {

@@ -124,7 +124,7 @@ static void structs_have_no_padding_at_the_end(void) {
   CHECK(END_OF(rayc_response_options, slip_speed) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
   CHECK(END_OF(rayc_contact_system_options, weighting) == sizeof(rayc_contact_system_options));
-  CHECK(END_OF(rayc_material, depth_cap) == sizeof(rayc_material));
+  CHECK(END_OF(rayc_material, restitution) == sizeof(rayc_material));
   CHECK(END_OF(rayc_statistics, error_estimated) == sizeof(rayc_statistics));
   CHECK(END_OF(rayc_pair_memory, state) == sizeof(rayc_pair_memory));
   CHECK(END_OF(rayc_escape_push, area) == sizeof(rayc_escape_push));

@@ -125,19 +125,27 @@ typedef struct rayc_material {
    * no cap. By as much as bodies come nearer within the step they are pushed back in full.
    */
   double depth_cap;
+  /**
+   * How fast two bodies that meet part again, over the speed with which they met; from 0 to 1. Above 0, an impact of
+   * bodies that are not deformable is over in one step of implicit Euler, however soft and damped their surfaces are;
+   * what closes faster than by what free motion adds in two steps is an impact. At 0 the surfaces stop what meets, and
+   * give back what damping and the length of the steps leave. A deformable body bounces by its own elasticity and takes
+   * no restitution, and neither does an explicit step; the midpoint rule wants 0.
+   */
+  double restitution;
 } rayc_material;
 
 /**
  * Fills `material` with one that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: the stiffness is
- * pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5. struct_size: sizeof(rayc_material).
+ * pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5, restitution 0. struct_size: sizeof(rayc_material).
  *
  * For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
  * elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
  * carries it), and ten times the depth to which bodies may sink in.
  *
  * Two bodies' materials combine so: the surfaces are springs in series, so the softer decides; damping times are weighted
- * by how much of the depth each surface takes; friction is the geometric mean; the smaller cap holds.
- * rayc_contact_system_set_pair_material() overrides it.
+ * by how much of the depth each surface takes; friction is the geometric mean; the smaller cap and the larger restitution
+ * hold. rayc_contact_system_set_pair_material() overrides it.
  *
  * Errors: RAYC_STATUS_INVALID_MATERIAL where a number is not finite and > 0, RAYC_STATUS_INVALID_STRUCT_SIZE.
  */

@@ -19,13 +19,13 @@ Weights = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class Material:
-    """How a surface bears load, damps and rubs: N/m³, s, Coulomb's coefficient, and the depth in m beyond which one
-    step asks for no more force than there. Material.bearing() suggests values."""
+    """A surface: N/m³, s, Coulomb's coefficient, the depth in m of the most force of a step, restitution from 0 to 1."""
 
     stiffness: float
     damping_time: float = 0.05
     friction: float = 0.5
     depth_cap: float = float("inf")
+    restitution: float = 0.0
 
     @classmethod
     def bearing(cls, pressure: float, depth: float) -> Material:

@@ -105,7 +105,9 @@ impl<T: Scalar> ContactSystem<T> {
                 row.anchor = None;
             }
         }
+        let first = self.rows.rows.len();
         self.add_rows(step.dt, is_news, None);
+        self.add_impacts(first, step.dt);
         let has_news = !pairs.is_empty();
         self.buffers.pairs = pairs;
         has_news

@@ -101,7 +101,8 @@ impl PairLoads {
         let (key, turned) = in_order(key);
         let pull = V3::new(x, y, z) * if turned { -1.0 } else { 1.0 };
         let springs = Springs { coefficient, pull };
-        let material = Material { stiffness: 0.0, damping_time: 0.0, friction: 0.0, depth_cap: f64::INFINITY };
+        let material =
+            Material { stiffness: 0.0, damping_time: 0.0, friction: 0.0, depth_cap: f64::INFINITY, restitution: 0.0 };
         let pair = Pair { predicted, solved, springs, ..Pair::new(key, material, 0.0, None) };
         match self.before.binary_search_by_key(&key, |pair| pair.key) {
             Ok(place) => self.before[place] = pair,

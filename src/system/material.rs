@@ -13,11 +13,18 @@ pub struct Material {
     /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
     /// bodies close within the step is met in full.
     pub depth_cap: f64,
+    /// How fast two bodies that meet part again, over the speed with which they met; from 0 to 1. Above 0, an impact of
+    /// bodies that are not deformable is over in one step of implicit Euler, however soft and damped their surfaces are, and
+    /// these bear bodies at rest alone: what closes faster than by what free motion adds in two steps is an impact. At 0 it
+    /// is the surfaces that stop what meets, and give back what damping and the length of the steps leave. A deformable
+    /// body bounces by its own elasticity and takes no restitution, and neither does an explicit step; the midpoint rule
+    /// wants 0.
+    pub restitution: f64,
 }
 
 impl Material {
     /// A material that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: stiffness is `pressure` /
-    /// `depth`, and the cap is `depth`. Damping time 0.05 s, friction 0.5.
+    /// `depth`, and the cap is `depth`. Damping time 0.05 s, friction 0.5, restitution 0.
     ///
     /// For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
     /// elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
@@ -31,14 +38,16 @@ impl Material {
                 return Err(SystemError::Material { what, value, range: "finite and above 0" });
             }
         }
-        let material = Self { stiffness: pressure / depth, damping_time: 0.05, friction: 0.5, depth_cap: depth };
+        let stiffness = pressure / depth;
+        let material = Self { stiffness, damping_time: 0.05, friction: 0.5, depth_cap: depth, restitution: 0.0 };
         material.check()?;
         Ok(material)
     }
 
     /// The material of a contact between two bodies, unless the pair has one of its own. The two surfaces are springs in
     /// series, so the softer decides; damping times are weighted by how much of the depth each surface takes (as in Drake's
-    /// compliant contact); friction is the geometric mean, so a frictionless body slides on everything; the smaller cap holds.
+    /// compliant contact); friction is the geometric mean, so a frictionless body slides on everything; the smaller cap holds, and the larger
+    /// restitution, so a bouncing ball bounces on everything.
     pub fn combined(&self, other: &Self) -> Self {
         let sum = self.stiffness + other.stiffness;
         // Of the depth, the first gives way by the second's part of the stiffness.
@@ -48,15 +57,19 @@ impl Material {
             damping_time: part * self.damping_time + (1.0 - part) * other.damping_time,
             friction: (self.friction * other.friction).sqrt(),
             depth_cap: self.depth_cap.min(other.depth_cap),
+            restitution: self.restitution.max(other.restitution),
         }
     }
 
     pub(super) fn check(&self) -> Result<(), SystemError> {
-        let Self { stiffness, damping_time, friction, depth_cap } = *self;
+        let Self { stiffness, damping_time, friction, depth_cap, restitution } = *self;
         for (what, value) in [("stiffness", stiffness), ("damping_time", damping_time), ("friction", friction)] {
             if !(0.0..=margins::LARGEST_GIVEN).contains(&value) {
                 return Err(SystemError::Material { what, value, range: "finite and at least 0" });
             }
+        }
+        if !(0.0..=1.0).contains(&restitution) {
+            return Err(SystemError::Material { what: "restitution", value: restitution, range: "from 0 to 1" });
         }
         if depth_cap > 0.0 {
             Ok(())

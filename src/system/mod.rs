@@ -25,6 +25,7 @@ mod error;
 mod explicit;
 mod half_spaces;
 pub(crate) mod hooks;
+mod impacts;
 mod lines;
 mod loads;
 mod material;

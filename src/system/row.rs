@@ -80,6 +80,7 @@ pub(crate) struct Row {
     pub(super) coefficient: f64,
     /// What is asked of the step, in m, where detection had the bodies.
     pub(super) asked: f64,
+    /// Longer in an impact.
     pub(super) damping_time: f64,
     pub(super) friction: f64,
     /// The place of its pair among the pairs of this step.

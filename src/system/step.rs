@@ -92,6 +92,9 @@ impl<T: Scalar> ContactSystem<T> {
         self.anchors.start_step();
         self.loads.start_step();
         self.add_rows(ahead, |_, _| true, Some(scene));
+        if rows > 0.0 {
+            self.add_impacts(0, rows);
+        }
         self.hand_over();
         self.step = Some(Step { dt: rows, unknowns: self.unknown_count() });
         Ok(())

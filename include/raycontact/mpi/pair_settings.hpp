@@ -64,6 +64,9 @@ inline bool is_material(const rayc_material& material, Fault& noted) {
     if (!(std::isfinite(number) && number >= 0))
       fault.note(RAYC_STATUS_INVALID_MATERIAL,
                  std::string(name) + " is " + std::to_string(number) + "; give a number that is finite and at least 0");
+  if (!(material.restitution >= 0 && material.restitution <= 1))
+    fault.note(RAYC_STATUS_INVALID_MATERIAL,
+               "restitution is " + std::to_string(material.restitution) + "; give a number from 0 to 1");
   if (!(material.depth_cap > 0))
     fault.note(RAYC_STATUS_INVALID_MATERIAL,
                "depth_cap is " + std::to_string(material.depth_cap) + "; give a number above 0");

@@ -45,15 +45,21 @@ pub struct rayc_material {
     /// At more than this depth, in m, a contact pushes no harder in one step than at this depth; > 0, and infinity for
     /// no cap. By as much as bodies come nearer within the step they are pushed back in full.
     pub depth_cap: f64,
+    /// How fast two bodies that meet part again, over the speed with which they met; from 0 to 1. Above 0, an impact of
+    /// bodies that are not deformable is over in one step of implicit Euler, however soft and damped their surfaces are;
+    /// what closes faster than by what free motion adds in two steps is an impact. At 0 the surfaces stop what meets, and
+    /// give back what damping and the length of the steps leave. A deformable body bounces by its own elasticity and takes
+    /// no restitution, and neither does an explicit step; the midpoint rule wants 0.
+    pub restitution: f64,
 }
 
 growing!(rayc_material, depth_cap: f64);
 
 impl Options for rayc_material {
-    /// Of what a caller's header does not have yet; all that there is now is in the first.
+    /// Of what a caller's header does not have yet: the restitution alone.
     fn defaults() -> Self {
         let (damping_time, friction, depth_cap) = (0.05, 0.5, f64::INFINITY);
-        Self { struct_size: size_of::<Self>(), stiffness: 0.0, damping_time, friction, depth_cap }
+        Self { struct_size: size_of::<Self>(), stiffness: 0.0, damping_time, friction, depth_cap, restitution: 0.0 }
     }
 }
 
@@ -62,24 +68,24 @@ impl rayc_material {
     /// `material` is NULL or points to as many readable bytes as it says.
     pub(super) unsafe fn read(material: *const Self) -> Result<Material, Failure> {
         // SAFETY: the first field is the size; the rest by this function's contract.
-        let Self { stiffness, damping_time, friction, depth_cap, .. } = unsafe {
+        let Self { stiffness, damping_time, friction, depth_cap, restitution, .. } = unsafe {
             reference(material.cast::<usize>(), "material")?;
             read_options(material)?
         };
-        Ok(Material { stiffness, damping_time, friction, depth_cap })
+        Ok(Material { stiffness, damping_time, friction, depth_cap, restitution })
     }
 }
 
 /// Fills `material` with one that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: the stiffness is
-/// pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5. struct_size: sizeof(rayc_material).
+/// pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5, restitution 0. struct_size: sizeof(rayc_material).
 ///
 /// For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
 /// elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
 /// carries it), and ten times the depth to which bodies may sink in.
 ///
 /// Two bodies' materials combine so: the surfaces are springs in series, so the softer decides; damping times are weighted
-/// by how much of the depth each surface takes; friction is the geometric mean; the smaller cap holds.
-/// rayc_contact_system_set_pair_material() overrides it.
+/// by how much of the depth each surface takes; friction is the geometric mean; the smaller cap and the larger restitution
+/// hold. rayc_contact_system_set_pair_material() overrides it.
 ///
 /// Errors: RAYC_STATUS_INVALID_MATERIAL where a number is not finite and > 0, RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
@@ -91,8 +97,9 @@ pub unsafe extern "C" fn rayc_bearing_material(
 ) -> rayc_status {
     // SAFETY: the caller's struct has the size it says.
     guard(|| unsafe {
-        let Material { stiffness, damping_time, friction, depth_cap } = Material::bearing(pressure, depth)?;
-        let bearing = rayc_material { struct_size, stiffness, damping_time, friction, depth_cap };
+        let Material { stiffness, damping_time, friction, depth_cap, restitution } =
+            Material::bearing(pressure, depth)?;
+        let bearing = rayc_material { struct_size, stiffness, damping_time, friction, depth_cap, restitution };
         write_options(struct_size, material, "material", bearing)
     })
 }

@@ -62,6 +62,7 @@ impl Closed {
             damping_time,
             friction: if rubs { 0.4 + 0.3 * random.signed() } else { 0.0 },
             depth_cap,
+            restitution: 0.0,
         };
         let mut materials = Vec::new();
         for (k, kind) in kinds.iter().enumerate() {

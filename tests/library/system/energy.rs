@@ -20,7 +20,7 @@ const STARTS: u64 = 40;
 fn material(seed: u64) -> Material {
     // Every second start is frictionless.
     let friction = if seed.is_multiple_of(2) { 0.0 } else { 0.4 };
-    Material { stiffness: 2e4, damping_time: 0.0, friction, depth_cap: f64::INFINITY }
+    Material { stiffness: 2e4, damping_time: 0.0, friction, depth_cap: f64::INFINITY, restitution: 0.0 }
 }
 
 /// Two or three bodies of any kind, in any pose, about `reach` from the origin.

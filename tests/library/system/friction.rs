@@ -27,7 +27,7 @@ enum Kind {
 
 /// Stiff enough that bodies sink in by less than a millimetre: deeper, a box's front edge digs into a slab.
 fn material(friction: f64) -> Material {
-    Material { stiffness: 4e6, damping_time: 0.02, friction, depth_cap: 0.05 }
+    Material { stiffness: 4e6, damping_time: 0.02, friction, depth_cap: 0.05, restitution: 0.0 }
 }
 
 /// A body of 10 kg and about 0.4 m on a plane through the origin that is tilted about the axis y, so that it slides

@@ -13,7 +13,7 @@ type V3 = Vector3<f64>;
 pub const DT: f64 = 0.01;
 
 pub fn material(friction: f64, damping_time: f64) -> Material {
-    Material { stiffness: 2e4, damping_time, friction, depth_cap: 0.03 }
+    Material { stiffness: 2e4, damping_time, friction, depth_cap: 0.03, restitution: 0.0 }
 }
 
 /// Two overlapping bodies of the kinds named, deep enough for all that rows know: the cap, friction, the far corner.

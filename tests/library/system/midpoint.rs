@@ -18,7 +18,7 @@ fn host() -> Host {
 }
 
 fn undamped(stiffness: f64) -> Material {
-    Material { stiffness, damping_time: 0.0, friction: 0.0, depth_cap: f64::INFINITY }
+    Material { stiffness, damping_time: 0.0, friction: 0.0, depth_cap: f64::INFINITY, restitution: 0.0 }
 }
 
 /// Rigid balls of 10 kg and 0.4 m in a row, a little apart, the first with 1 m/s towards the others.

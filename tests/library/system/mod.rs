@@ -11,4 +11,5 @@ mod midpoint;
 mod pairs;
 mod range;
 mod refusals;
+mod restitution;
 mod steps;

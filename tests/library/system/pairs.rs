@@ -11,7 +11,7 @@ use raycontact::system::{ContactSystem, Material, RigidUnknowns, Surface};
 type V3 = Vector3<f64>;
 
 fn material(stiffness: f64) -> Material {
-    Material { stiffness, damping_time: 0.02, friction: 0.0, depth_cap: f64::INFINITY }
+    Material { stiffness, damping_time: 0.02, friction: 0.0, depth_cap: f64::INFINITY, restitution: 0.0 }
 }
 
 fn net(forces: &[f64]) -> V3 {

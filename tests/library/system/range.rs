@@ -10,7 +10,8 @@ use raycontact::system::{Material, RigidUnknowns, Surface, SystemError};
 type V3 = Vector3<f64>;
 
 const DT: f64 = 0.01;
-const MATERIAL: Material = Material { stiffness: 1e6, damping_time: 0.05, friction: 0.5, depth_cap: 0.01 };
+const MATERIAL: Material =
+    Material { stiffness: 1e6, damping_time: 0.05, friction: 0.5, depth_cap: 0.01, restitution: 0.0 };
 /// Body 2 falls on bodies 0 and 1, which lie side by side and overlap a little.
 const PLACES: [[f64; 3]; 3] = [[0.0; 3], [1.98, 0.1, 0.2], [0.9, 0.3, 1.97]];
 

@@ -8,7 +8,8 @@ use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 use raycontact::system::{Carriers, ContactSystem, Material, Motion, RigidUnknowns, SystemError};
 
-const FINE: Material = Material { stiffness: 1e4, damping_time: 0.01, friction: 0.3, depth_cap: 0.05 };
+const FINE: Material =
+    Material { stiffness: 1e4, damping_time: 0.01, friction: 0.3, depth_cap: 0.05, restitution: 0.0 };
 const UNTURNED: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn still() -> Motion {
@@ -44,6 +45,9 @@ fn materials_out_of_range_are_refused_by_name() {
         (Material { friction: -0.1, ..FINE }, "friction is -0.1"),
         (Material { depth_cap: 0.0, ..FINE }, "depth_cap is 0"),
         (Material { depth_cap: f64::NAN, ..FINE }, "depth_cap is NaN"),
+        (Material { restitution: -0.1, ..FINE }, "restitution is -0.1; it must be from 0 to 1"),
+        (Material { restitution: 1.1, ..FINE }, "restitution is 1.1"),
+        (Material { restitution: f64::NAN, ..FINE }, "restitution is NaN"),
     ];
     for (material, words) in wrong {
         refuses!(host.system.add_moved(&host.scene, body, material), SystemError::Material { .. }, words);

@@ -9,7 +9,7 @@ use raycontact::system::{Carriers, Material, RigidUnknowns};
 type V3 = Vector3<f64>;
 
 fn material(stiffness: f64) -> Material {
-    Material { stiffness, damping_time: 0.0, friction: 0.0, depth_cap: f64::INFINITY }
+    Material { stiffness, damping_time: 0.0, friction: 0.0, depth_cap: f64::INFINITY, restitution: 0.0 }
 }
 
 /// Displaced volume times stiffness, as for a body in water: a half-space, in any pose.
