@@ -19,7 +19,7 @@ Weights = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class Material:
-    """A surface: N/m³, s, Coulomb's coefficient, the depth in m of the most force of a step, restitution from 0 to 1."""
+    """A surface: N/m³, s, Coulomb's coefficient, the depth in m of the most force in a step, restitution, 0 to 1."""
 
     stiffness: float
     damping_time: float = 0.05

@@ -139,7 +139,10 @@ def test_refusals():
     with pytest.raises(ValueError, match="forces cannot be added to"):
         system.add_forces(v, np.zeros(x.shape, np.float16))
     suggested = Material.bearing(1000.0, 0.01)
-    assert suggested.stiffness == pytest.approx(1e5) and suggested.depth_cap == 0.01
+    assert suggested.stiffness == pytest.approx(1e5) and suggested.depth_cap == 0.01 and suggested.restitution == 0
+    with pytest.raises(raycontact.Error, match="restitution is 1.5; it must be from 0 to 1") as refused:
+        system.add_half_space([0, 0, 1], 0.0, Material(1e5, restitution=1.5))
+    assert refused.value.status == Status.INVALID_MATERIAL
 
 
 @pytest.mark.parametrize("precision", ["f32", "f64"])

@@ -24,7 +24,7 @@ impl<T: Scalar> ContactSystem<T> {
             if restitution == 0.0 || has_nodes {
                 continue;
             }
-            let push = |row: &Row| row.direction * (row.order * row.coefficient * row.asked.max(0.0));
+            let push = |row: &Row| row.direction * (row.order * row.coefficient);
             let Some(net) = direction(&rows.iter().map(push).sum()) else { continue };
             // How fast a row is to part.
             let parting = |row: &Row| {
