@@ -145,9 +145,9 @@ fn a_box_at_rest_stays_at_rest() {
     }
 }
 
-/// Tilted boxes, and a pile of boxes and balls.
+/// Tilted boxes and balls that fall on one another.
 #[test]
-fn bouncing_bodies_gain_no_energy_and_come_to_rest() {
+fn bouncing_bodies_gain_no_energy() {
     for (is_mesh, dt) in [false, true].into_iter().flat_map(|is_mesh| STEPS.map(|dt| (is_mesh, dt))) {
         let mut host = host(G);
         let own = material(0.9, 0.05);
