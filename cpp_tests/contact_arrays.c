@@ -9,7 +9,7 @@
 
 static const double origin[3] = {0, 0, 0};
 static const double inertia[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-static const rayc_material material = {sizeof material, 1e4, 0.01, 0.3, 0.05};
+static const rayc_material material = {sizeof material, 1e4, 0.01, 0.3, 0.05, 0};
 static double x[3 * NODES], v[UNKNOWNS], change[UNKNOWNS], product[UNKNOWNS], forces[UNKNOWNS];
 static float float_x[3 * NODES], float_v[UNKNOWNS], float_change[UNKNOWNS], float_sums[UNKNOWNS];
 

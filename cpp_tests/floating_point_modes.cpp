@@ -210,7 +210,7 @@ Bytes of_a_contact_system(const Mode& mode) {
   in_mode(mode, RAYC_STATUS_OK,
           [&] { return rayc_contact_system_set_node_masses(system, masses.size(), masses.data()); });
   std::vector<double> x, v(unknowns), forces(unknowns), products(unknowns), numbers(2);
-  rayc_material material{sizeof material, 1e4, 0.01, 0.3, 0.05};
+  rayc_material material{sizeof material, 1e4, 0.01, 0.3, 0.05, 0};
   for (uint32_t k = 0; k < bodies; ++k) {
     const Torus shape = in_row(torus(80, 40), k);
     x.insert(x.end(), shape.positions.begin(), shape.positions.end());

@@ -8,7 +8,7 @@
 #define EACH (3 * 2 * NODES)
 #define STEPS 3
 
-static const rayc_material material = {sizeof material, 1e4, 0.01, 0.3, 1e-5};
+static const rayc_material material = {sizeof material, 1e4, 0.01, 0.3, 1e-5, 0};
 static double x[SCENES][EACH], v[SCENES][EACH], stopped[SCENES][EACH];
 static size_t host_calls = 0, host_tasks = 0;
 

@@ -46,8 +46,8 @@ impl Material {
 
     /// The material of a contact between two bodies, unless the pair has one of its own. The two surfaces are springs in
     /// series, so the softer decides; damping times are weighted by how much of the depth each surface takes (as in Drake's
-    /// compliant contact); friction is the geometric mean, so a frictionless body slides on everything; the smaller cap holds, and the larger
-    /// restitution, so a bouncing ball bounces on everything.
+    /// compliant contact); friction is the geometric mean, so a frictionless body slides on everything; the smaller cap
+    /// holds, and the larger restitution, so a bouncing ball bounces on everything (as in Box2D).
     pub fn combined(&self, other: &Self) -> Self {
         let sum = self.stiffness + other.stiffness;
         // Of the depth, the first gives way by the second's part of the stiffness.
