@@ -32,7 +32,7 @@ pub(crate) use pair::{Pair, overlap_region, reach_region};
 pub use point_pair::{Contact, ContactKind, SpreadPlace, SurfacePoint};
 pub use quadrature::Sampling;
 pub(crate) use quadrature::edges::for_each_inside_stretch;
-pub(crate) use quadrature::refinement::{FEWEST_FOR_CARRIERS, part_of_samples};
+pub(crate) use quadrature::refinement::part_of_samples;
 pub(crate) use quadrature::{Purpose, Sample};
 pub(crate) use spread::Bearings;
 pub use statistics::Statistics;

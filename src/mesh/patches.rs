@@ -127,6 +127,12 @@ impl<T: Scalar> Patches<T> {
         }
     }
 
+    /// The largest patch around a triangle of at most this area, and of at most such a part of the largest of all around it.
+    pub(crate) fn part_around(&self, triangle: u32, area: T, part: T) -> u32 {
+        let whole = self.around(triangle, T::INFINITY);
+        self.around(triangle, area.min(self.patches[whole as usize].area * part))
+    }
+
     /// The two that a patch was merged from; `None` for a triangle.
     pub(crate) fn parts(&self, patch: u32) -> Option<[u32; 2]> {
         let parts = self.patches[patch as usize].parts;

@@ -6,11 +6,13 @@ use super::body::Body;
 use super::loads::Surface;
 use super::row_builder::{End, Ends, RowBuilder, Spring};
 use super::twist::V3;
-use crate::contact::FEWEST_FOR_CARRIERS;
 use crate::math::{Aabb, Scalar};
 use crate::memory;
 use crate::memory::Room;
 use crate::mesh::Mesh;
+
+/// A patch is at most this part of the flat piece of surface around it, which may be all that a body stands on.
+const PART: f64 = 0.25;
 
 /// A floor or wall: solid where normal · x < offset.
 #[derive(Clone, Copy, Debug)]
@@ -85,23 +87,22 @@ impl<T: Scalar> RowBuilder<'_, T> {
         }
         below.find(half_space, body, mesh);
         let all = mesh.topology().triangles();
-        for place in 0..below.triangles.len() {
-            below.add_area(half_space, body, all[below.triangles[place].1 as usize]);
-        }
-        let vertices = mesh.topology().surface_vertices();
         let spacing = mesh.carrier_spacing().to_f64();
         if spacing == 0.0 {
-            for &vertex in vertices {
+            for place in 0..below.triangles.len() {
+                below.add_area(half_space, body, all[below.triangles[place].1 as usize]);
+            }
+            for &vertex in mesh.topology().surface_vertices() {
                 if let Some(pressed) = below.pressed(vertex) {
                     self.add_half_space_row((number, half_space), body, [vertex; 2], None, pressed);
                 }
             }
             return;
         }
-        let whole: f64 = vertices.iter().filter_map(|&vertex| below.pressed(vertex)).map(|[_, area]| area).sum();
-        below.vertices.iter_mut().for_each(|[_, area]| *area = 0.0);
-        let (patches, largest) = (mesh.patches(), T::of((spacing * spacing).min(whole / FEWEST_FOR_CARRIERS)));
-        below.triangles.iter_mut().for_each(|(patch, triangle)| *patch = patches.around(*triangle, largest));
+        // The same ones in each step, so that friction finds again what it holds on to.
+        let (patches, largest, part) = (mesh.patches(), T::of(spacing * spacing), T::of(PART));
+        let patch_of = |triangle: u32| patches.part_around(triangle, largest, part);
+        below.triangles.iter_mut().for_each(|(patch, triangle)| *patch = patch_of(*triangle));
         below.triangles.sort_unstable();
         let (mut start, mut end) = (0, 0);
         while let Some(&(patch, _)) = below.triangles.get(start) {

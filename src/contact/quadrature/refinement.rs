@@ -46,7 +46,7 @@ const MOST_UNMEASURED: f64 = 4096.0;
 const MOST_OF_ESCAPE: f64 = 512.0;
 /// About so many samples stand on the overlap box's largest face at least, however far apart the nodes are that carry the bodies:
 /// what stands on a face must not tip over before its centre is beyond an edge.
-pub(crate) const FEWEST_FOR_CARRIERS: f64 = 16.0;
+const FEWEST_FOR_CARRIERS: f64 = 16.0;
 /// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
 /// with the bodies and not with the pairs; but each pair has at least this part.
 const MOST_WITH_ALL_SAMPLES: u32 = 12;
