@@ -193,7 +193,7 @@ void bad_rigid_bodies() {
   btBoxShape box(btVector3(1, 1, 1));
   const auto moving = rigid(box, 1, btVector3(0, 0, 0));
   bullet::ContactForce unregistered;
-  expect_refusal([&] { unregistered.add_rigid_body(*moving); }, test, "register_with(solver, world)");
+  expect_refusal([&] { unregistered.add_rigid_body(*moving); }, test, "register_with(world)");
   world.contact().add_rigid_body(*moving);
   expect_refusal([&] { world.contact().add_rigid_body(*moving); }, test, "added already");
   bullet::RigidSurface inward = bullet::surface_of_shape(box);

@@ -1,5 +1,6 @@
 // Soft bodies beyond two that part: with themselves, pinned, added and removed while running, with Bullet's render mesh
 // as skin, in the classic world; and what is refused.
+#include <BulletSoftBody/btDeformableMassSpringForce.h>
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
@@ -260,13 +261,12 @@ void classic_bodies_and_rigid_ones() {
 
 template <class Spoil>
 void refused(Spoil spoil, const char* part) {
-  btSoftBodyWorldInfo info;
   const bullet::Cage cage = torus_at(0, 0, 0);
-  const auto body = bullet::make_soft_body(info, cage, 1);
+  demo::SoftWorld world(2000, 0.3, {});
+  const auto body = bullet::make_soft_body(world.world().getWorldInfo(), cage, 1);
   bullet::Skin skin = cage.skin;
   spoil(*body, skin);
-  bullet::ContactForce contact;
-  expect_refusal([&] { contact.add_body(*body, skin); }, "refused", part);
+  expect_refusal([&] { world.contact().add_body(*body, skin); }, "refused", part);
 }
 
 // Cloth, which is open, and a closed shell that nothing fills: the message says what either may do.
@@ -283,6 +283,66 @@ void surfaces_are_no_solids() {
   expect_refusal([&] { classic.add_body(*cloth); }, test, "MESH_OPEN");
   expect_refusal([&] { classic.add_body(*cloth); }, test, advice);
   refused([](btSoftBody& b, bullet::Skin&) { b.m_tetras.clear(); }, "fill a closed shell with appendTetra");
+}
+
+// Cloth falls onto a rigid ball or onto a pinned soft cube that its front faces, and comes to lie on it.
+void cloth_on_volumes() {
+  for (const bool is_soft : {false, true}) {
+    const char* test = is_soft ? "cloth on a cube" : "cloth on a ball";
+    bullet::ContactOptions options;
+    options.stiffness = 1e4;
+    options.friction = 0.5;
+    btDeformableMassSpringForce springs(100, 1, true);
+    btDeformableGravityForce weight(btVector3(0, -10, 0));
+    demo::SoftWorld world(2e4, 0.3, options, btVector3(0, -10, 0));
+    btSphereShape shape(1);
+    const auto ball = rigid(shape, 0, btVector3(0, 0, 0));
+    btSoftBody& soft = world.add(cube_at(-0.5, is_soft ? 0 : -9, -0.5), 10);
+    for (int n = 0; n < soft.m_nodes.size(); ++n)
+      if (soft.m_nodes[n].m_x.y() < btScalar(0.01)) soft.setMass(n, 0);
+    if (!is_soft) {
+      world.world().addRigidBody(ball.get(), 0, 0);
+      world.contact().add_rigid_body(*ball);
+    }
+    const btScalar h = btScalar(1.1);
+    const std::unique_ptr<btSoftBody> cloth(
+        btSoftBodyHelpers::CreatePatch(world.world().getWorldInfo(), btVector3(-1, h, -1), btVector3(1, h, -1),
+                                       btVector3(-1, h, 1), btVector3(1, h, 1), 15, 15, 0, true));
+    cloth->setTotalMass(1);
+    cloth->m_cfg.collisions = 0;
+    cloth->setActivationState(DISABLE_DEACTIVATION);
+    world.world().addSoftBody(cloth.get());
+    world.world().addForce(cloth.get(), &springs);
+    world.world().addForce(cloth.get(), &weight);
+    bullet::BodyOptions open;
+    open.open = true;
+    world.contact().add_body(*cloth, open);
+    const btCollisionObject& below = is_soft ? static_cast<const btCollisionObject&>(soft) : *ball;
+    double borne = 0;
+    for (int step = 0; step < 480; ++step) {
+      world.step(1.0 / 240);
+      if (step >= 360) borne += double(world.contact().pair_force(*cloth, below).y()) / 120;
+    }
+    double highest = -1e9, deepest = 0, deepest_of_border = 0;
+    for (int n = 0; n < cloth->m_nodes.size(); ++n) {
+      highest = std::max(highest, double(cloth->m_nodes[n].m_x.y()));
+      const bool is_border = std::min(n / 15, n % 15) == 0 || std::max(n / 15, n % 15) == 14;
+      double& deepest_there = is_border ? deepest_of_border : deepest;
+      deepest_there = std::max(deepest_there, 1 - double(cloth->m_nodes[n].m_x.length()));
+    }
+    expect_near(highest, 1, 0.05, test, "its highest node");
+    if (!is_soft) {
+      expect_near(deepest, 0, 0.02, test, "its deepest node below the ball's surface");
+      // A sheet pushes less towards its border.
+      expect_near(deepest_of_border, 0, 0.06, test, "the deepest node of its border");
+    }
+    expect_near(borne, 10, 2, test, "the weight that is borne, while it still swings");
+    world.world().removeSoftBody(cloth.get());
+    if (!is_soft) {
+      world.contact().remove_rigid_body(*ball);
+      world.world().removeRigidBody(ball.get());
+    }
+  }
 }
 
 void bad_bodies() {
@@ -324,9 +384,29 @@ void bad_bodies() {
 
   const bullet::Cage cage = torus_at(0, 0, 0);
   demo::SoftWorld world(2000, 0.3, contact_for(cage));
-  world.add(cage, 1);
-  world.world().setImplicit(false);
-  expect_refusal([&] { world.step(0.02); }, "explicit world", "setImplicit(true)");
+  btSoftBody& body = world.add(cage, 1);
+  bullet::ContactForce unregistered;
+  expect_refusal([&] { unregistered.add_body(body, cage.skin); }, "unregistered", "call register_with(world)");
+
+  // What would not work is said at once, and nothing is registered then.
+  btDeformableMultiBodyDynamicsWorld& settings = world.world();
+  const auto refuse = [&](const char* call) {
+    bullet::ContactForce another;
+    expect_refusal([&] { another.register_with(settings); }, "settings", call);
+    expect_refusal([&] { another.add_body(body, cage.skin); }, "settings", "call register_with(world)");
+  };
+  settings.setLineSearch(true);
+  refuse("setLineSearch(false)");
+  settings.setUseProjection(false);
+  refuse("setUseProjection(true)");
+  settings.setImplicit(false);
+  refuse("setImplicit(true)");
+  expect_refusal([&] { world.step(0.02); }, "settings changed later", "setImplicit(true)");
+  settings.setImplicit(true);
+  settings.setUseProjection(true);
+  expect_refusal([&] { world.step(0.02); }, "settings changed later", "setLineSearch(false)");
+  settings.setLineSearch(false);
+  world.step(0.02);
 }
 
 }  // namespace
@@ -339,6 +419,7 @@ int main() {
   classic_bodies();
   classic_bodies_and_rigid_ones();
   surfaces_are_no_solids();
+  cloth_on_volumes();
   bad_bodies();
   return failures == 0 ? 0 : 1;
 }

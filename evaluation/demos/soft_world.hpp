@@ -36,7 +36,7 @@ class SoftWorld {
     world_.getWorldInfo().m_gravity = gravity;
     elasticity_.setPoissonRatio(static_cast<btScalar>(poisson_ratio));
     elasticity_.setYoungsModulus(static_cast<btScalar>(youngs_modulus));
-    contact_.register_with(solver_, world_);
+    contact_.register_with(world_);
   }
 
   ~SoftWorld() {

@@ -6,11 +6,12 @@
  * its chapters. In short:
  *
  *     raycontact::bullet::ContactForce contact(options);       // options.stiffness in N/m^3, see suggested_stiffness
- *     contact.register_with(solver, world);                    // instead of world.addForce
+ *     contact.register_with(world);                            // instead of world.addForce
  *     contact.add_body(*soft_body);                            // its own faces are the collision surface, or
  *     contact.add_body(*cage_body, skin);                      // a fine skin carried by a coarse cage, or
  *     contact.add_body(*body, skin_from_render_mesh(*body));   // Bullet's own render mesh
  *     contact.add_rigid_body(*rigid_body);                     // static or moving; reacts
+ *     contact.add_link(*link_collider);                        // of a multibody, whose joints react
  *
  * and step a btDeformableMultiBodyDynamicsWorld with setImplicit(true), setUseProjection(true), setLineSearch(false).
  * For Bullet's classic soft bodies: ClassicContact. For bodies that roll over: CorotatedElasticity in place of

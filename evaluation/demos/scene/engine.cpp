@@ -118,7 +118,7 @@ class DeformableEngine : public Base {
     elasticity_->setYoungsModulus(scalar(scene.youngs_modulus));
     elasticity_->setDamping(scalar(scene.damping_alpha), scalar(0.01));
     gravity_ = std::make_unique<btDeformableGravityForce>(scene.gravity);
-    if (is_ours_) contact_.register_with(solver_, world_);
+    if (is_ours_) contact_.register_with(world_);
     if (setting.method == Method::ours || setting.method == Method::pressure)
       solver_.detect_again(contact_, setting.passes);
     for (const SceneBody& description : scene.bodies) add(scene, description, setting);

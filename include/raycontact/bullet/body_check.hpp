@@ -37,15 +37,16 @@ inline int inverted_tetrahedra(const btSoftBody& body) {
 }
 
 /** Throws std::invalid_argument naming the first thing that is wrong with a body, and the call that puts it right. */
-inline void check_body(const btSoftBody& body) {
+inline void check_body(const btSoftBody& body, bool is_open) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("soft body: " + what); };
   const auto number = [&](const btSoftBody::Node* node) { return static_cast<int>(node - &body.m_nodes[0]); };
   const int tetra_count = body.m_tetras.size();
   if (body.m_nodes.size() == 0) refuse("it has no nodes");
-  if (tetra_count == 0)
+  if (tetra_count == 0 && !is_open)
     refuse(
-        "it has no tetrahedra, so it is cloth, an open surface, or an empty shell, and contact takes solids; leave "
-        "cloth to Bullet's own contact, fill a closed shell with appendTetra");
+        "it has no tetrahedra, so it is cloth, an open surface, or an empty shell; leave cloth to Bullet's own "
+        "contact, "
+        "or turn its front to what it meets and set BodyOptions::open; fill a closed shell with appendTetra");
 
   std::vector<std::pair<int, int>> links;
   links.reserve(static_cast<std::size_t>(body.m_links.size()));
@@ -70,7 +71,8 @@ inline void check_body(const btSoftBody& body) {
   }
   if (body.m_tetraScratches.size() < tetra_count || body.m_tetraScratchesTn.size() < tetra_count)
     refuse("m_tetraScratches and m_tetraScratchesTn are shorter than m_tetras; resize both to its size");
-  if ((body.m_cfg.collisions & btSoftBody::fCollision::VF_DD) != 0)
+  // Bullet's contact of two bodies needs the flag of both, and of two open ones it is the only one.
+  if (!is_open && (body.m_cfg.collisions & btSoftBody::fCollision::VF_DD) != 0)
     refuse(
         "m_cfg.collisions has VF_DD, Bullet's own contact between soft bodies; use 0, or, to meet bodies that are not "
         "added here, SDF_RD with SDF_RDN, SDF_RDF or SDF_MDF");

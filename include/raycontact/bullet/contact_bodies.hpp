@@ -45,8 +45,7 @@ class ContactBodies {
 
   /** The same with a surface of its own. Open surfaces (terrain) are taken for bodies that no force moves. */
   void add_rigid_body(btRigidBody& body, RigidSurface surface, const BodyOptions& options = {}) {
-    raycontact::detail::check_threes(surface.triangles.size(), "surface.triangles", "triangle");
-    add({nullptr, &body, {}, std::move(surface), options});
+    add_surface(body, std::move(surface), options);
   }
 
   /** Refuses a normal that is no unit vector, and a negative stiffness. */
@@ -105,6 +104,11 @@ class ContactBodies {
     scene_.set_detection_options(detection);
   }
 
+  void add_surface(btCollisionObject& object, RigidSurface surface, const BodyOptions& options) {
+    raycontact::detail::check_threes(surface.triangles.size(), "surface.triangles", "triangle");
+    add({nullptr, &object, {}, std::move(surface), options});
+  }
+
   virtual void add(ContactBody body) {
     if (find(body.object()) != bodies_.end())
       throw std::invalid_argument("this body has been added already; remove it first");
@@ -125,10 +129,14 @@ class ContactBodies {
     has_changed_ = true;
   }
 
-  /** Before anything in a step has changed the velocities of rigid bodies. */
-  void note_start() {
-    for (ContactBody& body : bodies_)
-      if (body.rigid != nullptr) body.copy_velocity(body.motion.velocity);
+  /** Before anything in a step has changed the velocities of rigid bodies. Whether some of these are links. */
+  bool note_start() {
+    bool has_links = false;
+    for (ContactBody& body : bodies_) {
+      if (body.rigid != nullptr) body.note_start();
+      has_links = has_links || body.link;
+    }
+    return has_links;
   }
 
   /**
@@ -233,7 +241,7 @@ class ContactBodies {
   }
 
   void leave(ContactBody& body) {
-    body.is_in_scene = false;
+    body.leave_scene();
     has_changed_ = true;
     scene_.remove(body.number);
     scene_.release_body_numbers();
@@ -327,7 +335,7 @@ class ContactBodies {
     if (std::none_of(bodies_.begin(), bodies_.end(), may_sleep)) return;
     for (const rayc_contact& contact : contacts())
       for (const uint32_t index : {contact.colliding, contact.collided})
-        if (may_sleep(bodies_[index])) bodies_[index].rigid->activate();
+        if (may_sleep(bodies_[index])) bodies_[index].wake();
   }
 
   std::vector<ContactBody> bodies_;

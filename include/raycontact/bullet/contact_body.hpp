@@ -11,19 +11,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "raycontact.hpp"
+#include "raycontact/bullet/multibody_link.hpp"
 #include "raycontact/bullet/options.hpp"
 #include "raycontact/bullet/rigid_surface.hpp"
 #include "raycontact/bullet/skin.hpp"
 
 namespace raycontact::bullet::detail {
 
-/** A soft body with its skin, or a rigid one with its surface. */
+/** A soft body with its skin, or a rigid one with its surface: of its own, or a link of a multibody. */
 struct ContactBody {
   btSoftBody* soft;
-  btRigidBody* rigid;
+  btCollisionObject* rigid;
   Skin skin;             // of a soft body
   RigidSurface surface;  // of a rigid one
   BodyOptions options;
@@ -31,12 +33,20 @@ struct ContactBody {
   uint32_t number = 0;                // there
   std::array<btScalar, 5> inertia{};  // of a rigid body, as the system has it
   rayc_motion motion{};
+  MultibodyLink link{rigid != nullptr ? btMultiBodyLinkCollider::upcast(rigid) : nullptr};
+  Twist impulse{};        // on a link, in the last step
+  bool is_ahead = false;  // a link has had it in this step too
 
   const btCollisionObject* object() const {
     return soft != nullptr ? static_cast<const btCollisionObject*>(soft) : rigid;
   }
 
-  bool gives_way() const { return rigid != nullptr && !rigid->isStaticOrKinematicObject() && rigid->getInvMass() > 0; }
+  btRigidBody& rigid_body() const { return *btRigidBody::upcast(rigid); }
+
+  bool gives_way() const {
+    if (rigid == nullptr) return false;
+    return link ? link.gives_way() : !rigid->isStaticOrKinematicObject() && rigid_body().getInvMass() > 0;
+  }
 
   // Two rigid bodies are the host's own business.
   bool may_touch(const ContactBody& other) const {
@@ -49,17 +59,18 @@ struct ContactBody {
     if (soft != nullptr) skin_positions(*soft, skin, positions);
     rayc_mesh_options mesh_options = default_mesh_options();
     const auto make = [&] {
-      return soft != nullptr ? Mesh(vectors(positions), skin.triangles)
+      return soft != nullptr ? Mesh(vectors(positions), skin.triangles, mesh_options)
                              : Mesh(vectors(surface.points), surface.triangles, mesh_options);
     };
     try {
       return make();
     } catch (const Error& error) {
       if (error.status() != RAYC_STATUS_MESH_OPEN) throw;
-      // A triangle mesh may be a piece of terrain; what moves must be closed to have an inside.
-      if (soft != nullptr || !rigid->isStaticOrKinematicObject())
-        throw Error(error.status(), error.what() + std::string(". Contact takes closed solids, and open surfaces only "
-                                                               "of static and kinematic rigid bodies; leave cloth to "
+      // A triangle mesh may be a piece of terrain; a rigid body that moves must be closed to have an inside.
+      if (soft != nullptr ? !options.open : !rigid->isStaticOrKinematicObject())
+        throw Error(error.status(), error.what() + std::string(". Contact takes closed solids, open surfaces of static "
+                                                               "and kinematic rigid bodies, and cloth that faces what "
+                                                               "it meets, with BodyOptions::open; or leave cloth to "
                                                                "Bullet's own contact"));
       mesh_options.open = 1;
       return make();
@@ -68,8 +79,12 @@ struct ContactBody {
 
   /** A rigid body's inverse mass and inertia, and whether it gives way. */
   std::array<btScalar, 5> inertia_now() const {
-    const btVector3& inverse = rigid->getInvInertiaDiagLocal();
-    return {{rigid->getInvMass(), inverse.x(), inverse.y(), inverse.z(), btScalar(gives_way() ? 1 : 0)}};
+    if (link) {
+      const btVector3 about = link.inertia();
+      return {{1 / link.mass(), 1 / about.x(), 1 / about.y(), 1 / about.z(), btScalar(gives_way() ? 1 : 0)}};
+    }
+    const btVector3& inverse = rigid_body().getInvInertiaDiagLocal();
+    return {{rigid_body().getInvMass(), inverse.x(), inverse.y(), inverse.z(), btScalar(gives_way() ? 1 : 0)}};
   }
 
   /** About the body's own axes, for a body that gives way. */
@@ -85,11 +100,34 @@ struct ContactBody {
     return matrix;
   }
 
-  void copy_velocity(double* to) const {
+  void copy_velocity(double* to) {
+    const Twist velocity =
+        link ? link.velocity() : Twist{rigid_body().getLinearVelocity(), rigid_body().getAngularVelocity()};
     for (int axis = 0; axis < 3; ++axis) {
-      to[axis] = double(rigid->getLinearVelocity()[axis]);
-      to[axis + 3] = double(rigid->getAngularVelocity()[axis]);
+      to[axis] = double(velocity.linear[axis]);
+      to[axis + 3] = double(velocity.angular[axis]);
     }
+  }
+
+  void wake() {
+    if (link) link.wake();
+    rigid->activate();
+  }
+
+  /** At the start of a step; a link is then pushed as in the last one. */
+  void note_start() {
+    if (is_ahead) return;
+    copy_velocity(motion.velocity);
+    if (!link || !is_in_scene || !gives_way()) return;
+    link.push(impulse, 0);
+    is_ahead = true;
+  }
+
+  void leave_scene() {
+    is_in_scene = false;
+    if (is_ahead) link.push({-impulse.linear, -impulse.angular}, 0);
+    is_ahead = false;
+    impulse = {};
   }
 
   /** Where a rigid body is, or was so many seconds ago, and where its velocity would take it. */
@@ -97,8 +135,13 @@ struct ContactBody {
     copy_velocity(motion.free_velocity);
     btTransform place = rigid->getWorldTransform();
     if (ago > 0)
-      btTransformUtil::integrateTransform(rigid->getWorldTransform(), rigid->getLinearVelocity(),
-                                          rigid->getAngularVelocity(), -ago, place);
+      btTransformUtil::integrateTransform(rigid->getWorldTransform(), rigid_body().getLinearVelocity(),
+                                          rigid_body().getAngularVelocity(), -ago, place);
+    if (is_ahead) {
+      const btVector3 turned = impulse.angular * place.getBasis();  // along the body's own axes
+      const btVector3 change[2] = {impulse.linear / link.mass(), place.getBasis() * (turned / link.inertia())};
+      for (int k = 0; k < 6; ++k) motion.free_velocity[k] -= double(change[k / 3][k % 3]);
+    }
     for (int row = 0; row < 3; ++row) {
       motion.position[row] = double(place.getOrigin()[row]);
       for (int column = 0; column < 3; ++column) motion.rotation[row][column] = double(place.getBasis()[row][column]);
@@ -109,12 +152,33 @@ struct ContactBody {
   void follow(const std::array<double, 6>& velocity, btScalar dt) {
     btVector3 change[2];
     for (int k = 0; k < 6; ++k) change[k / 3][k % 3] = btScalar(velocity[std::size_t(k)] - motion.free_velocity[k]);
+    if (link) {
+      follow_impulse(change[0], change[1], dt);
+      return;
+    }
     if (change[0].isZero() && change[1].isZero()) return;
-    rigid->setLinearVelocity(rigid->getLinearVelocity() + change[0]);
-    rigid->setAngularVelocity(rigid->getAngularVelocity() + change[1]);
+    btRigidBody& body = rigid_body();
+    body.setLinearVelocity(body.getLinearVelocity() + change[0]);
+    body.setAngularVelocity(body.getAngularVelocity() + change[1]);
     btTransform moved;
-    btTransformUtil::integrateTransform(rigid->getWorldTransform(), change[0], change[1], dt, moved);
-    rigid->proceedToTransform(moved);
+    btTransformUtil::integrateTransform(body.getWorldTransform(), change[0], change[1], dt, moved);
+    body.proceedToTransform(moved);
+  }
+
+  /** The same of a link, of whose impulse the velocities have a part already. */
+  void follow_impulse(const btVector3& linear, const btVector3& angular, btScalar dt) {
+    const Twist before =
+        std::exchange(impulse, {link.mass() * linear, basis() * (link.inertia() * (angular * basis()))});
+    link.push({impulse.linear - before.linear, impulse.angular - before.angular}, dt);
+    is_ahead = false;
+  }
+
+  /** As the step began. */
+  btMatrix3x3 basis() const {
+    btMatrix3x3 turn;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) turn[row][column] = btScalar(motion.rotation[row][column]);
+    return turn;
   }
 };
 

@@ -4,16 +4,17 @@
 #define RAYCONTACT_BULLET_CONTACT_FORCE_HPP
 
 #include <BulletDynamics/Dynamics/btActionInterface.h>
-#include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableLagrangianForce.h>
+#include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
 #include <LinearMath/btIDebugDraw.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -31,30 +32,50 @@ namespace raycontact::bullet {
 class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
  public:
   /** Refuses options out of range. */
-  explicit ContactForce(const ContactOptions& options = {}) : ContactBodies(options), reaction_(*this) {
-    m_nodes = nullptr;
-  }
+  explicit ContactForce(const ContactOptions& options = {}) : ContactBodies(options), reaction_(*this) {}
 
   ~ContactForce() override {
     if (world_ != nullptr) world_->removeAction(&reaction_);
   }
 
-  /** Call once. `world.addForce` would drop a second force of the same type without a word. */
-  void register_with(btDeformableBodySolver& solver) {
-    solver.getLagrangianForceArray()->push_back(this);
-    setIndices(solver.getIndices());
-    solver_ = &solver;
-  }
-
-  /** The same, and rigid bodies of `world` feel the reaction; the world must outlive this force. */
-  void register_with(btDeformableBodySolver& solver, btDynamicsWorld& world) {
-    register_with(solver);
+  /**
+   * Call once, after the world's settings and before bodies are added. Refuses settings with which contact does not
+   * work. `world.addForce` would drop a second force of the same type without a word. The world must outlive this
+   * force.
+   */
+  void register_with(btDeformableMultiBodyDynamicsWorld& world) {
+    // Bullet keeps its solver to itself, but hands it to each soft body that enters.
+    btSoftBody visitor(&world.getWorldInfo());
+    world.addSoftBody(&visitor);
+    auto* solver = static_cast<btDeformableBodySolver*>(visitor.getSoftBodySolver());
+    world.removeSoftBody(&visitor);
+    world.reinitialize(0);  // hands the solver its settings
+    const auto refuse = [](const char* why, const char* call) {
+      throw std::logic_error(std::string("register_with: ") + why + "; call world." + call + " before");
+    };
+    if (!solver->m_objective->m_implicit) refuse("the world integrates explicitly", "setImplicit(true)");
+    if (!solver->m_useProjection) refuse("in this world nothing would move", "setUseProjection(true)");
+    if (Settings::has_line_search(*solver)) refuse("line search sinks bodies into floors", "setLineSearch(false)");
+    solver->getLagrangianForceArray()->push_back(this);
+    setIndices(solver->getIndices());
+    solver_ = solver;
     world.addAction(&reaction_);
     world_ = &world;
   }
 
-  /** Needed for rigid bodies only: soft ones leave when they leave the world. */
-  void remove_rigid_body(btRigidBody& body) { remove(&body); }
+  /** A link of a multibody, or its base: as a rigid body, and its joints feel the reaction. */
+  void add_link(btMultiBodyLinkCollider& link, const BodyOptions& options = {}) {
+    add_link(link, surface_of_shape(*link.getCollisionShape()), options);
+  }
+
+  /** The same with a surface of its own. */
+  void add_link(btMultiBodyLinkCollider& link, RigidSurface surface, const BodyOptions& options = {}) {
+    detail::MultibodyLink(&link).check();
+    add_surface(link, std::move(surface), options);
+  }
+
+  /** Needed for rigid bodies and links only: soft bodies leave when they leave the world. */
+  void remove_rigid_body(btCollisionObject& body) { remove(&body); }
 
   /** The net force of `other` on `body` in the last sub-step, in N, as the solve left it. Zero for a body and itself.
    */
@@ -67,8 +88,8 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
    * For a solver of the host's own that takes Newton steps: to be called after each, with its result in the nodes' m_v.
    * One body that is stopped may be in the way of the next, which detection took to be moving on. Looks for contacts
    * where the bodies would end now, if that is further than the depth cap from where they were sought before, and takes
-   * those of pairs that had none, or rows of less than half the area. True if there are such, or if a twentieth of all force
-   * proves to be wrong then: another step is due.
+   * those of pairs that had none, or rows of less than half the area. True if there are such, or if a twentieth of all
+   * force proves to be wrong then: another step is due.
    */
   bool detect_again() {
     if (!is_under_way_ || !options_.look_ahead) return false;
@@ -94,15 +115,14 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
 
   // Also after a soft body has left the world: detection waits for the solve.
   void reinitialize(bool) override {
-    if (m_nodes == nullptr)
-      throw std::logic_error("raycontact: call ContactForce::register_with before the first step");
     finish_step();
     is_due_ = true;
-    note_start();
+    waits_for_joints_ = note_start();
   }
 
   void addScaledForces(btScalar scale, TVStack& force) override {
-    if (is_due_) begin_step();
+    // Bullet asks first to see what would happen without joints and its own contacts.
+    if (is_due_ && !std::exchange(waits_for_joints_, false)) begin_step();
     if (!is_under_way_) return;
     const std::vector<double>& velocities = gather_velocities();
     result_.assign(velocities.size(), 0);
@@ -140,9 +160,9 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
  protected:
   void add(ContactBody body) override {
     btSoftBody* soft = body.soft;
-    if (soft != nullptr) check_body(*soft);
-    if (soft == nullptr && world_ == nullptr && !body.rigid->isStaticOrKinematicObject())
-      throw std::logic_error("rigid body: it could not react; call register_with(solver, world) first");
+    if (soft != nullptr) check_body(*soft, body.options.open);
+    if (world_ == nullptr)
+      throw std::logic_error("no world would ask this contact force for anything; call register_with(world) first");
     ContactBodies::add(std::move(body));
     if (soft != nullptr) m_softBodies.push_back(soft);
   }
@@ -166,11 +186,16 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
     ContactForce& force_;
   };
 
+  /** What Bullet shows to its own solvers only. */
+  struct Settings : btDeformableBodySolver {
+    static bool has_line_search(const btDeformableBodySolver& solver) { return solver.*(&Settings::m_lineSearch); }
+  };
+
   void begin_step() {
     is_due_ = has_gone_elsewhere_ = false;
     time_step_ = solver_->m_objective->m_dt;
     begin(time_step_, gravity(), false, [this](const ContactBody& body) {
-      return body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->isInWorld();
+      return body.soft != nullptr ? is_in_world(*body.soft) : body.rigid->getBroadphaseHandle() != nullptr;
     });
     index_.clear();
     for (const btSoftBody::Node* node : nodes_) index_.push_back(node->index);
@@ -204,9 +229,9 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
   std::vector<double> change_, result_;
   std::vector<int> index_;  // Bullet's, of each unknown node
   btDeformableBodySolver* solver_ = nullptr;
-  btDynamicsWorld* world_ = nullptr;
+  btDeformableMultiBodyDynamicsWorld* world_ = nullptr;
   btScalar time_step_ = 0;
-  bool is_due_ = false, is_under_way_ = false, has_gone_elsewhere_ = false;
+  bool is_due_ = false, waits_for_joints_ = false, is_under_way_ = false, has_gone_elsewhere_ = false;
 };
 
 }  // namespace raycontact::bullet

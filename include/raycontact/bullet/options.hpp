@@ -65,6 +65,7 @@ struct ContactOptions {
 /** What may differ from body to body. */
 struct BodyOptions {
   bool self_collision = false;   ///< also contacts of the body with itself
+  bool open = false;             ///< the surface may be open: cloth, whose front faces the closed bodies that it meets
   uint32_t group = 1;            ///< bits; two bodies touch where each one's group has a bit of the other's mask
   uint32_t mask = ~uint32_t{0};  ///< bits
 };
