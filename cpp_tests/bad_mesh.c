@@ -1,6 +1,7 @@
 /* Every mesh that is not a closed outward surface is refused with its own status, and no handle is made. */
 #include "check.h"
 #include "shapes.h"
+#include <math.h>
 
 #define MAX_TRIANGLES 16
 
@@ -93,6 +94,29 @@ static void refuses_an_open_mesh(void) {
   CHECK_OK(rayc_mesh_destroy(made));
   options.open = 2;
   CHECK_STATUS(rayc_mesh_create(&options, &positions, mesh.triangles, 7, &made), RAYC_STATUS_INVALID_OPTION, "open");
+
+  /* Or that holes are to be closed. */
+  options.open = 0;
+  options.close_holes = 0.2;
+  size_t count = 0;
+  rayc_hole hole;
+  CHECK_OK(rayc_mesh_create(&options, &positions, mesh.triangles, 7, &made));
+  CHECK_OK(rayc_mesh_triangle_count(made, &count));
+  CHECK(count == 8);
+  CHECK_OK(rayc_mesh_hole_count(made, &count));
+  CHECK(count == 1);
+  CHECK_OK(rayc_mesh_copy_holes(made, 1, &hole));
+  CHECK(hole.first_triangle == 7 && hole.triangle_count == 1 && fabs(hole.area_share - 1.0 / 7) < 1e-15);
+  CHECK_STATUS(rayc_mesh_copy_holes(made, 2, &hole), RAYC_STATUS_WRONG_COUNT, "holes");
+  CHECK_OK(rayc_mesh_destroy(made));
+  options.close_holes = 0.1;
+  CHECK_STATUS(rayc_mesh_create(&options, &positions, mesh.triangles, 7, &made), RAYC_STATUS_MESH_OPEN, "0.143");
+  options.close_holes = 2;
+  CHECK_STATUS(rayc_mesh_create(&options, &positions, mesh.triangles, 7, &made), RAYC_STATUS_INVALID_OPTION, "0 to 1");
+  options.close_holes = 0.2;
+  options.open = 1;
+  CHECK_STATUS(rayc_mesh_create(&options, &positions, mesh.triangles, 7, &made), RAYC_STATUS_INVALID_OPTION,
+               "leave one of them 0");
 }
 
 static void refuses_an_inconsistent_orientation(void) {

@@ -119,7 +119,7 @@ static void older_options_are_read_as_far_as_they_go(void) {
 
 /* Padding at the end would be read as an option once one lies there. */
 static void structs_have_no_padding_at_the_end(void) {
-  CHECK(END_OF(rayc_mesh_options, open) == sizeof(rayc_mesh_options));
+  CHECK(END_OF(rayc_mesh_options, close_holes) == sizeof(rayc_mesh_options));
   CHECK(END_OF(rayc_detection_options, reserved) == sizeof(rayc_detection_options));
   CHECK(END_OF(rayc_response_options, slip_speed) == sizeof(rayc_response_options));
   CHECK(END_OF(rayc_scene_options, parallel_context) == sizeof(rayc_scene_options));
@@ -145,6 +145,7 @@ static void arrays_elements_have_no_holes(void) {
   CHECK(sizeof(rayc_pair_cost) == 2 * sizeof(uint32_t) + sizeof(double));
   CHECK(sizeof(rayc_vertex_force) == 2 * sizeof(uint32_t) + 3 * sizeof(double));
   CHECK(sizeof(rayc_hit) == 2 * sizeof(uint32_t) + 4 * sizeof(double));
+  CHECK(sizeof(rayc_hole) == 2 * sizeof(uint32_t) + sizeof(double));
   CHECK(sizeof(rayc_own_exit) == 2 * sizeof(uint32_t) + 7 * sizeof(double));
 }
 

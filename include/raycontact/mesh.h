@@ -44,9 +44,19 @@ typedef struct rayc_mesh_options {
    * ray leaves through it, gives a contact; so does a point of it inside a closed body. Limits: a body that is
    * more than half behind the surface is pushed less and less, and not at all once it is through or beyond the
    * border; no edges are traced, and the pair never escapes; two open meshes do not collide. Such pairs are
-   * counted as open_pairs in rayc_statistics. 0: an open surface is refused. Default 0.
+   * counted as open_pairs in rayc_statistics. 0: an open surface is refused, or closed by close_holes. Default 0.
    */
   uint32_t open;
+  /**
+   * Above 0: holes are closed by triangles over the vertices around them, those of the least area. No vertex is
+   * added, so forces act on the vertices that were given. The triangles come behind those that were given, and
+   * move with their vertices; rayc_mesh_copy_holes() lists them. The value is the largest part of the given area
+   * of each connected part that its caps may have together, up to 1, so that no sheet is taken for a body: 0.1
+   * suits scans. RAYC_STATUS_MESH_OPEN where a hole is larger, has more than 1000 vertices around it, shares a
+   * vertex with another, or cannot be closed by triangles that have an area, and where duplicate vertices form
+   * a seam; the message says which and where. 0: a surface with a hole is refused. Default 0.
+   */
+  double close_holes;
 } rayc_mesh_options;
 
 /**
@@ -119,6 +129,36 @@ enum rayc_status rayc_mesh_copy_positions(const struct rayc_mesh *mesh, const st
  * Errors: RAYC_STATUS_WRONG_COUNT.
  */
 enum rayc_status rayc_mesh_copy_triangles(const struct rayc_mesh *mesh, size_t index_count, uint32_t *triangles);
+
+/**
+ * A hole that was closed when its mesh was made; see close_holes of rayc_mesh_options.
+ */
+typedef struct rayc_hole {
+  /**
+   * The first triangle of its cap.
+   */
+  uint32_t first_triangle;
+  /**
+   * How many triangles the cap has. Their corners are the vertices around the hole, two more than triangles.
+   */
+  uint32_t triangle_count;
+  /**
+   * The area of the cap, as a part of the given area of the connected part that has the hole.
+   */
+  double area_share;
+} rayc_hole;
+
+/**
+ * How many holes were closed when the mesh was made.
+ */
+enum rayc_status rayc_mesh_hole_count(const struct rayc_mesh *mesh, size_t *count);
+
+/**
+ * Copies what was closed when the mesh was made to `holes`; count must be that of rayc_mesh_hole_count().
+ *
+ * Errors: RAYC_STATUS_WRONG_COUNT.
+ */
+enum rayc_status rayc_mesh_copy_holes(const struct rayc_mesh *mesh, size_t count, struct rayc_hole *holes);
 
 #ifdef __cplusplus
 } // extern "C"

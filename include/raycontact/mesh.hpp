@@ -134,6 +134,15 @@ class Mesh {
     return detail::outcome(status, std::move(indices));
   }
 
+  /** What `close_holes` closed when the mesh was made, as a new array: rayc_mesh_copy_holes(). */
+  Outcome<std::vector<rayc_hole>> holes() const {
+    std::size_t count = 0;
+    rayc_status status = rayc_mesh_hole_count(get(), &count);
+    std::vector<rayc_hole> closed(count);
+    if (status == RAYC_STATUS_OK) status = rayc_mesh_copy_holes(get(), count, closed.data());
+    return detail::outcome(status, std::move(closed));
+  }
+
   /** The mesh as it was created, as bytes: rayc_mesh_pack(). */
   Outcome<std::vector<uint8_t>> pack() const {
     std::size_t length = 0;

@@ -20,9 +20,8 @@ class Mesh:
     """A triangle surface: fixed triangles, positions that may be renewed.
 
     positions: (n, 3), finite, in m; triangles: (m, 3), vertex numbers from 0, used where they lie if they are uint32.
-    The surface must be closed, or with open=True may have a border, as a floor or a piece of cloth. Vertices that no
-    triangle uses are allowed. Options: see MeshOptions. Every fault of the surface has its own Status. Questions about
-    k `points`, (k, 3), have (k,) answers; structured ones have the fields of the C header's structs.
+    Vertices that no triangle uses are allowed. Options, as for open surfaces and for holes: see MeshOptions. Questions
+    about k `points`, (k, 3), have (k,) answers; structured ones have the fields of the C header's structs.
     """
 
     def __init__(self, positions: Array, triangles: Array, **mesh_options: Unpack[MeshOptions]) -> None:
@@ -85,6 +84,12 @@ class Mesh:
         all.flags.writeable = False
         return all
 
+    @property
+    def holes(self) -> NDArray[Any]:
+        """What close_holes closed: first_triangle and triangle_count of each cap in faces, area_share of its part."""
+        count = answer(library.rayc_mesh_hole_count, self._handle)
+        return copied(library.rayc_mesh_copy_holes, count, self._handle, count)
+
     def closest_points(self, points: Array, bounds: Array = np.inf) -> NDArray[Any]:
         """The points of the surface, open or closed, that are nearest to `points`: triangle (NO_TRIANGLE where none is
         within the bound), is_found, distance in m, weights (barycentric), position. bounds: how far away the surface
@@ -94,8 +99,7 @@ class Mesh:
         return copied(library.rayc_octree_closest_points, len(asked), self.octree(), self._handle, [asked], limits)
 
     def winding_numbers(self, points: Array) -> NDArray[np.int32]:
-        """How often the closed surface winds around each of `points`: 0 outside, 1 inside, more where it folds over
-        itself, negative where it is inside out."""
+        """How often the closed surface winds around each of `points`: 0 outside, 1 inside, other numbers in folds."""
         asked = to_read(points, "points")
         return copied(library.rayc_octree_winding_numbers, len(asked), self.octree(), self._handle, [asked])
 
@@ -115,9 +119,7 @@ class Mesh:
 
     def trace_rays(self, origins: Array, directions: Array, t_max: Array = np.inf) -> NDArray[Any]:
         """Where each ray origin + t · direction, 0 ≤ t ≤ t_max, first meets the surface, from either side: triangle
-        (NO_TRIANGLE for a miss), is_exit (1 where the ray leaves), t, weights (barycentric).
-
-        origins, directions: (k, 3), or one for all; t_max: (k,) or one number."""
+        (NO_TRIANGLE for a miss), is_exit (1 where the ray leaves), t, weights (barycentric). Any may be one for all."""
         starts, ways = to_read(np.atleast_2d(origins), "origins"), to_read(np.atleast_2d(directions), "directions")
         rays = np.empty(np.broadcast(starts, ways).shape[0], dtype_of(ffi.typeof("rayc_ray")))
         rays["origin"], rays["direction"], rays["t_max"] = starts, ways, numbers(t_max, "t_max")

@@ -161,6 +161,8 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_mesh_triangle_count(null(), null_mut());
         rayc_mesh_copy_positions(null(), null());
         rayc_mesh_copy_triangles(null(), 0, null_mut());
+        rayc_mesh_hole_count(null(), null_mut());
+        rayc_mesh_copy_holes(null(), 0, null_mut());
         rayc_octree_create(null(), null(), null_mut());
         rayc_default_octree_options(0, null_mut());
         rayc_octree_destroy(null_mut());

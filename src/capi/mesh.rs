@@ -9,7 +9,7 @@ use crate::capi::ffi::{
 use crate::math::Scalar;
 use crate::memory;
 use crate::memory::text;
-use crate::mesh::{InFile, Mesh, MeshError, read_obj_surface};
+use crate::mesh::{Hole, InFile, Mesh, MeshError, read_obj_surface};
 use libc::c_char;
 use std::ffi::CStr;
 use std::path::Path;
@@ -41,12 +41,26 @@ impl AnyMesh {
         triangles: &[[u32; 3]],
         failure: impl Fn(MeshError) -> Failure,
     ) -> Result<Self, Failure> {
-        fn make<T: Scalar>(open: bool, positions: &Strided, triangles: &[[u32; 3]]) -> Result<Mesh<T>, MeshError> {
+        fn make<T: Scalar>(
+            (open, close_holes): (bool, f64),
+            positions: &Strided,
+            triangles: &[[u32; 3]],
+        ) -> Result<Mesh<T>, MeshError> {
             let read = read_all(positions);
-            let made = if open { Mesh::open(&read, triangles) } else { Mesh::new(&read, triangles) };
+            let made = if open {
+                Mesh::open(&read, triangles)
+            } else if close_holes == 0.0 {
+                Mesh::new(&read, triangles)
+            } else {
+                Mesh::closing_holes(&read, triangles, close_holes)
+            };
             made.map_err(|error| before_conversion::<T>(error, positions))
         }
-        let open = flag("open", options.open)?;
+        let open = (flag("open", options.open)?, options.close_holes);
+        if open.0 && open.1 != 0.0 {
+            let message = text!("open is 1 and close_holes is {}; leave one of them 0", open.1);
+            return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
+        }
         Ok(match scalar_from(options.precision, "precision")? {
             rayc_scalar::RAYC_SCALAR_F32 => Self::F32(make(open, positions, triangles).map_err(failure)?),
             rayc_scalar::RAYC_SCALAR_F64 => Self::F64(make(open, positions, triangles).map_err(failure)?),
@@ -71,15 +85,28 @@ pub struct rayc_mesh_options {
     /// ray leaves through it, gives a contact; so does a point of it inside a closed body. Limits: a body that is
     /// more than half behind the surface is pushed less and less, and not at all once it is through or beyond the
     /// border; no edges are traced, and the pair never escapes; two open meshes do not collide. Such pairs are
-    /// counted as open_pairs in rayc_statistics. 0: an open surface is refused. Default 0.
+    /// counted as open_pairs in rayc_statistics. 0: an open surface is refused, or closed by close_holes. Default 0.
     pub open: u32,
+    /// Above 0: holes are closed by triangles over the vertices around them, those of the least area. No vertex is
+    /// added, so forces act on the vertices that were given. The triangles come behind those that were given, and
+    /// move with their vertices; rayc_mesh_copy_holes() lists them. The value is the largest part of the given area
+    /// of each connected part that its caps may have together, up to 1, so that no sheet is taken for a body: 0.1
+    /// suits scans. RAYC_STATUS_MESH_OPEN where a hole is larger, has more than 1000 vertices around it, shares a
+    /// vertex with another, or cannot be closed by triangles that have an area, and where duplicate vertices form
+    /// a seam; the message says which and where. 0: a surface with a hole is refused. Default 0.
+    pub close_holes: f64,
 }
 
 growing!(rayc_mesh_options, precision: u32);
 
 impl Options for rayc_mesh_options {
     fn defaults() -> Self {
-        Self { struct_size: size_of::<Self>(), precision: rayc_scalar::RAYC_SCALAR_F64 as u32, open: 0 }
+        Self {
+            struct_size: size_of::<Self>(),
+            precision: rayc_scalar::RAYC_SCALAR_F64 as u32,
+            open: 0,
+            close_holes: 0.0,
+        }
     }
 }
 
@@ -250,6 +277,52 @@ pub unsafe extern "C" fn rayc_mesh_copy_triangles(
         let mesh = reading(mesh, "mesh")?;
         let indices = mesh.mesh.topology().triangles().as_flattened();
         Output::exactly(triangles, index_count, indices.len(), "triangles")?.write_all(indices.iter().copied());
+        Ok(())
+    })
+}
+
+/// A hole that was closed when its mesh was made; see close_holes of rayc_mesh_options.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct rayc_hole {
+    /// The first triangle of its cap.
+    pub first_triangle: u32,
+    /// How many triangles the cap has. Their corners are the vertices around the hole, two more than triangles.
+    pub triangle_count: u32,
+    /// The area of the cap, as a part of the given area of the connected part that has the hole.
+    pub area_share: f64,
+}
+
+/// How many holes were closed when the mesh was made.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_hole_count(mesh: *const rayc_mesh, count: *mut usize) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mesh = reading(mesh, "mesh")?;
+        Output::new(count, "count")?.write(with_precision!(&mesh.mesh, |mesh| mesh.holes().len()));
+        Ok(())
+    })
+}
+
+/// Copies what was closed when the mesh was made to `holes`; count must be that of rayc_mesh_hole_count().
+///
+/// Errors: RAYC_STATUS_WRONG_COUNT.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_mesh_copy_holes(
+    mesh: *const rayc_mesh,
+    count: usize,
+    holes: *mut rayc_hole,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mesh = reading(mesh, "mesh")?;
+        let closed = with_precision!(&mesh.mesh, |mesh| mesh.holes());
+        let exported = closed.iter().map(|&Hole { first_triangle, triangle_count, area_share }| rayc_hole {
+            first_triangle,
+            triangle_count,
+            area_share,
+        });
+        Output::exactly(holes, count, closed.len(), "holes")?.write_all(exported);
         Ok(())
     })
 }

@@ -34,6 +34,50 @@ pub enum MeshError {
         /// The edge's two vertices.
         edge: [u32; 2],
     },
+    /// Vertices of the border lie in one place: a seam that was not welded.
+    Seam {
+        /// Two of them.
+        vertices: [u32; 2],
+        /// How many there are.
+        count: usize,
+    },
+    /// Two holes share a vertex, so what is around each of them is not settled.
+    HolesTouch {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A hole has more vertices around it than are closed.
+    HoleTooLong {
+        /// The first vertex around it.
+        vertex: u32,
+        /// How many there are.
+        vertex_count: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// A hole makes the caps larger than they may be.
+    HoleTooLarge {
+        /// The first vertex around it.
+        vertex: u32,
+        /// How many there are.
+        vertex_count: usize,
+        /// The area of the caps so far, as a part of that of the connected part.
+        share: f64,
+        /// How large that may be.
+        most: f64,
+    },
+    /// No triangles over the vertices around a hole have all an area and no edge that the mesh has already.
+    HoleNotClosed {
+        /// The first vertex around it.
+        vertex: u32,
+        /// How many there are.
+        vertex_count: usize,
+    },
+    /// The largest part of the area that caps may have is below 0, above 1 or NaN.
+    CloseHoles {
+        /// It.
+        value: f64,
+    },
     /// Two neighbours run through their shared edge the same way, so one of them faces inward.
     InconsistentOrientation {
         /// The two triangles.
@@ -112,7 +156,10 @@ impl fmt::Display for Triangle<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             Names::OfArrays => write!(f, "triangle {}", self.1),
-            Names::OfFile(surface) => write!(f, "the face in line {}", surface.lines[self.1]),
+            Names::OfFile(surface) => match surface.lines.get(self.1) {
+                Some(line) => write!(f, "the face in line {line}"),
+                None => write!(f, "a triangle that closes a hole"),
+            },
         }
     }
 }
@@ -148,7 +195,8 @@ impl MeshError {
     fn write(&self, f: &mut fmt::Formatter<'_>, names: Names<'_>) -> fmt::Result {
         self.write_fault(f, names)?;
         match (self, names) {
-            (Self::Empty | Self::TooLarge { .. } | Self::WrongCount { .. } | Self::CarrierSpacing { .. }, _) => Ok(()),
+            (Self::Empty | Self::TooLarge { .. } | Self::WrongCount { .. }, _) => Ok(()),
+            (Self::CarrierSpacing { .. } | Self::CloseHoles { .. }, _) => Ok(()),
             (_, Names::OfArrays) => write!(f, " (numbers count from 0)"),
             (_, Names::OfFile(_)) => write!(f, " (lines and vertices count from 1)"),
         }
@@ -181,11 +229,48 @@ impl MeshError {
                 let [a, b] = edge.map(vertex);
                 write!(
                     f,
-                    "the mesh is open: edge ({a}, {b}) belongs to {} only; close the hole, merge duplicate vertices \
-                     along the seam, or say that it may be open",
+                    "the mesh is open: edge ({a}, {b}) belongs to {} only; merge duplicate vertices along a seam, set \
+                     close_holes to close small holes, or say that it may be open",
                     triangle(t)
                 )
             }
+            Self::Seam { vertices, count } => {
+                let [a, b] = vertices.map(vertex);
+                write!(
+                    f,
+                    "the mesh is open along a seam: {count} vertices of its border lie where another does, such as {a} \
+                     and {b}; weld them, so that triangles on both sides name the same vertex"
+                )
+            }
+            Self::HolesTouch { vertex: v } => write!(
+                f,
+                "two holes share vertex {}, so it is not settled what is around each; remove one of the triangles there, \
+                 or close one of the holes by hand",
+                vertex(v)
+            ),
+            Self::HoleTooLong { vertex: v, vertex_count, most } => write!(
+                f,
+                "the hole at vertex {} has {vertex_count} vertices around it, and holes of at most {most} are closed; \
+                 close it by hand",
+                vertex(v)
+            ),
+            Self::HoleTooLarge { vertex: v, vertex_count, share, most } => write!(
+                f,
+                "with the hole at vertex {}, of {vertex_count} vertices, the caps have {share:.3} of the area of their \
+                 part of the surface, and close_holes is {most}; raise it if that is a hole, or say that the mesh may be \
+                 open if that is the border of a sheet",
+                vertex(v)
+            ),
+            Self::HoleNotClosed { vertex: v, vertex_count } => write!(
+                f,
+                "the hole at vertex {}, of {vertex_count} vertices, cannot be closed without triangles of no area or \
+                 edges of four triangles; merge vertices along a narrow gap, or close it by hand",
+                vertex(v)
+            ),
+            Self::CloseHoles { value } => write!(
+                f,
+                "close_holes is {value}; give the largest part of the area that may be closed, from 0 to 1, 0 for none"
+            ),
             Self::InconsistentOrientation { triangles, edge } => {
                 let ([s, t], [a, b]) = (triangles.map(triangle), edge.map(vertex));
                 write!(

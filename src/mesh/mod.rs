@@ -4,6 +4,7 @@ mod clusters;
 mod edges;
 mod error;
 mod facing;
+mod holes;
 mod normals;
 mod obj_file;
 mod obj_text;
@@ -24,6 +25,7 @@ pub use edges::{Border, Edge};
 pub(crate) use error::InFile;
 pub use error::MeshError;
 pub(crate) use facing::Facing;
+pub use holes::Hole;
 pub(crate) use normals::NormalLanes;
 pub(crate) use obj_file::read_obj_surface;
 pub use obj_file::{ObjFileError, Surface, read_obj_file};
@@ -85,6 +87,7 @@ struct Reference<T: Scalar> {
     /// The triangles, in an order that numbering does not change.
     triangles_in_space: OnceLock<Vec<u32>>,
     roundness: OnceLock<Roundness>,
+    holes: Vec<Hole>,
 }
 
 impl<T: Scalar> Clone for Mesh<T> {
@@ -128,7 +131,28 @@ impl<T: Scalar> Mesh<T> {
     /// triangles and finite has its own [`MeshError`]. Each part that is connected across edges must face outward; one
     /// that faces inward is a cavity, and allowed, where it lies inside the others.
     pub fn new(positions: &[[T; 3]], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
-        Self::checked(positions, triangles, Border::Refused)
+        Self::checked(positions, triangles, Border::Refused, Vec::new())
+    }
+
+    /// The same for a surface with holes, as scans have them: triangles over the vertices around each hole close it, those of
+    /// the least area. They come behind those that were given, and move with their vertices; no vertex is added.
+    /// [`holes`](Self::holes) lists them. `most`: the part of the given area of each connected part that its caps may have
+    /// together, from 0 to 1, so that no sheet is taken for a body; 0.1 suits scans.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), but instead of [`MeshError::Open`] [`MeshError::Seam`], [`MeshError::HolesTouch`],
+    /// [`MeshError::HoleTooLong`], [`MeshError::HoleTooLarge`], [`MeshError::HoleNotClosed`] and [`MeshError::CloseHoles`].
+    pub fn closing_holes(positions: &[[T; 3]], triangles: &[[u32; 3]], most: f64) -> Result<Self, MeshError> {
+        if !(0.0..=1.0).contains(&most) {
+            return Err(MeshError::CloseHoles { value: most });
+        }
+        let mesh = Self::open(positions, triangles)?;
+        if !mesh.is_open() {
+            return Ok(mesh);
+        }
+        let (caps, holes) = holes::caps(&mesh, most)?;
+        let all = memory::listed(triangles.iter().copied().chain(caps));
+        Self::checked(positions, &all, Border::Refused, holes)
     }
 
     /// The same for a surface that may have a border: a floor, a wall, a piece of cloth. It is solid behind its triangles,
@@ -145,10 +169,15 @@ impl<T: Scalar> Mesh<T> {
     /// Those of [`new`](Self::new), but for [`MeshError::Open`]; [`MeshError::Inward`] and [`MeshError::Flat`] only for
     /// parts that are closed.
     pub fn open(positions: &[[T; 3]], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
-        Self::checked(positions, triangles, Border::Allowed)
+        Self::checked(positions, triangles, Border::Allowed, Vec::new())
     }
 
-    fn checked(positions: &[[T; 3]], triangles: &[[u32; 3]], border: Border) -> Result<Self, MeshError> {
+    fn checked(
+        positions: &[[T; 3]],
+        triangles: &[[u32; 3]],
+        border: Border,
+        holes: Vec<Hole>,
+    ) -> Result<Self, MeshError> {
         let reference = memory::listed(positions.iter().map(|&position| position.into()));
         let mut mesh = Self {
             topology: memory::shared(Topology::new(positions.len(), triangles, border)?),
@@ -166,6 +195,7 @@ impl<T: Scalar> Mesh<T> {
                 patches: OnceLock::new(),
                 triangles_in_space: OnceLock::new(),
                 roundness: OnceLock::new(),
+                holes,
             }),
         };
         mesh.place(positions, false)?;
@@ -318,6 +348,11 @@ impl<T: Scalar> Mesh<T> {
     pub fn scaled_normal(&self, triangle: u32) -> Vector3<T> {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(&(c - a))
+    }
+
+    /// The holes that [`closing_holes`](Self::closing_holes) closed.
+    pub fn holes(&self) -> &[Hole] {
+        &self.reference.holes
     }
 
     /// Whether the surface has a border.

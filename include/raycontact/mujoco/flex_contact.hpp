@@ -145,9 +145,11 @@ class FlexContact {
     return flexes;
   }
 
-  static Mesh mesh_of(const mjModel* m, int flex, const FlexSurface& surface) {
+  Mesh mesh_of(const mjModel* m, int flex, const FlexSurface& surface) const {
+    rayc_mesh_options mesh_options = default_mesh_options();
+    mesh_options.close_holes = options_.close_holes;
     try {
-      return Mesh(vectors(surface.positions), surface.triangles);
+      return Mesh(vectors(surface.positions), surface.triangles, mesh_options);
     } catch (const Error& error) {
       const char* advice = error.status() == RAYC_STATUS_MESH_OPEN
                                ? ". Contact takes closed solids; leave cloth to MuJoCo's own contact and name the "

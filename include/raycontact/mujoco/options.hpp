@@ -22,6 +22,7 @@ struct ContactOptions {
   double damping_time = 0.01;   ///< s, >= 0: damping over stiffness
   double friction = -1;         ///< Coulomb's coefficient, >= 0; -1: the first number of each flex's `friction`
   bool self_collision = false;  ///< also contacts of each flex with itself
+  double close_holes = 0;  ///< the largest part of a flex's area that caps over its holes may have: rayc_mesh_options
   rayc_sampling sampling = RAYC_SAMPLING_SPACING;  ///< where rays start
   /// See rayc_sampling. 0 with RAYC_SAMPLING_SPACING: a quarter of the smallest flex's element's or cell's edge.
   double sampling_value = 0;

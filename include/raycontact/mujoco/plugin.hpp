@@ -20,9 +20,9 @@ namespace raycontact::mujoco {
 constexpr const char* plugin_name = "raycontact.flex_contact";
 
 /** Its attributes: the numbers and names of ContactOptions. */
-constexpr std::array<const char*, 11> plugin_attributes{{"flexes", "pressure", "depth", "damping_time", "friction",
-                                                         "self_collision", "sampling", "sampling_value", "threads",
-                                                         "solves", "tolerance"}};
+constexpr std::array<const char*, 12> plugin_attributes{{"flexes", "pressure", "depth", "damping_time", "friction",
+                                                         "self_collision", "close_holes", "sampling",
+                                                         "sampling_value", "threads", "solves", "tolerance"}};
 
 namespace detail {
 
@@ -69,6 +69,7 @@ inline ContactOptions plugin_options(const mjModel* m, int instance) {
   options.damping_time = plugin_number(m, instance, "damping_time", options.damping_time);
   options.friction = plugin_number(m, instance, "friction", options.friction);
   options.self_collision = plugin_count(m, instance, "self_collision", 0) != 0;
+  options.close_holes = plugin_number(m, instance, "close_holes", options.close_holes);
   options.sampling = plugin_sampling(m, instance, options.sampling);
   options.sampling_value = plugin_number(m, instance, "sampling_value", options.sampling_value);
   options.threads = static_cast<uint32_t>(plugin_count(m, instance, "threads", 1));

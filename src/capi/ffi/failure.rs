@@ -123,7 +123,12 @@ pub(in crate::capi) fn mesh_status(error: &MeshError) -> rayc_status {
         MeshError::TooLarge { .. } => RAYC_STATUS_MESH_TOO_LARGE,
         MeshError::IndexOutOfRange { .. } => RAYC_STATUS_MESH_INDEX_OUT_OF_RANGE,
         MeshError::DegenerateTriangle { .. } => RAYC_STATUS_MESH_DEGENERATE_TRIANGLE,
-        MeshError::Open { .. } => RAYC_STATUS_MESH_OPEN,
+        MeshError::Open { .. }
+        | MeshError::Seam { .. }
+        | MeshError::HolesTouch { .. }
+        | MeshError::HoleTooLong { .. }
+        | MeshError::HoleTooLarge { .. }
+        | MeshError::HoleNotClosed { .. } => RAYC_STATUS_MESH_OPEN,
         MeshError::InconsistentOrientation { .. } => RAYC_STATUS_MESH_INCONSISTENT_ORIENTATION,
         MeshError::NonManifold { .. } => RAYC_STATUS_MESH_NON_MANIFOLD,
         MeshError::Inward { .. } => RAYC_STATUS_MESH_INWARD,
@@ -131,7 +136,7 @@ pub(in crate::capi) fn mesh_status(error: &MeshError) -> rayc_status {
         MeshError::NotFinite { .. } => RAYC_STATUS_NOT_FINITE,
         MeshError::Flat { .. } => RAYC_STATUS_MESH_FLAT,
         MeshError::Overflow { .. } | MeshError::BeyondRange { .. } => RAYC_STATUS_MESH_BEYOND_RANGE,
-        MeshError::CarrierSpacing { .. } => RAYC_STATUS_INVALID_OPTION,
+        MeshError::CarrierSpacing { .. } | MeshError::CloseHoles { .. } => RAYC_STATUS_INVALID_OPTION,
     }
 }
 

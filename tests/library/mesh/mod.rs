@@ -1,5 +1,6 @@
 //! Surfaces: files, orientation, and what no mesh can have.
 
+mod holes;
 mod obj_files;
 mod orientation;
 mod refused_numbers;
