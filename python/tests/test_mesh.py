@@ -170,3 +170,19 @@ def test_a_mesh_says_what_it_is_and_is_copied_whole():
         mesh.set_positions(moved)
     sheet = Mesh(positions, triangles[:-1], open=True)
     assert pickle.loads(pickle.dumps(sheet)).triangle_count == len(triangles) - 1
+
+
+def test_holes_are_closed_over_their_own_vertices():
+    x, faces = box((0, 0, 0), (1, 2, 3))
+    assert len(Mesh(x, faces).holes) == 0
+    mesh = Mesh(x, faces[1:], close_holes=0.2)
+    (hole,) = mesh.holes
+    assert (hole["first_triangle"], hole["triangle_count"], mesh.vertex_count) == (len(faces) - 1, 1, len(x))
+    assert sorted(mesh.faces[-1]) == sorted(faces[0])
+    assert volume(mesh.vertices, mesh.faces) == pytest.approx(6)
+    with pytest.raises(Error, match="close_holes is 0.01") as error:
+        Mesh(x, faces[1:], close_holes=0.01)
+    assert error.value.status == Status.MESH_OPEN
+    with pytest.raises(Error, match="leave one of them 0") as error:
+        Mesh(x, faces[1:], close_holes=0.2, open=True)
+    assert error.value.status == Status.INVALID_OPTION
