@@ -1,8 +1,8 @@
 //! Holes closed over the vertices around them. A cap adds no vertex, since the host could not move it and would not know the
 //! forces on it.
 
-use super::{Mesh, MeshError};
-use crate::math::{Scalar, Vector3};
+use super::{MeshError, Topology};
+use crate::math::{Aabb, Scalar, Vector3};
 use crate::memory;
 use crate::memory::Room;
 
@@ -31,12 +31,16 @@ pub struct Hole {
 type HalfEdge = (u32, u32, u32);
 
 /// The triangles that close all holes of an open mesh. They may have `most` of the area of each connected part together.
-pub(super) fn caps<T: Scalar>(mesh: &Mesh<T>, most: f64) -> Result<(Vec<[u32; 3]>, Vec<Hole>), MeshError> {
-    let topology = mesh.topology();
+pub(super) fn caps<T: Scalar>(
+    topology: &Topology,
+    positions: &[Vector3<T>],
+    aabb: &Aabb<T>,
+    most: f64,
+) -> Result<(Vec<[u32; 3]>, Vec<Hole>), MeshError> {
     // In units of the mesh's size, so that no area overflows or underflows.
-    let lower = mesh.aabb().lower.map(T::to_f64);
-    let size = (mesh.aabb().upper.map(T::to_f64) - lower).max();
-    let at = |vertex: u32| (mesh.placed_positions()[vertex as usize].map(T::to_f64) - lower) / size;
+    let lower = aabb.lower.map(T::to_f64);
+    let size = (aabb.upper.map(T::to_f64) - lower).max();
+    let at = |vertex: u32| (positions[vertex as usize].map(T::to_f64) - lower) / size;
     let mut half_edges: Vec<HalfEdge> = memory::with_room(3 * topology.triangles().len());
     for (triangle, &[a, b, c]) in (0..).zip(topology.triangles()) {
         half_edges.extend([(a, b, triangle), (b, c, triangle), (c, a, triangle)]);

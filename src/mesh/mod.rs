@@ -150,7 +150,7 @@ impl<T: Scalar> Mesh<T> {
         if !mesh.is_open() {
             return Ok(mesh);
         }
-        let (caps, holes) = holes::caps(&mesh, most)?;
+        let (caps, holes) = holes::caps(&mesh.topology, &mesh.positions, &mesh.aabb, most)?;
         let all = memory::listed(triangles.iter().copied().chain(caps));
         Self::checked(positions, &all, Border::Refused, holes)
     }
