@@ -267,6 +267,20 @@ void bad_input_is_refused() {
     refused(model(one + cloth), any, "flex 'cloth': RAYC_STATUS_MESH_OPEN");
     refused(model(one + cloth), any, "leave cloth to MuJoCo's own contact");
   }
+  // A hole is closed where it is small enough; cloth is none.
+  ContactOptions closing = options;
+  closing.close_holes = 0.2;
+  refused(model(one + cloth), closing, "close_holes is 0.2");
+  const std::string holed =
+      "<flexcomp name=\"holed\" type=\"direct\" dim=\"2\" radius=\"0.01\" mass=\"1\" pos=\"0 0 1\" "
+      "point=\"1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1\" "
+      "element=\"0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5\"><contact contype=\"0\"/></flexcomp>";
+  refused(model(holed), options, "close_holes");
+  {
+    const Model m = load(model(holed));
+    const Data d(mj_makeData(m.get()));
+    expect(AttachedContact(m.get(), d.get(), closing).contact().flex_count() == 1, test, "closes a hole");
+  }
   refused(
       model("<flexcomp name=\"held\" type=\"grid\" dim=\"3\" count=\"3 3 3\" spacing=\"0.1 0.1 0.1\" radius=\"0.01\">"
             "<edge equality=\"true\"/></flexcomp>"),
