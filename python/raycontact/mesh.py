@@ -87,8 +87,7 @@ class Mesh:
     @property
     def holes(self) -> NDArray[Any]:
         """What close_holes closed: first_triangle and triangle_count of each cap in faces, area_share of its part."""
-        count = answer(library.rayc_mesh_hole_count, self._handle)
-        return copied(library.rayc_mesh_copy_holes, count, self._handle, count)
+        return copied(library.rayc_mesh_copy_holes, n := answer(library.rayc_mesh_hole_count, h := self._handle), h, n)
 
     def closest_points(self, points: Array, bounds: Array = np.inf) -> NDArray[Any]:
         """The points of the surface, open or closed, that are nearest to `points`: triangle (NO_TRIANGLE where none is
