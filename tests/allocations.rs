@@ -313,6 +313,7 @@ fn a_steady_step_in_floats_or_of_many_scenes_allocates_nothing() {
         damping_time: 0.01,
         friction: 0.5,
         depth_cap: 0.01,
+        restitution: 0.0,
     };
     let systems: Vec<_> =
         scenes.iter_mut().map(|scene| system_of_two(scene, &mesh, &masses[..2 * count], &material)).collect();

@@ -19,6 +19,9 @@ pub(crate) struct Corners {
 }
 
 impl Corners {
+    /// No point: of a spring that many vertices share by weights that change, so that only its stretch is known.
+    pub(super) const NOWHERE: Self = Self { vertices: [0; 3], weights: [0.0; 3], height: 0.0 };
+
     /// Where it is, with the surface's vertices.
     pub(super) fn point(&self, vertex: impl Fn(u32) -> V3) -> V3 {
         let mut sum = V3::zeros();
@@ -39,6 +42,7 @@ impl Corners {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Hold {
     Material(Corners),
+    /// Seen from [nowhere](Corners::NOWHERE) the stretch of the spring.
     Space(V3),
 }
 

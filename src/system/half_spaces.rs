@@ -11,6 +11,8 @@ use crate::memory;
 use crate::memory::Room;
 use crate::mesh::Mesh;
 
+/// Vertices make rows of their own if each node carries fewer of them than this: they may part from the plane one by one.
+const FEWEST_OF_NODE: f64 = 4.0;
 /// A patch is at most this part of the flat piece of surface around it, which may be all that a body stands on.
 const PART: f64 = 0.25;
 
@@ -70,7 +72,7 @@ impl<T: Scalar> Below<T> {
 
 impl<T: Scalar> RowBuilder<'_, T> {
     /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
-    /// seen along the normal. Where nodes carry the body that are further apart than its vertices, the vertices of a patch
+    /// seen along the normal. Where nodes carry the body that are much further apart than its vertices, those of a patch
     /// make one row, and share its load by their areas.
     pub(super) fn add_half_space_rows(
         &mut self,
@@ -87,14 +89,16 @@ impl<T: Scalar> RowBuilder<'_, T> {
         }
         below.find(half_space, body, mesh);
         let all = mesh.topology().triangles();
-        let spacing = mesh.carrier_spacing().to_f64();
-        if spacing == 0.0 {
+        let (spacing, vertices) = (mesh.carrier_spacing().to_f64(), mesh.topology().surface_vertices());
+        let of_nodes = mesh.roundness().area / (spacing * spacing);
+        if (vertices.len() as f64) < of_nodes * FEWEST_OF_NODE {
             for place in 0..below.triangles.len() {
                 below.add_area(half_space, body, all[below.triangles[place].1 as usize]);
             }
-            for &vertex in mesh.topology().surface_vertices() {
+            for &vertex in vertices {
                 if let Some(pressed) = below.pressed(vertex) {
-                    self.add_half_space_row((number, half_space), body, [vertex; 2], None, pressed);
+                    let at = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
+                    self.add_half_space_row((number, half_space), body, vertex, (at, None), pressed);
                 }
             }
             return;
@@ -111,15 +115,12 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 end += 1;
             }
             below.bearing.clear();
-            let (mut load, mut sum, mut most, mut heaviest) = (0.0, 0.0, 0.0, 0);
+            let (mut load, mut sum) = (0.0, 0.0);
             for place in start..end {
                 for vertex in all[below.triangles[place].1 as usize] {
                     if let Some([depth, area]) = below.pressed(vertex) {
                         below.bearing.room_for(1).push((vertex, T::of(area)));
                         (load, sum) = (load + depth * area, sum + area);
-                        if depth * area > most {
-                            (most, heaviest) = (depth * area, vertex);
-                        }
                     }
                     below.vertices[vertex as usize][1] = 0.0;
                 }
@@ -127,23 +128,22 @@ impl<T: Scalar> RowBuilder<'_, T> {
             start = end;
             if sum > 0.0 {
                 below.bearing.iter_mut().for_each(|(_, weight)| *weight /= T::of(sum));
-                let (name, on) = ([patches.middle(patch), heaviest], Some(&*below.bearing));
-                self.add_half_space_row((number, half_space), body, name, on, [load / sum, sum]);
+                let ends = (Corners::NOWHERE, Some(&*below.bearing));
+                let name = patches.middle(patch);
+                self.add_half_space_row((number, half_space), body, name, ends, [load / sum, sum]);
             }
         }
     }
 
-    /// A row of a body's vertex, or of the patch that is named first, from the vertex that is named then. It acts on so much
-    /// area so deep below the plane.
+    /// A row of the vertex or patch with this name, which acts on so much area so deep below the plane.
     fn add_half_space_row(
         &mut self,
         (number, half_space): (u32, &HalfSpace),
         body: &Body<T>,
-        [name, vertex]: [u32; 2],
-        on: Option<&[(u32, T)]>,
+        name: u32,
+        (at, on): (Corners, Option<&[(u32, T)]>),
         [depth, area]: [f64; 2],
     ) {
-        let at = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
         let end = End { at: &at, on };
         let mut ends = Ends::default();
         self.add_end(&mut ends, 0, body, &end, None, &end.point_ahead(body));

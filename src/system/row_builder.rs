@@ -314,6 +314,9 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 let from = first.point_ahead(&old.from);
                 let to = self.held_at(key, &old.hold);
                 stretch = self.rows.rows[place].across(&(to - from));
+                if old.from == Corners::NOWHERE {
+                    stretch += slip.across * self.course.time;
+                }
             }
             let row = &mut self.rows.rows[place];
             (row.anchor, row.stretch) = (Some(anchor), stretch);

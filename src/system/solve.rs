@@ -1,6 +1,6 @@
 //! What a solver asks of a step under way, and how rows are held.
 
-use super::anchors::{Hold, seen_from};
+use super::anchors::{Corners, Hold, seen_from};
 use super::body::{Body, Course, Mover};
 use super::loads::Surface;
 use super::row::{Held, Row};
@@ -233,10 +233,10 @@ impl<T: Scalar> ContactSystem<T> {
             let is_dragged = stretch.norm() > most;
             let offset = if is_dragged { stretch * (most / stretch.norm()) } else { stretch };
             loads.now[row.pair].add_spring(row.coefficient, &(offset * row.order));
-            if !is_dragged && anchors.keep(anchor) {
+            let pending = anchors.pending[anchor];
+            if !is_dragged && pending.from != Corners::NOWHERE && anchors.keep(anchor) {
                 continue;
             }
-            let pending = anchors.pending[anchor];
             let Ok(first) = body(pending.key.0) else { continue };
             let point = pending.from.point(first.vertices(&course)) + offset;
             let hold = match (pending.on, pending.key.1) {
