@@ -623,7 +623,7 @@ enum rayc_status rayc_contact_system_explicit_step_f32(struct rayc_contact_syste
  * number_count: three times the number of nodes of each system, all of which have equally many, or none; the numbers of
  * system i begin at i * number_count of the three arrays.
  *
- * statuses[i]: what the call for scene i would have returned. Where one is an error, the others are done nevertheless; the call
+ * statuses: of each scene, what the call for it would have returned. Where one is an error, the others are done nevertheless; the call
  * returns the first error, and rayc_last_error_message() names its scene.
  *
  * Errors: those of rayc_contact_system_begin(). Where the first scene is no handle or an array is NULL, nothing is done
@@ -641,7 +641,7 @@ enum rayc_status rayc_contact_systems_begin(size_t count,
 
 /**
  * rayc_contact_system_detect_again() for many scenes at once: see rayc_contact_systems_begin(). number_count: the number of
- * unknowns of each system; is_more[i]: 0 or 1 for each scene that has no error.
+ * unknowns of each system; is_more: 0 or 1 for each scene that has no error.
  *
  * Errors: those of rayc_contact_system_detect_again(), as there.
  */

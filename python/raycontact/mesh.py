@@ -19,9 +19,8 @@ from ._library import numbers, options, rows, to_read
 class Mesh:
     """A triangle surface: fixed triangles, positions that may be renewed.
 
-    positions: (n, 3), finite, in m; triangles: (m, 3), vertex numbers from 0, used where they lie if they are uint32.
-    Vertices that no triangle uses are allowed. Options, as for open surfaces and for holes: see MeshOptions. Questions
-    about k `points`, (k, 3), have (k,) answers; structured ones have the fields of the C header's structs.
+    positions: (n, 3), finite, in m; triangles: (m, 3), vertex numbers from 0, used where they lie if they are uint32; a
+    vertex may have none. Questions about k `points`, (k, 3), have (k,) answers; structured ones are C's structs.
     """
 
     def __init__(self, positions: Array, triangles: Array, **mesh_options: Unpack[MeshOptions]) -> None:

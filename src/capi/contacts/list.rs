@@ -36,7 +36,7 @@ pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut
 /// rayc_scene_query() for many scenes at once: scene i into contacts i, on the threads of the first scene, a scene on one
 /// thread at a time. Each gets the same contacts as by itself. No handle may come twice.
 ///
-/// statuses[i]: what the call for scene i would have returned. Where one is an error, the others are done nevertheless; the call
+/// statuses: of each scene, what the call for it would have returned. Where one is an error, the others are done nevertheless; the call
 /// returns the first error, and rayc_last_error_message() names its scene.
 ///
 /// Errors: those of rayc_scene_query(). Where the first scene is no handle or an array is NULL, nothing is done and no
