@@ -105,7 +105,7 @@ pub(crate) fn add_forces_of<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
 }
 
 /// Adds `stiffness_factor` · (∂force/∂position) d + `damping_factor` · (∂force/∂velocity) d to `forces`, for the
-/// displacements d, without friction; both Jacobians are negative semi-definite. What an implicit integrator asks once per iteration.
+/// displacements d, without friction; both Jacobians are negative semi-definite. Implicit integrators ask it in each iteration.
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.

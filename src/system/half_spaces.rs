@@ -72,8 +72,8 @@ impl<T: Scalar> Below<T> {
 
 impl<T: Scalar> RowBuilder<'_, T> {
     /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
-    /// seen along the normal. Where nodes carry the body that are much further apart than its vertices, those of a patch
-    /// make one row, and share its load by their areas.
+    /// seen along the normal. In a step that looks ahead, of a body whose nodes are much further apart than its vertices,
+    /// those of a patch make one row, and share its load by their areas.
     pub(super) fn add_half_space_rows(
         &mut self,
         (number, half_space): (u32, &HalfSpace),
@@ -91,7 +91,8 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let all = mesh.topology().triangles();
         let (spacing, vertices) = (mesh.carrier_spacing().to_f64(), mesh.topology().surface_vertices());
         let of_nodes = mesh.roundness().area / (spacing * spacing);
-        if (vertices.len() as f64) < of_nodes * FEWEST_OF_NODE {
+        // A patch's stretch follows the predicted motion, and without one only points tell how far a spring is stretched.
+        if (vertices.len() as f64) < of_nodes * FEWEST_OF_NODE || self.course.time <= 0.0 {
             for place in 0..below.triangles.len() {
                 below.add_area(half_space, body, all[below.triangles[place].1 as usize]);
             }

@@ -152,3 +152,32 @@ fn what_stands_in_a_coarse_cage_does_not_tip_over() {
         assert!((force.z / exact.z - 1.0).abs() < 0.1, "{force}, not {exact}");
     }
 }
+
+/// Two explicit steps of a caged box that has sunk into a floor and lies aside by the second: each part of its lower side is
+/// pulled back by a spring as stiff as the floor, whoever carries it.
+#[test]
+fn friction_of_an_explicit_host_holds_a_caged_body_on_a_half_space() {
+    let caged = Caged { surface: shapes::cube(8).scaled(0.2), nodes: [2; 3] };
+    let (sunk, aside, stiffness) = (0.002, 1e-4, 1e5);
+    let material = Material { stiffness, damping_time: 0.0, friction: 0.5, depth_cap: f64::INFINITY, restitution: 0.0 };
+    let mut scene = Scene::<f64>::new(1).expect("no thread is started");
+    let body = scene.add(caged.surface.mesh());
+    let mut system = ContactSystem::new(RigidUnknowns::Eliminated);
+    system.set_node_masses(&[1.0; 8]).expect("masses");
+    let (offsets, nodes, weights) = caged.weights();
+    let carriers = Carriers::Weights { offsets: &offsets, nodes: &nodes, weights: &weights };
+    system.add_deformable(&scene, body, 0..8, carriers, material).expect("a body");
+    let floor = caged.corner(false)[2] + sunk;
+    system.add_half_space([0.0, 0.0, 1.0], floor, material).expect("a floor");
+    let (mut x, still) = (caged.node_positions(), [0.0; 24]);
+    for step in 0..2 {
+        let mut forces = [0.0; 24];
+        system.explicit_step(&mut scene, 1e-3, &x, &still, &mut forces).expect("a step");
+        let [along, up] = [0, 2].map(|axis| forces.iter().skip(axis).step_by(3).sum::<f64>());
+        // Both surfaces in series; the box's lower side has 0.16 m².
+        let spring = 0.5 * stiffness * 0.16;
+        assert!((up / (spring * sunk) - 1.0).abs() < 0.1, "{step}: {up} N up");
+        assert!((along + spring * aside * f64::from(step)).abs() < 0.1 * spring * aside, "{step}: {along} N along");
+        x.iter_mut().step_by(3).for_each(|x| *x += aside);
+    }
+}
