@@ -1,6 +1,7 @@
 use super::anchors::Corners;
+use super::error::{SystemError, check_count, check_range};
+use super::material::Material;
 use super::twist::{V3, angular, linear, rotation};
-use super::{Material, SystemError, check_count};
 use crate::contact::SurfacePoint;
 use crate::math::{Pose, Scalar, margins};
 use crate::memory;
@@ -90,7 +91,7 @@ impl Frame {
     }
 
     pub(super) fn place(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
-        let check = |what, numbers: &[f64]| super::check_range(what, numbers);
+        let check = |what, numbers: &[f64]| check_range(what, numbers);
         check("position", &motion.position)?;
         check("velocity", &motion.velocity)?;
         check("free_velocity", &motion.free_velocity)?;
@@ -132,7 +133,7 @@ impl Table {
                 if offsets[0] != 0 || offsets[vertices] as usize != nodes.len() {
                     return Err(SystemError::Offsets { vertex: if offsets[0] != 0 { 0 } else { vertices } });
                 }
-                super::check_range("weights", weights)?;
+                check_range("weights", weights)?;
                 for vertex in 0..vertices {
                     let own = offsets[vertex] as usize..offsets[vertex + 1] as usize;
                     if let Some(&node) = nodes[own.clone()].iter().find(|&&node| node as usize >= node_count) {

@@ -1,8 +1,8 @@
 //! A second detection within a step: a body that was stopped may be in the way of another one.
 
 use super::body::Mover;
+use super::buffers::{Step, copy, square_between};
 use super::row_builder::pressed_area;
-use super::step::{Step, copy, square_between};
 use super::{ContactSystem, SystemError};
 use crate::math::Scalar;
 use crate::memory::Room;

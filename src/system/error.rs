@@ -227,3 +227,35 @@ impl fmt::Display for SystemError {
 }
 
 impl std::error::Error for SystemError {}
+
+pub(crate) fn check_count(what: &'static str, given: usize, expected: usize) -> Result<(), SystemError> {
+    if given == expected { Ok(()) } else { Err(SystemError::WrongCount { what, given, expected }) }
+}
+
+pub(crate) fn check_range(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
+    check_within(what, numbers, margins::LARGEST_GIVEN)
+}
+
+/// `most`: a power of two.
+pub(crate) fn check_within(what: &'static str, numbers: &[f64], most: f64) -> Result<(), SystemError> {
+    let to_largest = f64::MAX / most;
+    // Only NaN and infinity give something else than 0 when multiplied by 0. Without a branch, the loop checks several at once.
+    let (eights, rest) = numbers.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for eight in eights {
+        for k in 0..8 {
+            sums[k] += eight[k] * to_largest * 0.0;
+        }
+    }
+    let is_within = |number: &f64| (number * to_largest).is_finite();
+    if sums.iter().chain(rest).all(is_within) {
+        return Ok(());
+    }
+    match numbers.iter().position(|number| !is_within(number)) {
+        Some(index) if numbers[index].is_finite() => {
+            Err(SystemError::BeyondRange { what, index, value: numbers[index], most })
+        }
+        Some(index) => Err(SystemError::NotFinite { what, index, value: numbers[index] }),
+        None => Ok(()),
+    }
+}

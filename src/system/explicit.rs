@@ -1,4 +1,5 @@
-use super::{ContactSystem, RigidUnknowns, SystemError, check_count};
+use super::error::check_count;
+use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::Scalar;
 use crate::memory;
 use crate::memory::Room;

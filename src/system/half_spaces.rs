@@ -150,7 +150,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
         self.add_end(&mut ends, 0, body, &end, None, &end.point_ahead(body));
         let key = (body.number, Surface::HalfSpace(number));
         let spring = Spring { key, direction: half_space.normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
-        let pair = self.pair(key, Some(half_space));
+        let pair = self.pair(key, Some(&half_space.material));
         self.finish(spring, pair, ends, Some((name, at, None)));
     }
 }

@@ -31,6 +31,34 @@ mod work {
 /// linearisations: each forgets so much of it.
 const FORGOTTEN: f64 = 0.03;
 
+/// How many products a solve asks for, as far as known.
+#[derive(Debug, Default)]
+pub(super) struct ProductCount {
+    asked: usize,
+    before: Option<usize>,
+}
+
+impl ProductCount {
+    /// Where nothing is known yet.
+    const TYPICAL: usize = 30;
+
+    pub(super) fn ask(&mut self) {
+        self.asked += 1;
+    }
+
+    pub(super) fn linearise(&mut self) {
+        if self.asked > 0 {
+            self.before = Some(self.before.map_or(self.asked, |before| (before + self.asked).div_ceil(2)));
+            self.asked = 0;
+        }
+    }
+
+    /// Until the next linearisation: later solves of a step ask for less than its first one, so it is a mean.
+    pub(super) fn expected(&self) -> usize {
+        self.before.unwrap_or(Self::TYPICAL)
+    }
+}
+
 /// Blocks of lines on and above the diagonal. Each is symmetric, a sum of normal · d dᵀ + tangential · (1 − d dᵀ), and stands
 /// for its mirror too.
 #[derive(Debug, Default)]

@@ -18,6 +18,7 @@
 
 mod anchors;
 mod body;
+mod buffers;
 mod compressed;
 mod coupling;
 mod detect_again;
@@ -44,6 +45,7 @@ mod twist;
 pub use body::{Carriers, Motion};
 pub use compressed::CompressedRows;
 pub use error::SystemError;
+pub(crate) use error::{check_count, check_range, check_within};
 pub use loads::Surface;
 pub use material::Material;
 
@@ -56,6 +58,7 @@ use crate::mesh::Mesh;
 use crate::scene::Scene;
 use anchors::Anchors;
 use body::{Body, Frame, Mover, Table};
+use buffers::{Buffers, Step};
 use compressed::Compressed;
 use half_spaces::{Below, HalfSpace};
 use loads::{Key, PairLoads};
@@ -97,8 +100,8 @@ pub struct ContactSystem<T: Scalar> {
     compressed: Compressed,
     pub(crate) anchors: Anchors,
     pub(crate) loads: PairLoads,
-    pub(crate) step: Option<step::Step>,
-    pub(crate) buffers: step::Buffers,
+    pub(crate) step: Option<Step>,
+    pub(crate) buffers: Buffers,
     below: Below<T>,
 }
 
@@ -120,7 +123,7 @@ impl<T: Scalar> ContactSystem<T> {
             anchors: Anchors::default(),
             loads: PairLoads::default(),
             step: None,
-            buffers: step::Buffers::default(),
+            buffers: Buffers::default(),
             below: Below::default(),
         }
     }
@@ -335,36 +338,4 @@ fn mass_of(masses: &[f64], nodes: Range<u32>) -> f64 {
 fn is_mass(mass: f64) -> bool {
     let [least, most] = margins::MASSES;
     (least..=most).contains(&mass)
-}
-
-pub(crate) fn check_count(what: &'static str, given: usize, expected: usize) -> Result<(), SystemError> {
-    if given == expected { Ok(()) } else { Err(SystemError::WrongCount { what, given, expected }) }
-}
-
-pub(crate) fn check_range(what: &'static str, numbers: &[f64]) -> Result<(), SystemError> {
-    check_within(what, numbers, margins::LARGEST_GIVEN)
-}
-
-/// `most`: a power of two.
-pub(crate) fn check_within(what: &'static str, numbers: &[f64], most: f64) -> Result<(), SystemError> {
-    let to_largest = f64::MAX / most;
-    // Only NaN and infinity give something else than 0 when multiplied by 0. Without a branch, the loop checks several at once.
-    let (eights, rest) = numbers.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for eight in eights {
-        for k in 0..8 {
-            sums[k] += eight[k] * to_largest * 0.0;
-        }
-    }
-    let is_within = |number: &f64| (number * to_largest).is_finite();
-    if sums.iter().chain(rest).all(is_within) {
-        return Ok(());
-    }
-    match numbers.iter().position(|number| !is_within(number)) {
-        Some(index) if numbers[index].is_finite() => {
-            Err(SystemError::BeyondRange { what, index, value: numbers[index], most })
-        }
-        Some(index) => Err(SystemError::NotFinite { what, index, value: numbers[index] }),
-        None => Ok(()),
-    }
 }

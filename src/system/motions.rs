@@ -3,7 +3,6 @@
 
 use super::lines::Four;
 use super::row::{Entry, Row, Slip};
-use super::rows::Rows;
 use super::twist::V3;
 use crate::memory;
 use crate::simd::{Kernel, Lanes, dispatch};
@@ -21,12 +20,10 @@ impl Motions {
     pub(super) fn clear(&mut self) {
         self.of_rows.clear();
     }
-}
 
-impl Rows {
-    /// Finds what [`slip_at`](Self::slip_at) needs to know of the nodes' velocities.
-    pub(super) fn find_motions(&mut self, velocities: &[f64]) {
-        let Self { rows, entries, motions: Motions { nodes, of_rows }, .. } = self;
+    /// Finds what [`slip`](Self::slip) needs to know of the nodes' velocities; `entries` are those of all rows.
+    pub(super) fn find(&mut self, rows: &[Row], entries: &[Entry], velocities: &[f64]) {
+        let Self { nodes, of_rows } = self;
         let velocities = velocities.as_chunks::<3>().0;
         let is_same =
             |(padded, of_node): (&Four, &[f64; 3])| (0..3).all(|k| padded[k].to_bits() == of_node[k].to_bits());
@@ -40,9 +37,8 @@ impl Rows {
     }
 
     /// How the two points of a row move, at the velocities of nodes for which motions were found.
-    pub(super) fn slip_at(&self, place: usize, twists: &[f64]) -> Slip {
-        let row = &self.rows[place];
-        let [mut along, mut across] = self.motions.of_rows[place].map(|[x, y, z, _]| V3::new(x, y, z));
+    pub(super) fn slip(&self, row: &Row, place: usize, twists: &[f64]) -> Slip {
+        let [mut along, mut across] = self.of_rows[place].map(|[x, y, z, _]| V3::new(x, y, z));
         for end in row.rigid.iter().flatten() {
             let v = end.velocity(twists);
             along += v;

@@ -9,34 +9,6 @@ use super::twist::V3;
 use crate::memory;
 use crate::memory::Room;
 
-/// How many products a solve asks for, as far as known.
-#[derive(Debug, Default)]
-pub(super) struct ProductCount {
-    asked: usize,
-    before: Option<usize>,
-}
-
-impl ProductCount {
-    /// Where nothing is known yet.
-    const TYPICAL: usize = 30;
-
-    fn ask(&mut self) {
-        self.asked += 1;
-    }
-
-    fn linearise(&mut self) {
-        if self.asked > 0 {
-            self.before = Some(self.before.map_or(self.asked, |before| (before + self.asked).div_ceil(2)));
-            self.asked = 0;
-        }
-    }
-
-    /// Until the next linearisation: later solves of a step ask for less than its first one, so it is a mean.
-    fn expected(&self) -> usize {
-        self.before.unwrap_or(Self::TYPICAL)
-    }
-}
-
 impl Rows {
     /// To be called when rows are held anew.
     pub(super) fn forget_products(&mut self) {

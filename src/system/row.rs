@@ -118,6 +118,11 @@ pub(super) struct Spring {
 }
 
 impl Row {
+    /// Adds what the row's force on its first body does to those of its bodies that are rigid.
+    pub(super) fn add_rigid_loads(&self, force: &V3, loads: &mut [f64]) {
+        self.rigid.iter().flatten().for_each(|end| end.add_load(&-force, loads));
+    }
+
     /// The depth that a step asks for: the cap is on the depth of the pressure, `depth` · `cos_alpha`, and is for what there
     /// was at the start of the step. What bodies close within it is met in full.
     pub(super) fn asked(depth: f64, cos_alpha: f64, closing: f64, cap: f64) -> f64 {

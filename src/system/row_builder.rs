@@ -3,7 +3,6 @@
 use super::Material;
 use super::anchors::{Anchors, Corners, Hold, sorted};
 use super::body::{Body, Course, Mover, weights_of};
-use super::half_spaces::HalfSpace;
 use super::loads::{Key, PairLoads, Surface, in_order};
 use super::row::{Entry, Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
@@ -196,14 +195,14 @@ impl<T: Scalar> RowBuilder<'_, T> {
     }
 
     /// The row's pair, and where it is its first row its material.
-    pub(super) fn pair(&mut self, key: Key, floor: Option<&HalfSpace>) -> usize {
+    pub(super) fn pair(&mut self, key: Key, floor: Option<&Material>) -> usize {
         let Self { bodies, pair_materials, loads, .. } = self;
         loads.place(key, || {
             let find = |number: u32| &bodies[place_of(bodies, number)];
             let first = find(key.0);
             let (other, inverse_mass) = match (key.1, floor) {
                 (Surface::Body(number), _) => (find(number).material, 1.0 / find(number).mass),
-                (_, floor) => (floor.map_or(first.material, |floor| floor.material), 0.0),
+                (_, floor) => (*floor.unwrap_or(&first.material), 0.0),
             };
             let own = pair_materials.binary_search_by_key(&in_order(key).0, |(pair, _)| *pair).ok();
             let material = own.map_or_else(|| first.material.combined(&other), |place| pair_materials[place].1);

@@ -2,7 +2,6 @@
 
 use super::lines::{Four, Lines};
 use super::row::{Entry, Row, Spring};
-use super::rows::Rows;
 use super::twist::V3;
 use crate::memory;
 use crate::memory::Room;
@@ -65,7 +64,7 @@ impl RowByRow {
         for (spring, motion) in self.coupled.iter().zip(&self.motions) {
             let [push, pull] = spring.forces(motion);
             let force: [f64; 3] = std::array::from_fn(|axis| -scale * (push[axis] + pull[axis]));
-            Rows::scatter_rigid(&rows[spring.place as usize].rigid, &force.into(), loads);
+            rows[spring.place as usize].add_rigid_loads(&force.into(), loads);
         }
     }
 

@@ -3,9 +3,8 @@
 use super::body::at;
 use super::coupling::RigidCoupling;
 use super::lines::Lines;
-use super::matrix::NodeMatrix;
+use super::matrix::{NodeMatrix, ProductCount};
 use super::motions::Motions;
-use super::products::ProductCount;
 use super::row::{Entry, RigidEnd, Row, Slip, Spring};
 use super::row_by_row::RowByRow;
 use super::twist::{Factor, V3, angular, linear};
@@ -117,6 +116,16 @@ impl Rows {
         (slip, row.across(&across_before))
     }
 
+    /// Finds what [`slip_at`](Self::slip_at) needs to know of the nodes' velocities.
+    pub(super) fn find_motions(&mut self, velocities: &[f64]) {
+        self.motions.find(&self.rows, &self.entries, velocities);
+    }
+
+    /// How the two points of a row move, at the velocities of nodes for which motions were found.
+    pub(super) fn slip_at(&self, place: usize, twists: &[f64]) -> Slip {
+        self.motions.slip(&self.rows[place], place, twists)
+    }
+
     /// How much faster than before each of a row's two bodies is to leave the other, along its direction, together.
     pub(super) fn leaving_gained(&self, place: usize, before: Velocities<'_>, free: Velocities<'_>) -> f64 {
         let row = &self.rows[place];
@@ -156,10 +165,6 @@ impl Rows {
         });
     }
 
-    pub(super) fn scatter_rigid(ends: &[Option<RigidEnd>; 2], force: &V3, twists: &mut [f64]) {
-        ends.iter().flatten().for_each(|end| end.add_load(&-force, twists));
-    }
-
     /// Calls `use_force(row, force)` with the forces that rows exert, as they are held, with motions found before.
     pub(crate) fn for_each_force(&self, twists: &[f64], scale: f64, mut use_force: impl FnMut(usize, RowForce)) {
         for place in 0..self.rows.len() {
@@ -177,7 +182,7 @@ impl Rows {
         self.for_each_force(twists, scale, |place, force| {
             self.scatter(place, &force, nodes);
             if let Some(loads) = &mut loads {
-                Self::scatter_rigid(&self.rows[place].rigid, &force.whole, loads);
+                self.rows[place].add_rigid_loads(&force.whole, loads);
             }
         });
     }

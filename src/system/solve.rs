@@ -2,12 +2,13 @@
 
 use super::anchors::{Corners, Hold, seen_from};
 use super::body::{Body, Course, Mover};
+use super::buffers::{Buffers, Step};
+use super::error::{check_count, check_range};
 use super::loads::Surface;
 use super::row::{Held, Row};
 use super::rows::Velocities;
-use super::step::{Buffers, Step};
 use super::twist::V3;
-use super::{CompressedRows, ContactSystem, RigidUnknowns, SystemError, check_count};
+use super::{CompressedRows, ContactSystem, RigidUnknowns, SystemError};
 use crate::math::{Scalar, margins};
 
 impl<T: Scalar> ContactSystem<T> {
@@ -33,7 +34,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn add_product(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
         let step = self.check_unknowns("change", change, margins::LARGEST_FACTOR)?;
-        super::check_range("factor", &[factor])?;
+        check_range("factor", &[factor])?;
         check_count("result", result.len(), step.unknowns)?;
         let (nodes, twists) = change.split_at(3 * self.node_masses.len());
         let (to, to_twists) = result.split_at_mut(3 * self.node_masses.len());
@@ -56,7 +57,7 @@ impl<T: Scalar> ContactSystem<T> {
         mut use_block: impl FnMut(usize, usize, [f64; 9]),
     ) -> Result<(), SystemError> {
         self.check_has_blocks()?;
-        super::check_range("factor", &[factor])?;
+        check_range("factor", &[factor])?;
         self.rows.for_each_block(self.node_masses.len(), factor, |_, row, column, block| use_block(row, column, block));
         Ok(())
     }
@@ -68,7 +69,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// 2³¹ − 1 numbers or rows.
     pub fn compressed_rows(&mut self, factor: f64) -> Result<CompressedRows<'_>, SystemError> {
         self.check_has_blocks()?;
-        super::check_range("factor", &[factor])?;
+        check_range("factor", &[factor])?;
         let blocks = self.unknown_count() / 3;
         if !self.compressed.assemble(&self.rows, self.node_masses.len(), blocks, factor, i32::MAX) {
             return Err(SystemError::MatrixSize);

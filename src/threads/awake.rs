@@ -1,7 +1,6 @@
 //! Keeps a pool's threads awake from the first phase of a step to its last: between phases they would fall asleep, and
 //! waking one takes as long as a small phase.
 
-use super::cores::Placement;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -12,15 +11,14 @@ thread_local! {
 }
 
 /// Runs the work on a thread of a pool while so many others look for parts of it.
-pub(crate) fn keep_awake(others: usize, placement: &Placement, work: impl FnOnce() + Send) {
+pub(crate) fn keep_awake(others: usize, work: impl FnOnce() + Send) {
     let is_done = AtomicBool::new(false);
     let work = || {
         let _done = SetAtEnd(&is_done);
         at_work(work);
     };
     if others > 0 {
-        let restricted = placement.keep_others_off_this_core();
-        rayon::join(work, || look_for_work(others, &|| restricted.release(), &is_done));
+        rayon::join(work, || look_for_work(others, &is_done));
     } else {
         work();
     }
@@ -90,18 +88,17 @@ fn at_work(part: impl FnOnce()) {
     part();
 }
 
-fn look_for_work(threads: usize, begin: &(dyn Fn() + Sync), is_done: &AtomicBool) {
+fn look_for_work(threads: usize, is_done: &AtomicBool) {
     if threads > 1 {
-        rayon::join(|| look_until(begin, is_done), || look_for_work(threads - 1, begin, is_done));
+        rayon::join(|| look_until(is_done), || look_for_work(threads - 1, is_done));
     } else {
-        look_until(begin, is_done);
+        look_until(is_done);
     }
 }
 
-fn look_until(begin: &(dyn Fn() + Sync), is_done: &AtomicBool) {
+fn look_until(is_done: &AtomicBool) {
     // A thread that waits within a part for another may take this up: what it waits for might wait for that part in turn.
     if DEPTH.get() == 0 {
-        begin();
         at_work(|| help_until(is_done));
     }
 }

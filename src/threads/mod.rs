@@ -2,11 +2,9 @@
 
 mod append;
 mod awake;
-mod cores;
 #[cfg(test)]
 pub(crate) mod faults;
 
-use cores::Placement;
 use rayon::ThreadPoolBuildError;
 use std::fmt;
 use std::mem;
@@ -167,9 +165,7 @@ impl Threads {
             work();
         };
         match &self.pool {
-            Some(Pool { pool: Some(pool), placement, others, .. }) => {
-                pool.install(|| awake::keep_awake(*others, placement, work));
-            }
+            Some(Pool { pool: Some(pool), others, .. }) => pool.install(|| awake::keep_awake(*others, work)),
             _ => work(),
         }
     }
@@ -182,7 +178,6 @@ struct Pool {
     /// Taken on dropping.
     pool: Option<rayon::ThreadPool>,
     threads: Vec<JoinHandle<()>>,
-    placement: Arc<Placement>,
     /// How many threads beside the first have a core of their own: more would only take turns.
     others: usize,
 }
@@ -192,23 +187,16 @@ impl Pool {
         let cores = available_parallelism().map_or(1, NonZeroUsize::get);
         let count = if count == 0 { cores } else { count };
         let mut threads = Vec::with_capacity(count);
-        let placement = Arc::new(Placement::new(count));
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(count)
             .spawn_handler(|thread| {
-                let (number, placement) = (thread.index(), placement.clone());
-                let work = move || {
-                    placement.register(number);
-                    thread.run();
-                };
-                threads.push(Builder::new().name(format!("raycontact-{number}")).spawn(work)?);
+                let name = format!("raycontact-{}", thread.index());
+                threads.push(Builder::new().name(name).spawn(|| thread.run())?);
                 Ok(())
             })
             .build();
         match pool {
-            Ok(pool) => {
-                Ok(Self { process: process::id(), pool: Some(pool), threads, placement, others: count.min(cores) - 1 })
-            }
+            Ok(pool) => Ok(Self { process: process::id(), pool: Some(pool), threads, others: count.min(cores) - 1 }),
             Err(error) => {
                 // Those that had been started are told to end.
                 join(threads);
