@@ -38,21 +38,25 @@ def figure8(rows):
 FORCES = {"references": "", "aside": "lateral force over what is allowed, ", "steps": "jump at one of 1000 steps, %: ",
           "paths": "net work of closed paths, %: ", "slab": "error to k × volume, %: ",
           "rolled": "tangential over normal force, %: "}
+# The same of those that have one law.
+HARD = {"dense": "net force to that of dense samples, %: ", "threads": "axial force, %: ",
+        "patch": "stress to its mean, %: "}
 
 
-def forces(rows):
-    """Of each case and its bodies: median, ninety of a hundred, worst; by the paper's law and by default."""
+def forces(rows, cases, laws):
+    """Of each case and its bodies: median, ninety of a hundred, worst; by each law, which has a name in the table."""
     found = {}
     for line in rows:
-        found.setdefault((line["case"], line["bodies"]), {})[line["law"]] = line
+        if line["case"] in cases:
+            found.setdefault((line["case"], line["bodies"]), {})[line["law"]] = line
     lines = []
-    for (case, bodies), laws in found.items():
-        scale = 100 if "%" in FORCES[case] or bodies.endswith("(part)") else 1
+    for (case, bodies), of_laws in found.items():
+        scale = 100 if "%" in cases[case] or bodies.endswith("(part)") else 1
         name = bodies.replace("(part)", "(%)") if bodies.endswith("(part)") else bodies
-        cells = [" / ".join(f"{scale * float(laws[law][column]):.2g}" for column in ("median", "ninety", "worst"))
-                 for law in ("ray length", "default")]
-        lines.append([FORCES[case] + name, *cells])
-    return table(["case", "the paper's law: median / 90 % / worst", "pressure: median / 90 % / worst"], lines)
+        cells = [" / ".join(f"{scale * float(of_laws[law][column]):.2g}" for column in ("median", "ninety", "worst"))
+                 if law in of_laws else "–" for law in laws]
+        lines.append([cases[case] + name, *cells])
+    return table(["case", *(f"{name}: median / 90 % / worst" for name in laws.values())], lines)
 
 
 def order(rows, column):
@@ -79,8 +83,10 @@ def convergence(rows, kinds):
 def tables(folder):
     """Of docs/accuracy.md, from the folder docs."""
     errors = document_tables.rows(os.path.join(folder, "accuracy", "convergence.csv"))
+    measured = document_tables.rows(os.path.join(folder, "accuracy", "forces.csv"))
     return {
-        "forces": forces(document_tables.rows(os.path.join(folder, "accuracy", "forces.csv"))),
+        "forces": forces(measured, FORCES, {"ray length": "the paper's law", "default": "pressure"}),
+        "hard forces": forces(measured, HARD, {"default": "0.01, the default", "accuracy 0.001": "0.001"}),
         "figure8": figure8(document_tables.rows(os.path.join(folder, "accuracy", "figure8.csv"))),
         "convergence": convergence(errors, DEFAULTS),
         "convergence, others": convergence(errors, OTHERS),

@@ -39,7 +39,7 @@ pub fn measure(poses: usize, seed: u64) -> Vec<Row> {
     rows
 }
 
-fn random_vector(random: &mut impl FnMut() -> f64) -> Vector {
+pub fn random_vector(random: &mut impl FnMut() -> f64) -> Vector {
     loop {
         let vector = Vector::new(random(), random(), random());
         if (0.01..1.0).contains(&vector.norm_squared()) {

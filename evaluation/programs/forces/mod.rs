@@ -2,9 +2,12 @@
 
 mod closed_paths;
 mod cubes_aside;
+mod dense;
+mod patch_test;
 mod references;
 mod slab;
 mod steps;
+mod threads;
 
 use crate::support::Mode;
 use crate::support::arguments::Arguments;
@@ -13,7 +16,8 @@ use std::process::ExitCode;
 pub const HELP: &str = "\
 Measures default contact forces, and those of the paper's law, against what is known of them.
 
-  --only NAME     one case of: references, aside, steps, paths, slab, rolled (default: all)
+  --only NAME     one case of: references, aside, steps, paths, slab, rolled, dense, threads,
+                  patch (default: all)
   --poses N       random poses of each case (default 1000)
   --seed S        of the random poses (default 1)
   --help          this text
@@ -40,13 +44,16 @@ impl Row {
 /// Measures one case.
 type Measure = fn(poses: usize, seed: u64) -> Vec<Row>;
 
-const CASES: [(&str, Measure); 6] = [
+const CASES: [(&str, Measure); 9] = [
     ("references", references::measure),
     ("aside", cubes_aside::measure),
     ("steps", steps::measure),
     ("paths", closed_paths::measure),
     ("slab", slab::measure),
     ("rolled", slab::measure_rolled),
+    ("dense", dense::measure),
+    ("threads", threads::measure),
+    ("patch", patch_test::measure),
 ];
 
 pub fn main(mut arguments: Arguments) -> ExitCode {

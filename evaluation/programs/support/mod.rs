@@ -43,7 +43,8 @@ impl Mode {
         }
     }
 
-    fn options(self) -> DetectionOptions<f64> {
+    /// What it asks of detection.
+    pub fn options(self) -> DetectionOptions<f64> {
         match self {
             Self::Paper => DetectionOptions::paper(),
             Self::Vertices => DetectionOptions { law: ContactLaw::default(), ..DetectionOptions::paper() },
@@ -68,21 +69,41 @@ pub struct Net {
     pub force: Vector,
     /// Their moment about the point asked for.
     pub torque: Vector,
+    /// The sum of their lengths.
+    pub load: f64,
     /// Rays traced, both ways.
     pub rays: u64,
 }
 
 /// Detects the contacts of two meshes and sums up what they do to the first.
 pub fn net_force(mode: Mode, a: &Mesh<f64>, b: &Mesh<f64>, about: &Vector) -> Net {
+    net_force_by(&mode.options(), mode.weighting(), a, b, about)
+}
+
+/// The same by samples that lie this close everywhere, so many that their errors do not show.
+pub fn dense_net_force(spacing: f64, a: &Mesh<f64>, b: &Mesh<f64>) -> Net {
+    let options = DetectionOptions { sampling: Sampling::Spacing(spacing), ..DetectionOptions::default() };
+    net_force_by(&options, Weighting::Area, a, b, &Vector::zeros())
+}
+
+fn net_force_by(
+    options: &DetectionOptions<f64>,
+    weighting: Weighting,
+    a: &Mesh<f64>,
+    b: &Mesh<f64>,
+    about: &Vector,
+) -> Net {
     let mut contacts = ContactList::default();
-    query_pair(a, &Octree::new(a), b, &Octree::new(b), &mode.options(), &mut contacts)
+    query_pair(a, &Octree::new(a), b, &Octree::new(b), options, &mut contacts)
         .expect("the octrees belong to the meshes");
-    let law = PenaltyLaw::new(1.0, 0.0, mode.weighting()).expect("a valid law");
+    let law = PenaltyLaw::new(1.0, 0.0, weighting).expect("a valid law");
     let mut forces = [a, b].map(|mesh| vec![Vector::zeros(); mesh.positions().len()]);
     add_forces(&contacts, &law, None::<&[Vec<Vector>]>, None, &mut forces);
-    let mut net = Net { force: Vector::zeros(), torque: Vector::zeros(), rays: contacts.statistics.rays };
+    let (force, torque, rays) = (Vector::zeros(), Vector::zeros(), contacts.statistics.rays);
+    let mut net = Net { force, torque, load: 0.0, rays };
     for (force, position) in forces[0].iter().zip(a.positions()) {
         net.force += force;
+        net.load += force.norm();
         net.torque += (position - about).cross(force);
     }
     net
