@@ -151,7 +151,7 @@ class Library:
 
 
 class Raycontact(Library):
-    name, tree = "raycontact", "refits"
+    name, follows_by = "raycontact", "refits"
 
     def __init__(self, positions, triangles):
         import raycontact
@@ -215,7 +215,7 @@ class Shim(Library):
 
 
 class Embree3(Shim):
-    name, kind, dtype, tree, questions = "Embree 3", "embree", np.float32, "refits", ("distance",)
+    name, kind, dtype, follows_by, questions = "Embree 3", "embree", np.float32, "refits", ("distance",)
     version = "3.13.5"
 
     def path(self):
@@ -240,7 +240,7 @@ class Embree4(Embree3):
 
 
 class Cgal(Shim):
-    name, kind, tree, version = "CGAL", "cgal", "builds", "5.5.1"
+    name, kind, follows_by, version = "CGAL", "cgal", "builds", "5.5.1"
 
     def __init__(self, positions, triangles):
         self.take(positions, triangles)
@@ -248,7 +248,7 @@ class Cgal(Shim):
 
 
 class Libigl(Library):
-    name, tree = "libigl", "builds"
+    name, follows_by = "libigl", "builds"
 
     def __init__(self, positions, triangles):
         import igl
@@ -272,7 +272,7 @@ class Libigl(Library):
 
 
 class Open3d(Library):
-    name, dtype,tree = "Open3D", np.float32, "builds"
+    name, dtype, follows_by = "Open3D", np.float32, "builds"
 
     def __init__(self, positions, triangles):
         import open3d
@@ -301,7 +301,7 @@ class Open3d(Library):
 
 
 class Fcpw(Library):
-    name, dtype,tree = "fcpw", np.float32, "refits"
+    name, dtype, follows_by = "fcpw", np.float32, "refits"
 
     def __init__(self, positions, triangles):
         import fcpw
@@ -344,7 +344,7 @@ class Fcpw(Library):
 
 
 class Trimesh(Library):
-    name, tree = "trimesh", "builds"
+    name, follows_by = "trimesh", "builds"
 
     def __init__(self, positions, triangles):
         import trimesh
@@ -363,7 +363,7 @@ class Trimesh(Library):
 
 
 LIBRARIES = (Raycontact, RaycontactSingle, Embree3, Embree4, Cgal, Libigl, Open3d, Fcpw, Trimesh)
-HEAD = ["surface", "triangles", "points", "count", "question", "positions", "library", "version", "precision", "tree",
+HEAD = ["surface", "triangles", "points", "count", "question", "positions", "library", "version", "precision", "follows_by",
         "rounds", "us", "times_raycontact", "worst", "wrong_side"]
 
 
@@ -438,14 +438,14 @@ def main():
                     for library, (rounds, seconds) in times.items():
                         off, wrong = judged[library, question]
                         if off > MOST_OFF:
-                            faults.append(f"{library.name} is off by {off:.2g} of the size: {question}, {surface}, {name}")
+                            faults.append(f"{library.name} is off by {off:.2g}: {question}, {surface}, {name}")
                         rows.append([
                             surface, len(triangles), name, len(points), question, "moved" if moves else "still",
                             library.name, library.version, "f64" if library.dtype is np.float64 else "f32",
-                            library.tree, rounds, f"{1e6 * seconds:.4g}", f"{seconds / times[libraries[0]][1]:.3g}",
+                            library.follows_by, rounds, f"{1e6 * seconds:.4g}", f"{seconds / times[libraries[0]][1]:.3g}",
                             f"{off:.2g}", wrong])
-                    print(f"{surface:<14} {name:<5} {question:<9}{'moved' if moves else 'still'} " + " ".join(
-                        f"{library.name} {1e6 * seconds:.0f}" for library, (_, seconds) in times.items()), file=sys.stderr)
+                    told = " ".join(f"{library.name} {1e6 * seconds:.0f}" for library, (_, seconds) in times.items())
+                    print(surface, name, question, "moved" if moves else "still", told, file=sys.stderr)
     out = sys.stdout if options.csv == "-" else open(options.csv, "w", newline="", encoding="utf-8")
     with out:
         writer = csv.writer(out, lineterminator="\n")
