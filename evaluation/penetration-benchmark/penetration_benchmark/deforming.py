@@ -63,7 +63,7 @@ def torus():
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), -across[:, 1]], 1), tetrahedra
 
 
-def scan(path, cells=9):
+def scan(path, cells=8):
     """The cubes of a grid whose middles lie inside a closed surface."""
     with open(path, encoding="utf-8") as file:
         lines = [line.split() for line in file]
