@@ -12,8 +12,8 @@ its peers from PyPI and Debian, in fixed versions.
   --full    installs the peers, runs all poses, scenes and bodies, and renews the CSV files in docs/penetration, the
             charts beside them and the tables of docs/penetration.md. About an hour
   --own     without peers: renews docs/penetration/quick, this library's own answers that --check asks for. A minute
-  --deforming   elastic bodies, each library in its own solver, and the same with a closed surface of yours; renews
-            deforming.csv in docs/penetration. Ten minutes; python -m penetration_benchmark.deforming --help tells more
+  --deforming   pairs of elastic bodies, each library in its own solver; with a closed surface of yours too. Renews
+            deforming.csv in docs/penetration. Ten minutes
   --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
             still answers as in docs/penetration/quick. Under a minute
 Exit status: 0 when done, 1 when something fails, 2 for a wrong command line.
@@ -27,9 +27,9 @@ case "$size" in
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
-tools=(numpy==2.4.6 pytest==9.2.0)
+tools=(numpy==2.4.6 pytest==9.2.0 scipy==1.17.1)
 peers=(coal==3.0.3 drake==1.51.1 embreex==4.4.0.post1 ipctk==1.6.1 matplotlib==3.11.2 mujoco==4.0.0 python-fcl==0.7.0.11
-    scipy==1.17.1 trimesh==5.2.0)
+    trimesh==5.2.0)
 folder="$root/target/penetration"
 environment="$folder/venv"
 wheels="$folder/wheel"
@@ -67,7 +67,7 @@ if [[ $size == --own ]]; then
 fi
 
 if [[ $size == --deforming ]]; then
-    "$environment/bin/pip" install ipctk==1.6.1 mujoco==4.0.0 scipy==1.17.1 || fail 'pip could not install the peers'
+    "$environment/bin/pip" install ipctk==1.6.1 mujoco==4.0.0 || fail 'pip could not install the peers'
     scanned=()
     [[ -z "${2:-}" ]] || scanned=(--scan "$(absolute_path "$2")")
     say 'Measuring'
