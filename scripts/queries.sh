@@ -17,6 +17,8 @@ END
 for option in "$@"; do
     case "$option" in
         -h | --help) usage && exit 0 ;;
+        --files | --files=* | --points | --points=* | --rounds | --rounds=* | --seed | --seed=*) ;;
+        -*) usage >&2 && fail "unknown argument '$option'" 2 ;;
     esac
 done
 
