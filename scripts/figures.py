@@ -179,6 +179,76 @@ def defaults():
                   "`raycontact` / `raycontact-paper`", "Embree / `raycontact`"], lines)
 
 
+QUERIES = "performance/queries.csv"
+
+
+def queries(question, positions, own):
+    """By library, how many times as long as `own` it takes: a number for each surface and set of points."""
+    found, places = {}, ("surface", "points")
+    listed = only(QUERIES, question=question, positions=positions)
+    times = {tuple(row[place] for place in places): float(row["us"]) for row in listed if row["library"] == own}
+    for row in listed:
+        if not row["library"].startswith("raycontact") and (own == "raycontact" or row["precision"] == "f32"):
+            ratio_here = float(row["us"]) / times[tuple(row[place] for place in places)]
+            found.setdefault(row["library"], []).append(ratio_here)
+    return found
+
+
+def median_and_least(values):
+    return f"{statistics.median(values):.2g} / {min(values):.2g}" if values else "–"
+
+
+def queries_table():
+    libraries = [name for name in dict.fromkeys(row["library"] for row in rows(QUERIES))
+                 if not name.startswith("raycontact")]
+    lines = []
+    for own in ("raycontact", "raycontact, single"):
+        for question in ("distance", "signed"):
+            for positions in ("moved", "still"):
+                found = queries(question, positions, own)
+                precision = "single" if own.endswith("single") else "double"
+                lines.append([f"{question}, {positions}, {precision}",
+                              *(median_and_least(found.get(library)) for library in libraries)])
+    return table(["median / least of their time over ours", *libraries], lines)
+
+
+def queries_by_surface():
+    """Where the fastest of the others stands, by surface and points: ours in double precision over its time."""
+    best, columns = {}, {}
+    for row in rows(QUERIES):
+        key, column = (row["surface"], row["triangles"], row["points"]), f"{row['question']}, {row['positions']}"
+        columns[column] = None
+        kind = "own" if row["library"] == "raycontact" else None if row["library"].startswith("ray") else "other"
+        if kind:
+            here = best.setdefault(key, {}).setdefault(column, {})
+            if kind not in here or float(row["us"]) < here[kind][0]:
+                here[kind] = float(row["us"]), row["library"]
+    cell = lambda here: f"{here['other'][0] / here['own'][0]:.2f} ({here['other'][1]})"  # noqa: E731
+    return table(["surface", "triangles", "points", *columns],
+                 [[*key, *(cell(best[key][column]) for column in columns)] for key in best])
+
+
+def queries_wrong():
+    found = {}
+    for row in rows(QUERIES):
+        off, wrong = found.get(row["library"], (0, 0))
+        # One check serves the moved and the still.
+        is_counted = row["question"] == "signed" and row["positions"] == "still"
+        found[row["library"]] = max(off, float(row["worst"])), wrong + is_counted * int(row["wrong_side"])
+    return table(["library", "version", "largest error of a distance", "wrong sides"], [
+        [library, only(QUERIES, library=library)[0]["version"], f"{off:.1g}",
+         f"{wrong}" if only(QUERIES, library=library, question="signed") else "–"]
+        for library, (off, wrong) in found.items()])
+
+
+def deforming():
+    name = "penetration/deforming.csv"
+    return table(["scene", "start", "tetrahedra", "library", "parted", "deepest overlap left", "inverted",
+                  "seconds until parted", "seconds of the run"], [
+        [*(row[column] or "–" for column in ("scene", "start", "tetrahedra", "library", "parted", "depth", "inverted",
+                                             "parted_after", "seconds"))] for row in rows(name)])
+
+
 def deep():
     name, lines = "performance/deep.csv", []
     for workload in dict.fromkeys(row["workload"] for row in rows(name)):
@@ -235,6 +305,11 @@ def figures():
         "instructions, span": span(instructions().values(), "{:.1f}"),
         "defaults": defaults(),
         "deep": deep(),
+        "deforming": deforming(),
+        "queries": queries_table(), "queries by surface": queries_by_surface(), "queries, wrong": queries_wrong(),
+        **{f"{question}, {positions}, {library}": median_and_least(queries(question, positions, "raycontact")[library])
+           for question in ("distance", "signed") for positions in ("moved", "still")
+           for library in queries(question, positions, "raycontact")},
         "all rays": pivot(only("performance/rays.csv", simd="avx512"), ["workload", "kind"], "method",
                           "embree_single_over_this", "{:.2f}"),
         "anchors": pivot(rows("performance/anchors.csv"), ["scene", "library", "question"], "triangles", "ms", "{:.3g}"),

@@ -4,7 +4,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 usage() {
     cat <<END
-usage: scripts/penetration.sh [--quick|--full|--own|--check]
+usage: scripts/penetration.sh [--quick|--full|--own|--check|--deforming [OBJ]]
 
 Runs evaluation/penetration-benchmark/ in a virtual environment of its own in target/penetration, with this library as a wheel and
 its peers from PyPI and Debian, in fixed versions.
@@ -12,6 +12,8 @@ its peers from PyPI and Debian, in fixed versions.
   --full    installs the peers, runs all poses, scenes and bodies, and renews the CSV files in docs/penetration, the
             charts beside them and the tables of docs/penetration.md. About an hour
   --own     without peers: renews docs/penetration/quick, this library's own answers that --check asks for. A minute
+  --deforming   pairs of elastic bodies, each library in its own solver; with a closed surface of yours too. Renews
+            deforming.csv in docs/penetration. Ten minutes
   --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
             still answers as in docs/penetration/quick. Under a minute
 Exit status: 0 when done, 1 when something fails, 2 for a wrong command line.
@@ -20,14 +22,14 @@ END
 
 size="${1:---quick}"
 case "$size" in
-    --quick | --full | --own | --check) ;;
+    --quick | --full | --own | --check | --deforming) ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
-tools=(numpy==2.4.6 pytest==9.2.0)
+tools=(numpy==2.4.6 pytest==9.2.0 scipy==1.17.1)
 peers=(coal==3.0.3 drake==1.51.1 embreex==4.4.0.post1 ipctk==1.6.1 matplotlib==3.11.2 mujoco==4.0.0 python-fcl==0.7.0.11
-    scipy==1.17.1 trimesh==5.2.0)
+    trimesh==5.2.0)
 folder="$root/target/penetration"
 environment="$folder/venv"
 wheels="$folder/wheel"
@@ -61,6 +63,20 @@ renew_own() {
 if [[ $size == --own ]]; then
     say 'Measuring'
     renew_own
+    exit 0
+fi
+
+if [[ $size == --deforming ]]; then
+    "$environment/bin/pip" install ipctk==1.6.1 mujoco==4.0.0 || fail 'pip could not install the peers'
+    scanned=()
+    [[ -z "${2:-}" ]] || scanned=(--scan "$(absolute_path "$2")")
+    say 'Measuring'
+    mkdir -p "$folder"
+    "$environment/bin/python" -m penetration_benchmark.deforming "${scanned[@]}" "$folder/deforming.csv" ||
+        fail 'the measurement failed, see above'
+    (cd "$root" && head_csv "$folder/deforming.csv" none 'scripts/penetration.sh --deforming')
+    cp "$folder/deforming.csv" "$docs/"
+    say "Figures: $docs/deforming.csv"
     exit 0
 fi
 
