@@ -50,7 +50,7 @@ pub(super) enum Mover {
     },
     /// With its place among the rigid bodies.
     Rigid {
-        inertia: Inertia,
+        inertia: Box<Inertia>,
         place: usize,
         frame: Frame,
     },

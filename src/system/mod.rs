@@ -204,7 +204,7 @@ impl<T: Scalar> ContactSystem<T> {
         if !is_symmetric || !inertia.iter().all(|x| x.is_finite()) || factor.is_none() {
             return Err(SystemError::Inertia);
         }
-        let inertia = Inertia { mass, about: inertia, ..Inertia::default() };
+        let inertia = Box::new(Inertia { mass, about: inertia, ..Inertia::default() });
         let mover = Mover::Rigid { inertia, place: self.rigid_count, frame: Frame::new(mesh) };
         // Ask for room first: if that fails, the count must not have changed.
         self.bodies.room_for(1);
