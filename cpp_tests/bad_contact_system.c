@@ -122,6 +122,7 @@ static void bodies_are_refused(void) {
   turned.rotation[1][1] = -1;
   CHECK_STATUS(rayc_contact_system_set_motion(contacts, 1, &turned), RAYC_STATUS_INVALID_DIRECTION, "orthonormal");
   CHECK_OK(rayc_contact_system_set_motion(contacts, 1, &still));
+  CHECK_STATUS(rayc_contact_system_set_added_inertia(contacts, 1, NULL), RAYC_STATUS_UNKNOWN_BODY, "1");
   CHECK_OK(rayc_contact_system_remove_body(contacts, 1));
   CHECK_STATUS(rayc_contact_system_remove_body(contacts, 1), RAYC_STATUS_UNKNOWN_BODY, "1");
   CHECK_OK(add(1, &fine));

@@ -98,6 +98,22 @@ void a_gripper_holds() {
   expect_near(double(up.y()), 0.1 * 9.81, 0.01, test, "the fingers carry its weight");
 }
 
+// The same at steps of 1/120 and 1/60 s. The motors hold fingers of the cube's own mass, and contact is as stiff as their
+// thickness asks: at their lower edges, softer contact lets the cube past their middle.
+void a_gripper_holds_in_long_steps() {
+  for (const double steps : {120.0, 60.0}) {
+    const char* test = steps > 100 ? "gripper, 1/120 s" : "gripper, 1/60 s";
+    demo::Grasped scene(true, demo::Grasped::edge / 3 / demo::Grasped::thickness);
+    for (int step = 0; step < int(2.2 * steps); ++step) scene.step(1 / steps);
+    const double taken = scene.below_base();
+    for (int step = 0; step < int(10 * steps); ++step) scene.step(1 / steps);
+    expect_near(scene.below_base(), taken, 1e-4, test, "ten seconds later it");
+    expect(taken < demo::Grasped::arm + 0.005, test, "the cube was lifted");
+    expect(scene.inverted() == 0, test, "no element is inside out");
+    expect_near(double(scene.force_of_fingers().y()), 0.1 * 9.81, 0.02, test, "the fingers carry its weight");
+  }
+}
+
 // A fixed base carries what stands on it, and a link that sleeps wakes when it is touched.
 void bases_and_sleepers() {
   const char* test = "base";
@@ -144,6 +160,7 @@ int main() {
   momentum_passes_between();
   a_motor_bears_the_weight();
   a_gripper_holds();
+  a_gripper_holds_in_long_steps();
   bases_and_sleepers();
   bad_links();
   return failures == 0 ? 0 : 1;

@@ -4,6 +4,7 @@
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -124,6 +125,33 @@ void pinned_nodes() {
   expect(world.contact().contact_count() > 0, test, "they touch");
   for (int n = 0; n < held.m_nodes.size(); n += 3)
     expect_near(double((held.m_nodes[n].m_x - before[std::size_t(n)]).length()), 0, 1e-6, test, "way of a pinned node");
+}
+
+// A cube that hangs by Bullet's anchors on a still body meets another: the anchors stay, and what flew is thrown back.
+void anchored_nodes() {
+  const char* test = "anchors";
+  demo::SoftWorld world(2e4, 0.3, stiff_contact());
+  btSoftBody& held = world.add(cube_at(-0.5, 0, -0.5), 3);
+  btBoxShape box(btVector3(btScalar(0.5), btScalar(0.1), btScalar(0.5)));
+  const auto carrier = rigid(box, 0, btVector3(0, btScalar(1.1), 0));
+  world.world().addRigidBody(carrier.get(), 0, 0);
+  for (int n = 0; n < held.m_nodes.size(); ++n)
+    if (held.m_nodes[n].m_x.y() > btScalar(0.99)) held.appendDeformableAnchor(n, carrier.get());
+  btSoftBody& flying = world.add(cube_at(-0.5, -1.2, -0.5), 1);
+  flying.setVelocity(btVector3(0, 4, 0));
+  double most_force = 0;
+  for (int step = 0; step < 60; ++step) {
+    world.step(1.0 / 60);
+    most_force = std::max(most_force, double(world.contact().pair_force(held, flying).y()));
+    for (int a = 0; a < held.m_deformableAnchors.size(); ++a) {
+      const auto& anchor = held.m_deformableAnchors[a];
+      const btVector3 off = carrier->getWorldTransform() * anchor.m_local - anchor.m_node->m_x;
+      expect_near(double(off.length()), 0, 1e-5, test, "an anchor's way from its place");
+    }
+  }
+  expect(most_force > 10, test, "the cubes have met");
+  expect(double(momentum(flying).y()) < 0, test, "what flew is thrown back");
+  world.world().removeRigidBody(carrier.get());
 }
 
 void bodies_come_and_go() {
@@ -414,6 +442,7 @@ void bad_bodies() {
 int main() {
   self_collision();
   pinned_nodes();
+  anchored_nodes();
   bodies_come_and_go();
   render_mesh_as_skin();
   classic_bodies();

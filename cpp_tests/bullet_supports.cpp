@@ -199,6 +199,9 @@ void a_pair_of_its_own_material() {
     depths[is_softer ? 1 : 0] = mean_depth(soft);
     expect_near(double(world.contact().pair_force(soft, *support).y()), 300, 3, test, "it carries the weight");
     rayc_material negative = material;
+    rayc_material bouncing = material;
+    bouncing.restitution = 0.5;
+    expect_refusal([&] { world.contact().set_pair_material(soft, *support, bouncing); }, test, "restitution is 0.5");
     negative.stiffness = -1;
     expect_refusal([&] { world.contact().set_pair_material(soft, *support, negative); }, test, "stiffness is -1");
     world.contact().set_pair_material(soft, soft, material);

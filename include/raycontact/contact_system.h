@@ -285,6 +285,19 @@ enum rayc_status rayc_contact_system_set_motion(struct rayc_contact_system *syst
                                                 const struct rayc_motion *motion);
 
 /**
+ * Says what joints add to a rigid body's mass and inertia: six by six numbers, symmetric, for linear and angular velocity in
+ * the body's own coordinates, from which they give momentum. A link of a robot moves only as its joints let it: of the
+ * inverse of its articulated inertia at its centre of mass the inverse, less its own mass and inertia. It stays until the
+ * next call. explicit_step takes no notice of it. added: NULL for nothing.
+ *
+ * Errors: RAYC_STATUS_UNKNOWN_BODY where it is no rigid body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_INERTIA where the
+ * matrix is not symmetric or its sum with the body's own is not positive definite, RAYC_STATUS_OUT_OF_ORDER within a step.
+ */
+enum rayc_status rayc_contact_system_set_added_inertia(struct rayc_contact_system *system,
+                                                       uint32_t body,
+                                                       const double *added);
+
+/**
  * How many numbers a vector of unknowns has.
  */
 enum rayc_status rayc_contact_system_unknown_count(const struct rayc_contact_system *system, size_t *count);

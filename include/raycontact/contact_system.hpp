@@ -157,6 +157,11 @@ class ContactSystem {
     return check(rayc_contact_system_set_motion(get(), body, &motion));
   }
 
+  /** What joints add to a rigid body's mass and inertia: rayc_contact_system_set_added_inertia(). */
+  Outcome<void> set_added_inertia(uint32_t body, const std::array<std::array<double, 6>, 6>& added) {
+    return check(rayc_contact_system_set_added_inertia(get(), body, added[0].data()));
+  }
+
   /** How many numbers a vector of unknowns has. */
   Outcome<std::size_t> unknown_count() const {
     std::size_t count = 0;

@@ -102,6 +102,10 @@ class ContactSystem:
         x, v = {"position": (position, 3), "rotation": (rotation, 9)}, {"free_velocity": (free_velocity, 6)}
         call(library.rayc_contact_system_set_motion, self._handle, body, packed(**x, velocity=(velocity, 6), **v))
 
+    def set_added_inertia(self, body: int, added: Array) -> None:
+        """What joints add to a rigid body's mass and inertia: (6, 6), symmetric, in its own coordinates."""
+        call(library.rayc_contact_system_set_added_inertia, self._handle, body, numbers(added, "added", 36))
+
     def unknown_count(self) -> int:
         """How many numbers a vector of unknowns has."""
         return int(answer(library.rayc_contact_system_unknown_count, self._handle))

@@ -101,6 +101,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contact_system_remove_body(null_mut(), 0);
         rayc_contact_system_set_pair_material(null_mut(), 0, 0, null());
         rayc_contact_system_set_motion(null_mut(), 0, null());
+        rayc_contact_system_set_added_inertia(null_mut(), 0, null());
         rayc_contact_system_unknown_count(null(), null_mut());
         rayc_contact_system_begin(null_mut(), null_mut(), 0.0, 0, null(), null(), null());
         rayc_contact_system_add_forces(null_mut(), 0, null(), null_mut());

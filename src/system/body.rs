@@ -1,7 +1,7 @@
 use super::anchors::Corners;
 use super::error::{SystemError, check_count, check_range};
 use super::material::Material;
-use super::twist::{V3, angular, linear, rotation};
+use super::twist::{Inertia, V3, angular, linear, rotation};
 use crate::contact::SurfacePoint;
 use crate::math::{Pose, Scalar, margins};
 use crate::memory;
@@ -50,8 +50,7 @@ pub(super) enum Mover {
     },
     /// With its place among the rigid bodies.
     Rigid {
-        mass: f64,
-        inertia: Matrix3<f64>,
+        inertia: Box<Inertia>,
         place: usize,
         frame: Frame,
     },

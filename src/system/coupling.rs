@@ -193,9 +193,12 @@ mod tests {
     use crate::random::Random;
     use crate::system::row::Held;
     use crate::system::rows::{Rows, Velocities};
+    use crate::system::twist::Inertia;
 
     const NODES: usize = 9;
     const BODIES: usize = 3;
+    /// What a joint adds, which couples moving along one axis with turning about another.
+    const JOINT: f64 = 5.0;
 
     /// Rows between nodes, between nodes and rigid bodies, between two of these, and long ones; some rub, some do not push.
     fn rows(numbers: &mut Random) -> Rows {
@@ -219,7 +222,9 @@ mod tests {
             let direction = V3::from(numbers.point(1.0)).normalize();
             rows.rows.push(Row { direction, rigid, end: rows.entries.len(), held, ..Row::default() });
         }
-        rows.masses = vec![(2.0, Matrix3::identity() * 0.3); BODIES];
+        let mut added = Matrix6::zeros();
+        [(1, 1), (1, 5), (5, 1), (5, 5)].iter().for_each(|place| added[*place] = JOINT);
+        rows.masses = vec![Inertia { mass: 2.0, about: Matrix3::identity() * 0.3, added }; BODIES];
         rows
     }
 
@@ -269,7 +274,10 @@ mod tests {
         let [on_nodes, _] = expected(&mut rows, of, 0.7);
         assert_near(&found, &on_nodes);
         let [_, loads] = expected(&mut rows, of, -dt);
-        let momenta: Vec<f64> = answer.iter().enumerate().map(|(k, x)| x * if k % 6 < 3 { 2.0 } else { 0.3 }).collect();
+        let mut momenta: Vec<f64> =
+            answer.iter().enumerate().map(|(k, x)| x * if k % 6 < 3 { 2.0 } else { 0.3 }).collect();
+        (0..BODIES).for_each(|body| momenta[6 * body + 1] += JOINT * (answer[6 * body + 1] + answer[6 * body + 5]));
+        (0..BODIES).for_each(|body| momenta[6 * body + 5] += JOINT * (answer[6 * body + 1] + answer[6 * body + 5]));
         assert_near(&momenta, &loads);
     }
 }

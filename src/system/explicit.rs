@@ -1,4 +1,5 @@
 use super::error::check_count;
+use super::twist::Inertia;
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::Scalar;
 use crate::memory;
@@ -82,8 +83,9 @@ impl<T: Scalar> ContactSystem<T> {
                 .map(|entry| entry.largest() * sums[entry.node as usize] / masses[entry.node as usize])
                 .sum::<f64>();
             let rigid = row.rigid.iter().flatten().map(|end| {
-                let (mass, inertia) = self.rows.masses[end.place];
-                let least = inertia.symmetric_eigenvalues().min();
+                // What joints add makes no step shorter.
+                let Inertia { mass, about, .. } = self.rows.masses[end.place];
+                let least = about.symmetric_eigenvalues().min();
                 let [linear, angular] = [0, 1].map(|k| sums[count + 2 * end.place + k]);
                 linear / mass + end.arm.norm() * angular / least
             });

@@ -62,11 +62,11 @@ use buffers::{Buffers, Step};
 use compressed::Compressed;
 use half_spaces::{Below, HalfSpace};
 use loads::{Key, PairLoads};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Matrix6};
 use row_builder::PairMaterials;
 use rows::Rows;
-use std::ops::Range;
-use twist::V3;
+use std::ops::{AddAssign, Range};
+use twist::{Inertia, V3};
 
 /// What becomes of the velocities of rigid bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -204,7 +204,8 @@ impl<T: Scalar> ContactSystem<T> {
         if !is_symmetric || !inertia.iter().all(|x| x.is_finite()) || factor.is_none() {
             return Err(SystemError::Inertia);
         }
-        let mover = Mover::Rigid { mass, inertia, place: self.rigid_count, frame: Frame::new(mesh) };
+        let inertia = Box::new(Inertia { mass, about: inertia, ..Inertia::default() });
+        let mover = Mover::Rigid { inertia, place: self.rigid_count, frame: Frame::new(mesh) };
         // Ask for room first: if that fails, the count must not have changed.
         self.bodies.room_for(1);
         self.rigid_count += 1;
@@ -279,6 +280,33 @@ impl<T: Scalar> ContactSystem<T> {
         let place = self.place(body)?;
         let frame = self.bodies[place].frame_mut().ok_or(SystemError::UnknownBody { body })?;
         frame.place(body, motion)?;
+        self.make_room_in_step();
+        Ok(())
+    }
+
+    /// Says what joints add to a rigid body's mass and inertia, in the body's own coordinates: the momentum, linear and
+    /// angular, that six velocities take more than they would of the body alone. Forces then move the body no further than its
+    /// joints let it go. The contacts' explicit steps take no notice. Before each step in which it has changed.
+    ///
+    /// # Errors
+    /// [`SystemError::UnknownBody`] where it is no rigid body; [`SystemError::NotFinite`]; [`SystemError::Inertia`] where the
+    /// matrix is not symmetric, or its sum with the body's own not positive definite; [`SystemError::StepUnderWay`].
+    pub fn set_added_inertia(&mut self, body: u32, added: [[f64; 6]; 6]) -> Result<(), SystemError> {
+        self.check_joined(&[body])?;
+        check_range("added", added.as_flattened())?;
+        let added = Matrix6::from_fn(|row, column| added[row][column]);
+        let place = self.place(body)?;
+        let Mover::Rigid { inertia, .. } = &mut self.bodies[place].mover else {
+            return Err(SystemError::UnknownBody { body });
+        };
+        let mut whole = added;
+        (0..3).for_each(|k| whole[(k, k)] += inertia.mass);
+        whole.fixed_view_mut::<3, 3>(3, 3).add_assign(&inertia.about);
+        let is_symmetric = (added - added.transpose()).norm() <= margins::INERTIA[0] * added.norm();
+        if !is_symmetric || whole.cholesky().is_none() {
+            return Err(SystemError::Inertia);
+        }
+        inertia.added = added;
         self.make_room_in_step();
         Ok(())
     }

@@ -7,7 +7,7 @@ use super::matrix::{NodeMatrix, ProductCount};
 use super::motions::Motions;
 use super::row::{Entry, RigidEnd, Row, Slip, Spring};
 use super::row_by_row::RowByRow;
-use super::twist::{Factor, V3, angular, linear};
+use super::twist::{Factor, Inertia, V3, angular, linear};
 use crate::math::margins;
 use crate::memory;
 use crate::memory::Room;
@@ -33,8 +33,8 @@ pub(crate) struct Rows {
     pub(super) apart: RowByRow,
     pub(super) coupling: RigidCoupling,
     pub(super) products: ProductCount,
-    /// Mass and inertia in the world of each rigid body.
-    pub(super) masses: Vec<(f64, Matrix3<f64>)>,
+    /// Of each rigid body, along the world's axes.
+    pub(super) masses: Vec<Inertia>,
     /// Of the rigid bodies, where they are eliminated.
     system: Factor,
     /// How often an answer of theirs is corrected.
@@ -191,10 +191,13 @@ impl Rows {
     /// one.
     pub(super) fn factor_rigid(&mut self, dt: f64) -> Option<usize> {
         self.system.reset(6 * self.masses.len());
-        for (place, (mass, inertia)) in self.masses.iter().enumerate() {
+        for (place, own) in self.masses.iter().enumerate() {
             for row in 0..3 {
-                self.system.add(6 * place + row, 6 * place + row, *mass);
-                (3..6).for_each(|k| self.system.add(6 * place + 3 + row, 6 * place + k, inertia[(row, k - 3)]));
+                self.system.add(6 * place + row, 6 * place + row, own.mass);
+                (3..6).for_each(|k| self.system.add(6 * place + 3 + row, 6 * place + k, own.about[(row, k - 3)]));
+            }
+            for (row, column) in (0..36).map(|k| (k / 6, k % 6)) {
+                self.system.add(6 * place + row, 6 * place + column, own.added[(row, column)]);
             }
         }
         let system = &mut self.system;
@@ -250,9 +253,9 @@ impl Rows {
     /// of a pair may cancel but for one part in 1e9: added up once for both bodies, they are opposite to the last bit.
     fn add_unanswered(&self, changes: &[f64], dt: f64, loads: &mut [f64], force: impl Fn(usize, &Row) -> V3) {
         let bodies = changes.chunks_exact(6).zip(&self.masses);
-        for (load, (change, (mass, inertia))) in loads.chunks_exact_mut(6).zip(bodies) {
-            let taken = [linear(change) * *mass, inertia * angular(change)];
-            (0..6).for_each(|k| load[k] -= taken[k / 3][k % 3]);
+        for (load, (change, own)) in loads.chunks_exact_mut(6).zip(bodies) {
+            let taken = own.momentum(change);
+            (0..6).for_each(|k| load[k] -= taken[k]);
         }
         let mut places = 0..;
         for rows in self.rows.chunk_by(|one, next| one.pair == next.pair) {

@@ -90,10 +90,9 @@ impl<T: Scalar> ContactSystem<T> {
         self.rows.energies(step.dt).for_each(|(_, part)| energy += part);
         if self.rigid_unknowns == RigidUnknowns::Eliminated {
             let changes = self.rows.response.chunks_exact(6).zip(self.buffers.free_twists.chunks_exact(6));
-            for ((now, free), (mass, inertia)) in changes.zip(&self.rows.masses) {
+            for ((now, free), own) in changes.zip(&self.rows.masses) {
                 let change: [f64; 6] = std::array::from_fn(|k| now[k] - free[k]);
-                let (linear, angular) = (super::twist::linear(&change), super::twist::angular(&change));
-                energy += 0.5 * (mass * linear.norm_squared() + angular.dot(&(inertia * angular)));
+                energy += own.energy(&change);
             }
         }
         Ok(energy)

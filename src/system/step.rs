@@ -2,13 +2,13 @@ use super::body::{Body, Mover};
 use super::buffers::{Buffers, Step, copy};
 use super::error::{SystemError, check_count, check_range, check_within};
 use super::row_builder::RowBuilder;
+use super::twist::Inertia;
 use super::{ContactSystem, RigidUnknowns, mesh_of};
 use crate::math::{Scalar, margins};
 use crate::memory;
 use crate::memory::Room;
 use crate::mesh::{MeshError, next_stamp};
 use crate::scene::Scene;
-use nalgebra::Matrix3;
 
 impl<T: Scalar> ContactSystem<T> {
     /// Begins a step of `dt` seconds: x, y, z of each node's position in m and velocity in m/s at its start, and the
@@ -264,12 +264,12 @@ impl<T: Scalar> ContactSystem<T> {
 
 impl<T: Scalar> Body<T> {
     /// How a rigid body moves at the start of a step, and its mass and inertia there.
-    pub(super) fn start_rigid(&self, buffers: &mut Buffers, masses: &mut [(f64, Matrix3<f64>)]) {
-        if let Mover::Rigid { mass, inertia, place, frame } = &self.mover {
+    pub(super) fn start_rigid(&self, buffers: &mut Buffers, masses: &mut [Inertia]) {
+        if let Mover::Rigid { inertia, place, frame } = &self.mover {
             let own = 6 * place..6 * place + 6;
             buffers.twists[own.clone()].copy_from_slice(&frame.velocity);
             buffers.free_twists[own].copy_from_slice(&frame.free_velocity);
-            masses[*place] = (*mass, frame.rotation * inertia * frame.rotation.transpose());
+            masses[*place] = inertia.turned(&frame.rotation);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::math::{Vector3, margins};
 use crate::memory;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Matrix6, Vector6};
 
 pub(super) type V3 = Vector3<f64>;
 
@@ -25,6 +25,43 @@ pub(super) fn rotation(angle: &V3) -> Matrix3<f64> {
         (length.sin() / length, (1.0 - length.cos()) / square)
     };
     Matrix3::identity() + cross * first + cross * cross * second
+}
+
+/// What a rigid body weighs, about its centre of mass.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Inertia {
+    pub(super) mass: f64,
+    pub(super) about: Matrix3<f64>,
+    /// What joints add to both.
+    pub(super) added: Matrix6<f64>,
+}
+
+impl Inertia {
+    /// Along the axes that this rotation leads to.
+    pub(super) fn turned(&self, rotation: &Matrix3<f64>) -> Self {
+        let turn = |matrix: Matrix3<f64>| rotation * matrix * rotation.transpose();
+        let mut added = self.added;
+        if added != Matrix6::zeros() {
+            for (row, column) in [(0, 0), (0, 3), (3, 0), (3, 3)] {
+                let mut part = added.fixed_view_mut::<3, 3>(row, column);
+                let turned = turn(part.clone_owned());
+                part.copy_from(&turned);
+            }
+        }
+        Self { about: turn(self.about), added, ..*self }
+    }
+
+    pub(super) fn momentum(&self, twist: &[f64]) -> [f64; 6] {
+        let own = [linear(twist) * self.mass, self.about * angular(twist)];
+        let added = self.added * Vector6::from_column_slice(twist);
+        std::array::from_fn(|k| own[k / 3][k % 3] + added[k])
+    }
+
+    pub(super) fn energy(&self, twist: &[f64]) -> f64 {
+        let (all, angular) = (Vector6::from_column_slice(twist), angular(twist));
+        let own = self.mass * linear(twist).norm_squared() + angular.dot(&(self.about * angular));
+        0.5 * (own + all.dot(&(self.added * all)))
+    }
 }
 
 /// A symmetric positive definite matrix of any size, factored in place (Cholesky), its lower half by rows.
@@ -93,6 +130,24 @@ mod tests {
         }
         let quarter = rotation(&V3::new(0.0, 0.0, std::f64::consts::FRAC_PI_2));
         assert!((quarter * V3::x() - V3::y()).norm() < 1e-15);
+    }
+
+    #[test]
+    fn an_inertia_turns_with_its_body() {
+        let turn = rotation(&V3::new(0.3, -1.0, 0.7));
+        let inertia = Inertia {
+            mass: 2.0,
+            about: Matrix3::new(3.0, 0.5, 0.0, 0.5, 2.0, 0.1, 0.0, 0.1, 1.0),
+            added: Matrix6::from_fn(|row, column| 1.0 / (1 + row + column) as f64),
+        };
+        let twist = [1.0, -2.0, 0.5, 0.7, 3.0, -1.0];
+        let both = |of: &[f64; 6], turn: &Matrix3<f64>| {
+            let parts = [turn * linear(of), turn * angular(of)];
+            std::array::from_fn(|k| parts[k / 3][k % 3])
+        };
+        let turned = inertia.turned(&turn).momentum(&both(&twist, &turn));
+        let expected: [f64; 6] = both(&inertia.momentum(&twist), &turn);
+        (0..6).for_each(|k| assert!((turned[k] - expected[k]).abs() < 1e-13, "{turned:?} {expected:?}"));
     }
 
     #[test]

@@ -112,8 +112,9 @@ class Collided : public Example {
 /** Two hinged fingers of a multibody close on a soft cube of 4 cm and 100 g, lift it by 5 cm and hold it. */
 class Grasped : public Example {
  public:
-  explicit Grasped(bool is_ours)
-      : Example(is_ours, 9.81, {2e4, 0.3, 1, edge / 3, true}),
+  /** `stiffer`: how many times stiffer than usual contact is. */
+  explicit Grasped(bool is_ours, double stiffer = 1)
+      : Example(is_ours, 9.81, {2e4, 0.3, 1, edge / 3, true, stiffer}),
         gripper_(world_, 2, 0.1, btVector3(0, btScalar(arm), 0), true) {
     add_box(btVector3(1, 1, 1), 0, btVector3(0, btScalar(-1 - edge / 2), 0));
     cube_ = &add_soft(btVector3(1, 1, 1) * btScalar(edge / 2), btVector3(0, 0, 0), 0.1,
@@ -164,10 +165,10 @@ class Grasped : public Example {
     return contact_.pair_force(*cube_, gripper_.link(0)) + contact_.pair_force(*cube_, gripper_.link(1));
   }
 
-  static constexpr double edge = 0.04, arm = 0.06;
+  static constexpr double edge = 0.04, arm = 0.06, thickness = 0.006;
 
  private:
-  btBoxShape finger_{btVector3(btScalar(0.02), btScalar(0.02), btScalar(0.003))};
+  btBoxShape finger_{btVector3(btScalar(0.02), btScalar(0.02), btScalar(thickness / 2))};
   Multibody gripper_;
   btSoftBody* cube_ = nullptr;
   std::array<std::unique_ptr<btMultiBodyJointMotor>, 2> motors_;

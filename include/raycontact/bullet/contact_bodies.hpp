@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -57,7 +58,11 @@ class ContactBodies {
 
   /** What contacts of two bodies, or of one with itself, are made of, in place of what the options say. */
   void set_pair_material(const btCollisionObject& a, const btCollisionObject& b, const rayc_material& material) {
-    index_of(a), index_of(b);                                                // refuses what was not added
+    index_of(a), index_of(b);  // refuses what was not added
+    if (material.restitution > 0)
+      throw std::invalid_argument("material of a pair: its restitution is " + std::to_string(material.restitution) +
+                                  "; a soft body bounces by its own elasticity alone, so leave it 0, and give the pair "
+                                  "a damping_time of 0 for more of that");
     ContactSystem(system_options()).add_half_space({0, 0, 1}, 0, material);  // refuses what is no material
     materials_.push_back({&a, &b, material});
     has_changed_ = true;
@@ -104,9 +109,12 @@ class ContactBodies {
     scene_.set_detection_options(detection);
   }
 
-  void add_surface(btCollisionObject& object, RigidSurface surface, const BodyOptions& options) {
+  void add_surface(btCollisionObject& object, RigidSurface surface, const BodyOptions& options,
+                   const detail::MultibodyLink& link = detail::MultibodyLink()) {
     raycontact::detail::check_threes(surface.triangles.size(), "surface.triangles", "triangle");
-    add({nullptr, &object, {}, std::move(surface), options});
+    ContactBody body{nullptr, &object, {}, std::move(surface), options};
+    body.link = link;
+    add(std::move(body));
   }
 
   virtual void add(ContactBody body) {
@@ -164,6 +172,7 @@ class ContactBodies {
           positions_[k] = double(node.m_x[axis]) - back * velocities_[k];
         }
     }
+    add_inertia_of_joints();
     for (ContactBody& body : bodies_) {
       if (!body.is_in_scene || body.rigid == nullptr) continue;
       body.renew_motion(btScalar(back));
@@ -325,6 +334,21 @@ class ContactBodies {
     }
     system_.add_rigid(scene_, body.number, 1 / double(body.inertia[0]), body.inertia_matrix(),
                       material(2 * options_.stiffness));
+  }
+
+  void add_inertia_of_joints() {
+    const auto is_pushed = [](const ContactBody& body) { return body.is_in_scene && body.link && body.gives_way(); };
+    for (ContactBody& body : bodies_)
+      if (is_pushed(body)) body.link.find_response();
+    for (ContactBody& body : bodies_) {
+      if (!is_pushed(body)) continue;
+      const auto moves = [&](const ContactBody& other) { return is_pushed(other) && body.link.moves(other.link); };
+      const auto count = static_cast<std::size_t>(std::count_if(bodies_.begin(), bodies_.end(), moves));
+      body.articulated = body.link.articulated_inertia(std::max(count, std::size_t{1}));
+      detail::Matrix6 added = body.articulated;
+      for (std::size_t k = 0; k < 6; ++k) added[k][k] -= body.link.own_inertia()[k];
+      system_.set_added_inertia(body.number, added);
+    }
   }
 
   // What is touched stays awake; what sleeps does so until it is touched.

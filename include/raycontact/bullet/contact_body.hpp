@@ -33,7 +33,8 @@ struct ContactBody {
   uint32_t number = 0;                // there
   std::array<btScalar, 5> inertia{};  // of a rigid body, as the system has it
   rayc_motion motion{};
-  MultibodyLink link{rigid != nullptr ? btMultiBodyLinkCollider::upcast(rigid) : nullptr};
+  MultibodyLink link{};
+  Matrix6 articulated{};  // the inertia of a link, as the system has it
   Twist impulse{};        // on a link, in the last step
   bool is_ahead = false;  // a link has had it in this step too
 
@@ -119,13 +120,13 @@ struct ContactBody {
     if (is_ahead) return;
     copy_velocity(motion.velocity);
     if (!link || !is_in_scene || !gives_way()) return;
-    link.push(impulse, 0);
+    link.push(impulse);
     is_ahead = true;
   }
 
   void leave_scene() {
     is_in_scene = false;
-    if (is_ahead) link.push({-impulse.linear, -impulse.angular}, 0);
+    if (is_ahead) link.push({-impulse.linear, -impulse.angular});
     is_ahead = false;
     impulse = {};
   }
@@ -138,8 +139,9 @@ struct ContactBody {
       btTransformUtil::integrateTransform(rigid->getWorldTransform(), rigid_body().getLinearVelocity(),
                                           rigid_body().getAngularVelocity(), -ago, place);
     if (is_ahead) {
-      const btVector3 turned = impulse.angular * place.getBasis();  // along the body's own axes
-      const btVector3 change[2] = {impulse.linear / link.mass(), place.getBasis() * (turned / link.inertia())};
+      const btMatrix3x3& turn = place.getBasis();
+      const Twist own = product(inverse(articulated), {impulse.linear * turn, impulse.angular * turn});
+      const btVector3 change[2] = {turn * own.linear, turn * own.angular};
       for (int k = 0; k < 6; ++k) motion.free_velocity[k] -= double(change[k / 3][k % 3]);
     }
     for (int row = 0; row < 3; ++row) {
@@ -153,7 +155,7 @@ struct ContactBody {
     btVector3 change[2];
     for (int k = 0; k < 6; ++k) change[k / 3][k % 3] = btScalar(velocity[std::size_t(k)] - motion.free_velocity[k]);
     if (link) {
-      follow_impulse(change[0], change[1], dt);
+      follow_impulse({change[0] * basis(), change[1] * basis()}, dt);
       return;
     }
     if (change[0].isZero() && change[1].isZero()) return;
@@ -165,11 +167,11 @@ struct ContactBody {
     body.proceedToTransform(moved);
   }
 
-  /** The same of a link, of whose impulse the velocities have a part already. */
-  void follow_impulse(const btVector3& linear, const btVector3& angular, btScalar dt) {
-    const Twist before =
-        std::exchange(impulse, {link.mass() * linear, basis() * (link.inertia() * (angular * basis()))});
-    link.push({impulse.linear - before.linear, impulse.angular - before.angular}, dt);
+  /** The same of a link, along its own axes: the velocities have a part of its impulse already. */
+  void follow_impulse(const Twist& change, btScalar dt) {
+    const Twist own = product(articulated, change);
+    const Twist before = std::exchange(impulse, {basis() * own.linear, basis() * own.angular});
+    link.push_solved({impulse.linear - before.linear, impulse.angular - before.angular}, dt);
     is_ahead = false;
   }
 

@@ -70,8 +70,9 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
 
   /** The same with a surface of its own. */
   void add_link(btMultiBodyLinkCollider& link, RigidSurface surface, const BodyOptions& options = {}) {
-    detail::MultibodyLink(&link).check();
-    add_surface(link, std::move(surface), options);
+    const detail::MultibodyLink own(&link, world_);
+    own.check();
+    add_surface(link, std::move(surface), options, own);
   }
 
   /** Needed for rigid bodies and links only: soft bodies leave when they leave the world. */

@@ -325,6 +325,28 @@ pub unsafe extern "C" fn rayc_contact_system_set_motion(
     })
 }
 
+/// Says what joints add to a rigid body's mass and inertia: six by six numbers, symmetric, for linear and angular velocity in
+/// the body's own coordinates, from which they give momentum. A link of a robot moves only as its joints let it: of the
+/// inverse of its articulated inertia at its centre of mass the inverse, less its own mass and inertia. It stays until the
+/// next call. explicit_step takes no notice of it. added: NULL for nothing.
+///
+/// Errors: RAYC_STATUS_UNKNOWN_BODY where it is no rigid body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_INERTIA where the
+/// matrix is not symmetric or its sum with the body's own is not positive definite, RAYC_STATUS_OUT_OF_ORDER within a step.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_contact_system_set_added_inertia(
+    system: *mut rayc_contact_system,
+    body: u32,
+    added: *const f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let mut system = changing(system, "system")?;
+        let given = if added.is_null() { &[0.0; 36] } else { slice(added, 36, "added")? };
+        let added = std::array::from_fn(|row| std::array::from_fn(|column| given[6 * row + column]));
+        with_precision!(&mut system.system, |system| Ok(system.set_added_inertia(body, added)?))
+    })
+}
+
 /// How many numbers a vector of unknowns has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_unknown_count(

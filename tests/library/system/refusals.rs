@@ -89,6 +89,19 @@ fn bodies_that_mean_nothing_are_refused() {
     ] {
         refuses!(system.add_rigid(scene, body, 1.0, wrong, FINE), SystemError::Inertia, "singular");
     }
+    let mut added = [[0.0; 6]; 6];
+    refuses!(system.set_added_inertia(body, added), SystemError::UnknownBody { .. }, "");
+    system.add_rigid(scene, body, 1.0, turned(1.0, 1.0, 0.0), FINE).expect("rigid");
+    for (row, column, wrong) in [(1, 4, 0.5), (2, 2, -1.0), (5, 5, -1.5)] {
+        added[row][column] = wrong;
+        refuses!(system.set_added_inertia(body, added), SystemError::Inertia, "positive definite");
+        added[row][column] = 0.0;
+    }
+    added[3][3] = f64::NAN;
+    refuses!(system.set_added_inertia(body, added), SystemError::NotFinite { .. }, "added[21]");
+    added[3][3] = -0.5;
+    system.set_added_inertia(body, added).expect("half of its own is left");
+    system.remove(body).expect("it is there");
     refuses!(system.set_node_masses(&[1.0, 0.0]), SystemError::Mass { node: Some(1), .. }, "node 1 is 0");
     refuses!(system.set_node_masses(&[-1.0]), SystemError::Mass { node: Some(0), .. }, "node 0 is -1");
     refuses!(
