@@ -4,6 +4,7 @@
 #define RAYCONTACT_MUJOCO_FLEX_CONTACT_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,7 @@
 #include "raycontact/mujoco/implicit_metric.hpp"
 #include "raycontact/mujoco/node_motion.hpp"
 #include "raycontact/mujoco/options.hpp"
+#include "raycontact/mujoco/sheet_front.hpp"
 
 namespace raycontact::mujoco {
 
@@ -44,14 +46,18 @@ class FlexContact {
     check_model(m);
     for (const int flex : chosen_flexes(m)) {
       FlexSurface surface = surface_of(m, flex);
-      Mesh mesh = mesh_of(m, flex, surface);
-      Body body{flex, std::move(surface), std::move(mesh), material_of(m, flex), nodes_.size(), 0};
+      bool is_sheet = false;
+      Mesh mesh = mesh_of(m, flex, surface, is_sheet);
+      Body body{flex, std::move(surface), std::move(mesh), {}, nodes_.size(), 0, is_sheet};
       const FlexNodes nodes = nodes_of(m, flex);
       for (std::size_t n = 0; n < nodes.count; ++n) nodes_.add(m, nodes.bodies[n], nodes.places + 3 * n);
       body.node_count = nodes.count;
       bodies_.push_back(std::move(body));
     }
+    for (Body& body : bodies_)
+      if (body.is_sheet) turn_to_solids(m, body);
     check_doubled_contact(m);
+    choose_materials(m);
     sampling_value_ = sampling_value_of(m);
     const auto dofs = static_cast<std::size_t>(m->nv);
     for (Numbers* numbers : {&velocity_, &free_, &end_, &force_, &outer_, &smooth_, &residual_, &product_, &change_})
@@ -77,7 +83,7 @@ class FlexContact {
       system_->add_deformable(*scene_, number, static_cast<uint32_t>(body.first_node),
                               static_cast<uint32_t>(body.node_count),
                               Carriers{body.surface.offsets, body.surface.nodes, body.surface.weights}, body.material);
-      if (options_.self_collision) scene_->set_self_collision(number, true);
+      if (options_.self_collision && !body.is_sheet) scene_->set_self_collision(number, true);
     }
     is_known_ = has_touched_ = false;
   }
@@ -109,6 +115,8 @@ class FlexContact {
   const std::vector<double>& foreseen_velocities() const { return figures_.solves > 0 ? end_ : free_; }
   /** How many flexes touch one another. */
   std::size_t flex_count() const { return bodies_.size(); }
+  /** Whether flex `index` of those is an open sheet, which meets closed ones on its front. */
+  bool is_sheet(std::size_t index) const { return bodies_[index].is_sheet; }
   /** The material of flex `index` of those, as given or as found. */
   const rayc_material& material(std::size_t index) const { return bodies_[index].material; }
 
@@ -119,6 +127,7 @@ class FlexContact {
     Mesh mesh;
     rayc_material material;
     std::size_t first_node, node_count;
+    bool is_sheet;  // open: it meets closed bodies on its front
   };
 
   static void check_model(const mjModel* m) {
@@ -145,29 +154,71 @@ class FlexContact {
     return flexes;
   }
 
-  Mesh mesh_of(const mjModel* m, int flex, const FlexSurface& surface) const {
+  Mesh mesh_of(const mjModel* m, int flex, const FlexSurface& surface, bool& is_sheet) const {
     rayc_mesh_options mesh_options = default_mesh_options();
     mesh_options.close_holes = options_.close_holes;
+    const auto make = [&] { return Mesh(vectors(surface.positions), surface.triangles, mesh_options); };
     try {
-      return Mesh(vectors(surface.positions), surface.triangles, mesh_options);
+      try {
+        return make();
+      } catch (const Error& error) {
+        // What cells carry is the skin of a solid.
+        const bool may_be_sheet = m->flex_dim[flex] == 2 && m->flex_interp[flex] == 0 && options_.close_holes == 0;
+        if (error.status() != RAYC_STATUS_MESH_OPEN || !may_be_sheet) throw;
+        mesh_options.open = is_sheet = true;
+        return make();
+      }
     } catch (const Error& error) {
-      const char* advice = error.status() == RAYC_STATUS_MESH_OPEN
-                               ? ". Contact takes closed solids; leave cloth to MuJoCo's own contact and name the "
-                                 "other flexes in `flexes`"
-                               : "";
+      const char* advice = error.status() != RAYC_STATUS_MESH_OPEN ? ""
+                           : options_.close_holes > 0 && m->flex_interp[flex] == 0
+                               ? ". A sheet, such as cloth, is taken as one where close_holes is 0"
+                               : ". Cells carry the skin of a solid: set close_holes, to 0.1 say, or mend the mesh";
       throw Error(error.status(), "raycontact: " + title_of(m, flex) + ": " + error.what() + advice);
     }
   }
 
-  /** Two answers to one contact do not add up. */
+  /** A sheet's front is the side on which closed flexes stand at first. */
+  void turn_to_solids(const mjModel* m, Body& sheet) const {
+    const std::vector<double> places = starting_positions(m, sheet.flex, sheet.surface);
+    const Body *before = nullptr, *behind = nullptr;
+    for (const Body& body : bodies_) {
+      if (body.is_sheet) continue;
+      std::array<double, 3> centre{};
+      const std::vector<double> points = starting_positions(m, body.flex, body.surface);
+      for (std::size_t k = 0; k < points.size(); ++k) centre[k % 3] += 3 * points[k] / double(points.size());
+      (angle_of_sheet(places, sheet.surface.triangles, centre) > 0 ? before : behind) = &body;
+    }
+    if (before != nullptr && behind != nullptr)
+      throw std::invalid_argument("raycontact: " + title_of(m, sheet.flex) + " is an open sheet with " +
+                                  title_of(m, before->flex) + " on one side and " + title_of(m, behind->flex) +
+                                  " on the other; name it with those on one side in `flexes`, and leave its contact "
+                                  "with others to MuJoCo");
+    if (behind == nullptr) return;
+    sheet.surface.turn();
+    rayc_mesh_options mesh_options = default_mesh_options();
+    mesh_options.open = true;
+    sheet.mesh = Mesh(vectors(sheet.surface.positions), sheet.surface.triangles, mesh_options);
+  }
+
+  /** Two answers to one contact do not add up, and sheets that meet want one. */
   void check_doubled_contact(const mjModel* m) const {
     for (const Body& a : bodies_)
       for (const Body& b : bodies_) {
-        if (a.flex == b.flex && !(options_.self_collision && m->flex_selfcollide[a.flex] != mjFLEXSELF_NONE)) continue;
-        if ((m->flex_contype[a.flex] & m->flex_conaffinity[b.flex]) == 0) continue;
-        throw std::invalid_argument("raycontact: MuJoCo would make contact between " + title_of(m, a.flex) + " and " +
-                                    (a.flex == b.flex ? "itself" : title_of(m, b.flex)) +
-                                    " too; give flexes contype=\"0\", which leaves their contact with geoms to MuJoCo");
+        if (a.flex == b.flex && (a.is_sheet || !options_.self_collision || m->flex_selfcollide[a.flex] == mjFLEXSELF_NONE))
+          continue;
+        const auto meet = [&](int from, int to) { return (m->flex_contype[from] & m->flex_conaffinity[to]) != 0; };
+        if (a.is_sheet && b.is_sheet) {
+          if (!meet(a.flex, b.flex) && !meet(b.flex, a.flex))
+            throw std::invalid_argument("raycontact: " + title_of(m, a.flex) + " and " + title_of(m, b.flex) +
+                                        " are open sheets, whose contact is MuJoCo's own; give both contype=\"2\" "
+                                        "conaffinity=\"3\", or name only one of them in `flexes`");
+        } else if (meet(a.flex, b.flex)) {
+          throw std::invalid_argument(
+              "raycontact: MuJoCo would make contact between " + title_of(m, a.flex) + " and " +
+              (a.flex == b.flex ? "itself" : title_of(m, b.flex)) +
+              " too; give flexes contype=\"0\", which leaves their contact with geoms to MuJoCo, and open sheets "
+              "contype=\"2\" conaffinity=\"3\"");
+        }
       }
   }
 
@@ -178,18 +229,31 @@ class FlexContact {
     return smallest / 4;
   }
 
-  rayc_material material_of(const mjModel* m, int flex) const {
-    // Cells are coarse beside the surface that they carry, and bend less.
-    const double edge = element_edge_of(m, flex);
-    const double depth = options_.depth > 0 ? options_.depth : m->flex_interp[flex] != 0 ? edge / 4 : edge / 16;
-    const double pressure = options_.pressure > 0 ? options_.pressure : youngs_modulus_of(m, flex);
-    if (!(pressure > 0))
-      throw std::invalid_argument("raycontact: " + title_of(m, flex) +
-                                  " is no elastic solid from which a stiffness follows; set `pressure`");
-    rayc_material material = bearing_material(pressure, depth);
-    material.damping_time = options_.damping_time;
-    material.friction = options_.friction >= 0 ? options_.friction : m->flex_friction[3 * flex];
-    return material;
+  void choose_materials(const mjModel* m) {
+    double stiffest = 0;
+    bool has_solid = false;
+    std::vector<double> pressures;
+    for (const Body& body : bodies_) {
+      pressures.push_back(options_.pressure > 0 ? options_.pressure : moduli_of(m, body.flex).pressure());
+      stiffest = std::max(stiffest, pressures.back());
+      has_solid = has_solid || !body.is_sheet;
+    }
+    if (!has_solid) stiffest = 1;  // sheets alone touch nothing here
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      Body& body = bodies_[b];
+      // Sheets and shells resist no pressure of their own: they bear what the solids bear that they meet.
+      if (pressures[b] == 0) pressures[b] = stiffest;
+      if (!(pressures[b] > 0))
+        throw std::invalid_argument("raycontact: " + title_of(m, body.flex) +
+                                    " is no elastic solid from which a stiffness follows, and meets none; set "
+                                    "`pressure`");
+      // Cells are coarse beside the surface that they carry, and bend less.
+      const double edge = element_edge_of(m, body.flex);
+      const double depth = options_.depth > 0 ? options_.depth : m->flex_interp[body.flex] != 0 ? edge / 4 : edge / 16;
+      body.material = bearing_material(pressures[b], depth);
+      body.material.damping_time = options_.damping_time;
+      body.material.friction = options_.friction >= 0 ? options_.friction : m->flex_friction[3 * body.flex];
+    }
   }
 
   bool is_same_state(const mjModel* m, const mjData* d) const {
@@ -220,7 +284,7 @@ class FlexContact {
     }
     for (std::size_t a = 0; a < bodies_.size(); ++a)
       for (std::size_t b = a + 1; b < bodies_.size(); ++b) {
-        bool meet = true;
+        bool meet = !bodies_[a].is_sheet || !bodies_[b].is_sheet;
         for (std::size_t k = 0; k < 3; ++k)
           meet = meet && boxes_[6 * a + k] <= boxes_[6 * b + 3 + k] && boxes_[6 * b + k] <= boxes_[6 * a + 3 + k];
         if (meet) return true;

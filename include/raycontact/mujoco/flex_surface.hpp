@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-/** The closed surface of a flex, and how the flex's nodes carry it. */
+/** The surface of a flex, closed or an open sheet, and how the flex's nodes carry it. */
 #ifndef RAYCONTACT_MUJOCO_FLEX_SURFACE_HPP
 #define RAYCONTACT_MUJOCO_FLEX_SURFACE_HPP
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -47,14 +49,46 @@ struct FlexSurface {
   std::vector<uint32_t> offsets{0};  ///< where each vertex's entries begin
   std::vector<uint32_t> nodes;       ///< counted from the flex's first
   std::vector<double> weights;       ///< of those nodes; those of a vertex sum to 1
+
+  /** Makes its back its front. */
+  void turn() {
+    for (std::size_t t = 0; t < triangles.size(); t += 3) std::swap(triangles[t + 1], triangles[t + 2]);
+  }
 };
 
 namespace detail {
 
+/**
+ * A node's share of a vertex. Within a shell of cells, which MuJoCo numbers below 0, inner nodes have no motion of their
+ * own: they follow the shell's sides, less its edges, which two sides have, and with its corners, which three have.
+ */
+inline void add_node(const std::array<int, 3>& node, const std::array<int, 3>& count, double weight, bool is_shell,
+                     FlexSurface& surface) {
+  const auto add = [&](const std::array<int, 3>& at, double share) {
+    surface.nodes.push_back(static_cast<uint32_t>((at[0] * count[1] + at[1]) * count[2] + at[2]));
+    surface.weights.push_back(share);
+  };
+  bool is_inner = is_shell;
+  for (std::size_t k = 0; k < 3; ++k) is_inner = is_inner && node[k] > 0 && node[k] < count[k] - 1;
+  if (!is_inner) return add(node, weight);
+  // Along each axis a side is the first layer, the last one, or the axis is left as it is; one axis at least is not.
+  for (int sides = 1; sides < 27; ++sides) {
+    std::array<int, 3> at = node;
+    double share = -weight;
+    for (std::size_t k = 0, rest = static_cast<std::size_t>(sides); k < 3; ++k, rest /= 3) {
+      const double along = double(node[k]) / (count[k] - 1);
+      if (rest % 3 == 0) continue;
+      share *= rest % 3 == 1 ? along - 1 : -along;
+      at[k] = rest % 3 == 1 ? 0 : count[k] - 1;
+    }
+    add(at, share);
+  }
+}
+
 /** Where a vertex of an interpolated flex lies among its cells: which nodes carry it, with which weights. */
 inline void add_cell_weights(const mjModel* m, int flex, const mjtNum* place, FlexSurface& surface) {
   // Nodes stand at the ends of each cell, and with quadratic cells in their middles too; z runs fastest.
-  const int order = m->flex_interp[flex];
+  const int order = std::abs(m->flex_interp[flex]);
   std::array<int, 3> first{}, count{};
   std::array<std::array<double, 3>, 3> shape{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -75,9 +109,8 @@ inline void add_cell_weights(const mjModel* m, int flex, const mjtNum* place, Fl
       for (std::size_t k = 0; k <= static_cast<std::size_t>(order); ++k) {
         const double weight = shape[0][i] * shape[1][j] * shape[2][k];
         if (weight == 0) continue;
-        const int x = first[0] + static_cast<int>(i), y = first[1] + static_cast<int>(j);
-        surface.nodes.push_back(static_cast<uint32_t>((x * count[1] + y) * count[2] + first[2] + static_cast<int>(k)));
-        surface.weights.push_back(weight);
+        add_node({{first[0] + static_cast<int>(i), first[1] + static_cast<int>(j), first[2] + static_cast<int>(k)}},
+                 count, weight, m->flex_interp[flex] < 0, surface);
       }
 }
 
@@ -91,7 +124,7 @@ inline FlexSurface surface_of(const mjModel* m, int flex) {
   };
   const int dim = m->flex_dim[flex], order = m->flex_interp[flex];
   if (dim < 2) refuse("is of dim 1, a line without an inside");
-  if (order < 0 || order > 2) refuse("is interpolated in a way that is not known here");
+  if (order < -2 || order > 2) refuse("is interpolated in a way that is not known here");
   const int* corners = dim == 3 ? m->flex_shell + m->flex_shelldataadr[flex] : m->flex_elem + m->flex_elemdataadr[flex];
   const int triangles = dim == 3 ? m->flex_shellnum[flex] : m->flex_elemnum[flex];
 
@@ -117,7 +150,7 @@ inline FlexSurface surface_of(const mjModel* m, int flex) {
     surface.triangles.push_back(static_cast<uint32_t>(numbers[vertex]));
   }
 
-  // Outward: the volume is positive.
+  // Outward: the volume is positive. A sheet has none, and is turned where it is known what it meets.
   double volume = 0;
   for (std::size_t t = 0; t < surface.triangles.size(); t += 3) {
     const double* a = &surface.positions[3 * surface.triangles[t]];
@@ -126,9 +159,7 @@ inline FlexSurface surface_of(const mjModel* m, int flex) {
     volume +=
         a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
   }
-  if (volume < 0)
-    for (std::size_t t = 0; t < surface.triangles.size(); t += 3)
-      std::swap(surface.triangles[t + 1], surface.triangles[t + 2]);
+  if (volume < 0) surface.turn();
   return surface;
 }
 
