@@ -25,6 +25,8 @@ add_test(NAME mujoco_plugin
          COMMAND mujoco_step "${mujoco_model}" --plugin "$<TARGET_FILE:raycontact_flex_contact>" --seconds 2)
 # The upper block lies on the lower one.
 set_tests_properties(mujoco_plugin PROPERTIES PASS_REGULAR_EXPRESSION "flex 0 at .*0\\.14[0-9]*\nflex 1 at .*0\\.4[0-9]*\n")
+add_test(NAME mujoco_models COMMAND mujoco_models "${mujoco_model}" --run 0.5 --move upper 0 0 0.05)
+set_tests_properties(mujoco_models PROPERTIES PASS_REGULAR_EXPRESSION "raycontact \\| 0\\.0[0-9]+ \\|.*mujoco \\|")
 foreach(listing IN ITEMS cpp:step_model.cpp xml:two_blocks.xml)
     string(REPLACE ":" ";" listing "${listing}")
     list(GET listing 0 language)

@@ -68,6 +68,20 @@ std::string skins(const char* dof) {
   return model("<flexcomp name=\"a\" pos=\"0 0 0" + common + "<flexcomp name=\"b\" pos=\"0.1 0.05 0.4" + common);
 }
 
+// Cells whose inner nodes follow those of the shell.
+std::string shells() {
+  return model(
+      "<flexcomp name=\"a\" type=\"grid\" dim=\"3\" count=\"7 7 7\" spacing=\"0.1 0.1 0.1\" cellcount=\"4 3 3\" mass=\"10\" "
+      "radius=\"0.001\" dof=\"trilinear\"><elasticity young=\"1e4\" poisson=\"0.3\" elastic2d=\"bend\" thickness=\"0.02\"/>"
+      "<edge equality=\"strain\"/><contact contype=\"0\" selfcollide=\"none\"/></flexcomp>", "", "");
+}
+
+/** Positions at the end of a run. */
+std::vector<double> run(const mjModel* m, mjData* d, int steps) {
+  for (int step = 0; step < steps; ++step) mj_step(m, d);
+  return {d->qpos, d->qpos + m->nq};
+}
+
 /** Velocities that bend all there is. */
 void stir(const mjModel* m, mjData* d, double size) {
   for (int k = 0; k < m->nv; ++k) d->qvel[k] = size * std::sin(1.7 * k);
@@ -175,14 +189,98 @@ void elasticity_is_found() {
   for (const std::string& xml : {arm_and_block(), skins("trilinear"), skins("quadratic")}) {
     const Model m = load(xml);
     for (int flex = 0; flex < m->nflex; ++flex)
-      expect_near(youngs_modulus_of(m.get(), flex), 1e5, 2e4, "elasticity", "Young's modulus");
+      expect_near(moduli_of(m.get(), flex).youngs(), 1e5, 2e4, "elasticity", "Young's modulus");
+  }
+  // E / (3 (1 - 2 nu)): near incompressibility the bulk decides.
+  for (const char* poisson : {"0.3", "0.45"}) {
+    const double bulk = 1e5 / (3 * (1 - 2 * std::atof(poisson)));
+    for (std::string xml : {arm_and_block(), skins("trilinear"), skins("quadratic")}) {
+      for (std::size_t at = 0; (at = xml.find("poisson=\"0.3\"", at)) != std::string::npos; at += 5)
+        xml.replace(at + 9, 3, poisson);
+      const Model m = load(xml);
+      for (int flex = 0; flex < m->nflex; ++flex) {
+        expect_near(moduli_of(m.get(), flex).bulk, bulk, 0.05 * bulk, "elasticity", "bulk modulus");
+        expect_near(moduli_of(m.get(), flex).pressure(), std::max(1e5, bulk), 2e4, "elasticity", "pressure");
+      }
+    }
   }
 }
 
-/** Positions at the end of a run. */
-std::vector<double> run(const mjModel* m, mjData* d, int steps) {
-  for (int step = 0; step < steps; ++step) mj_step(m, d);
-  return {d->qpos, d->qpos + m->nq};
+// A bar whose edges are held is pulled at one end: it gives way as the modulus says that was found from its edges.
+void held_edges_are_a_stiffness() {
+  const char* test = "held edges";
+  std::string pins;
+  for (int y = 0; y < 4; ++y)
+    for (int z = 0; z < 4; ++z) pins += "0 " + std::to_string(y) + " " + std::to_string(z) + " ";
+  const Model m = load(
+      "<mujoco><option timestep=\"0.002\" iterations=\"200\" gravity=\"0 0 0\"/><worldbody><flexcomp name=\"bar\" type=\"grid\" "
+      "dim=\"3\" count=\"9 4 4\" spacing=\"0.1 0.1 0.1\" mass=\"10\" radius=\"0.001\"><edge equality=\"true\"/><contact "
+      "contype=\"0\" selfcollide=\"none\"/><pin grid=\"" +
+      pins + "\"/></flexcomp></worldbody></mujoco>");
+  const Data d(mj_makeData(m.get()));
+  mj_forward(m.get(), d.get());
+  const std::vector<mjtNum> start(d->flexvert_xpos, d->flexvert_xpos + 3 * m->nflexvert);
+  // Ends of the bar: its corners pull as far as they stand for its cross section, which is all that bears.
+  const double stress = 100, area = 0.09;
+  std::vector<std::pair<int, double>> pulled;
+  double shares = 0;
+  for (int v = 0; v < m->nflexvert; ++v) {
+    if (start[3 * std::size_t(v)] < 0.4 - 1e-9) continue;
+    double share = 1;
+    for (int k = 1; k < 3; ++k)
+      if (std::fabs(start[3 * std::size_t(v) + std::size_t(k)]) > 0.15 - 1e-9) share /= 2;
+    pulled.emplace_back(m->flex_vertbodyid[v], share), shares += share;
+  }
+  for (const auto& [body, share] : pulled) d->xfrc_applied[6 * body] = stress * area * share / shares;
+  for (int step = 0; step < 2000; ++step) mj_step(m.get(), d.get());
+  double longer = 0;
+  for (int v = 0; v < m->nflexvert; ++v)
+    if (start[3 * std::size_t(v)] > 0.4 - 1e-9)
+      longer += (d->flexvert_xpos[3 * v] - start[3 * std::size_t(v)]) / double(pulled.size());
+  const double measured = stress / (longer / 0.8), found = moduli_of(m.get(), 0).youngs();
+  expect(found > measured / 1.4 && found < measured * 1.4, test,
+         "found " + std::to_string(found) + " Pa, measured " + std::to_string(measured));
+}
+
+std::string sheet(const std::string& name, const std::string& place, const std::string& more = "",
+                  const std::string& pins = "",
+                  const std::string& contact = "contype=\"2\" conaffinity=\"3\"") {
+  return "<flexcomp name=\"" + name +
+         "\" type=\"grid\" dim=\"2\" count=\"13 13 1\" spacing=\"0.05 0.05 0.05\" mass=\"1\" radius=\"0.001\" pos=\"" + place +
+         "\" " + more +
+         "><elasticity young=\"1e6\" poisson=\"0.3\" thickness=\"1e-3\" elastic2d=\"both\" damping=\"0.01\"/>" + pins +
+         "<contact selfcollide=\"none\" " + contact + "/></flexcomp>";
+}
+
+// A net that is held at its border catches a block, whichever side of it was written first.
+void sheets_meet_solids_on_their_front() {
+  const char* test = "sheets";
+  std::string border;
+  for (int i = 0; i < 13; ++i)
+    for (int k = 0; k < 13; ++k)
+      if (i == 0 || k == 0 || i == 12 || k == 12) border += std::to_string(i) + " " + std::to_string(k) + " 0 ";
+  std::vector<double> heights;
+  for (const char* more : {"", "euler=\"180 0 0\""}) {
+    const Model m = load(model(block("a", "0.01 0.02 0.2", ">") + "</flexcomp>" +
+                               sheet("net", "0 0 0", more, "<pin grid=\"" + border + "\"/>")));
+    const Data d(mj_makeData(m.get()));
+    const AttachedContact attached(m.get(), d.get());
+    expect(!attached.contact().is_sheet(0) && attached.contact().is_sheet(1), test, "which is open");
+    run(m.get(), d.get(), 600);
+    expect(attached.error().empty(), test, attached.error());
+    std::array<double, 2> lowest{{1, 1}};
+    for (std::size_t flex = 0; flex < 2; ++flex)
+      for (int v = 0; v < m->flex_vertnum[flex]; ++v)
+        lowest[flex] = std::min(lowest[flex], d->flexvert_xpos[3 * (m->flex_vertadr[flex] + v) + 2]);
+    // It sags under 10 kg, and carries the block on its front.
+    expect(lowest[1] > -0.25 && lowest[1] < -0.02, test, "sags to " + std::to_string(lowest[1]));
+    expect_near(lowest[0], lowest[1], 0.01, test, "the block's lowest vertex beside the net's");
+    double fastest = 0;
+    for (int k = 0; k < m->nv; ++k) fastest = std::max(fastest, std::fabs(d->qvel[k]));
+    expect(fastest < 0.1, test, "rests, but for " + std::to_string(fastest) + " m/s");
+    heights.push_back(lowest[0]);
+  }
+  expect_near(heights[0], heights[1], 2e-3, test, "heights with either side up");
 }
 
 // A run begun anew, a forward pass in between, another mjData and the plugin: all the same bits.
@@ -262,29 +360,41 @@ void bad_input_is_refused() {
   refused(model(one + rope), {}, "flex 'rope' is of dim 1");
   ContactOptions options;
   options.pressure = 1e4;
-  // Cloth is told that it is cloth, whatever the options; a solid without a stiffness, which option it lacks.
-  for (const ContactOptions& any : {options, ContactOptions()}) {
-    refused(model(one + cloth), any, "flex 'cloth': RAYC_STATUS_MESH_OPEN");
-    refused(model(one + cloth), any, "leave cloth to MuJoCo's own contact");
-  }
+  // Sheets meet solids on one side, and one another by MuJoCo's contact alone.
+  refused(model(one + cloth), {}, "open sheets contype=\"2\" conaffinity=\"3\"");
+  refused(model(one + block("b", "0 0 2", ">") + "</flexcomp>" + sheet("curtain", "0 0 1")), {},
+          "flex 'curtain' is an open sheet with flex");
+  refused(model(one + sheet("c", "0 0 1", "", "", "contype=\"0\"") + sheet("d", "0 0 2", "", "", "contype=\"0\"")), {},
+          "flex 'c' and flex 'd' are open sheets, whose contact is MuJoCo's own");
   // A hole is closed where it is small enough; cloth is none.
   ContactOptions closing = options;
   closing.close_holes = 0.2;
+  ContactOptions closing_alone;
+  closing_alone.close_holes = 0.2;
   refused(model(one + cloth), closing, "close_holes is 0.2");
+  refused(model(one + cloth), closing, "is taken as one where close_holes is 0");
   const std::string holed =
       "<flexcomp name=\"holed\" type=\"direct\" dim=\"2\" radius=\"0.01\" mass=\"1\" pos=\"0 0 1\" "
       "point=\"1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1\" "
       "element=\"0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5\"><contact contype=\"0\"/></flexcomp>";
-  refused(model(holed), options, "close_holes");
   {
     const Model m = load(model(holed));
     const Data d(mj_makeData(m.get()));
-    expect(AttachedContact(m.get(), d.get(), closing).contact().flex_count() == 1, test, "closes a hole");
+    expect(!AttachedContact(m.get(), d.get(), closing).contact().is_sheet(0), test, "closes a hole");
+    expect(AttachedContact(m.get(), d.get()).contact().is_sheet(0), test, "is a sheet where no hole is to be closed");
   }
-  refused(
-      model("<flexcomp name=\"held\" type=\"grid\" dim=\"3\" count=\"3 3 3\" spacing=\"0.1 0.1 0.1\" radius=\"0.01\">"
-            "<edge equality=\"true\"/></flexcomp>"),
-      {}, "flex 'held' is no elastic solid from which a stiffness follows; set `pressure`");
+  {
+    // What cells carry is a solid: an opening is a fault, or is closed.
+    std::string celled = holed;
+    celled.insert(celled.find(" radius"), " dof=\"trilinear\"");
+    refused(model(celled), options, "set close_holes, to 0.1 say");
+    const Model m = load(model(celled));
+    const Data d(mj_makeData(m.get()));
+    expect(!AttachedContact(m.get(), d.get(), closing).contact().is_sheet(0), test, "closes a hole of a skin");
+  }
+  std::string shell = holed;
+  shell.insert(shell.find("<contact"), "<edge equality=\"true\"/>");
+  refused(model(shell), closing_alone, "is no elastic solid from which a stiffness follows, and meets none; set `pressure`");
   options.flexes = {"a", "c"};
   refused(model(one), options, "no flex 'c'");
   options.flexes = {"a", "a"};
@@ -353,6 +463,9 @@ int main() {
   nodes_move_as_in_mujoco();
   for (const char* dof : {"trilinear", "quadratic"}) surfaces_are_those_of_mujoco(skins(dof));
   surfaces_are_those_of_mujoco(arm_and_block());
+  surfaces_are_those_of_mujoco(shells());
+  held_edges_are_a_stiffness();
+  sheets_meet_solids_on_their_front();
   elasticity_is_found();
   rigid_geoms_stay_with_mujoco();
   results_repeat();

@@ -38,8 +38,9 @@ inline double stiffness_of_equality(const mjModel* m, int flex, mjtEq type) {
     if (m->eq_type[e] != type || m->eq_obj1id[e] != flex || !m->eq_active0[e]) continue;
     const mjtNum *reference = m->eq_solref + mjNREF * e, *impedance = m->eq_solimp + mjNIMP * e;
     // A row accelerates by (1 - d) a - d k r under a load that alone would accelerate it by a, so it comes to rest at
-    // r = (1 - d) a / (d k). And it pushes with that share d of its own inverse mass. The impedance d grows with r.
-    const double d = (impedance[0] + impedance[1]) / 2, most = impedance[1] * impedance[1];
+    // r = (1 - d) a / (d k). And it pushes with that share d of its own inverse mass. The impedance d
+    // grows with r: what begins far below its most is pushed to where it bears.
+    const double d = std::max(impedance[0], impedance[1] / 2), most = impedance[1] * impedance[1];
     const double rate = reference[0] > 0 ? 1 / (most * std::pow(reference[0] * reference[1], 2)) : -reference[0] / most;
     return rate * d * d / (1 - d);
   }

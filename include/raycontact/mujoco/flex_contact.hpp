@@ -247,10 +247,10 @@ class FlexContact {
         throw std::invalid_argument("raycontact: " + title_of(m, body.flex) +
                                     " is no elastic solid from which a stiffness follows, and meets none; set "
                                     "`pressure`");
-      // Cells are coarse beside the surface that they carry, and bend less.
-      const double edge = element_edge_of(m, body.flex);
-      const double depth = options_.depth > 0 ? options_.depth : m->flex_interp[body.flex] != 0 ? edge / 4 : edge / 16;
+      const double edge = element_edge_of(m, body.flex), depth = options_.depth > 0 ? options_.depth : edge / 16;
       body.material = bearing_material(pressures[b], depth);
+      // Cells are coarse beside the surface that they carry, so more may be pressed out in a step.
+      if (options_.depth == 0 && m->flex_interp[body.flex] != 0) body.material.depth_cap = edge / 4;
       body.material.damping_time = options_.damping_time;
       body.material.friction = options_.friction >= 0 ? options_.friction : m->flex_friction[3 * body.flex];
     }
