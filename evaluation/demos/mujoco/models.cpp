@@ -39,7 +39,8 @@ struct Options {
 void print_usage(FILE* out) {
   std::fputs(
       "usage: mujoco_models MODEL.xml... [--close-holes SHARE] [--pressure PASCALS]\n"
-      "       mujoco_models MODEL.xml --run SECONDS [--dt SECONDS] [--move FLEX X Y Z]...\n\n"
+      "       mujoco_models MODEL.xml --run SECONDS [--dt SECONDS] [--move FLEX X Y Z]... [--depth METRES]\n"
+      "                     [--damping-time SECONDS]\n\n"
       "Says of each model whether raycontact takes its flexes, and how many are taken. In the models as loaded, flexes\n"
       "are given contype=\"0\", and open sheets contype=\"2\" conaffinity=\"3\", as docs/mujoco.md asks for.\n"
       "With --run a model is stepped with MuJoCo's contact and with raycontact's, in turn, and a table compares them.\n"
@@ -85,6 +86,9 @@ class Run {
  public:
   Run(const std::string& file, const Options& options, bool is_ours) : m_(load(file, options)) {
     if (is_ours) separate(m_.get());
+    // A model that was written for raycontact has flexes that MuJoCo lets alone.
+    for (int flex = 0; !is_ours && flex < m_->nflex; ++flex)
+      if (m_->flex_contype[flex] == 0) m_->flex_contype[flex] = 1;
     d_.reset(mj_makeData(m_.get()));
     if (is_ours)
       contact_ = std::make_unique<raycontact::mujoco::AttachedContact>(m_.get(), d_.get(), options.contact);
@@ -218,6 +222,10 @@ int main(int argc, char** argv) try {
       options.contact.close_holes = next();
     } else if (argument == "--pressure") {
       options.contact.pressure = next();
+    } else if (argument == "--depth") {
+      options.contact.depth = next();
+    } else if (argument == "--damping-time") {
+      options.contact.damping_time = next();
     } else if (argument == "--move") {
       Move move;
       if (++i < argc) move.flex = argv[i];
