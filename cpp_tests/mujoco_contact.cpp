@@ -71,8 +71,9 @@ std::string skins(const char* dof) {
 // Cells whose inner nodes follow those of the shell.
 std::string shells() {
   return model(
-      "<flexcomp name=\"a\" type=\"grid\" dim=\"3\" count=\"7 7 7\" spacing=\"0.1 0.1 0.1\" cellcount=\"4 3 3\" mass=\"10\" "
-      "radius=\"0.001\" dof=\"trilinear\"><elasticity young=\"1e4\" poisson=\"0.3\" elastic2d=\"bend\" thickness=\"0.02\"/>"
+      "<flexcomp name=\"a\" type=\"grid\" dim=\"3\" count=\"7 7 7\" spacing=\"0.1 0.1 0.1\" cellcount=\"4 3 3\" "
+      "mass=\"10\" radius=\"0.001\" dof=\"trilinear\"><elasticity young=\"1e4\" poisson=\"0.3\" elastic2d=\"bend\" "
+      "thickness=\"0.02\"/>"
       "<edge equality=\"strain\"/><contact contype=\"0\" selfcollide=\"none\"/></flexcomp>", "", "");
 }
 
@@ -213,9 +214,9 @@ void held_edges_are_a_stiffness() {
   for (int y = 0; y < 4; ++y)
     for (int z = 0; z < 4; ++z) pins += "0 " + std::to_string(y) + " " + std::to_string(z) + " ";
   const Model m = load(
-      "<mujoco><option timestep=\"0.002\" iterations=\"200\" gravity=\"0 0 0\"/><worldbody><flexcomp name=\"bar\" type=\"grid\" "
-      "dim=\"3\" count=\"9 4 4\" spacing=\"0.1 0.1 0.1\" mass=\"10\" radius=\"0.001\"><edge equality=\"true\"/><contact "
-      "contype=\"0\" selfcollide=\"none\"/><pin grid=\"" +
+      "<mujoco><option timestep=\"0.002\" iterations=\"200\" gravity=\"0 0 0\"/><worldbody><flexcomp "
+      "name=\"bar\" type=\"grid\" dim=\"3\" count=\"9 4 4\" spacing=\"0.1 0.1 0.1\" mass=\"10\" radius=\"0.001\"><edge "
+      "equality=\"true\"/><contact contype=\"0\" selfcollide=\"none\"/><pin grid=\"" +
       pins + "\"/></flexcomp></worldbody></mujoco>");
   const Data d(mj_makeData(m.get()));
   mj_forward(m.get(), d.get());
@@ -246,7 +247,9 @@ std::string sheet(const std::string& name, const std::string& place, const std::
                   const std::string& pins = "",
                   const std::string& contact = "contype=\"2\" conaffinity=\"3\"") {
   return "<flexcomp name=\"" + name +
-         "\" type=\"grid\" dim=\"2\" count=\"13 13 1\" spacing=\"0.05 0.05 0.05\" mass=\"1\" radius=\"0.001\" pos=\"" + place +
+         "\" type=\"grid\" dim=\"2\" count=\"13 13 1\" spacing=\"0.05 0.05 0.05\" mass=\"1\" "
+         "radius=\"0.001\" pos=\"" +
+         place +
          "\" " + more +
          "><elasticity young=\"1e6\" poisson=\"0.3\" thickness=\"1e-3\" elastic2d=\"both\" damping=\"0.01\"/>" + pins +
          "<contact selfcollide=\"none\" " + contact + "/></flexcomp>";
@@ -394,7 +397,8 @@ void bad_input_is_refused() {
   }
   std::string shell = holed;
   shell.insert(shell.find("<contact"), "<edge equality=\"true\"/>");
-  refused(model(shell), closing_alone, "is no elastic solid from which a stiffness follows, and meets none; set `pressure`");
+  refused(model(shell), closing_alone,
+          "is no elastic solid from which a stiffness follows, and meets none; set `pressure`");
   options.flexes = {"a", "c"};
   refused(model(one), options, "no flex 'c'");
   options.flexes = {"a", "a"};

@@ -41,8 +41,8 @@ void print_usage(FILE* out) {
       "usage: mujoco_models MODEL.xml... [--close-holes SHARE] [--pressure PASCALS]\n"
       "       mujoco_models MODEL.xml --run SECONDS [--dt SECONDS] [--move FLEX X Y Z]... [--depth METRES]\n"
       "                     [--damping-time SECONDS]\n\n"
-      "Says of each model whether raycontact takes its flexes, and how many are taken. In the models as loaded, flexes\n"
-      "are given contype=\"0\", and open sheets contype=\"2\" conaffinity=\"3\", as docs/mujoco.md asks for.\n"
+      "Says of each model whether raycontact takes its flexes, and how many are taken. In the models as loaded,\n"
+      "flexes are given contype=\"0\", and open sheets contype=\"2\" conaffinity=\"3\", as docs/mujoco.md asks for.\n"
       "With --run a model is stepped with MuJoCo's contact and with raycontact's, in turn, and a table compares them.\n"
       "--move shifts a flex first. Times are of the processor.\n"
       "Exit status: 0, or 1 where a run failed, 2 wrong usage or a model that does not load.\n",
@@ -174,7 +174,8 @@ class Run {
 int compare(const Options& options) {
   Run theirs(options.files[0], options, false), ours(options.files[0], options, true);
   while (ours.time() < options.seconds) theirs.step(), ours.step();
-  std::printf("| contact | deepest, m | at the end, m | inside at the end | ms a step |\n| --- | --- | --- | --- | --- |\n");
+  std::printf("| contact | deepest, m | at the end, m | inside at the end | ms a step |\n");
+  std::printf("| --- | --- | --- | --- | --- |\n");
   ours.print("raycontact");
   theirs.print("mujoco");
   return ours.has_failed() ? 1 : 0;

@@ -59,8 +59,9 @@ struct FlexSurface {
 namespace detail {
 
 /**
- * A node's share of a vertex. Within a shell of cells, which MuJoCo numbers below 0, inner nodes have no motion of their
- * own: they follow the shell's sides, less its edges, which two sides have, and with its corners, which three have.
+ * A node's share of a vertex. Within a shell of cells, which MuJoCo numbers below 0, inner nodes have no motion of
+ * their own: they follow the shell's sides, less its edges, which two sides have, and with its corners, which three
+ * have.
  */
 inline void add_node(const std::array<int, 3>& node, const std::array<int, 3>& count, double weight, bool is_shell,
                      FlexSurface& surface) {
