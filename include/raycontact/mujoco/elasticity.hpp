@@ -15,7 +15,8 @@ namespace raycontact::mujoco {
 
 /** What an elastic solid resists with, Pa; 0 where a flex is none. */
 struct Moduli {
-  double shear = 0, bulk = 0;
+  double shear = 0;  ///< G
+  double bulk = 0;   ///< K
   /** About Young's modulus, to within a fifth. */
   double youngs() const { return 2.6 * shear; }
   /** What its surface bears: what hardly gives way in volume is as stiff under a load as its bulk. */

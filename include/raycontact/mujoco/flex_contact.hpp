@@ -204,7 +204,8 @@ class FlexContact {
   void check_doubled_contact(const mjModel* m) const {
     for (const Body& a : bodies_)
       for (const Body& b : bodies_) {
-        const bool is_looked_at = !a.is_sheet && options_.self_collision && m->flex_selfcollide[a.flex] != mjFLEXSELF_NONE;
+        const bool is_looked_at =
+            !a.is_sheet && options_.self_collision && m->flex_selfcollide[a.flex] != mjFLEXSELF_NONE;
         if (a.flex == b.flex && !is_looked_at) continue;
         const auto meet = [&](int from, int to) { return (m->flex_contype[from] & m->flex_conaffinity[to]) != 0; };
         if (a.is_sheet && b.is_sheet) {
