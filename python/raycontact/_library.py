@@ -40,7 +40,7 @@ def dtype_of(kind: Any) -> np.dtype[Any]:
     if kind.kind == "array":
         return np.dtype((dtype_of(kind.item), (kind.length,)))
     names, fields = zip(*kind.fields)
-    formats, offsets = [dtype_of(field.type) for field in fields], [field.offset for field in fields]
+    formats, offsets = zip(*((dtype_of(field.type), field.offset) for field in fields))
     return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof(kind)})
 
 
@@ -131,10 +131,16 @@ Array = ArrayLike
 Doubles = NDArray[np.float64]
 
 
+def on_host(given: Any, name: str) -> NDArray[Any]:
+    """An array of numpy's; memory of a device is not to be read from here."""
+    if getattr(given, "__dlpack_device__", lambda: (1, 0))()[0] not in (1, 3):  # DLPack's numbers of the host's memory
+        raise TypeError(f"{name} lies on a device; give a copy on the host, such as .numpy() or .cpu() makes")
+    return np.asarray(given)
+
+
 def rows(given: Array, name: str, count: str = "n") -> NDArray[Any]:
     """One vector for each row."""
-    array = np.asarray(given)
-    if array.ndim != 2 or array.shape[1] != 3:
+    if (array := on_host(given, name)).ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"{name} has the shape {array.shape}; give ({count}, 3)")
     return array
 
@@ -147,8 +153,7 @@ def lies_well(array: NDArray[Any]) -> bool:
 
 def to_read(given: Array, name: str) -> NDArray[Any]:
     """Vectors: the array itself where the library can read it, else a copy."""
-    array = rows(given, name)
-    return array if lies_well(array) else numbers(array, name)
+    return array if lies_well(array := rows(given, name)) else numbers(array, name)
 
 
 def to_write(given: Any, name: str, is_packed: bool = False) -> NDArray[Any]:
@@ -158,8 +163,7 @@ def to_write(given: Any, name: str, is_packed: bool = False) -> NDArray[Any]:
     fits = given.dtype in SCALARS and given.flags.carray if is_packed else lies_well(rows(given, name))
     if not (fits and given.flags.writeable):
         found = f"dtype {given.dtype}, strides {given.strides}, writeable {given.flags.writeable}"
-        example = "np.zeros(n)" if is_packed else "np.zeros((n, 3))"
-        raise ValueError(f"{name} cannot be added to where it lies ({found}); give one such as {example}")
+        raise ValueError(f"{name} cannot be added to where it lies ({found}); give one such as np.zeros({given.shape})")
     return given
 
 
@@ -175,8 +179,7 @@ def of_bodies(given: Any, name: str, count: int | None = None, prepare: Any = to
 
 def numbers(given: Array, name: str, count: int | None = None, dtype: Any = np.float64) -> NDArray[Any]:
     """Packed doubles, or numbers of another type, in any shape; used where they lie if they are so already."""
-    array = np.asarray(given)
-    if not np.can_cast(array.dtype, np.float64, "same_kind"):
+    if not np.can_cast((array := on_host(given, name)).dtype, np.float64, "same_kind"):
         raise TypeError(f"{name} has the dtype {array.dtype}; give real numbers")
     if count not in (None, array.size):
         raise ValueError(f"{name} has {array.size} numbers; give {count}")
@@ -185,7 +188,7 @@ def numbers(given: Array, name: str, count: int | None = None, dtype: Any = np.f
 
 def alike(names: str, *given: Array, dtype: Any = None) -> list[NDArray[Any]]:
     """Equally many numbers each, of this type; by default as floats if all are, else as doubles."""
-    arrays = [np.asarray(array) for array in given]
+    arrays = [on_host(array, name) for array, name in zip(given, names.split())]
     dtype = dtype or (np.float32 if {array.dtype for array in arrays} == {np.dtype(np.float32)} else np.float64)
     return [numbers(array, name, arrays[0].size, dtype) for name, array in zip(names.split(), arrays)]
 
@@ -197,8 +200,7 @@ def packed(**fields: tuple[Array, int]) -> Doubles:
 
 def indices(given: Array, name: str) -> NDArray[np.uint32]:
     """Numbers of vertices or nodes in any shape; a packed array of uint32 is used where it lies."""
-    array = np.asarray(given)
-    if array.dtype.kind not in "iu" and array.size:
+    if (array := on_host(given, name)).dtype.kind not in "iu" and array.size:
         raise TypeError(f"{name} has the dtype {array.dtype}; give whole numbers")
     for wrong in np.argwhere((array < 0) | (array > 2**32 - 1)):
         raise ValueError(f"{name}{wrong.tolist()} is {array[tuple(wrong)]}; give a whole number from 0 to 2**32 - 1")

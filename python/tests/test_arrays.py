@@ -72,6 +72,26 @@ def test_copied_where_they_cannot_be_read(x):
     np.testing.assert_array_equal(mesh.vertices, wanted)
 
 
+class OnDevice:
+    """What an array of Warp, PyTorch or JAX tells of the memory of a GPU, which DLPack gives the number 2."""
+
+    def __dlpack_device__(self):
+        return (2, 0)
+
+
+def test_arrays_on_a_device_are_refused():
+    mesh, scene = Mesh(X, TETRAHEDRON), Scene()
+    scene.add(mesh)
+    for call in (
+        lambda: Mesh(OnDevice(), TETRAHEDRON),
+        lambda: Mesh(X, OnDevice()),
+        lambda: mesh.set_positions(OnDevice()),
+        lambda: scene.set_positions(0, OnDevice()),
+    ):
+        with pytest.raises(TypeError, match=r"lies on a device; give a copy on the host, such as .numpy\(\)"):
+            call()
+
+
 def test_rows_in_descending_order_are_copied():
     mesh = Mesh(X, TETRAHEDRON)
     mesh.set_positions(X[::-1])
