@@ -27,6 +27,7 @@ springs and of contact must not rise. That of contact is an integral over what b
   --dt X          the length of steps, in s (default 0: 1/240, 1/60 or 0.05)
   --solves N      how often a step may be solved (default 60)
   --goal X        the part of the force predicted wrongly that is good enough (default 1e-7)
+  --guard 1       steps whose energy would rise are cut short (default 0)
   --tolerance X   how far energy may rise, of the greatest (default 0.01)
   --help          this text
 
@@ -61,6 +62,10 @@ struct Outcome {
     unsolved: usize,
     /// Steps with contacts.
     touching: usize,
+    /// Steps cut short, and slowed.
+    cuts: [usize; 2],
+    /// The energy at the end, over that at the start.
+    left: f64,
 }
 
 /// How a start is run.
@@ -69,10 +74,12 @@ struct Course {
     every: usize,
     solves: usize,
     goal: f64,
+    is_guarded: bool,
 }
 
 fn run(mut closed: Closed, start: u64, course: &Course) -> Outcome {
-    let &Course { steps, every, solves, goal } = course;
+    let &Course { steps, every, solves, goal, is_guarded } = course;
+    closed.host.is_guarded = is_guarded;
     (closed.host.solves, closed.host.goal) = (solves, goal);
     let first = closed.energy();
     let (mut greatest, mut least) = (first, first);
@@ -91,6 +98,8 @@ fn run(mut closed: Closed, start: u64, course: &Course) -> Outcome {
             least = least.min(energy);
         }
     }
+    outcome.cuts = closed.host.cuts;
+    outcome.left = closed.energy() / first;
     outcome
 }
 
@@ -103,6 +112,7 @@ pub fn main(mut arguments: Arguments) -> ExitCode {
     let wanted = Wanted { cubes: kind == "cubes", dt: arguments.value("--dt", 0.0) };
     let solves: usize = arguments.value("--solves", 60);
     let goal: f64 = arguments.value("--goal", 1e-7);
+    let is_guarded = arguments.value("--guard", 0) == 1;
     let first: u64 = arguments.value("--start", 0);
     let tolerance: f64 = arguments.value("--tolerance", 0.01);
     if starts == 0 || steps == 0 || every == 0 || solves == 0 {
@@ -115,13 +125,14 @@ pub fn main(mut arguments: Arguments) -> ExitCode {
         arguments.fail("--tolerance, --goal and --dt are finite and at least 0");
     }
     arguments.finish();
-    let course = Course { steps, every, solves, goal };
+    let course = Course { steps, every, solves, goal, is_guarded };
     // On standard error, and only where that is a terminal.
     let progress = ProgressBar::new(starts);
     let style = ProgressStyle::with_template("{wide_bar} {pos} of {len} starts, {eta} left");
     progress.set_style(style.expect("the template is valid"));
     let mut worst = [Rise::default(); 2];
     let (mut risen, mut unsolved, mut touching) = ([0; 2], 0, 0);
+    let (mut cuts, mut ended, mut left) = ([0; 2], 0, Vec::new());
     for start in first..first + starts {
         let outcome = run(Closed::wanted(seed, start, wanted), start, &course);
         for (k, rise) in outcome.rises.into_iter().enumerate() {
@@ -130,6 +141,9 @@ pub fn main(mut arguments: Arguments) -> ExitCode {
         }
         unsolved += outcome.unsolved;
         touching += outcome.touching;
+        (0..2).for_each(|k| cuts[k] += outcome.cuts[k]);
+        ended += usize::from(outcome.left > 1.001);
+        left.push(outcome.left);
         if outcome.rises.iter().any(|rise| rise.part > tolerance) {
             let [above_start, above_least] = outcome.rises;
             progress.suspend(|| {
@@ -162,6 +176,15 @@ pub fn main(mut arguments: Arguments) -> ExitCode {
     }
     println!(
         "{starts} starts of {steps} steps, {touching} steps in contact, {unsolved} of them not solved; seed {seed}"
+    );
+    left.sort_by(f64::total_cmp);
+    println!(
+        "{ended} end with more than 1.001 of what they began with, at most {:.4}, half of them with {:.4}; {} steps cut \
+         short, {} slowed",
+        left[left.len() - 1],
+        left[left.len() / 2],
+        cuts[0],
+        cuts[1]
     );
     if risen[0] == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

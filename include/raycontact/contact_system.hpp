@@ -255,6 +255,14 @@ class ContactSystem {
     return detail::outcome(status, joules);
   }
 
+  /** The energy stored after a part of the step, J, contacts looked for there: rayc_contact_system_potential(). */
+  Outcome<double> potential(Scene& scene, Span<const double> velocities, double part = 1) {
+    double joules = 0;
+    const rayc_status status = rayc_contact_system_potential(get(), scene.get(), velocities.size(), velocities.data(),
+                                                             part, &joules);
+    return detail::outcome(status, joules);
+  }
+
   /** Holds the rows anew, at these velocities; the part of the force that had been predicted wrongly. */
   Outcome<double> linearise(Span<const double> velocities) {
     double wrong = 0;

@@ -188,6 +188,13 @@ class Scene {
 #endif
   }
 
+  /** Queries, and the energy in J that bodies store where they are: rayc_scene_potential(). */
+  Outcome<double> potential(const rayc_response_options& options, Contacts& contacts) {
+    double joules = 0;
+    const rayc_status status = rayc_scene_potential(get(), &options, contacts.get(), &joules);
+    return detail::outcome(status, joules);
+  }
+
   /** Ends a step of so many seconds, after its last query: rayc_scene_advance(). */
   Outcome<void> advance(double seconds) { return check(rayc_scene_advance(get(), seconds)); }
 

@@ -146,6 +146,11 @@ class ContactSystem:
         """The potential of the rows, in J. Forces are its negative gradient by the positions at the end of the step."""
         return float(self._ask("energy", velocities))
 
+    def potential(self, scene: Scene, velocities: Array, part: float = 1.0) -> float:
+        """The energy stored after a part of the step at these velocities, in J, with contacts looked for there."""
+        v = numbers(velocities, "velocities")
+        return float(answer(library.rayc_contact_system_potential, self._handle, scene._handle, v.size, v, part))
+
     def linearise(self, velocities: Array) -> float:
         """Decides anew which rows push and rub; returns the part of all force predicted wrongly: above 0.05 solve again."""
         return float(self._ask("linearise", velocities))

@@ -122,6 +122,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_contact_system_finish_f32(null_mut(), 0, null());
         rayc_contact_system_explicit_step_f32(null_mut(), null_mut(), 0.0, 0, null(), null(), 0, null_mut(), null_mut());
         rayc_contact_system_energy(null_mut(), 0, null(), null_mut());
+        rayc_contact_system_potential(null_mut(), null_mut(), 0, null(), 0.0, null_mut());
         rayc_contact_system_linearise(null_mut(), 0, null(), null_mut());
         rayc_contact_system_detect_again(null_mut(), null_mut(), 0, null(), null_mut());
         rayc_contact_system_finish(null_mut(), 0, null());
@@ -210,6 +211,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_scene_set_pair_collision(null_mut(), 0, 0, 0);
         rayc_scene_advance(null_mut(), 0.0);
         rayc_scene_query(null_mut(), null_mut());
+        rayc_scene_potential(null_mut(), null(), null_mut(), null_mut());
         rayc_scene_allow_escape(null_mut(), 0, 0, 0);
         rayc_scene_may_escape(null(), 0, 0, null_mut());
         rayc_scene_pair_memory_count(null(), null_mut());

@@ -1,5 +1,6 @@
 use crate::bvh::SidesScratch;
 use crate::contact::point_pair::Contact;
+use crate::contact::potential::PotentialRoom;
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::refinement::Quadrature;
 use crate::contact::spread::SpreadWorkspace;
@@ -41,6 +42,8 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) edge_sides: Vec<Side>,
     /// The crossings of one edge.
     pub(crate) crossings: Vec<Hit<T>>,
+    /// For the energy of what was found.
+    pub(crate) potential: PotentialRoom<T>,
     /// For contacts of a body with itself.
     pub(crate) own: SelfWorkspace<T>,
 }

@@ -86,6 +86,11 @@ impl PenaltyLaw {
         Ok(Self { friction, slip_speed, ..self })
     }
 
+    /// The stiffness in N/m³; `None` where contacts are not weighted by their area.
+    pub(crate) fn stiffness_of_area(&self) -> Option<f64> {
+        (self.weighting == Weighting::Area).then_some(self.stiffness)
+    }
+
     /// The damping's time constant, in seconds.
     pub fn damping_time(&self) -> f64 {
         self.damping_time

@@ -10,6 +10,7 @@ mod list;
 mod own_contacts;
 mod pairs;
 mod posed;
+mod potential;
 mod saved;
 
 pub use crate::bytes::BytesError;

@@ -24,6 +24,8 @@ pub(crate) struct Buffers {
     /// The velocities by which the last detection predicted where nodes and rigid bodies will be.
     pub(super) ahead: Vec<f64>,
     pub(super) ahead_twists: Vec<f64>,
+    /// Those two while a trial is made.
+    pub(super) kept: [Vec<f64>; 2],
     pub(super) twists: Vec<f64>,
     pub(super) free_twists: Vec<f64>,
     /// At the end of the last step.

@@ -63,6 +63,17 @@ impl<T: Scalar> Below<T> {
         corners.iter().for_each(|&vertex| self.vertices[vertex as usize][1] += sixth);
     }
 
+    /// Per stiffness, the energy of what of a body lies below, where no pressure is larger than at the depth `cap`.
+    pub(super) fn energy(&mut self, half_space: &HalfSpace, body: &Body<T>, mesh: &Mesh<T>, cap: f64) -> f64 {
+        self.find(half_space, body, mesh);
+        for place in 0..self.triangles.len() {
+            let corners = mesh.topology().triangles()[self.triangles[place].1 as usize];
+            self.add_area(half_space, body, corners);
+        }
+        let pressed = (0..self.vertices.len() as u32).filter_map(|vertex| self.pressed(vertex));
+        pressed.map(|[depth, area]| area * depth.min(cap) * (depth - 0.5 * depth.min(cap))).sum()
+    }
+
     /// The depth and the area of a vertex that bears a load.
     fn pressed(&self, vertex: u32) -> Option<[f64; 2]> {
         let [depth, area] = self.vertices[vertex as usize];

@@ -33,6 +33,7 @@ mod material;
 mod matrix;
 mod motions;
 mod pairs;
+mod potential;
 mod products;
 mod row;
 mod row_builder;
@@ -96,6 +97,8 @@ pub struct ContactSystem<T: Scalar> {
     pub(crate) half_spaces: Vec<HalfSpace>,
     pair_materials: PairMaterials,
     contacts: ContactList<T>,
+    /// Those of the last trial.
+    trial: ContactList<T>,
     pub(crate) rows: Rows,
     compressed: Compressed,
     pub(crate) anchors: Anchors,
@@ -118,6 +121,7 @@ impl<T: Scalar> ContactSystem<T> {
             half_spaces: Vec::new(),
             pair_materials: Vec::new(),
             contacts: ContactList::default(),
+            trial: ContactList::default(),
             rows: Rows::default(),
             compressed: Compressed::default(),
             anchors: Anchors::default(),

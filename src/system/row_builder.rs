@@ -197,17 +197,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
     /// The row's pair, and where it is its first row its material.
     pub(super) fn pair(&mut self, key: Key, floor: Option<&Material>) -> usize {
         let Self { bodies, pair_materials, loads, .. } = self;
-        loads.place(key, || {
-            let find = |number: u32| &bodies[place_of(bodies, number)];
-            let first = find(key.0);
-            let (other, inverse_mass) = match (key.1, floor) {
-                (Surface::Body(number), _) => (find(number).material, 1.0 / find(number).mass),
-                (_, floor) => (*floor.unwrap_or(&first.material), 0.0),
-            };
-            let own = pair_materials.binary_search_by_key(&in_order(key).0, |(pair, _)| *pair).ok();
-            let material = own.map_or_else(|| first.material.combined(&other), |place| pair_materials[place].1);
-            (material, 1.0 / first.mass + inverse_mass)
-        })
+        loads.place(key, || material_of(bodies, pair_materials, key, floor))
     }
 
     /// Adds one body's entries to the row under way: at its end for the normal force, and where `held` says for friction.
@@ -341,6 +331,24 @@ impl<T: Scalar> RowBuilder<'_, T> {
     fn place(&self, number: u32) -> usize {
         place_of(self.bodies, number)
     }
+}
+
+/// A pair's material, and the sum of both bodies' 1/mass.
+pub(super) fn material_of<T: Scalar>(
+    bodies: &[Body<T>],
+    pair_materials: &PairMaterials,
+    key: Key,
+    floor: Option<&Material>,
+) -> (Material, f64) {
+    let find = |number: u32| &bodies[place_of(bodies, number)];
+    let first = find(key.0);
+    let (other, inverse_mass) = match (key.1, floor) {
+        (Surface::Body(number), _) => (find(number).material, 1.0 / find(number).mass),
+        (_, floor) => (*floor.unwrap_or(&first.material), 0.0),
+    };
+    let own = pair_materials.binary_search_by_key(&in_order(key).0, |(pair, _)| *pair).ok();
+    let material = own.map_or_else(|| first.material.combined(&other), |place| pair_materials[place].1);
+    (material, 1.0 / first.mass + inverse_mass)
 }
 
 fn place_of<T: Scalar>(bodies: &[Body<T>], number: u32) -> usize {

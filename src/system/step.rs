@@ -250,7 +250,8 @@ impl<T: Scalar> ContactSystem<T> {
         self.anchors.start_step();
     }
 
-    /// The linear and angular velocity of a rigid body at the end of the last finished step.
+    /// The linear and angular velocity of a rigid body at the end of the last finished step, or of the last
+    /// [trial](Self::potential) since.
     ///
     /// # Errors
     /// [`SystemError::UnknownBody`] where it is none, or was added since.

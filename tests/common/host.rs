@@ -47,6 +47,12 @@ pub struct Host {
     /// that turn with their ends do, and as much at the start of the step: so they cannot gain energy, however long it is.
     pub holds_springs: bool,
     pub detects_again: bool,
+    /// Whether steps whose energy would rise are cut short.
+    pub is_guarded: bool,
+    /// In J, at the end of the last guarded step.
+    pub energy: Option<f64>,
+    /// How many steps were cut short, and how many were slowed.
+    pub cuts: [usize; 2],
     pub iterations: usize,
 }
 
@@ -94,6 +100,9 @@ impl Host {
             wrong: 0.0,
             holds_springs: false,
             detects_again: true,
+            is_guarded: false,
+            energy: None,
+            cuts: [0; 2],
             iterations: 0,
         }
     }
@@ -180,15 +189,78 @@ impl Host {
                 break;
             }
         }
+        let start = self.x.clone();
+        let [part, kept] = if self.is_guarded { self.guarded(dt, &start, &v) } else { [1.0; 2] };
         self.system.finish(&v).expect("a step is under way");
-        self.v = v;
-        self.x.iter_mut().zip(&self.v).for_each(|(x, v)| *x += dt * v);
+        self.move_on(part * dt, &start, &v);
         for rigid in &mut self.rigids {
             rigid.velocity = self.system.rigid_velocity(rigid.body).expect("it is rigid");
             let [a, b, c, d, e, f] = rigid.velocity;
-            rigid.position += V3::new(a, b, c) * dt;
-            rigid.rotation = rotation(&(V3::new(d, e, f) * dt)) * rigid.rotation;
+            rigid.position += V3::new(a, b, c) * (part * dt);
+            rigid.rotation = rotation(&(V3::new(d, e, f) * (part * dt))) * rigid.rotation;
+            rigid.velocity.iter_mut().for_each(|velocity| *velocity *= kept);
         }
+        self.v.iter_mut().for_each(|velocity| *velocity *= kept);
+    }
+
+    fn move_on(&mut self, time: f64, start: &[f64], v: &[f64]) {
+        self.v.copy_from_slice(v);
+        self.x.iter_mut().zip(start).zip(v).for_each(|((x, start), v)| *x = start + time * v);
+    }
+
+    /// How much of the step can be taken before what is stored alone is more than all energy was, and the part of the
+    /// velocities that the rest of it leaves.
+    fn guarded(&mut self, dt: f64, start: &[f64], v: &[f64]) -> [f64; 2] {
+        let most = match self.energy {
+            Some(energy) => energy,
+            None => self.kinetic() + self.stored() + self.trial(v, 0.0),
+        };
+        let (mut part, mut tries) = (1.0, 0);
+        let stored = loop {
+            let contact = self.trial(v, part);
+            self.move_on(part * dt, start, v);
+            let stored = self.stored() + contact + self.lifted(part * dt);
+            if stored <= most || part == 0.0 {
+                break stored;
+            }
+            tries += 1;
+            part = if tries < 8 { 0.5 * part } else { 0.0 };
+        };
+        let moving = {
+            let before: Vec<_> = self.rigids.iter().map(|rigid| rigid.velocity).collect();
+            for rigid in &mut self.rigids {
+                rigid.velocity = self.system.rigid_velocity(rigid.body).expect("it is rigid");
+            }
+            let moving = self.kinetic();
+            self.rigids.iter_mut().zip(before).for_each(|(rigid, velocity)| rigid.velocity = velocity);
+            moving
+        };
+        let kept = if stored + moving > most { ((most - stored).max(0.0) / moving).sqrt() } else { 1.0 };
+        self.energy = Some(stored + kept * kept * moving);
+        self.cuts[0] += usize::from(part < 1.0);
+        self.cuts[1] += usize::from(kept < 0.999);
+        [part, kept]
+    }
+
+    fn trial(&mut self, v: &[f64], part: f64) -> f64 {
+        self.system.potential(&mut self.scene, v, part).expect("a step is under way")
+    }
+
+    /// In J: of springs and height.
+    fn stored(&self) -> f64 {
+        let nodes = (0..self.masses.len()).filter(|&node| self.masses[node].is_finite());
+        let of_nodes = nodes.map(|node| at(&self.x, node).dot(&(self.gravity * self.masses[node] + self.push)));
+        let of_rigids = self.rigids.iter().map(|rigid| rigid.position.dot(&(self.gravity * rigid.mass + rigid.push)));
+        self.elastic() - of_nodes.sum::<f64>() - of_rigids.sum::<f64>()
+    }
+
+    /// What rigid bodies gain by height in that time, as they answered to the last trial.
+    fn lifted(&self, time: f64) -> f64 {
+        let gained = |rigid: &Rigid| {
+            let velocity = self.system.rigid_velocity(rigid.body).expect("it is rigid");
+            -V3::new(velocity[0], velocity[1], velocity[2]).dot(&(self.gravity * rigid.mass + rigid.push)) * time
+        };
+        self.rigids.iter().map(gained).sum()
     }
 
     /// One step of the implicit midpoint rule: the step to its middle, and as far again.

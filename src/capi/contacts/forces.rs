@@ -1,9 +1,11 @@
 use super::{AnyContacts, rayc_contacts};
 use crate::capi::base::{rayc_status, rayc_vectors, rayc_vectors_mut};
 use crate::capi::ffi::{
-    Arrays, BodyArray, BodyArraysMut, Failure, Options, Output, apart, beyond_range, check_apart, check_numbers,
-    check_reserved, growing, guard, read_options, reading, slice, unknown_enum, with_precision, write_defaults,
+    Arrays, BodyArray, BodyArraysMut, Failure, Options, Output, apart, beyond_range, changing, check_apart,
+    check_numbers, check_reserved, growing, guard, read_options, reading, slice, unknown_enum, with_precision,
+    write_defaults,
 };
+use crate::capi::scene::rayc_scene;
 use crate::contact::{Contact, ContactList};
 use crate::force::{PenaltyLaw, RigidMotion, Weighting, add_differential, add_forces, add_wrenches, energy};
 use crate::math::{Scalar, Vector3};
@@ -217,6 +219,29 @@ pub unsafe extern "C" fn rayc_contacts_energy(
         let positions = BodyArray::if_any(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
         place.write(with_precision!(list, |list| all_energy(list, &law, positions)?));
+        Ok(())
+    })
+}
+
+/// rayc_scene_query(), and the energy in J that bodies store where they are: the integral of the pressure over what they
+/// share. What two queries differ by is the work of the forces between; rayc_contacts_energy() is that of springs
+/// whose contacts are held, and so is this one by the law of the paper, with RAYC_WEIGHTING_VERTEX, with rays from vertices, of
+/// open sheets and of bodies with themselves.
+///
+/// Errors: those of rayc_scene_query(), RAYC_STATUS_INVALID_OPTION.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_potential(
+    scene: *mut rayc_scene,
+    options: *const rayc_response_options,
+    contacts: *mut rayc_contacts,
+    joules: *mut f64,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (mut scene, mut contacts) = (changing(scene, "scene")?, changing(contacts, "contacts")?);
+        let law = read_options(options)?.law()?;
+        let (place, list) = (Output::new(joules, "joules")?, &mut contacts.list);
+        place.write(with_precision!(&mut scene.scene, |scene| scene.potential(&law, list.as_mut())));
         Ok(())
     })
 }

@@ -9,6 +9,7 @@ mod friction;
 pub mod laws;
 mod midpoint;
 mod pairs;
+mod potential;
 mod range;
 mod refusals;
 mod restitution;
