@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "conjugate_gradients.hpp"
@@ -27,7 +28,8 @@ struct Body {
 class Engine {
  public:
   Vector gravity{{0, 0, 0}};
-  int solves = 6;  // in a step at most
+  int solves = 6;           // in a step at most
+  bool is_guarded = false;  // steps whose energy would rise are cut short
 
   void add_floor(const Vector& normal, const rayc_material& material) { contacts_.add_half_space(normal, 0, material); }
 
@@ -65,10 +67,13 @@ class Engine {
       if (solve == solves) break;
       if (!contacts_.detect_again(scene_, v) && !is_wrong) break;
     }
+    const auto [part, kept] = is_guarded ? guarded(dt, v) : std::array<double, 2>{{1, 1}};
     contacts_.finish(v);
-    v_ = v;
-    for (std::size_t k = 0; k < x_.size(); ++k) x_[k] += dt * v_[k];
+    x_ = moved(part * dt, v);
+    for (std::size_t k = 0; k < v.size(); ++k) v_[k] = kept * v[k];
   }
+
+  int cuts = 0;  // steps cut short or slowed
 
   std::size_t body_count() const { return first_nodes_.size(); }
   /** Contacts between bodies where they are. */
@@ -135,6 +140,44 @@ class Engine {
     demo::solve_by_conjugate_gradients(add_product, Numbers(v.size(), 1), 1e-16, 2000, right, v);
   }
 
+  /**
+   * How much of the step can be taken before what is stored alone is more than all energy was, and the part of the
+   * velocities for which that is enough.
+   */
+  std::array<double, 2> guarded(double dt, const Numbers& v) {
+    if (!energy_) energy_ = kinetic(v_) + stored(x_) + contacts_.potential(scene_, v, 0);
+    const auto after = [&](double part) { return stored(moved(part * dt, v)) + contacts_.potential(scene_, v, part); };
+    double part = 1, rest = after(part);
+    for (int tries = 1; rest > *energy_ && part > 0; ++tries) {
+      part = tries < 9 ? part / 2 : 0;
+      rest = after(part);
+    }
+    const double moving = kinetic(v), kept = std::sqrt(std::min(1.0, std::max(0.0, *energy_ - rest) / moving));
+    if (part < 1 || kept < 0.999) ++cuts;
+    energy_ = rest + (moving > 0 ? kept * kept * moving : 0);
+    return {{part, moving > 0 ? kept : 1}};
+  }
+
+  Numbers moved(double time, const Numbers& v) const {
+    Numbers x = x_;
+    for (std::size_t k = 0; k < x.size(); ++k) x[k] += time * v[k];
+    return x;
+  }
+
+  double kinetic(const Numbers& v) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < v.size(); ++k) sum += masses_[k / 3] * v[k] * v[k] / 2;
+    return sum;
+  }
+
+  // Of springs and height.
+  double stored(const Numbers& x) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < x.size(); ++k) sum -= masses_[k / 3] * gravity[k % 3] * x[k];
+    for (const Spring& s : springs_) sum += s.stiffness * std::pow(length(difference(x, s.a, s.b)) - s.length, 2) / 2;
+    return sum;
+  }
+
   std::size_t end(std::size_t body) const { return body + 1 < body_count() ? first_nodes_[body + 1] : masses_.size(); }
 
   Vector mean(const Numbers& of, std::size_t body) const {
@@ -149,6 +192,7 @@ class Engine {
   Numbers x_, v_, masses_;
   std::vector<Spring> springs_;
   std::vector<std::size_t> first_nodes_;
+  std::optional<double> energy_;  // at the end of the last guarded step
 };
 
 }  // namespace own

@@ -11,6 +11,7 @@ namespace {
 struct Options {
   std::string scene;
   double dt = 1.0 / 60, aside = 0.2, friction = 0.5;
+  bool is_guarded = false;
 };
 
 constexpr double tilt = 0.2;
@@ -75,6 +76,12 @@ own::Body torus(std::size_t around, std::size_t across, const own::Vector& middl
   return body;
 }
 
+own::Engine engine_for(const Options& options) {
+  own::Engine engine;
+  engine.is_guarded = options.is_guarded;
+  return engine;
+}
+
 int verdict(const char* scene, bool is_good, const std::string& figures) {
   std::printf("%s: %s, %s\n", scene, is_good ? "ok" : "failed", figures.c_str());
   return is_good ? 0 : 1;
@@ -88,7 +95,7 @@ std::string with_unit(const char* what, double value, const char* unit) {
 
 /** Five boxes, each set off against the one below by a part of its edge, to and fro: they stay. */
 int stack(const Options& options) {
-  own::Engine engine;
+  own::Engine engine = engine_for(options);
   engine.gravity = {{0, 0, -9.81}};
   // Softer, and the column buckles at its joints.
   rayc_material material = raycontact::bearing_material(1e5, 0.05);
@@ -108,7 +115,7 @@ int stack(const Options& options) {
 
 /** Two tori that start deep inside one another: they part. */
 int tori(const Options& options) {
-  own::Engine engine;
+  own::Engine engine = engine_for(options);
   const rayc_material material = raycontact::bearing_material(500, 0.05);
   engine.add(torus(30, 12, {{0, 0, 0}}), 30, 500, material);
   engine.add(torus(30, 12, {{0.25, 0.1, 0.3}}), 30, 500, material);
@@ -128,7 +135,7 @@ int tori(const Options& options) {
 
 /** A box on a floor that is tilted by 0.2: friction holds it, or it slides as fast as the textbook says. */
 int ramp(const Options& options) {
-  own::Engine engine;
+  own::Engine engine = engine_for(options);
   // The floor lies level, and gravity is tilted.
   engine.gravity = {{9.81 * std::sin(tilt), 0, -9.81 * std::cos(tilt)}};
   rayc_material material = raycontact::bearing_material(1e5, 0.05);
@@ -158,6 +165,7 @@ void print_usage(FILE* out) {
       "  --dt SECONDS    time step (1/60)\n"
       "  --aside PART    of a box's edge, by which boxes of the stack are set off (0.2)\n"
       "  --friction MU   Coulomb's coefficient (0.5)\n"
+      "  --guarded       steps whose energy would rise are cut short\n"
       "  --help          this text\n\n"
       "Prints one line of figures. Exit status: 0 as it should be, 1 not, 2 wrong usage.\n",
       out);
@@ -173,6 +181,10 @@ int main(int argc, char** argv) try {
     const std::string argument = argv[i];
     if (argument == "--help" || argument == "-h") return print_usage(stdout), 0;
     if (demo::take_number(numbers, argc, argv, i)) continue;
+    if (argument == "--guarded") {
+      options.is_guarded = true;
+      continue;
+    }
     if (argument[0] == '-' || !options.scene.empty()) {
       throw demo::WrongUsage("unknown argument '" + argument + "'");
     } else {

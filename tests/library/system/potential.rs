@@ -117,23 +117,44 @@ fn anyhow(host: &Host, random: &mut Random) -> Vec<f64> {
     (0..host.x.len() + 6 * host.rigids.len()).map(|_| random.signed()).collect()
 }
 
+/// Measured: 0.19 % in the middle and 3.2 % at most at an accuracy of 0.01, 0.025 and 0.62 % at 0.001. With a floor 0.5 and 20 %:
+/// it presses on vertices, of which a box has eight. Where single nodes move, 3 to 4 %: what presses on a soft body is spread
+/// about the ends of rays, which is right for all of it together.
 #[test]
 fn differences_are_the_work_of_the_forces() {
-    for (accuracy, reach, has_floor, is_rigid) in [
-        (0.01, 0.002, false, true),
-        (0.001, 0.002, false, true),
-        (0.01, 0.002, true, true),
-        (0.01, 0.002, false, false),
-        (0.001, 0.002, false, false),
+    for (accuracy, has_floor, is_whole, [middle, most]) in [
+        (0.01, false, true, [0.003, 0.05]),
+        (0.001, false, true, [0.0005, 0.01]),
+        (0.01, true, true, [0.01, 0.3]),
+        (0.001, false, false, [0.06, 1.0]),
     ] {
-        let of = if is_rigid { rigidly } else { anyhow };
-        let found = errors(accuracy, reach, has_floor, of);
-        println!("accuracy {accuracy}, floor {has_floor}, as a whole {is_rigid}: {found:?}");
+        let found = errors(accuracy, 0.002, has_floor, if is_whole { rigidly } else { anyhow });
+        println!("accuracy {accuracy}, floor {has_floor}, as a whole {is_whole}: {found:?}");
+        assert!(found[0] < middle && found[1] < most, "accuracy {accuracy}, floor {has_floor}: {found:?}");
     }
 }
 
-/// A plate pressed into another by a millimetre stores k A d² / 2, a ball in a slab or half-space that of the cap, k π d³
-/// (4 R − d) / 12, pressure growing up to a depth cap.
+/// Two bars that cross with an edge each.
+#[test]
+fn differences_at_edges() {
+    for depth in [0.005, 0.02, 0.04] {
+        let mut host = Host::new(RigidUnknowns::Kept);
+        let bar = shapes::cube(1).map(|[x, y, z]| [0.5 * x, 0.1 * y, 0.1 * z]);
+        let quarter = std::f64::consts::FRAC_PI_4;
+        let along_x = rotation(&V3::new(quarter, 0.0, 0.0));
+        let along_y = rotation(&V3::new(0.0, 0.0, 2.0 * quarter)) * along_x;
+        add_rigid(&mut host, &bar, MATERIAL, V3::zeros(), along_x);
+        add_rigid(&mut host, &bar, MATERIAL, V3::new(0.03, 0.02, 0.02f64.sqrt() * 2.0 - depth), along_y);
+        let mut by = vec![0.0; 12];
+        by[8] = 0.001;
+        let found = error(&mut host, &by).expect("they touch");
+        assert!(found < 0.02, "{depth}: {found}");
+    }
+}
+
+/// A plate that lies on another one, d deep, stores k A d² / 2; a ball in a half-space k π d³ (4 R − d) / 12, less what would
+/// be above a depth cap. A cube's corner in a slab shares a tetrahedron with it: below the slab's face k √3 d⁴ / 8, below the
+/// cube's own faces k d⁴ / 8.
 #[test]
 fn closed_forms() {
     let law = PenaltyLaw::new(3.0, 0.0, Weighting::Area).expect("a law");
@@ -148,13 +169,22 @@ fn closed_forms() {
 
     let ball = |depth: f64| shapes::sphere(4).map(move |[x, y, z]| [x + 0.1, y, z + 2.0 - depth]);
     for depth in [0.05, 0.2] {
+        let turn = rotation(&(V3::new(1.0, -1.0, 0.0).normalize() * (1.0 / 3f64.sqrt()).acos()));
+        let tip = turn * V3::new(1.0, 1.0, 1.0);
+        assert!((tip.z.abs() - 3f64.sqrt()).abs() < 1e-12);
+        let up = V3::new(0.2, -0.1, 1.0 - depth + 3f64.sqrt());
         let mut scene = Scene::<f64>::new(1).expect("no thread is started");
-        scene.add(shapes::cube(2).map(|[x, y, z]| [2.0 * x, 2.0 * y, z]).mesh());
-        scene.add(ball(depth).mesh());
+        scene.add(shapes::cube(2).map(|[x, y, z]| [4.0 * x, 4.0 * y, z]).mesh());
+        scene.add(shapes::cube(1).map(|p| (turn * V3::from(p) + up).into()).mesh());
         let energy = scene.potential(&law, &mut contacts);
-        let expected = 3.0 * std::f64::consts::PI * depth.powi(3) * (4.0 - depth) / 12.0;
-        println!("slab, {depth}: {}", energy / expected);
+        let own = contacts.contacts.iter().filter(|contact| contact.colliding == 1);
+        let face = own.fold(V3::zeros(), |sum, contact| sum + contact.direction * contact.area).norm();
+        let share = face / (1.5 * 3f64.sqrt() * depth.powi(2));
+        let expected = 3.0 * depth.powi(4) / 8.0 * (share * 3f64.sqrt() + 1.0 - share);
+        println!("corner, {depth}: {}, share {share}", energy / expected);
+        assert!((energy / expected - 1.0).abs() < 0.01, "{depth}: {energy} for {expected}");
 
+        let expected = 3.0 * std::f64::consts::PI * depth.powi(3) * (4.0 - depth) / 12.0;
         for cap in [f64::INFINITY, 0.5 * depth] {
             let mut scene = Scene::<f64>::new(1).expect("no thread is started");
             let shape = ball(depth);
@@ -172,7 +202,7 @@ fn closed_forms() {
             // Of what lies deeper than the cap, pressure would have grown on: the same cap, so much smaller.
             let deeper = depth - cap.min(depth);
             let expected = expected - 3.0 * std::f64::consts::PI * deeper.powi(3) * (4.0 - deeper) / 12.0;
-            println!("half-space, {depth}, cap {cap}: {}", energy / expected);
+            assert!((energy / expected - 1.0).abs() < 0.005, "{depth}, cap {cap}: {energy} for {expected}");
         }
     }
 }
