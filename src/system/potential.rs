@@ -1,8 +1,8 @@
 //! What bodies store in contacts at trial positions.
 
+use super::buffers::copy;
 use super::loads::Surface;
 use super::row_builder::{material_of, pressed_area};
-use super::step::copy;
 use super::{ContactSystem, SystemError};
 use crate::force::Weighting;
 use crate::math::Scalar;
