@@ -423,6 +423,24 @@ enum rayc_status rayc_contact_system_energy(struct rayc_contact_system *system,
                                             double *joules);
 
 /**
+ * The energy in J that bodies store in contacts after `part` of the step, 0 to 1, at these velocities: the integral of the
+ * pressure over what they share, up to the depth caps, with contacts looked for there. Unlike
+ * rayc_contact_system_energy() it has no part of damping and friction, and is that of no rows. So a host can tell whether a
+ * step gains energy, and cut it short. The step goes on as if it had not been asked, but the scene's bodies have been moved.
+ * count: that of the unknowns.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
+ * RAYC_STATUS_INVALID_OPTION where part is not within 0 and 1, RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH,
+ * RAYC_STATUS_MESH_BEYOND_RANGE.
+ */
+enum rayc_status rayc_contact_system_potential(struct rayc_contact_system *system,
+                                               struct rayc_scene *scene,
+                                               size_t count,
+                                               const double *velocities,
+                                               double part,
+                                               double *joules);
+
+/**
  * Holds the rows anew at these velocities: this decides which rows push and how much they rub. Call it after a
  * solve. *wrong: the part of all force, 0 to 1, that had been predicted wrongly. If it is above about 0.05, solve
  * again. Eliminated rigid bodies answer by the rows as they are held: of what these exchange with nodes that part of the
@@ -499,7 +517,8 @@ enum rayc_status rayc_contact_system_finish(struct rayc_contact_system *system,
 enum rayc_status rayc_contact_system_cancel(struct rayc_contact_system *system);
 
 /**
- * Copies the linear and angular velocity of a rigid body at the end of the last finished step to `velocity`, six numbers.
+ * Copies the linear and angular velocity of a rigid body at the end of the last finished step to `velocity`, six numbers;
+ * after rayc_contact_system_potential(), at the end of the step under way as it answers to those velocities.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY where it is not rigid, or was added since.
  */

@@ -322,6 +322,19 @@ enum rayc_status rayc_contacts_energy(const struct rayc_contacts *contacts,
                                       double *joules);
 
 /**
+ * rayc_scene_query(), and the energy in J that bodies store where they are: the integral of the pressure over what they
+ * share. What two queries differ by is the work of the forces between; rayc_contacts_energy() is that of springs
+ * whose contacts are held, and so is this one by the law of the paper, with RAYC_WEIGHTING_VERTEX, with rays from vertices, of
+ * open sheets and of bodies with themselves.
+ *
+ * Errors: those of rayc_scene_query(), RAYC_STATUS_INVALID_OPTION.
+ */
+enum rayc_status rayc_scene_potential(struct rayc_scene *scene,
+                                      const struct rayc_response_options *options,
+                                      struct rayc_contacts *contacts,
+                                      double *joules);
+
+/**
  * Copies the spring coefficients of contacts first … first + count − 1 to `coefficients`: stiffness · weight · cos α,
  * in N/m. For hosts that carry contacts over to nodes of their own: the force on p1 is
  * coefficient · (depth + damping_time · (v2 − v1) · direction) · direction, that on p2 its opposite, before friction.
