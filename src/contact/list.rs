@@ -1,5 +1,6 @@
 use crate::contact::escape_push::EscapePush;
 use crate::contact::point_pair::Contact;
+use crate::contact::potential::PotentialRoom;
 use crate::contact::spread::Spreads;
 use crate::contact::statistics::Statistics;
 use crate::contact::workspace::Workspace;
@@ -103,6 +104,20 @@ impl<T: Scalar> ContactList<T> {
         self.take_spreads(before, other);
         self.pushes.room_for(other.pushes.len()).extend_from_slice(&other.pushes);
         self.statistics += other.statistics;
+    }
+
+    /// The sum over all pairs of what `of_pair` gives for its two bodies and its contacts.
+    pub(crate) fn sum_of_pairs(
+        &mut self,
+        mut of_pair: impl FnMut([u32; 2], &[Contact<T>], &mut PotentialRoom<T>) -> f64,
+    ) -> f64 {
+        let pair = |contact: &Contact<T>| {
+            let Contact { colliding, collided, .. } = *contact;
+            [colliding.min(collided), colliding.max(collided)]
+        };
+        let pairs = self.contacts.chunk_by(|one, next| pair(one) == pair(next));
+        let room = &mut self.workspace.potential;
+        pairs.fold(0.0, |sum, contacts| sum + of_pair(pair(&contacts[0]), contacts, room))
     }
 
     /// Adds what the contacts of `other` bear on, which stand after so many of its own.

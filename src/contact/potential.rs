@@ -6,7 +6,6 @@
 //! press from many sides, as a ball in a room. The integral does not depend on the choice, so neither do its differences. Its
 //! error is that of the samples, and of the depths between them.
 
-use crate::contact::list::ContactList;
 use crate::contact::pair::Pair;
 use crate::contact::point_pair::{Contact, ContactKind};
 use crate::math::{Scalar, Vector3, length};
@@ -214,21 +213,5 @@ impl<T: Scalar> PotentialRoom<T> {
             std::mem::swap(columns, halves);
         }
         sum
-    }
-}
-
-impl<T: Scalar> ContactList<T> {
-    /// The sum over all pairs of what `of_pair` gives for its two bodies and its contacts.
-    pub(crate) fn sum_of_pairs(
-        &mut self,
-        mut of_pair: impl FnMut([u32; 2], &[Contact<T>], &mut PotentialRoom<T>) -> f64,
-    ) -> f64 {
-        let pair = |contact: &Contact<T>| {
-            let Contact { colliding, collided, .. } = *contact;
-            [colliding.min(collided), colliding.max(collided)]
-        };
-        let pairs = self.contacts.chunk_by(|one, next| pair(one) == pair(next));
-        let room = &mut self.workspace.potential;
-        pairs.fold(0.0, |sum, contacts| sum + of_pair(pair(&contacts[0]), contacts, room))
     }
 }
