@@ -80,9 +80,9 @@ pub fn net_force(mode: Mode, a: &Mesh<f64>, b: &Mesh<f64>, about: &Vector) -> Ne
     net_force_by(&mode.options(), mode.weighting(), a, b, about)
 }
 
-/// The same by samples that lie this close everywhere, so many that their errors do not show.
-pub fn dense_net_force(spacing: f64, a: &Mesh<f64>, b: &Mesh<f64>) -> Net {
-    let options = DetectionOptions { sampling: Sampling::Spacing(spacing), ..DetectionOptions::default() };
+/// The same with another sampling.
+pub fn sampled_net_force(sampling: Sampling<f64>, a: &Mesh<f64>, b: &Mesh<f64>) -> Net {
+    let options = DetectionOptions { sampling, ..DetectionOptions::default() };
     net_force_by(&options, Weighting::Area, a, b, &Vector::zeros())
 }
 

@@ -91,7 +91,7 @@ fn bodies_that_mean_nothing_are_refused() {
     }
     let mut added = [[0.0; 6]; 6];
     refuses!(system.set_added_inertia(body, added), SystemError::UnknownBody { .. }, "");
-    system.add_rigid(scene, body, 1.0, turned(1.0, 1.0, 0.0), FINE).expect("rigid");
+    system.add_rigid(scene, body, 1.0, turned(1.0, 0.0, 0.0), FINE).expect("rigid");
     for (row, column, wrong) in [(1, 4, 0.5), (2, 2, -1.0), (5, 5, -1.5)] {
         added[row][column] = wrong;
         refuses!(system.set_added_inertia(body, added), SystemError::Inertia, "positive definite");
