@@ -295,9 +295,14 @@ void a_system_takes_floats_and_gives_compressed_rows() {
   CHECK(one.system.misjudged(v) == other.system.misjudged(float_v));
   CHECK(one.system.linearise(v) == other.system.linearise(float_v));
   CHECK(!other.system.detect_again(other.scene, float_v));
+  const double stored = one.system.potential(one.scene, v, 0.5);
+  CHECK(stored > 0 && stored == one.system.potential(one.scene, v, 0.5));
+  check_throws(RAYC_STATUS_INVALID_OPTION, "part", [&] { one.system.potential(one.scene, v, 1.5); });
+  check_throws(RAYC_STATUS_WRONG_COUNT, "velocities", [&] { one.system.potential(one.scene, Span<double>()); });
   check_throws(RAYC_STATUS_WRONG_COUNT, "equally", [&] { other.system.add_forces(float_v, Span<float>()); });
   other.system.finish(float_v);
   check_throws(RAYC_STATUS_OUT_OF_ORDER, "begin", [&] { other.system.csr(1); });
+  check_throws(RAYC_STATUS_OUT_OF_ORDER, "begin", [&] { other.system.potential(other.scene, v); });
   rayc_contact_system_options options = default_contact_system_options();
   options.keeps_rigid_unknowns = 1;
   ContactSystem empty(options);

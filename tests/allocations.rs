@@ -270,7 +270,7 @@ fn check_steady_steps_of_a_system(rigid_unknowns: RigidUnknowns) {
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     system.add_rigid(&scene, rigid, 1.0, unit, material).expect("a body");
     system.add_half_space([0.0, 0.0, 1.0], -0.3, material).expect("a floor");
-    let (mut forces, mut wrong) = (vec![0.0; system.unknown_count()], 0.0);
+    let (mut forces, mut wrong, mut joules) = (vec![0.0; system.unknown_count()], 0.0, 0.0);
     for step in 0..16 {
         let ends = [moved(&torus, step), torus.moved([0.1, 0.2, 0.6]).positions].concat();
         let positions: Vec<f64> = ends.into_iter().flatten().collect();
@@ -291,11 +291,13 @@ fn check_steady_steps_of_a_system(rigid_unknowns: RigidUnknowns) {
             }
             wrong += system.linearise(&still).expect("a step is under way");
             system.detect_again(&mut scene, &still).expect("a step is under way");
+            joules += system.potential(&mut scene, &still, 0.5).expect("a step is under way");
             system.finish(&still).expect("a step is under way");
         });
         assert!(step < 8 || allocations.count_total == 0, "step {step}: {allocations:?}");
     }
     assert!(!system.contacts().is_empty() && forces.iter().any(|&force| force != 0.0) && wrong > 0.0);
+    assert!(joules > 0.0);
 }
 
 /// Scenes in one call, and floats in place of doubles.

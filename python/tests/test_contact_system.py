@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import raycontact
-from raycontact import Batch, ContactSystem, Material, Mesh, Scene, Status
+from raycontact import Batch, ContactSystem, Error, Material, Mesh, Scene, Status
 from shapes import ball, box
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -59,6 +59,33 @@ def soft_ball(precision="f64"):
     system.add_deformable(scene, body, 0, len(points), MATERIAL)
     system.add_half_space([0, 0, 1], -0.95, MATERIAL)
     return scene, system, np.array(points)
+
+
+def test_the_potential_is_that_of_what_lies_below_the_floor():
+    x, faces = box([-0.5] * 3, [0.5] * 3)
+    scene, system = Scene(), ContactSystem()
+    body = scene.add(Mesh(x, faces))
+    system.set_node_masses(np.full(8, 0.1))
+    system.add_deformable(scene, body, 0, 8, MATERIAL)
+    system.add_half_space([0, 0, 1], -0.48, MATERIAL)
+    dt, v = 0.01, np.zeros_like(x)
+    system.begin(scene, dt, x, v, v)
+    v[:, 2] = -1.0
+    stiffness = MATERIAL.stiffness / 2  # of two in series
+    for part in (0.0, 0.5, 1.0):
+        depth = 0.02 + part * dt
+        assert system.potential(scene, v, part) == pytest.approx(0.5 * stiffness * depth**2, rel=1e-9)
+    before = np.zeros_like(x)
+    system.add_forces(np.zeros_like(x), before)
+    with pytest.raises(Error, match="part") as wrong:
+        system.potential(scene, v, 1.5)
+    assert wrong.value.status == Status.INVALID_OPTION
+    v[3, 1] = np.nan
+    with pytest.raises(Error, match="velocities"):
+        system.potential(scene, v)
+    after = np.zeros_like(x)
+    system.add_forces(np.zeros_like(x), after)
+    np.testing.assert_array_equal(before, after)
 
 
 def test_forces_are_the_gradient_of_the_energy_and_products_their_derivative():
