@@ -90,8 +90,7 @@ def call_for(name: str, array: NDArray[Any]) -> Any:
 
 def create(kind: str, *given: Any, way: str = "create") -> Any:
     """A handle that is freed with its last reference."""
-    handle = answer(getattr(library, f"rayc_{kind}_{way}"), *given)
-    return ffi.gc(handle, getattr(library, f"rayc_{kind}_destroy"))
+    return ffi.gc(answer(getattr(library, f"rayc_{kind}_{way}"), *given), getattr(library, f"rayc_{kind}_destroy"))
 
 
 def options(kind: str, given: Any) -> Any:

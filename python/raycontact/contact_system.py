@@ -81,8 +81,8 @@ class ContactSystem:
 
     def add_half_space(self, normal: Array, offset: float, material: Material) -> None:
         """Adds a floor, solid where normal · x < offset."""
-        n = numbers(normal, "normal", 3)
-        call(library.rayc_contact_system_add_half_space, self._handle, n, offset, struct_of(material))
+        given = numbers(normal, "normal", 3), offset, struct_of(material)
+        call(library.rayc_contact_system_add_half_space, self._handle, *given)
 
     def remove_body(self, body: int) -> None:
         """Removes a body from the system; to be removed from the scene too."""
@@ -97,14 +97,9 @@ class ContactSystem:
         call(library.rayc_contact_system_set_half_space_material, self._handle, body, half_space, struct_of(material))
 
     def set_motion(self, body: int, position: Array, rotation: Array, velocity: Array, free_velocity: Array) -> None:
-        """Where a rigid or moved body is and how it moves: (3,), (3, 3), and linear and angular velocity, (6,), at the
-        start of the step and at its end without contact."""
+        """Where a rigid or moved body is, (3,) and (3, 3); both velocities, (6,), now and without contact at the end."""
         x, v = {"position": (position, 3), "rotation": (rotation, 9)}, {"free_velocity": (free_velocity, 6)}
         call(library.rayc_contact_system_set_motion, self._handle, body, packed(**x, velocity=(velocity, 6), **v))
-
-    def set_added_inertia(self, body: int, added: Array) -> None:
-        """What joints add to a rigid body's mass and inertia: (6, 6), symmetric, in its own coordinates."""
-        call(library.rayc_contact_system_set_added_inertia, self._handle, body, numbers(added, "added", 36))
 
     def unknown_count(self) -> int:
         """How many numbers a vector of unknowns has."""
@@ -137,8 +132,7 @@ class ContactSystem:
         return found
 
     def csr(self, factor: float = 1.0) -> tuple[Doubles, NDArray[np.int32], NDArray[np.int32]]:
-        """The same matrix in compressed sparse rows, as scipy.sparse.csr_array(system.csr(), shape) takes it: numbers,
-        their columns, which ascend in each row, and where rows begin and the last one ends."""
+        """The same matrix as scipy.sparse.csr_array(system.csr(), shape) takes it: numbers, columns, where rows begin."""
         m = answer(library.rayc_contact_system_csr, self._handle, factor)
         return copy_of(m.values, m.value_count), copy_of(m.columns, m.value_count), copy_of(m.offsets, m.row_count + 1)
 

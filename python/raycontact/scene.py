@@ -15,8 +15,7 @@ from .mesh import Mesh
 
 
 class Contacts:
-    """The contacts of one query, by pair, then the colliding body, then along its surface. Each query replaces what is
-    there and uses its memory again. They stay when scene and meshes are gone.
+    """A query's contacts by pair, colliding body, and along its surface. Each query replaces them; scenes may go before.
 
     Forces follow the penalty law of ResponseOptions, keyword arguments of each call (stiffness in N/m³ by default).
     Forces, positions, velocities and displacements are one (n, 3) for each body, in the order of the bodies' numbers;
@@ -174,11 +173,6 @@ class Scene:
     def query(self, contacts: Contacts | None = None) -> Contacts:
         """Finds all contacts into `contacts`, or new ones, and returns them. Pairs may escape unless the options say no."""
         return filled(contacts, library.rayc_scene_query, self._handle)
-
-    def potential(self, contacts: Contacts | None = None, **response: Unpack[ResponseOptions]) -> float:
-        """Queries, and returns the energy that bodies store where they are, in J; queries differ in it by the work between."""
-        found, law = Contacts() if contacts is None else contacts, options("response", response)
-        return float(answer(library.rayc_scene_potential, self._handle, law, found._handle))
 
     def advance(self, seconds: float) -> None:
         """Ends a step of so many seconds, after its last query: what pairs remember, by which they escape, goes on."""
