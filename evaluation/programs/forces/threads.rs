@@ -41,7 +41,7 @@ pub fn measure(_poses: usize, _seed: u64) -> Vec<Row> {
     let variation = forces.iter().map(|force| (force - mean).abs() / mean.abs()).collect();
     let row =
         |bodies: &str, errors, target| Row { bodies: bodies.into(), mode: Mode::Default, errors, targets: [target; 3] };
-    vec![row("nut on a bolt", errors, 0.02), row("nut on a bolt, to its mean as it is screwed", variation, 0.03)]
+    vec![row("nut on a bolt", errors, 0.02), row("nut on a bolt (to its mean as it is screwed)", variation, 0.03)]
 }
 
 /// Points on a thread of so many turns: `sides` around, then along; edges follow the thread.
