@@ -45,9 +45,8 @@ class ContactSystem:
     holds, rigid bodies, skins on cages, floors. Options: see ContactSystemOptions.
 
     A step: set_motion() for bodies that are not deformable, begin(); a solve with add_forces() and add_product(), then
-    linearise() and detect_again(), as often as needed; finish(). SI units. Vectors of unknowns hold x, y, z of each
-    node, in any shape, then six numbers of each rigid body where those are kept; they are used where they lie if they
-    are packed and all of a call float64, or all float32. Velocities are those at the step's end where no other is said.
+    linearise() and detect_again(), as often as needed; finish(). SI units. Unknowns are x, y, z of each node, in any
+    shape, then six numbers of each rigid body that is kept, used where they lie if packed and all of one float type.
     """
 
     def __init__(self, **system_options: Unpack[ContactSystemOptions]) -> None:
@@ -61,8 +60,7 @@ class ContactSystem:
     def add_deformable(
         self, scene: Scene, body: int, first: int, count: int, material: Material, weights: Weights | None = None
     ) -> None:
-        """Adds body `body` of the scene with the nodes first, …, first + count − 1: one for each surface vertex, or the
-        offsets, nodes and weights of a table in compressed rows, a row for each surface vertex."""
+        """Adds a body of the scene with `count` nodes: one for each vertex, or by offsets, nodes and weights of each."""
         table: Any = (NULL, 0, NULL, NULL)
         if weights is not None:
             offsets, nodes = indices(weights[0], "offsets"), indices(weights[1], "nodes")

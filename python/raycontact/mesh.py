@@ -89,9 +89,8 @@ class Mesh:
         return copied(library.rayc_mesh_copy_holes, n := answer(library.rayc_mesh_hole_count, h := self._handle), h, n)
 
     def closest_points(self, points: Array, bounds: Array = np.inf) -> NDArray[Any]:
-        """The points of the surface, open or closed, that are nearest to `points`: triangle (NO_TRIANGLE where none is
-        within the bound), is_found, distance in m, weights (barycentric), position. bounds: how far away the surface
-        may be, in m, one number or (k,); tight ones save time. Fastest where 16 points in a row are neighbours."""
+        """The surface's points nearest to `points`: triangle (NO_TRIANGLE for none), is_found, distance in m, barycentric
+        weights, position. bounds: how far away in m, one or (k,); tight ones save time. Fast where 16 are neighbours."""
         asked = to_read(points, "points")
         limits = numbers(np.broadcast_to(bounds, len(asked)), "bounds")
         return copied(library.rayc_octree_closest_points, len(asked), self.octree(), self._handle, [asked], limits)

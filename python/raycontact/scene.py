@@ -174,6 +174,10 @@ class Scene:
         """Finds all contacts into `contacts`, or new ones, and returns them. Pairs may escape unless the options say no."""
         return filled(contacts, library.rayc_scene_query, self._handle)
 
+    def potential(self, contacts: Contacts, **response: Unpack[ResponseOptions]) -> float:
+        """Queries, and returns the energy that bodies store where they are, in J; queries differ in it by the work between."""
+        return float(answer(library.rayc_scene_potential, self._handle, options("response", response), contacts._handle))
+
     def advance(self, seconds: float) -> None:
         """Ends a step of so many seconds, after its last query: what pairs remember, by which they escape, goes on."""
         call(library.rayc_scene_advance, self._handle, seconds)

@@ -19,6 +19,7 @@ CODE = re.sub(r"/\*\*.*?\*/", "", HEADERS, flags=re.DOTALL)
 LEFT_OUT = {
     "rayc_abi_version": "the library is in the same wheel",
     "rayc_contact_system_off_course": "rayc_contact_system_detect_again looks where it has to",
+    "rayc_contact_system_set_added_inertia": "engines with joints are asked for it from C++, as Bullet is",
     "rayc_octree_trace_ray": "rayc_octree_trace_rays takes one too",
     "rayc_status_name": "Status has the names",
     "rayc_version": "the header of this build has it",

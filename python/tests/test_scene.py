@@ -33,6 +33,23 @@ def test_balls_part_and_keep_their_momentum():
     assert np.linalg.norm(velocities) > 0.1
 
 
+def test_the_potential_of_a_box_on_a_slab_grows_by_the_work():
+    corners, triangles = box([-0.5] * 3, [0.5] * 3)
+    scene = Scene()
+    slab, body = scene.add(Mesh(*box([-5, -5, -5], [5, 5, 0]))), scene.add(Mesh(corners, triangles))
+
+    def at(depth):
+        scene.set_positions(body, corners + [0, 0, 0.5 - depth])
+        contacts = Contacts()
+        joules = scene.potential(contacts, stiffness=100.0)
+        forces = [np.zeros((8, 3)), np.zeros((8, 3))]
+        contacts.add_forces(forces, stiffness=100.0)
+        return joules, forces[body][:, 2].sum()
+
+    (before, first), (after, last) = at(0.08), at(0.1)
+    assert body > slab and after - before == pytest.approx(0.02 * (first + last) / 2, rel=0.02)
+
+
 def test_results_do_not_depend_on_threads():
     for one, many in zip(rigid_balls(20, threads=1), rigid_balls(20, threads=3)):
         np.testing.assert_array_equal(one, many)
