@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 import raycontact
+from PIL import Image
 
 matplotlib.use("agg")
 import matplotlib.pyplot as plot  # after the choice of output
@@ -115,7 +116,9 @@ def draw(path: str) -> None:
             axes.set_axis_off()
             axes.set_title(f"{name}\n{way}: {len(contacts)} contacts", fontsize=9)
     figure.tight_layout()
-    figure.savefig(path, dpi=80, metadata={"Software": None})
+    figure.savefig(path, dpi=72)
+    # Few colours keep it small.
+    Image.open(path).convert("RGB").quantize(48).save(path, optimize=True)
 
 
 if __name__ == "__main__":
