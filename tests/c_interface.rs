@@ -32,6 +32,7 @@ const HEADERS: [(&str, &[&str], &[&str]); 8] = [
             "contact_system/options",
             "contact_system/bodies",
             "contact_system/step",
+            "contact_system/matrix",
             "contact_system/floats",
             "contact_system/batch",
         ],

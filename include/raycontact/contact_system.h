@@ -285,10 +285,9 @@ enum rayc_status rayc_contact_system_set_motion(struct rayc_contact_system *syst
                                                 const struct rayc_motion *motion);
 
 /**
- * Says what joints add to a rigid body's mass and inertia: six by six numbers, symmetric, for linear and angular velocity in
- * the body's own coordinates, from which they give momentum. A link of a robot moves only as its joints let it: of the
- * inverse of its articulated inertia at its centre of mass the inverse, less its own mass and inertia. It stays until the
- * next call. explicit_step takes no notice of it. added: NULL for nothing.
+ * Says what joints add to a rigid body's mass and inertia: 6 × 6 numbers, symmetric, by which linear and angular velocity
+ * in the body's own coordinates give momentum. For a robot's link it is the articulated inertia at its centre of mass, less
+ * its own. It stays until the next call, and explicit steps take no notice of it. added: NULL for nothing.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY where it is no rigid body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_INERTIA where the
  * matrix is not symmetric or its sum with the body's own is not positive definite, RAYC_STATUS_OUT_OF_ORDER within a step.
@@ -350,68 +349,6 @@ enum rayc_status rayc_contact_system_add_product(struct rayc_contact_system *sys
                                                  double *result);
 
 /**
- * How many blocks rayc_contact_system_copy_blocks() gives, as the rows are held.
- *
- * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED.
- */
-enum rayc_status rayc_contact_system_block_count(const struct rayc_contact_system *system, size_t *count);
-
-/**
- * Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
- * stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`.
- * Those of equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as
- * many numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
- *
- * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
- * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
- */
-enum rayc_status rayc_contact_system_copy_blocks(const struct rayc_contact_system *system,
-                                                 double factor,
-                                                 size_t count,
-                                                 uint32_t *rows,
-                                                 uint32_t *columns,
-                                                 double *blocks);
-
-/**
- * A square matrix in compressed sparse rows (CSR), one for each unknown: row i has the numbers `offsets[i]` to
- * `offsets[i + 1]`, exclusive, of `columns` and `values`. Columns ascend within each row, and none comes twice.
- */
-typedef struct rayc_csr {
-  /**
-   * How many rows and columns it has.
-   */
-  size_t row_count;
-  /**
-   * How many numbers it has, also the last of the offsets.
-   */
-  size_t value_count;
-  /**
-   * One more than there are rows.
-   */
-  const int32_t *offsets;
-  /**
-   * The column of each number, from 0.
-   */
-  const int32_t *columns;
-  /**
-   * The numbers: the factor times N s/m and, with angular velocities, N s and N s m.
-   */
-  const double *values;
-} rayc_csr;
-
-/**
- * Assembles the matrix of rayc_contact_system_add_product() in compressed sparse rows, for direct solvers and
- * preconditioners. The arrays are the system's: they stay as they are until this is called again, whatever it then returns,
- * or the system is destroyed. In a steady step no memory is allocated.
- *
- * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
- * RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MATRIX_TOO_LARGE, which rayc_contact_system_copy_blocks() does not return.
- */
-enum rayc_status rayc_contact_system_csr(struct rayc_contact_system *system,
-                                         double factor,
-                                         struct rayc_csr *matrix);
-
-/**
  * The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of the
  * step, velocity times dt. For line searches. count: that of the unknowns.
  *
@@ -424,10 +361,8 @@ enum rayc_status rayc_contact_system_energy(struct rayc_contact_system *system,
 
 /**
  * The energy in J that bodies store in contacts after `part` of the step, 0 to 1, at these velocities: the integral of the
- * pressure over what they share, up to the depth caps, with contacts looked for there. Unlike
- * rayc_contact_system_energy() it has no part of damping and friction, and is that of no rows. So a host can tell whether a
- * step gains energy, and cut it short. The step goes on as if it had not been asked, but the scene's bodies have been moved.
- * count: that of the unknowns.
+ * pressure over what they share, up to the depth caps. Contacts are looked for there; damping and friction have no part in it.
+ * So a host can tell whether a step gains energy. The step goes on, but the scene's bodies have moved. count: of unknowns.
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
  * RAYC_STATUS_INVALID_OPTION where part is not within 0 and 1, RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH,
@@ -565,6 +500,68 @@ enum rayc_status rayc_contact_system_pair_force(const struct rayc_contact_system
                                                 uint32_t other,
                                                 uint32_t is_half_space,
                                                 double *force);
+
+/**
+ * How many blocks rayc_contact_system_copy_blocks() gives, as the rows are held.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED.
+ */
+enum rayc_status rayc_contact_system_block_count(const struct rayc_contact_system *system, size_t *count);
+
+/**
+ * Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
+ * stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`.
+ * Those of equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as
+ * many numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
+ * RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
+ */
+enum rayc_status rayc_contact_system_copy_blocks(const struct rayc_contact_system *system,
+                                                 double factor,
+                                                 size_t count,
+                                                 uint32_t *rows,
+                                                 uint32_t *columns,
+                                                 double *blocks);
+
+/**
+ * A square matrix in compressed sparse rows (CSR), one for each unknown: row i has the numbers `offsets[i]` to
+ * `offsets[i + 1]`, exclusive, of `columns` and `values`. Columns ascend within each row, and none comes twice.
+ */
+typedef struct rayc_csr {
+  /**
+   * How many rows and columns it has.
+   */
+  size_t row_count;
+  /**
+   * How many numbers it has, also the last of the offsets.
+   */
+  size_t value_count;
+  /**
+   * One more than there are rows.
+   */
+  const int32_t *offsets;
+  /**
+   * The column of each number, from 0.
+   */
+  const int32_t *columns;
+  /**
+   * The numbers: the factor times N s/m and, with angular velocities, N s and N s m.
+   */
+  const double *values;
+} rayc_csr;
+
+/**
+ * Assembles the matrix of rayc_contact_system_add_product() in compressed sparse rows, for direct solvers and
+ * preconditioners. The arrays are the system's: they stay as they are until this is called again, whatever it then returns,
+ * or the system is destroyed. In a steady step no memory is allocated.
+ *
+ * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
+ * RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MATRIX_TOO_LARGE, which rayc_contact_system_copy_blocks() does not return.
+ */
+enum rayc_status rayc_contact_system_csr(struct rayc_contact_system *system,
+                                         double factor,
+                                         struct rayc_csr *matrix);
 
 /**
  * rayc_contact_system_begin() with floats. Numbers are read as they are, of a system of either precision; all

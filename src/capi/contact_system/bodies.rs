@@ -325,10 +325,9 @@ pub unsafe extern "C" fn rayc_contact_system_set_motion(
     })
 }
 
-/// Says what joints add to a rigid body's mass and inertia: six by six numbers, symmetric, for linear and angular velocity in
-/// the body's own coordinates, from which they give momentum. A link of a robot moves only as its joints let it: of the
-/// inverse of its articulated inertia at its centre of mass the inverse, less its own mass and inertia. It stays until the
-/// next call. explicit_step takes no notice of it. added: NULL for nothing.
+/// Says what joints add to a rigid body's mass and inertia: 6 × 6 numbers, symmetric, by which linear and angular velocity
+/// in the body's own coordinates give momentum. For a robot's link it is the articulated inertia at its centre of mass, less
+/// its own. It stays until the next call, and explicit steps take no notice of it. added: NULL for nothing.
 ///
 /// Errors: RAYC_STATUS_UNKNOWN_BODY where it is no rigid body, RAYC_STATUS_NOT_FINITE, RAYC_STATUS_INVALID_INERTIA where the
 /// matrix is not symmetric or its sum with the body's own is not positive definite, RAYC_STATUS_OUT_OF_ORDER within a step.

@@ -3,6 +3,7 @@
 mod batch;
 mod bodies;
 mod floats;
+mod matrix;
 mod number;
 mod options;
 mod step;
@@ -10,6 +11,7 @@ mod step;
 pub use batch::*;
 pub use bodies::*;
 pub use floats::*;
+pub use matrix::*;
 pub use options::*;
 pub use step::*;
 

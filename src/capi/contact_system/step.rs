@@ -1,14 +1,12 @@
 use super::number::Number;
-use super::{AnySystem, rayc_contact_system};
+use super::rayc_contact_system;
 use crate::capi::base::rayc_status;
 use crate::capi::contacts::rayc_contacts;
-use crate::capi::ffi::{
-    Failure, Output, apart, changing, check_apart, check_length, flag, guard, reading, slice, slice_mut, with_precision,
-};
+use crate::capi::ffi::{Failure, Output, apart, changing, check_apart, flag, guard, reading, slice, with_precision};
 use crate::capi::scene::rayc_scene;
 use crate::contact::ContactList;
 use crate::math::Scalar;
-use crate::system::{CompressedRows, Surface};
+use crate::system::Surface;
 
 /// Begins a step of dt seconds. count: three times the number of nodes; positions: x, y, z of each at the start, in
 /// m; velocities: at the start, in m/s; free_velocities: the velocities at the end if nothing touched the nodes. The
@@ -69,102 +67,6 @@ pub unsafe extern "C" fn rayc_contact_system_add_product(
     guard(|| unsafe { add_product(system, factor, count, change, result) })
 }
 
-/// How many blocks rayc_contact_system_copy_blocks() gives, as the rows are held.
-///
-/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn rayc_contact_system_block_count(
-    system: *const rayc_contact_system,
-    count: *mut usize,
-) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let system = reading(system, "system")?;
-        let place = Output::new(count, "count")?;
-        place.write(block_count(&system.system)?);
-        Ok(())
-    })
-}
-
-/// Copies the matrix of rayc_contact_system_add_product() as 3 × 3 blocks, for direct solvers and preconditioners: block i
-/// stands at `rows[i]`, `columns[i]`, counted in blocks of three unknowns, and its nine numbers, by rows, at `blocks[9 i]`.
-/// Those of equal place are to be added. count: that of rayc_contact_system_block_count(); rows and columns have room for as
-/// many numbers, blocks for nine times as many. A pair that escapes has a block for each two of its nodes.
-///
-/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
-/// RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
-    system: *const rayc_contact_system,
-    factor: f64,
-    count: usize,
-    rows: *mut u32,
-    columns: *mut u32,
-    blocks: *mut f64,
-) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let system = reading(system, "system")?;
-        check_length("blocks", count, block_count(&system.system)?)?;
-        let rows = slice_mut(rows, count, "rows")?;
-        let columns = slice_mut(columns, count, "columns")?;
-        let blocks = slice_mut(blocks, 9 * count, "blocks")?;
-        let mut next = 0;
-        let copy = |row: usize, column: usize, block: [f64; 9]| {
-            (rows[next], columns[next]) = (row as u32, column as u32);
-            blocks[9 * next..9 * next + 9].copy_from_slice(&block);
-            next += 1;
-        };
-        with_precision!(&system.system, |system| Ok(system.for_each_block(factor, copy)?))
-    })
-}
-
-/// A square matrix in compressed sparse rows (CSR), one for each unknown: row i has the numbers `offsets[i]` to
-/// `offsets[i + 1]`, exclusive, of `columns` and `values`. Columns ascend within each row, and none comes twice.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct rayc_csr {
-    /// How many rows and columns it has.
-    pub row_count: usize,
-    /// How many numbers it has, also the last of the offsets.
-    pub value_count: usize,
-    /// One more than there are rows.
-    pub offsets: *const i32,
-    /// The column of each number, from 0.
-    pub columns: *const i32,
-    /// The numbers: the factor times N s/m and, with angular velocities, N s and N s m.
-    pub values: *const f64,
-}
-
-/// Assembles the matrix of rayc_contact_system_add_product() in compressed sparse rows, for direct solvers and
-/// preconditioners. The arrays are the system's: they stay as they are until this is called again, whatever it then returns,
-/// or the system is destroyed. In a steady step no memory is allocated.
-///
-/// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_RIGID_ELIMINATED where rigid bodies are not kept,
-/// RAYC_STATUS_NOT_FINITE, RAYC_STATUS_MATRIX_TOO_LARGE, which rayc_contact_system_copy_blocks() does not return.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn rayc_contact_system_csr(
-    system: *mut rayc_contact_system,
-    factor: f64,
-    matrix: *mut rayc_csr,
-) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        let mut system = changing(system, "system")?;
-        let place = Output::new(matrix, "matrix")?;
-        let CompressedRows { offsets, columns, values } =
-            with_precision!(&mut system.system, |system| system.compressed_rows(factor)?);
-        place.write(rayc_csr {
-            row_count: offsets.len() - 1,
-            value_count: values.len(),
-            offsets: offsets.as_ptr(),
-            columns: columns.as_ptr(),
-            values: values.as_ptr(),
-        });
-        Ok(())
-    })
-}
-
 /// Writes the number that a method of the system gives for velocities.
 macro_rules! number_at {
     ($system:ident, $velocities:ident, $count:ident, $method:ident, $place:ident) => {{
@@ -193,10 +95,8 @@ pub unsafe extern "C" fn rayc_contact_system_energy(
 }
 
 /// The energy in J that bodies store in contacts after `part` of the step, 0 to 1, at these velocities: the integral of the
-/// pressure over what they share, up to the depth caps, with contacts looked for there. Unlike
-/// rayc_contact_system_energy() it has no part of damping and friction, and is that of no rows. So a host can tell whether a
-/// step gains energy, and cut it short. The step goes on as if it had not been asked, but the scene's bodies have been moved.
-/// count: that of the unknowns.
+/// pressure over what they share, up to the depth caps. Contacts are looked for there; damping and friction have no part in it.
+/// So a host can tell whether a step gains energy. The step goes on, but the scene's bodies have moved. count: of unknowns.
 ///
 /// Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
 /// RAYC_STATUS_INVALID_OPTION where part is not within 0 and 1, RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH,
@@ -426,12 +326,6 @@ pub unsafe extern "C" fn rayc_contact_system_pair_force(
         place.write_all(found.into_iter());
         Ok(())
     })
-}
-
-fn block_count(system: &AnySystem) -> Result<usize, Failure> {
-    let mut count = 0;
-    with_precision!(system, |system| system.for_each_block(1.0, |_, _, _| count += 1)?);
-    Ok(count)
 }
 
 /// rayc_contact_system_begin() with numbers of either type, as the functions below.

@@ -224,9 +224,8 @@ pub unsafe extern "C" fn rayc_contacts_energy(
 }
 
 /// rayc_scene_query(), and the energy in J that bodies store where they are: the integral of the pressure over what they
-/// share. What two queries differ by is the work of the forces between; rayc_contacts_energy() is that of springs
-/// whose contacts are held, and so is this one by the law of the paper, with RAYC_WEIGHTING_VERTEX, with rays from vertices, of
-/// open sheets and of bodies with themselves.
+/// share. Two queries differ in it by the work between. By the paper's law, with RAYC_WEIGHTING_VERTEX or rays from vertices,
+/// of open sheets and of a body with itself it is the energy of held springs, as rayc_contacts_energy() gives it.
 ///
 /// Errors: those of rayc_scene_query(), RAYC_STATUS_INVALID_OPTION.
 #[unsafe(no_mangle)]
