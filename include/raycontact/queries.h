@@ -191,7 +191,7 @@ typedef struct rayc_closest_point {
 /**
  * Finds the points of the surface, open or closed, that are nearest to some points: `closest[i]` for point i.
  *
- * points: finite, anywhere, in the mesh's unit of length; fastest where each 16 that follow one another are neighbours.
+ * points: finite, anywhere, in the mesh's unit of length.
  * bounds: NULL, or for each point how far away the surface may be to count, ≥ 0 or infinite: a tight one saves time.
  * closest: room for points->count structs.
  *

@@ -90,7 +90,7 @@ class Mesh:
 
     def closest_points(self, points: Array, bounds: Array = np.inf) -> NDArray[Any]:
         """The surface's points nearest to `points`: triangle (NO_TRIANGLE for none), is_found, distance in m, barycentric
-        weights, position. bounds: how far away in m, one or (k,); tight ones save time. Fast where 16 are neighbours."""
+        weights, position. bounds: how far away in m, one or (k,); tight ones save time."""
         asked = to_read(points, "points")
         limits = numbers(np.broadcast_to(bounds, len(asked)), "bounds")
         return copied(library.rayc_octree_closest_points, len(asked), self.octree(), self._handle, [asked], limits)

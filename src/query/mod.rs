@@ -5,6 +5,7 @@ mod crossings;
 mod nearest_point;
 mod octree;
 mod patch_levels;
+mod point_order;
 mod surface;
 mod surface_groups;
 mod tracer;

@@ -6,6 +6,7 @@ use crate::math::{Scalar, Vector3};
 use crate::memory;
 use crate::mesh::Mesh;
 use crate::query::octree::Cells;
+use crate::query::point_order::{BLOCK, PointOrder};
 use crate::query::tracer::Tracer;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors, dispatch, lanes_of};
 use crate::triangle::{ClosestPoint, MeshScale, PointPacket, QueryPoint, TrianglePoint, TrianglePoints, ascending};
@@ -49,7 +50,7 @@ impl<T: Scalar> Tracer<'_, T> {
     }
 
     /// [`closest_point`](Self::closest_point) of each of many points, each with a bound of its own, into `found`, which is
-    /// cleared first. Fastest where each 16 points are neighbours.
+    /// cleared first.
     ///
     /// # Panics
     /// Where there are not as many bounds as points.
@@ -249,20 +250,24 @@ impl<T: Scalar, S: Sought> Kernel<T> for ClosestPoints<'_, '_, T, S> {
         let mesh = self.tracer.mesh();
         let scale = MeshScale::new(mesh.aabb());
         let (mut packet, mut nearest) = (PointPacket::empty(), PacketPoints::empty());
-        let chunks = self.points.chunks(LANE_COUNT).zip(self.bounds.chunks(LANE_COUNT));
-        for ((points, bounds), found) in chunks.zip(self.found.chunks_mut(LANE_COUNT)) {
+        let blocks = self.points.chunks(BLOCK).zip(self.bounds.chunks(BLOCK));
+        for ((points, bounds), found) in blocks.zip(self.found.chunks_mut(BLOCK)) {
             let Cells::Bvh(cells) = self.tracer.cells else {
                 self.tracer.closest_one_by_one(points, bounds, self.sought, found);
                 continue;
             };
-            if !packet.set::<L>(points, bounds, &scale) {
-                self.tracer.closest_one_by_one(points, bounds, self.sought, found);
-                continue;
-            }
-            cells.find_closest_of_packet::<L>(mesh, self.sought, &mut packet);
-            nearest.set::<L>(mesh, &packet, scale.factors);
-            for (lane, found) in found.iter_mut().enumerate() {
-                *found = nearest.get(&packet, lane, bounds[lane]);
+            for places in PointOrder::new(points).places().chunks(LANE_COUNT) {
+                if packet.set::<L>(points, bounds, places, &scale) {
+                    cells.find_closest_of_packet::<L>(mesh, self.sought, &mut packet);
+                    nearest.set::<L>(mesh, &packet, scale.factors);
+                    for (lane, &place) in places.iter().enumerate() {
+                        found[place as usize] = nearest.get(&packet, lane, bounds[place as usize]);
+                    }
+                } else {
+                    for place in places.iter().map(|&place| place as usize) {
+                        found[place] = self.tracer.closest_point_of(&points[place], bounds[place], self.sought);
+                    }
+                }
             }
         }
     }

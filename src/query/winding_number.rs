@@ -1,8 +1,10 @@
 use crate::bvh::Candidates;
 use crate::math::{Scalar, Vector3};
+use crate::memory;
 use crate::query::octree::Cells;
+use crate::query::point_order::{BLOCK, PointOrder};
 use crate::query::tracer::Tracer;
-use crate::simd::{LANE_COUNT, Lanes, lanes_of};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, dispatch, lanes_of};
 use crate::triangle::{Hit, Ray, RayPacket};
 
 impl<T: Scalar> Tracer<'_, T> {
@@ -19,6 +21,14 @@ impl<T: Scalar> Tracer<'_, T> {
         // Any direction will do: edges and vertices on the way are counted as if the ray passed beside them.
         self.crossings(&Ray::new(*point, Vector3::z()), crossings);
         Some(crossings.iter().map(|crossing| if crossing.is_exit { 1 } else { -1 }).sum())
+    }
+
+    /// [`winding_number`](Self::winding_number) of each of many points, into `numbers`, which is cleared first.
+    pub fn winding_numbers(&self, points: &[Vector3<T>], numbers: &mut Vec<Option<i32>>) {
+        memory::refill_with(numbers, None, points.len());
+        if !self.mesh().is_open() {
+            dispatch::<T, _>(WindingNumbers { tracer: self, points, numbers });
+        }
     }
 
     /// How often the surface winds around the start of each ray of a packet, whose ends lie outside, not counting the
@@ -55,6 +65,56 @@ impl<T: Scalar> Tracer<'_, T> {
     }
 }
 
+/// [`Tracer::winding_numbers`] of a closed surface.
+struct WindingNumbers<'a, 'b, T: Scalar> {
+    tracer: &'a Tracer<'b, T>,
+    points: &'a [Vector3<T>],
+    numbers: &'a mut [Option<i32>],
+}
+
+impl<T: Scalar> Kernel<T> for WindingNumbers<'_, '_, T> {
+    type Output = ();
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run<L: Lanes<T>>(self) {
+        let Self { tracer, points, numbers } = self;
+        let (mut packet, mut list, mut crossings) = (RayPacket::empty(), Candidates::new(), Vec::new());
+        for (points, numbers) in points.chunks(BLOCK).zip(numbers.chunks_mut(BLOCK)) {
+            let order = PointOrder::new(points);
+            let is_in_box = |&&place: &&u32| tracer.mesh().aabb().contains(&points[place as usize]);
+            let mut inside = order.places().iter().filter(is_in_box);
+            loop {
+                let (mut places, mut rays, mut count) =
+                    ([0; LANE_COUNT], [Ray::new(Vector3::zeros(), Vector3::z()); LANE_COUNT], 0);
+                for (&place, lane) in inside.by_ref().take(LANE_COUNT).zip(0..) {
+                    // Any direction will do: edges and vertices on the way are counted as if the ray passed beside them.
+                    (places[lane], rays[lane].origin, count) = (place as usize, points[place as usize], lane + 1);
+                }
+                if count == 0 {
+                    break;
+                }
+                packet.set_rays::<L>(&rays[..count]);
+                let mut found = [0; LANE_COUNT];
+                tracer.windings_of_packet::<L>(
+                    &packet,
+                    &[[u32::MAX; LANE_COUNT]; 3],
+                    &mut list,
+                    &mut crossings,
+                    &mut found,
+                );
+                for (place, found) in places.into_iter().zip(found).take(count) {
+                    numbers[place] = Some(found);
+                }
+            }
+            for (point, number) in points.iter().zip(numbers) {
+                if number.is_none() && point.iter().all(|x| x.is_finite()) {
+                    *number = Some(0);
+                }
+            }
+        }
+    }
+}
+
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
@@ -64,7 +124,6 @@ mod tests {
     use crate::mesh::test_mesh::torus_triangles;
     use crate::query::octree::Layout;
     use crate::query::octree::Octree;
-    use crate::simd::Kernel;
     use crate::simd::on_every_path;
 
     /// Packets of rays from these vertices, against and along each axis and the other way.

@@ -89,19 +89,25 @@ impl<T: Scalar> PointPacket<T> {
         self.look_from_the_middle::<L>(scale)
     }
 
-    /// The same for points one by one.
+    /// The same for the points in some places of a list.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn set<L: Lanes<T>>(&mut self, points: &[Vector3<T>], bounds: &[T], scale: &MeshScale<T>) -> bool {
-        // Places behind the last repeat it.
-        let last = points.len() - 1;
+    pub(crate) fn set<L: Lanes<T>>(
+        &mut self,
+        points: &[Vector3<T>],
+        bounds: &[T],
+        places: &[u32],
+        scale: &MeshScale<T>,
+    ) -> bool {
+        // Lanes behind the last repeat it.
+        let last = places.len() - 1;
         for lane in 0..LANE_COUNT {
-            let point = &points[lane.min(last)];
+            let place = places[lane.min(last)] as usize;
             for axis in 0..3 {
-                self.position[axis][lane] = point[axis];
+                self.position[axis][lane] = points[place][axis];
             }
-            self.square[lane] = bounds[lane.min(last)];
+            self.square[lane] = bounds[place];
         }
-        self.present = ((1u32 << points.len()) - 1) as Mask;
+        self.present = ((1u32 << places.len()) - 1) as Mask;
         self.look_from_the_middle::<L>(scale)
     }
 

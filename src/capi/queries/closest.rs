@@ -30,7 +30,7 @@ pub struct rayc_closest_point {
 
 /// Finds the points of the surface, open or closed, that are nearest to some points: `closest[i]` for point i.
 ///
-/// points: finite, anywhere, in the mesh's unit of length; fastest where each 16 that follow one another are neighbours.
+/// points: finite, anywhere, in the mesh's unit of length.
 /// bounds: NULL, or for each point how far away the surface may be to count, ≥ 0 or infinite: a tight one saves time.
 /// closest: room for points->count structs.
 ///
@@ -102,13 +102,15 @@ pub unsafe extern "C" fn rayc_octree_winding_numbers(
         points: &Strided,
         numbers: Output<i32>,
     ) -> Result<(), Failure> {
-        let (tracer, mut crossings) = (octree.tracer(mesh)?, Vec::new());
+        let tracer = octree.tracer(mesh)?;
         let open = || {
             let message = "the mesh is open, so it has no inside; close it, or ask for distances alone";
             Failure::new(rayc_status::RAYC_STATUS_MESH_OPEN, message)
         };
-        let of_point = |point: &Vector3<T>| tracer.winding_number(point, &mut crossings).ok_or_else(open);
-        let counted = memory::tried(read_points::<T>(points)?.iter().map(of_point))?;
+        let mut counted = Vec::new();
+        tracer.winding_numbers(&read_points::<T>(points)?, &mut counted);
+        // Points are finite.
+        let counted = memory::tried(counted.into_iter().map(|number| number.ok_or_else(open)))?;
         // SAFETY: by this function's contract.
         unsafe { numbers.write_all(counted.into_iter()) };
         Ok(())

@@ -6,7 +6,7 @@ use crate::contact::quadrature::corners::{Corners, DEEPEST, longest_edge};
 use crate::contact::quadrature::moments::{Moments, MomentsOf};
 use crate::contact::quadrature::sample::{Sample, WHOLE};
 use crate::math::{Aabb, Scalar, Vector3, direction, length, normalising_factor};
-use crate::memory;
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::query::Tracer;
 use crate::simd::Lanes;
@@ -58,11 +58,20 @@ impl<T: Scalar> Frame<T> {
 
 /// What an element is.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Extent<T: Scalar> {
+pub(crate) enum Extent {
     /// A patch of several triangles.
     Patch(u32),
-    /// A triangle or a half of a half of it.
-    Piece { triangle: u32, corners: Corners<T>, number: u32, depth: u8 },
+    /// A triangle or a half of a half of it: its place in a list of pieces.
+    Piece(u32),
+}
+
+/// A triangle or a half of a half of it. Elements are copied often, so this, which is half as much again, lies apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece<T: Scalar> {
+    triangle: u32,
+    corners: Corners<T>,
+    number: u32,
+    depth: u8,
 }
 
 /// On which side of the other body's surface an element's middle lies.
@@ -78,7 +87,7 @@ pub(crate) enum Side {
 pub(crate) struct Element<T: Scalar> {
     /// Which body's surface.
     pub(crate) body: u8,
-    extent: Extent<T>,
+    extent: Extent,
     pub(crate) area: T,
     /// Σ area · normal.
     pub(crate) vector: Vector3<T>,
@@ -114,11 +123,18 @@ pub(crate) struct Element<T: Scalar> {
 impl<T: Scalar> Element<T> {
     /// A patch; `None` where it has no area, or lies beside the overlap box.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn patch<L: Lanes<T>>(body: u8, patch: u32, tracer: &Tracer<'_, T>, frame: &Frame<T>) -> Option<Self> {
+    pub(crate) fn patch<L: Lanes<T>>(
+        body: u8,
+        patch: u32,
+        tracer: &Tracer<'_, T>,
+        frame: &Frame<T>,
+        pieces: &mut Vec<Piece<T>>,
+    ) -> Option<Self> {
         let mesh = tracer.mesh();
         let patches = mesh.patches();
         if let &[triangle] = patches.triangles_of(patch) {
-            return Self::piece(body, triangle, Corners::of_triangle(mesh.corners(triangle)), WHOLE, 0, frame);
+            let corners = Corners::of_triangle(mesh.corners(triangle));
+            return Self::piece(body, Piece { triangle, corners, number: WHOLE, depth: 0 }, frame, pieces);
         }
         // Outlined, so that it has the lanes' instructions whoever asks.
         let (triangles, &Frame { middle, factor, .. }) = (patches.triangles_of(patch), frame);
@@ -133,19 +149,21 @@ impl<T: Scalar> Element<T> {
             .then(|| Self::new(body, Extent::Patch(patch), area, vector, centre, radius))
     }
 
-    fn piece(body: u8, triangle: u32, corners: Corners<T>, number: u32, depth: u8, frame: &Frame<T>) -> Option<Self> {
-        let local = corners.positions.map(|corner| frame.local(&corner));
+    fn piece(body: u8, piece: Piece<T>, frame: &Frame<T>, pieces: &mut Vec<Piece<T>>) -> Option<Self> {
+        let local = piece.corners.positions.map(|corner| frame.local(&corner));
         let (bounds, [a, b, c]) = (Aabb::of_triangle(&local), local);
         let vector = (b - a).cross(&(c - a)) * T::of(0.5);
         let centre = (a + b + c) / T::of(3.0);
         let farthest = [a, b, c].iter().fold(T::zero(), |most, corner| most.max((corner - centre).norm_squared()));
-        let (area, extent) = (length(&vector), Extent::Piece { triangle, corners, number, depth });
-        (area > T::zero() && bounds.overlaps(&frame.region))
-            .then(|| Self::new(body, extent, area, vector, centre, farthest.sqrt()))
+        let (area, extent) = (length(&vector), Extent::Piece(pieces.len() as u32));
+        (area > T::zero() && bounds.overlaps(&frame.region)).then(|| {
+            pieces.room_for(1).push(piece);
+            Self::new(body, extent, area, vector, centre, farthest.sqrt())
+        })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new(body: u8, extent: Extent<T>, area: T, vector: Vector3<T>, centre: Vector3<T>, radius: T) -> Self {
+    fn new(body: u8, extent: Extent, area: T, vector: Vector3<T>, centre: Vector3<T>, radius: T) -> Self {
         Self {
             body,
             extent,
@@ -174,25 +192,36 @@ impl<T: Scalar> Element<T> {
     }
 
     /// Whether it is a triangle, or a part of one, with an edge whose square is more than this.
-    pub(crate) fn has_edge_beyond(&self, square: T) -> bool {
-        matches!(self.extent, Extent::Piece { corners, .. } if longest_edge(&corners.positions).1 > square)
+    pub(crate) fn has_edge_beyond(&self, square: T, pieces: &[Piece<T>]) -> bool {
+        let Extent::Piece(piece) = self.extent else { return false };
+        longest_edge(&pieces[piece as usize].corners.positions).1 > square
     }
 
     /// Adds its two halves, which know of its depth; fewer where some have no area or lie beside the overlap box. Gives false
     /// where it cannot be halved.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn halve<L: Lanes<T>>(&self, tracer: &Tracer<'_, T>, frame: &Frame<T>, halves: &mut Vec<Self>) -> bool {
+    pub(crate) fn halve<L: Lanes<T>>(
+        &self,
+        tracer: &Tracer<'_, T>,
+        frame: &Frame<T>,
+        pieces: &mut Vec<Piece<T>>,
+        halves: &mut Vec<Self>,
+    ) -> bool {
         let (body, before) = (self.body, halves.len());
         match self.extent {
             Extent::Patch(patch) => {
                 let Some(parts) = tracer.mesh().patches().parts(patch) else { return false };
-                parts.iter().for_each(|&part| memory::append(halves, Self::patch::<L>(body, part, tracer, frame)));
+                for part in parts {
+                    memory::append(halves, Self::patch::<L>(body, part, tracer, frame, pieces));
+                }
             }
-            Extent::Piece { triangle, corners, number, depth } => {
+            Extent::Piece(piece) => {
+                let Piece { triangle, corners, number, depth } = pieces[piece as usize];
                 let Some(parts) = corners.halves().filter(|_| depth < DEEPEST) else { return false };
                 for (half, corners) in parts.into_iter().enumerate() {
                     let number = number.wrapping_mul(2).wrapping_add(half as u32);
-                    memory::append(halves, Self::piece(body, triangle, corners, number, depth + 1, frame));
+                    let piece = Piece { triangle, corners, number, depth: depth + 1 };
+                    memory::append(halves, Self::piece(body, piece, frame, pieces));
                 }
             }
         }
@@ -225,11 +254,12 @@ impl<T: Scalar> Element<T> {
     }
 
     /// Notes whether the next element is the other half of what this one is a half of.
-    pub(crate) fn note_other_half(&mut self, next: Option<&Self>, mesh: &Mesh<T>) {
+    pub(crate) fn note_other_half(&mut self, next: Option<&Self>, mesh: &Mesh<T>, pieces: &[Piece<T>]) {
         self.is_first_half = match (self.extent, next.map(|next| next.extent)) {
             (Extent::Patch(this), Some(Extent::Patch(next))) => mesh.patches().are_halves(this, next),
-            (Extent::Piece { triangle, number, .. }, Some(Extent::Piece { triangle: of_next, number: next, .. })) => {
-                triangle == of_next && number == next ^ 1
+            (Extent::Piece(this), Some(Extent::Piece(next))) => {
+                let [this, next] = [this, next].map(|piece| &pieces[piece as usize]);
+                this.triangle == next.triangle && this.number == next.number ^ 1
             }
             _ => false,
         };
@@ -259,12 +289,13 @@ impl<T: Scalar> Element<T> {
     }
 
     /// What casts for it, from its middle, as much as it counts. `None` where it has no normal.
-    pub(crate) fn sample(&self, tracer: &Tracer<'_, T>, frame: &Frame<T>) -> Option<Sample<T>> {
+    pub(crate) fn sample(&self, tracer: &Tracer<'_, T>, frame: &Frame<T>, pieces: &[Piece<T>]) -> Option<Sample<T>> {
         let mesh = tracer.mesh();
         let area = frame.area(length(&self.vector) * self.weight);
         let distance = (self.depth < T::INFINITY).then(|| frame.length(self.depth));
         match self.extent {
-            Extent::Piece { triangle, corners, number, .. } => {
+            Extent::Piece(piece) => {
+                let Piece { triangle, corners, number, .. } = pieces[piece as usize];
                 let (position, weights) = corners.middle();
                 let vertices = mesh.topology().triangles()[triangle as usize];
                 let point = SurfacePoint { triangle, vertices, weights: weights.into(), position };

@@ -5,7 +5,7 @@
 mod tests;
 
 use crate::contact::pair::Pair;
-use crate::contact::quadrature::element::{Element, Frame};
+use crate::contact::quadrature::element::{Element, Frame, Piece};
 use crate::contact::quadrature::measurement::Measurement;
 use crate::contact::quadrature::sample::{Sample, Sampling};
 use crate::contact::statistics::Statistics;
@@ -78,6 +78,8 @@ pub(crate) struct Quadrature<T: Scalar> {
     patches: Vec<u32>,
     marks: Vec<u64>,
     elements: Vec<Element<T>>,
+    /// Of triangles.
+    pieces: Vec<Piece<T>>,
     /// How far each element of either body may be off.
     errors: [Vec<T>; 2],
     /// What waits to be halved at the start.
@@ -171,10 +173,10 @@ enum Largest<T> {
 
 impl<T: Scalar> Largest<T> {
     /// Whether an element is larger than so many times this.
-    fn is_exceeded_by(self, element: &Element<T>, times: T) -> bool {
+    fn is_exceeded_by(self, element: &Element<T>, times: T, pieces: &[Piece<T>]) -> bool {
         match self {
             Self::Area(area) => element.area > area * times,
-            Self::Edge(square) => element.has_edge_beyond(square * times),
+            Self::Edge(square) => element.has_edge_beyond(square * times, pieces),
         }
     }
 }
@@ -285,26 +287,29 @@ impl<T: Scalar> Quadrature<T> {
         of_patches: impl Fn(usize) -> T,
         largest: Largest<T>,
     ) {
-        let Self { counts, patches, marks, elements, waiting, most, .. } = self;
+        let Self { counts, patches, marks, elements, pieces, waiting, most, .. } = self;
         elements.clear();
+        pieces.clear();
         for (body, groups) in groups.iter().enumerate().filter(|(_, groups)| !groups.is_empty()) {
-            let (tracer, first, before) = (pair.tracers[body], elements.len(), *counts);
+            let (tracer, first, before) = (pair.tracers[body], [elements.len(), pieces.len()], *counts);
             tracer.patches_of_groups(of_patches(body)).list(groups, marks, patches);
             // Where there would be too many, all may be larger, so that it does not matter which come first.
             let mut times = T::one();
             'larger: loop {
                 let mut added = 0;
                 waiting.clear();
-                elements.truncate(first);
+                elements.truncate(first[0]);
+                pieces.truncate(first[1]);
                 *counts = before;
                 for &patch in &*patches {
-                    memory::append(waiting, Element::patch::<L>(body as u8, patch, tracer, frame));
+                    memory::append(waiting, Element::patch::<L>(body as u8, patch, tracer, frame, pieces));
                     counts.without_normal +=
                         u64::from(waiting.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
                     while let Some(element) = waiting.pop() {
                         let others = waiting.len();
-                        if !(largest.is_exceeded_by(&element, times) && element.halve::<L>(tracer, frame, waiting)) {
-                            counts.uncut_pieces += u64::from(largest.is_exceeded_by(&element, T::one()));
+                        let is_too_large = largest.is_exceeded_by(&element, times, pieces);
+                        if !(is_too_large && element.halve::<L>(tracer, frame, pieces, waiting)) {
+                            counts.uncut_pieces += u64::from(largest.is_exceeded_by(&element, T::one(), pieces));
                             elements.room_for(1).push(element);
                             continue;
                         }
@@ -317,9 +322,9 @@ impl<T: Scalar> Quadrature<T> {
                 }
                 break;
             }
-            for place in first..elements.len() {
+            for place in first[0]..elements.len() {
                 let (before, after) = elements.split_at_mut(place + 1);
-                before[place].note_other_half(after.first(), tracer.mesh());
+                before[place].note_other_half(after.first(), tracer.mesh(), pieces);
             }
         }
     }
@@ -340,7 +345,9 @@ impl<T: Scalar> Quadrature<T> {
             for place in first..elements.len() {
                 if elements[place].depth > -elements[place].radius {
                     elements[place].assess(size.thickness, size.shares);
-                    elements[kept] = elements[place];
+                    if kept < place {
+                        elements[kept] = elements[place];
+                    }
                     kept += 1;
                 }
             }
@@ -353,7 +360,7 @@ impl<T: Scalar> Quadrature<T> {
     /// Adds the halves of elements that need it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn halve<L: Lanes<T>>(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>, size: &Size<T>) {
-        let Self { counts, elements, errors, most, .. } = self;
+        let Self { counts, elements, pieces, errors, most, .. } = self;
         let limits = size.limits(elements, errors);
         counts.error_estimated = limits.estimate.to_f64();
         // All that need it or none, so that it does not matter which come first.
@@ -374,7 +381,7 @@ impl<T: Scalar> Quadrature<T> {
             element.is_halved = true;
             let whole = *element;
             let (tracer, before) = (pair.tracers[usize::from(whole.body)], elements.len());
-            if whole.halve::<L>(tracer, frame, elements) {
+            if whole.halve::<L>(tracer, frame, pieces, elements) {
                 elements[place].weight = whole.weight * (T::one() - halved);
                 elements[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
             } else {
@@ -385,14 +392,14 @@ impl<T: Scalar> Quadrature<T> {
 
     /// The samples of what counts.
     fn sample(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>) {
-        let Self { samples, counts, elements, .. } = self;
+        let Self { samples, counts, elements, pieces, .. } = self;
         samples.iter_mut().for_each(Vec::clear);
         for element in elements.iter().filter(|element| element.weight > T::zero() && element.depth > T::zero()) {
             let body = usize::from(element.body);
             if element.depth == T::INFINITY && !pair.region.contains(&frame.point(&element.centre)) {
                 continue;
             }
-            let Some(sample) = element.sample(pair.tracers[body], frame) else {
+            let Some(sample) = element.sample(pair.tracers[body], frame, pieces) else {
                 counts.without_normal += 1;
                 continue;
             };

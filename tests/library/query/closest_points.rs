@@ -136,6 +136,26 @@ fn closest_points_are_those_of_all_triangles_in_f32() {
     check_shapes::<f32>();
 }
 
+/// More points than are put in order at a time, one behind the other and shuffled, some of which are no numbers.
+#[test]
+fn it_does_not_matter_in_which_order_points_come() {
+    let (mesh, mut random) = (shapes::torus(40, 20, 0.4).mesh::<f64>(), Random::new(3));
+    let octree = Octree::new(&mesh);
+    let tracer = octree.tracer(&mesh).expect("it is new");
+    let on_row = |i: usize| Vector3::new((i as f64 * 3e-4).cos() * 1.3, (i as f64 * 3e-4).sin() * 1.3, 0.2);
+    let in_row: Vec<_> = (0..9001).map(on_row).collect();
+    let mut shuffled: Vec<_> = (0..9001).map(|_| rounded(random.point(1.5))).collect();
+    (shuffled[5], shuffled[17], shuffled[5000]) = ([f64::NAN; 3].into(), [f64::INFINITY; 3].into(), [1e300; 3].into());
+    for points in [in_row, shuffled] {
+        let (mut many, bounds) = (Vec::new(), vec![0.5; points.len()]);
+        tracer.closest_points(&points, &bounds, &mut many);
+        for (point, found) in points.iter().zip(&many) {
+            assert_eq!(bits(found), bits(&tracer.closest_point(point, 0.5)), "{point:?}");
+        }
+        assert!(many.iter().flatten().count() > 2000);
+    }
+}
+
 /// On a box the nearest point is that of the box itself, to the bit where its faces lie at whole numbers.
 #[test]
 fn closest_points_of_a_box_are_known() {
