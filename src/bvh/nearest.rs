@@ -188,7 +188,7 @@ impl<T: Scalar, S: Sought> One<'_, T, S> {
 }
 
 /// Points are neighbours if they are at most this many widths of a tile away from their middle. The mesh has a size of about 1.
-const MOST_SPREAD: f64 = 64.0;
+const MOST_SPREAD: f64 = 8.0;
 
 /// The search for the triangles nearest to a packet's points.
 pub(crate) struct ClosestOfPacket<'a, T: Scalar, S> {
