@@ -7,8 +7,7 @@ use crate::capi::ffi::{
     with_precision, write_defaults,
 };
 use crate::math::Scalar;
-use crate::memory;
-use crate::memory::text;
+use crate::memory::{self, text};
 use crate::mesh::{Hole, InFile, Mesh, MeshError, read_obj_surface};
 use libc::c_char;
 use std::ffi::CStr;

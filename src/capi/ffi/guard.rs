@@ -1,8 +1,7 @@
 use super::failure::Failure;
 use super::float_mode::DefaultMode;
 use crate::capi::base::rayc_status;
-use crate::memory;
-use crate::memory::{OutOfMemory, text};
+use crate::memory::{self, OutOfMemory, text};
 use crate::threads::Threads;
 use libc::c_char;
 use std::any::Any;

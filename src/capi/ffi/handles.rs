@@ -4,8 +4,7 @@
 use super::failure::Failure;
 use super::pointers::{Output, null};
 use crate::capi::base::rayc_status;
-use crate::memory;
-use crate::memory::text;
+use crate::memory::{self, text};
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
