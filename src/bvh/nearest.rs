@@ -187,8 +187,8 @@ impl<T: Scalar, S: Sought> One<'_, T, S> {
     }
 }
 
-/// Points are neighbours if they are at most this many widths of a tile away from their middle, in a scale in which the mesh has a
-/// size of about 1.
+/// Points are neighbours if they are at most this many widths of a tile away from their middle, in a scale in which the mesh has
+/// a size of about 1.
 const MOST_SPREAD: f64 = 64.0;
 
 /// The search for the triangles nearest to a packet's points.

@@ -2,7 +2,7 @@ use crate::math::{Aabb, Scalar};
 use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane, vector_in_lane};
 use std::ops::Range;
 
-/// At most so many children belong to a node.
+/// A node has at most this many children.
 pub(crate) const CHILD_COUNT: usize = LANE_COUNT;
 
 /// Up to sixteen children's boxes, axis by axis; places beyond the last child hold boxes that nothing meets.

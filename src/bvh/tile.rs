@@ -2,7 +2,7 @@ use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::CLUSTER_SIZE;
 use crate::simd::Mask;
 
-/// At most so many triangles, and so many vertices, form a tile: those of a cluster.
+/// A tile has at most this many triangles, and as many vertices: those of a cluster.
 pub(crate) const TILE_SIZE: usize = CLUSTER_SIZE;
 
 /// Up to 16 neighbouring triangles and their up to 16 vertices.

@@ -1,8 +1,8 @@
 //! Scenes and contact systems of several processes that simulate one world together.
 //!
 //! Each scene has some bodies of its own, and **ghosts**: copies of other scenes' bodies that meet its own, which it
-//! [shares](Sharing) with those scenes. The contacts of an own body and a ghost are found by one of the two scenes. The host's keys
-//! ([`Scene::add_with_key`](crate::scene::Scene::add_with_key)) order bodies alike everywhere. What a pair does is summed by
+//! [shares](Sharing) with those scenes. The contacts of an own body and a ghost are found by one of the two scenes. The host's
+//! keys ([`Scene::add_with_key`](crate::scene::Scene::add_with_key)) order bodies alike everywhere. What a pair does is summed by
 //! itself, as [forces](ForcesByPair) or as the [`Parts`] of a contact system's rows. So sums in the order of the pairs have the
 //! same bits, whichever process found which. Meshes, and what pairs remember, are packed to be sent.
 //!

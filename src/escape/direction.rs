@@ -16,8 +16,8 @@ const RAYS_AT_ONCE: usize = 64;
 /// A way out is clearly shorter than another if it is less than this part of it. A smaller difference may be rounding.
 const CLEARLY_SHORTER: f64 = 0.99;
 
-/// Adds the contacts that push the pair's first body along `away`, and the second against it, and gives how deep the pair is. Adds
-/// none, and gives `None`, where the bodies are apart.
+/// Adds the contacts that push the pair's first body along `away`, and the second against it, and gives how deep the pair is.
+/// Adds none, and gives `None`, where the bodies are apart.
 pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, contacts: &mut ContactList<T>) -> Option<T> {
     let start = contacts.len();
     let ContactList { contacts, statistics, pushes, workspace, .. } = contacts;

@@ -8,8 +8,8 @@ use crate::math::{Scalar, Vector3};
 pub struct PairMemory<T: Scalar> {
     /// The direction in which the first body leaves the second, of unit length; `None` while contacts do.
     pub escape: Option<Vector3<T>>,
-    /// The smallest overlap so far, Σ area · depth · cos α; while the pair escapes, the smallest depth. Renewed by a value that is
-    /// smaller by a tenth.
+    /// The smallest overlap so far, Σ area · depth · cos α; while the pair escapes, the smallest depth. Renewed by a value that
+    /// is smaller by a tenth.
     pub lowest: Record<T>,
     /// The same, renewed by a value that is smaller by half. Not updated during an escape.
     pub halved: Record<T>,

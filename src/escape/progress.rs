@@ -54,8 +54,8 @@ impl<T: Scalar> Pair<'_, T> {
         }
     }
 
-    /// Whether the contacts, which begin at `start`, push the pair apart by a short way, though most push against each other. A star
-    /// that stands on its spikes is such a pair: its contacts push the spikes from all sides, and upward a little.
+    /// Whether the contacts, which begin at `start`, push the pair apart by a short way, though most push against each other. A
+    /// star that stands on its spikes is such a pair: its contacts push the spikes from all sides, and upward a little.
     fn is_led_out(&self, memory: &PairMemory<T>, start: usize, contacts: &mut ContactList<T>) -> bool {
         let deepest = contacts.contacts[start..].iter().fold(T::zero(), |deepest, contact| deepest.max(contact.depth));
         let sizes = self.tracers.map(|tracer| tracer.mesh().aabb().longest_side());
@@ -64,8 +64,8 @@ impl<T: Scalar> Pair<'_, T> {
         away.is_some_and(|away| is_short_way_out(self, &away, limit, contacts))
     }
 
-    /// Keeps the direction until the pair is apart. Where other bodies hold the pair back, it turns to the line of centres: all pairs
-    /// that do so can come apart at once, as when all bodies move away from one point.
+    /// Keeps the direction until the pair is apart. Where other bodies hold the pair back, it turns to the line of centres: all
+    /// pairs that do so can come apart at once, as when all bodies move away from one point.
     fn go_on_escaping(&self, away: Vector3<T>, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
         let Some(depth) = push_apart(self, &away, contacts) else {
             *memory = PairMemory::default();

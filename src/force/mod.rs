@@ -70,9 +70,9 @@ impl<'a, T: Scalar> Spring<'a, T> {
     }
 }
 
-/// Adds the forces of a list's contacts to `forces`, which holds one array per body, as do `positions` (`None`: as at
-/// detection) and `velocities` (`None`: no damping and no friction). Friction acts at both ends, so it keeps momentum but gives the
-/// pair a net torque, depth times friction; [`add_wrenches`] keeps angular momentum too.
+/// Adds the forces of a list's contacts to `forces`, which holds one array per body, as do `positions` (`None`: as at detection)
+/// and `velocities` (`None`: no damping and no friction). Friction acts at both ends, so it keeps momentum but gives the pair a
+/// net torque, depth times friction; [`add_wrenches`] keeps angular momentum too.
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.

@@ -18,9 +18,9 @@ pub(crate) fn margin<T: Scalar>(units: f64) -> T {
 /// A box's faces, seen by a ray; times the reach, the largest coordinate difference between the ray's origin and the mesh's
 /// box.
 ///
-/// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues (`evaluation/programs/oracle/judge.rs`; 6.1
-/// is the largest it has met). The distance to a face takes 3 more: a difference, a quotient and a product. Held by the oracle
-/// and by `tests/library/query/layouts.rs`, which compare with testing every triangle.
+/// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues
+/// (`evaluation/programs/oracle/judge.rs`; 6.1 is the largest it has met). The distance to a face takes 3 more: a difference, a
+/// quotient and a product. Held by the oracle and by `tests/library/query/layouts.rs`, which compare with testing every triangle.
 pub(crate) const BOX_FACE: f64 = 16.0;
 
 /// Where a ray leaves a box that its origin lies in; times the reach. A hit on the box's own face may lie 32 units behind the
@@ -44,9 +44,8 @@ pub(crate) const SAMPLE_IN_BOX: f64 = 8.0;
 /// `tests/library/query/closest_points.rs`.
 pub(crate) const DISTANCE: f64 = 64.0;
 
-/// An upper bound of a distance, found as a distance or as a sum of distances; times itself. Where the bound is smaller than the
-/// distance it is used instead, so a bound that is too small is off by no more than rounding. Held by
-/// `tests/library/contact/tolerance.rs`.
+/// An upper bound of a distance, found as a distance or as a sum of such; times itself. The smaller of both is used, so a bound
+/// that is too small is off by no more than rounding. Held by `tests/library/contact/tolerance.rs`.
 pub(crate) const DISTANCE_BOUND: f64 = 128.0;
 
 /// The square of a bound, held against sums of three squares; times itself: 1 for the square, 3 for the sums.

@@ -95,7 +95,7 @@ fn centre<T: Scalar>(topology: &Topology, positions: &[Vector3<T>], cluster: &[u
     aabb.centre()
 }
 
-/// Where a set of clusters is halved for a node's children, of which each holds up to `capacity`; `None` for what one child holds.
+/// Where a set of clusters is halved for children that hold up to `capacity` each; `None` for what one child holds.
 pub(crate) fn middle(count: usize, capacity: usize) -> Option<usize> {
     // About the middle, but so that one half fills its children.
     (count > capacity).then(|| (count / 2).next_multiple_of(capacity))

@@ -134,8 +134,8 @@ impl<T: Scalar> Mesh<T> {
         Self::checked(positions, triangles, Border::Refused, Vec::new())
     }
 
-    /// The same for a surface with holes, as scans have them. Each hole is closed by the triangles of least area over the vertices
-    /// around it. These come behind the triangles that were given, and move with their vertices; no vertex is added.
+    /// The same for a surface with holes, as scans have them. Each hole is closed by the triangles of least area over the
+    /// vertices around it. These come behind the triangles that were given, and move with their vertices; no vertex is added.
     /// [`holes`](Self::holes) lists them. `most`: the part of the given area of each connected part that its caps may have
     /// together, from 0 to 1, so that no sheet is taken for a body; 0.1 suits scans.
     ///

@@ -98,10 +98,10 @@ impl From<OctreeError> for OwnExitsError {
 const UNNUMBERED: u32 = u32::MAX - 1;
 
 impl<T: Scalar> OwnExits<T> {
-    /// Finds the vertices with a winding number above 1 just under them, in ascending order. A vertex' part are the vertices inside
-    /// that are connected with it along edges. Its exit is the nearest point of the surface without the triangles that have a
-    /// vertex of the part. Where that point also lies on such a triangle, the surface goes on there into the part. The part then
-    /// grows by the vertices around it until the point does not.
+    /// Finds the vertices with a winding number above 1 just under them, in ascending order. A vertex' part are the vertices
+    /// inside that are connected with it along edges. Its exit is the nearest point of the surface without the triangles that
+    /// have a vertex of the part. Where that point also lies on such a triangle, the surface goes on there into the part. The
+    /// part then grows by the vertices around it until the point does not.
     ///
     /// Vertices without a normal have no side, and are left out. Where a body lies in itself all around, as a ring of two full
     /// turns, everything is one part, and the exit may not be the shortest. The time grows with the number of vertices, and with

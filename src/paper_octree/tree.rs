@@ -4,8 +4,8 @@ use crate::mesh::Mesh;
 /// Cubic cells in flat arrays, without a pointer in any node.
 #[derive(Clone, Debug)]
 pub(crate) struct PaperOctree<T: Scalar> {
-    /// The lower corner of the root cell, a cube, and of the mesh's box. Cells are measured from here: far from the world's origin
-    /// their planes would be rounded more coarsely than any margin allows for.
+    /// The lower corner of the root cell, a cube, and of the mesh's box. Cells are measured from here: far from the world's
+    /// origin their planes would be rounded more coarsely than any margin allows for.
     pub(super) corner: Vector3<T>,
     /// The root cell's side.
     pub(super) side: T,

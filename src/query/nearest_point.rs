@@ -59,8 +59,8 @@ impl<T: Scalar> Tracer<'_, T> {
         dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, sought: All, found });
     }
 
-    /// The same without the triangles that have a vertex of one part of the surface, given the part of each vertex. `found` has as
-    /// many elements as there are points.
+    /// The same without the triangles that have a vertex of one part of the surface, given the part of each vertex. `found` has
+    /// as many elements as there are points.
     pub(crate) fn closest_points_beyond(
         &self,
         (parts, part): (&[u32], u32),

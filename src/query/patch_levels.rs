@@ -14,7 +14,7 @@ impl<V> Default for PatchLevels<V> {
 }
 
 impl<V> PatchLevels<V> {
-    /// What belongs to the level of this area; where it has not been found yet, `find` is given the area, rounded down to the level.
+    /// What belongs to the level of this area; found, on the first call, by `find` from the area rounded down to the level.
     pub(crate) fn at<T: Scalar>(&self, mesh: &Mesh<T>, area: T, find: impl FnOnce(T) -> V) -> &V {
         let (number, area) = mesh.patches().level(area);
         let levels = self.0.get_or_init(|| {

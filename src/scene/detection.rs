@@ -101,8 +101,8 @@ impl<T: Scalar> Scene<T> {
         of_pairs.sum::<f64>() + of_bodies.sum::<f64>() / TRIANGLES_SEARCHED_PER_RAY
     }
 
-    /// Adds each list of contacts to `contacts` as it is found. Bodies are updated only when the first list needs them, so that in
-    /// large scenes they are still in the cache then.
+    /// Adds each list of contacts to `contacts` as it is found. Bodies are updated only when the first list needs them, so that
+    /// in large scenes they are still in the cache then.
     fn detect_alone(&mut self, contacts: &mut ContactList<T>) {
         contacts.clear();
         contacts.set_helpers(Helpers::Nobody);
@@ -252,8 +252,8 @@ impl<T: Scalar> Body<T> {
         self.cost = if is_read { self.triangle_count() / TRIANGLES_READ_PER_RAY } else { 0.0 };
     }
 
-    /// Finds the body's contacts with itself, where they are asked for and not known yet; gives whether the octree was updated for
-    /// that.
+    /// Finds the body's contacts with itself, where they are asked for and not known yet; gives whether the octree was updated
+    /// for that.
     pub(super) fn find_own_contacts(&mut self, options: &DetectionOptions<T>) -> bool {
         let Self { number, surface, own, .. } = self;
         let Some(own) = own else { return false };

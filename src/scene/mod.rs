@@ -186,7 +186,7 @@ impl<T: Scalar> Scene<T> {
         Ok(self.pairs.without_escape.binary_search(&pair).is_err())
     }
 
-    /// Ends a step of so many seconds: what the step's last query found goes into what pairs remember, by which they escape
+    /// Ends a step of this many seconds: what the step's last query found goes into what pairs remember, by which they escape
     /// where contacts cannot part them. Once a step, after the last query of it; a host that queries several times a step, to
     /// look ahead or to detect anew, thus escapes no sooner.
     ///

@@ -90,8 +90,8 @@ impl<T: Scalar> History<T> {
         if self.is_queried { &self.after } else { &self.before }
     }
 
-    /// Starts a query: copies what `pairs` remembered before this step into `after`, and nothing for those that are new. `stamp` is
-    /// that of the newest positions, `order` what pairs compare by.
+    /// Starts a query: copies what `pairs` remembered before this step into `after`, and nothing for those that are new. `stamp`
+    /// is that of the newest positions, `order` what pairs compare by.
     pub(super) fn start_query(
         &mut self,
         pairs: impl Iterator<Item = [u32; 2]>,
@@ -112,7 +112,7 @@ impl<T: Scalar> History<T> {
         }
     }
 
-    /// Ends a step of so many seconds.
+    /// Ends a step of this many seconds.
     pub(super) fn advance(&mut self, seconds: f64, order: impl Fn(&[u32; 2]) -> [u32; 2]) {
         self.is_advanced = true;
         self.passed += (seconds / WHOLE_STEP).min(1.0);

@@ -6,8 +6,8 @@ use crate::math::{Pose, Scalar};
 use crate::mesh::next_stamp;
 
 impl<T: Scalar> Scene<T> {
-    /// Moves a body by a pose: its vertices are those of its mesh as it was created, each moved by [`Pose::moved`]. Positions that
-    /// it was given since do not count, nor does its last pose. Contacts are those of the same positions given to
+    /// Moves a body by a pose: its vertices are those of its mesh as it was created, each moved by [`Pose::moved`]. Positions
+    /// that it was given since do not count, nor does its last pose. Contacts are those of the same positions given to
     /// [`mesh_mut`](Self::mesh_mut), to the bit.
     ///
     /// No vertex is looked at but those that decide how far the body reaches; a query then moves those near other bodies.
@@ -26,8 +26,8 @@ impl<T: Scalar> Scene<T> {
         self.bodies.get_mut(body).is_some_and(|body| body.surface.may_move(pose))
     }
 
-    /// [`set_pose`](Self::set_pose) of a pose that was checked before, or derived from a checked one; false where there is no such
-    /// body or it would be beyond the precision.
+    /// [`set_pose`](Self::set_pose) of a pose that was checked before, or derived from a checked one; false where there is no
+    /// such body or it would be beyond the precision.
     pub(crate) fn follow(&mut self, body: u32, pose: &Pose) -> bool {
         self.bodies.get_mut(body).is_some_and(|body| body.set_pose(pose))
     }

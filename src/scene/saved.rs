@@ -72,7 +72,7 @@ pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>,
     Ok(History { before, after, is_queried, queried_at, is_advanced, passed })
 }
 
-/// Reads so many memories; only the scene can tell whether they are in order.
+/// Reads this many memories; only the scene can tell whether they are in order.
 fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<T>>, BytesError> {
     let mut memories = memory::with_room(count as usize);
     for _ in 0..count {

@@ -44,9 +44,9 @@ impl<T: Scalar> Octree<T> {
         }
     }
 
-    /// Finds the pairs of tiles listed by [`search_near`](Self::search_near) that have *lapsed*: that have come nearer by more than
-    /// they may since positions were kept, or lie where triangles are strained by more than they may be. Finds none, and says
-    /// that all have lapsed, where vertices have moved against each other by more than `most`. A turn of the whole does not
+    /// Finds the pairs of tiles listed by [`search_near`](Self::search_near) that have *lapsed*: that have come nearer by more
+    /// than they may since positions were kept, or lie where triangles are strained by more than they may be. Finds none, and
+    /// says that all have lapsed, where vertices have moved against each other by more than `most`. A turn of the whole does not
     /// count. The octree need not follow the mesh.
     pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearPairs<T>) -> Lapse<T> {
         match &self.tree {
@@ -55,8 +55,8 @@ impl<T: Scalar> Octree<T> {
         }
     }
 
-    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be: they may touch others around
-    /// a common vertex.
+    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be: they may touch others
+    /// around a common vertex.
     pub(crate) fn strained<'a>(&'a self, near: &'a NearPairs<T>) -> impl Iterator<Item = u32> + 'a {
         let tree = if let Tree::Bvh(tree) = &self.tree { Some(tree) } else { None };
         tree.into_iter().flat_map(|tree| tree.strained(&near.tiles))

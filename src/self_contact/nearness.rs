@@ -62,8 +62,8 @@ fn separation_along_any<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], mut best: T, 
         let axis = match number {
             0 | 1 => (corners[number][1] - corners[number][0]).cross(&(corners[number][2] - corners[number][0])),
             2..11 => edge(a, (number - 2) / 3).cross(&edge(b, (number - 2) % 3)),
-            // The axes of the boxes come last, since the boxes nearly always overlap. They matter where only the rounded boxes, by
-            // which triangles are offered, do.
+            // The axes of the boxes come last, since the boxes nearly always overlap. They matter where only the rounded boxes,
+            // by which triangles are offered, do.
             _ => Vector3::ith(number - 11, T::one()),
         };
         best = best.max(gap_along_either(corners, &axis));

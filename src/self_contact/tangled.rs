@@ -33,8 +33,8 @@ const PAIRS_TRIED: usize = 2;
 const FIRST_PART: usize = 4;
 const FEWEST_CLOSE: usize = 12;
 
-/// For the rays of other bodies, a body is tangled if the square of the tiles on their way, times the triangles that each triangle
-/// touches, is this much, and if it folds over around many vertices. Bodies of parts that overlap reach thousands, but do not fold.
+/// For the rays of other bodies, a body is tangled if the square of the tiles on their way times the triangles that each touches
+/// is this much, and if it folds over around many vertices. Parts that overlap reach thousands, but do not fold.
 const SQUARE_OF_TILES_TIMES_TOUCHING: usize = 512;
 /// How many random pairs are tried for each triangle then: more, since few touch where few triangles are large.
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
@@ -116,8 +116,8 @@ pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
         })
 }
 
-/// Whether a body is tangled for rays that have this many of its tiles on their way, judged by random pairs of its triangles. A body
-/// in order is known after the first part of the pairs, if less than half as many touch as would be enough.
+/// Whether a body is tangled for rays that have this many of its tiles on their way, judged by random pairs of its triangles. A
+/// body in order is known after the first part of the pairs, if less than half as many touch as would be enough.
 pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
     let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART_FOR_RAYS;
     let enough = (SQUARE_OF_TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / (tiles * tiles)).max(FEWEST_TOUCHING);

@@ -101,8 +101,8 @@ const STEEP_MARGIN: f64 = 1.0;
 const MOST_GROWTH: f64 = 1.5;
 
 impl<T: Scalar> SelfWarmStart<T> {
-    /// Whether the body cannot touch itself at its present positions, by what is remembered. Each call gets the same mesh and octree,
-    /// which need not be up to date.
+    /// Whether the body cannot touch itself at its present positions, by what is remembered. Each call gets the same mesh and
+    /// octree, which need not be up to date.
     pub(crate) fn is_clear(&mut self, mesh: &Mesh<T>, octree: &Octree<T>) -> bool {
         if self.stamp != mesh.stamp() {
             self.stamp = mesh.stamp();

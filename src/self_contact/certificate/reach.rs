@@ -27,8 +27,8 @@ impl<T: Scalar> Reach<T> {
         self.margin * T::of(2.0)
     }
 
-    /// Within which distance a path over the surface stays that joins points `touch` and a margin apart, at slopes of at most 60°:
-    /// for the narrow margin and for the wide one.
+    /// Within which distance a path over the surface stays that joins points `touch` and a margin apart, at slopes of at most
+    /// 60°: for the narrow margin and for the wide one.
     pub(crate) fn of_surroundings(&self) -> [T; 2] {
         [self.margin, self.wide_margin()].map(|margin| (self.touch + margin) * T::of(2.0))
     }

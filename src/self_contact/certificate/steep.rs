@@ -1,5 +1,5 @@
-//! Which triangles are steep: some triangle near them faces more than 60° away from them. Around any other triangle the surface is
-//! a graph over the triangle's plane.
+//! Which triangles are steep: some triangle near them faces more than 60° away from them. Around any other triangle the surface
+//! is a graph over the triangle's plane.
 
 use crate::bvh::{Bvh, TILE_SIZE};
 use crate::math::Scalar;

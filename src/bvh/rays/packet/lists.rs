@@ -6,8 +6,8 @@ use crate::bvh::walk::{Children, Visitor, Way, first_of};
 use crate::math::Scalar;
 use crate::simd::{LANE_COUNT, Lanes, Lists, Mask};
 
-/// Searches by lists: the box around the packet chooses nodes and tiles, then each tile's box chooses among the rays. Does nothing,
-/// and gives false, where too many tiles are listed.
+/// Searches by lists: the box around the packet chooses nodes and tiles, then each tile's box chooses among the rays. Does
+/// nothing, and gives false, where too many tiles are listed.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn search<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     search: &Search<T, L>,

@@ -132,8 +132,8 @@ impl<T: Scalar> RaysOfChildren<T> {
     }
 }
 
-/// Lists each of these tiles with the rays that meet its box. Where only exits count, tiles through which no ray can leave are left
-/// out.
+/// Lists each of these tiles with the rays that meet its box. Where only exits count, tiles through which no ray can leave are
+/// left out.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn list_pairs<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     search: &Search<T, L>,
