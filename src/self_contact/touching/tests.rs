@@ -115,7 +115,7 @@ fn fans_of_an_octahedron_have_the_altitudes_of_its_triangles() {
         let (found, touching) = fans_of(&octahedron(middle));
         let kept = 64.0 * 64.0 * (middle + 1.0) * f64::EPSILON / 2.0;
         assert!((found.fineness / 1.5f64.sqrt() - 1.0).abs() < 1e-14);
-        assert!((found.strain / ((0.5f64.sqrt() - kept) / 3.0) - 1.0).abs() < 1e-13, "{}", found.strain);
+        assert!((found.stretch / ((0.5f64.sqrt() - kept) / 3.0) - 1.0).abs() < 1e-13, "{}", found.stretch);
         assert!(!touching.any && touching.touched == [false; 8]);
     }
     let (_, touching) = fans_of(&octahedron(1e13));
@@ -156,11 +156,11 @@ fn a_fan_that_folds_or_goes_round_twice_touches_itself() {
         let mesh = pyramids(rim);
         let (found, touching) = fans_of(&mesh);
         let apex = [0, 1].map(|k| altitude_of_fan(&mesh, rim.len() as u32 + k, |t| touching.facets[t as usize]).0);
-        (apex, found.strain, touching)
+        (apex, found.stretch, touching)
     };
     for rim in [[0, 4, 8].as_slice(), &[0, 3, 6, 9], &[0, 2, 4, 6, 8, 10], &[1, 4, 5, 9]] {
-        let (apex, strain, touching) = apex_of(rim);
-        assert!(apex[0] > 0.0 && apex[0] == apex[1] && strain > 0.0 && !touching.any, "{rim:?}");
+        let (apex, stretch, touching) = apex_of(rim);
+        assert!(apex[0] > 0.0 && apex[0] == apex[1] && stretch > 0.0 && !touching.any, "{rim:?}");
     }
     for rim in [[0, 5, 3, 8].as_slice(), &[0, 3, 2, 6, 9], &[0, 5, 10, 15, 20], &[0, 4, 8, 12, 16, 20]] {
         let (apex, _, touching) = apex_of(rim);
