@@ -652,8 +652,8 @@ enum rayc_status rayc_contact_system_explicit_step_f32(struct rayc_contact_syste
  * number_count: three times the number of nodes of each system, all of which have equally many, or none; the numbers of
  * system i begin at i * number_count of the three arrays.
  *
- * statuses: of each scene, what the call for it would have returned. Where one is an error, the others are done nevertheless; the call
- * returns the first error, and rayc_last_error_message() names its scene.
+ * statuses: of each scene, what the call for it would have returned. Where one is an error, the others are done nevertheless;
+ * the call returns the first error, and rayc_last_error_message() names its scene.
  *
  * Errors: those of rayc_contact_system_begin(). Where the first scene is no handle or an array is NULL, nothing is done
  * and no status written.

@@ -186,7 +186,7 @@ enum rayc_status rayc_mesh_pack(const struct rayc_mesh *mesh,
  * handle.
  *
  * Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
- * and those of rayc_mesh_create() where bytes fit their checksum and are no mesh all the same.
+ * and those of rayc_mesh_create() where the bytes fit their checksum but are no mesh.
  */
 enum rayc_status rayc_mesh_unpack(size_t length,
                                   const uint8_t *bytes,
@@ -505,7 +505,7 @@ typedef struct rayc_contact_memory {
    */
   uint32_t reserved;
   /**
-   * What rayc_contact_system_pack_memory() writes.
+   * How many bytes rayc_contact_system_pack_memory() writes.
    */
   size_t length;
 } rayc_contact_memory;

@@ -1,7 +1,7 @@
 /**
  * @file
- * What one mesh is asked without a scene: rays, nearest points, winding numbers and ways out of itself, by a search tree over its
- * triangles; and the contacts of two meshes, or of one with itself.
+ * What one mesh is asked without a scene: rays, nearest points, winding numbers and ways out of itself, by a search tree over
+ * its triangles; and the contacts of two meshes, or of one with itself.
  */
 
 #ifndef RAYCONTACT_QUERIES_H
@@ -76,7 +76,7 @@ enum rayc_status rayc_octree_create(const struct rayc_octree_options *options,
                                     struct rayc_octree **octree);
 
 /**
- * Builds the octree anew for its mesh's present positions; its memory is reused.
+ * Makes the octree follow its mesh to the present positions; its memory is reused.
  *
  * Errors: RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH.
  */

@@ -3,7 +3,7 @@ use crate::math::Scalar;
 use crate::memory::{self, Room};
 use crate::mesh::{capacity_below, middle};
 
-/// The nodes above so many tiles, level by level, so that a node's children follow one another; tiles are in the order in
+/// The nodes above this many tiles, level by level, so that a node's children follow one another. Tiles are in the order in
 /// which the nodes lead to them, as [`Clusters`](crate::mesh::Clusters) are.
 pub(crate) fn nodes_above<T: Scalar>(tile_count: usize) -> Vec<Node<T>> {
     let mut nodes = memory::with_room(tile_count / 8 + 1);
@@ -28,7 +28,7 @@ pub(crate) fn nodes_above<T: Scalar>(tile_count: usize) -> Vec<Node<T>> {
     nodes
 }
 
-/// Halves a set until no part is above the capacity.
+/// Halves a range of tiles until no part is above the capacity.
 fn cut(first: u32, count: usize, capacity: usize, parts: &mut Vec<(u32, usize)>) {
     match middle(count, capacity) {
         None => parts.room_for(1).push((first, count)),

@@ -1,6 +1,6 @@
-//! The default tree, a bounding volume hierarchy: tiles of neighbouring triangles as leaves, and above them nodes with up to sixteen tight boxes
-//! side by side, so that one step tests all of them. Which triangles share a tile, and which tiles a node, is settled once
-//! for a mesh; new positions only renew boxes, from the tiles upward.
+//! The default tree, a bounding volume hierarchy. Its leaves hold tiles of neighbouring triangles. Its nodes have up to sixteen
+//! boxes side by side, so that one step tests all of them. Which triangles share a tile, and which tiles a node, is settled
+//! once for a mesh; new positions only renew boxes, from the tiles upward.
 
 mod hierarchy;
 mod nearest;

@@ -8,19 +8,19 @@ use crate::bvh::tree::Bvh;
 use crate::bvh::walk::{Children, Visitor, Way, first_of};
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
-use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Lists, Mask, Vectors, lanes_of};
 use crate::triangle::{NearTriangles, PointPacket, QueryPoint};
 
-/// Who looks for what is near.
+/// A search for what is near one point or many.
 trait Seeker<T: Scalar> {
-    /// The squared distance from the centre to boxes beyond which nothing counts.
+    /// Boxes farther than this squared distance from the centre do not count.
     fn limit(&self) -> T;
 
-    /// Where there are many points: the box around them, and the squared distance from it beyond which nothing counts.
+    /// For many points: the box around them, and its squared distance to boxes beyond which these do not count.
     fn around(&self) -> Option<(&Aabb<T>, T)>;
 
-    /// Looks at those of a leaf's tiles that are left.
-    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, left: Mask);
+    /// Looks at the tiles of a leaf that are left.
+    fn look<L: Lanes<T>>(&mut self, tree: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, left: Mask);
 }
 
 /// The squared distances of a node's children.
@@ -34,7 +34,7 @@ struct Gaps<T> {
 
 /// Visits the tiles near a point, the nearest child first at each node.
 struct Near<'a, T: Scalar, S> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     mesh: &'a Mesh<T>,
     centre: &'a QueryPoint<T>,
     seeker: &'a mut S,
@@ -54,7 +54,7 @@ impl<T: Scalar, L: Lanes<T>, S: Seeker<T>> Visitor<T, L> for Near<'_, T, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter(&mut self, node: u32, gaps: &mut Gaps<T>) -> Children {
         let mut room = None;
-        let node = self.cells.node(node as usize, &mut room);
+        let node = self.tree.node(node as usize, &mut room);
         gaps.measure::<L>(node, self.centre, self.seeker.around());
         let left = node.present();
         if !node.is_leaf {
@@ -62,7 +62,7 @@ impl<T: Scalar, L: Lanes<T>, S: Seeker<T>> Visitor<T, L> for Near<'_, T, S> {
         }
         let left = gaps.without_far::<L, S>(left, self.seeker);
         if left != 0 {
-            self.seeker.look::<L>(self.cells, self.mesh, node, gaps, left);
+            self.seeker.look::<L>(self.tree, self.mesh, node, gaps, left);
         }
         Children::NONE
     }
@@ -80,7 +80,7 @@ impl<T: Scalar> Gaps<T> {
         let factor = L::splat(centre.factor);
         let factor = Vectors::<T, L>::new(factor, factor, factor);
         let (lower, upper) = (Vectors::load(&node.lower), Vectors::load(&node.upper).negate());
-        // Scaling is exact, so that it makes no difference whether it is rounded by itself.
+        // Scaling is exact, so it does not matter whether the product is rounded before the sum.
         let centre = Vectors::splat(&centre.position);
         let apart = lower.times_add(factor, centre.negate()).larger(upper.times_add(factor, centre));
         let apart = apart.larger(Vectors::zeros());
@@ -93,7 +93,7 @@ impl<T: Scalar> Gaps<T> {
         }
     }
 
-    /// Leaves out those beyond the limits.
+    /// The children that are left and not beyond the limits.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn without_far<L: Lanes<T>, S: Seeker<T>>(&self, mut left: Mask, seeker: &S) -> Mask {
         left &= L::load(&self.squares).is_at_most(L::splat(seeker.limit()));
@@ -103,7 +103,7 @@ impl<T: Scalar> Gaps<T> {
         left
     }
 
-    /// Takes the one nearest to the centre, of some.
+    /// Takes the child that is nearest to the centre from those that are left.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_nearest<L: Lanes<T>>(&self, left: &mut Mask) -> u32 {
         let squares = L::select(*left, L::load(&self.squares), L::splat(T::INFINITY));
@@ -115,7 +115,7 @@ impl<T: Scalar> Gaps<T> {
 
 /// The search for the triangle nearest to one point.
 pub(crate) struct Closest<'a, T: Scalar, S> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
     pub(crate) query: &'a QueryPoint<T>,
     pub(crate) nearest: &'a mut Nearest<T>,
@@ -129,9 +129,9 @@ impl<T: Scalar, S: Sought> Kernel<T> for Closest<'_, T, S> {
     fn run<L: Lanes<T>>(self) {
         let limit = self.query.square_of_boxes(self.nearest.square);
         let cylinder_limit = self.query.square_of_cylinders(self.nearest.square);
-        let Self { cells, mesh, query, nearest, sought } = self;
+        let Self { tree, mesh, query, nearest, sought } = self;
         let mut one = One { query, nearest, limit, cylinder_limit, sought };
-        Near { cells, mesh, centre: query, seeker: &mut one }.walk::<L>();
+        Near { tree, mesh, centre: query, seeker: &mut one }.walk::<L>();
     }
 }
 
@@ -156,10 +156,10 @@ impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, mut left: Mask) {
+    fn look<L: Lanes<T>>(&mut self, tree: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, mut left: Mask) {
         while left != 0 {
             let tile = leaf.first + tiles.take_nearest::<L>(&mut left);
-            self.look_at::<L>(cells, mesh, tile as usize);
+            self.look_at::<L>(tree, mesh, tile as usize);
             left = tiles.without_far::<L, Self>(left, self);
         }
     }
@@ -167,32 +167,33 @@ impl<T: Scalar, S: Sought> Seeker<T> for One<'_, T, S> {
 
 impl<T: Scalar, S: Sought> One<'_, T, S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look_at<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, index: usize) {
-        let has_cylinder = cells.cylinders.made_from(index) & 1 == 1;
-        if has_cylinder && !cells.cylinders.of(index).is_near(self.query, self.cylinder_limit) {
+    fn look_at<L: Lanes<T>>(&mut self, tree: &Bvh<T>, mesh: &Mesh<T>, index: usize) {
+        let has_cylinder = tree.cylinders.made_from(index) & 1 == 1;
+        if has_cylinder && !tree.cylinders.of(index).is_near(self.query, self.cylinder_limit) {
             return;
         }
-        let sought = cells.sought::<L, S>(self.sought, index);
+        let sought = tree.sought::<L, S>(self.sought, index);
         if sought == 0 {
             return;
         }
         let mut room = [[T::zero(); LANE_COUNT]; 3];
-        let positions = cells.positions_of::<L>(index, mesh, &mut room);
-        let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], self.query.factor);
+        let positions = tree.positions_of::<L>(index, mesh, &mut room);
+        let triangles = NearTriangles::<T, L>::new(positions, &tree.ascending[index], self.query.factor);
         let squares = triangles.squares(&self.query.position);
-        if keep_nearest::<T, L>(cells, index, sought, squares, self.nearest) {
+        if keep_nearest::<T, L>(tree, index, sought, squares, self.nearest) {
             self.limit = self.query.square_of_boxes(self.nearest.square);
             self.cylinder_limit = self.query.square_of_cylinders(self.nearest.square);
         }
     }
 }
 
-/// Points are neighbours if they are at most this many widths of a tile away from their middle. The mesh has a size of about 1.
+/// Points are neighbours if they are at most this many widths of a tile away from their middle, in a scale in which the mesh has
+/// a size of about 1.
 const MOST_SPREAD: f64 = 8.0;
 
 /// The search for the triangles nearest to a packet's points.
 pub(crate) struct ClosestOfPacket<'a, T: Scalar, S> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
     pub(crate) packet: &'a mut PointPacket<T>,
     pub(crate) sought: S,
@@ -203,18 +204,17 @@ impl<T: Scalar, S: Sought> Kernel<T> for ClosestOfPacket<'_, T, S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { cells, mesh, packet, sought } = self;
+        let Self { tree, mesh, packet, sought } = self;
         let centre = packet.centre;
-        if packet.spread::<L>() * T::of(cells.tiles.len() as f64).sqrt() <= T::of(MOST_SPREAD) {
-            Near { cells, mesh, centre: &centre, seeker: &mut Many { packet, sought } }.walk::<L>();
+        if packet.spread::<L>() * T::of(tree.tiles.len() as f64).sqrt() <= T::of(MOST_SPREAD) {
+            Near { tree, mesh, centre: &centre, seeker: &mut Many { packet, sought } }.walk::<L>();
         } else {
             packet.centre_limit = -T::one();
         }
         if packet.centre_limit < T::zero() {
-            let present = packet.present;
-            for lane in (0..LANE_COUNT).filter(|lane| present >> lane & 1 == 1) {
+            for lane in lanes_of(packet.present) {
                 let (query, mut nearest) = (packet.query(lane), nearest_of(packet, lane));
-                L::outlined(Closest { cells, mesh, query: &query, nearest: &mut nearest, sought });
+                L::outlined(Closest { tree, mesh, query: &query, nearest: &mut nearest, sought });
                 keep(packet, lane, &nearest);
             }
         }
@@ -254,15 +254,15 @@ impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, mut left: Mask) {
+    fn look<L: Lanes<T>>(&mut self, tree: &Bvh<T>, mesh: &Mesh<T>, leaf: &Node<T>, tiles: &Gaps<T>, mut left: Mask) {
         // The nearest first, whose triangles bound how near the others must be.
         let place = tiles.take_nearest::<L>(&mut left) as usize;
         let first = leaf.first as usize;
         let near = self.packet.near::<L>(&leaf.child_box(place));
         let mut looks = near.count_ones();
-        let made = cells.cylinders.made_from(first);
-        let bounds = self.bounds_to::<L>(cells, first + place, made >> place);
-        self.look_at::<L>(cells, mesh, first + place, near, bounds);
+        let made = tree.cylinders.made_from(first);
+        let bounds = self.bounds_to::<L>(tree, first + place, made >> place);
+        self.look_at::<L>(tree, mesh, first + place, near, bounds);
         left = tiles.without_far::<L, Self>(left, self);
         let looked_at = 1 + left.count_ones();
         // Then all bounds without a branch, so that none has to wait for another.
@@ -270,53 +270,50 @@ impl<T: Scalar, S: Sought> Seeker<T> for Many<'_, T, S> {
         while let Some(place) = first_of(&mut left) {
             let place = place as usize;
             near[place] = self.packet.near::<L>(&leaf.child_box(place));
-            self.bounds_to::<L>(cells, first + place, made >> place).store(&mut self.packet.tile_bounds[place]);
+            self.bounds_to::<L>(tree, first + place, made >> place).store(&mut self.packet.tile_bounds[place]);
             looks += near[place].count_ones();
             found |= Mask::from(near[place] != 0) << place;
         }
         while let Some(place) = first_of(&mut found) {
             let place = place as usize;
             let bounds = L::load(&self.packet.tile_bounds[place]);
-            self.look_at::<L>(cells, mesh, first + place, near[place], bounds);
+            self.look_at::<L>(tree, mesh, first + place, near[place], bounds);
         }
         self.packet.count_looks(looked_at, looks);
     }
 }
 
 impl<T: Scalar, S: Sought> Many<'_, T, S> {
-    /// Squared distances that nothing in a tile is nearer than, given whether it has a cylinder, in the lowest bit.
+    /// Lower bounds of the squared distances to a tile; the lowest bit of `made` says whether it has a cylinder.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn bounds_to<L: Lanes<T>>(&self, cells: &Bvh<T>, index: usize, made: Mask) -> L {
+    fn bounds_to<L: Lanes<T>>(&self, tree: &Bvh<T>, index: usize, made: Mask) -> L {
         let is_made = made & 1 == 1;
-        if is_made { cells.cylinders.of(index).squares::<L>(self.packet) } else { L::splat(T::zero()) }
+        if is_made { tree.cylinders.of(index).squares::<L>(self.packet) } else { L::splat(T::zero()) }
     }
 
-    /// Looks at a tile for those points near its box that may be nearer than by these bounds.
+    /// Looks at a tile for the points near its box that may be near enough by these lower bounds.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look_at<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, index: usize, near: Mask, bounds: L) {
+    fn look_at<L: Lanes<T>>(&mut self, tree: &Bvh<T>, mesh: &Mesh<T>, index: usize, near: Mask, bounds: L) {
         let packet = &mut *self.packet;
         let near = near & bounds.is_at_most(L::load(&packet.cylinder_limit));
         if near == 0 {
             return;
         }
-        let sought = cells.sought::<L, S>(self.sought, index);
+        let sought = tree.sought::<L, S>(self.sought, index);
         if sought == 0 {
             return;
         }
         let mut room = [[T::zero(); LANE_COUNT]; 3];
-        let positions = cells.positions_of::<L>(index, mesh, &mut room);
-        let triangles = NearTriangles::<T, L>::new(positions, &cells.ascending[index], packet.centre.factor);
+        let positions = tree.positions_of::<L>(index, mesh, &mut room);
+        let triangles = NearTriangles::<T, L>::new(positions, &tree.ascending[index], packet.centre.factor);
         // Here too all first, and only then which are nearer.
         let mut smallest = [T::INFINITY; LANE_COUNT];
-        let mut left = near;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
+        for lane in lanes_of(near) {
             let squares = L::select(sought, triangles.squares(&packet.point(lane)), L::splat(T::INFINITY));
             squares.store(&mut packet.squares[lane]);
             smallest[lane] = squares.smallest();
         }
-        packet.keep_nearer::<L>(near, sought, &smallest, &cells.tiles[index].triangles);
+        packet.keep_nearer::<L>(near, sought, &smallest, &tree.tiles[index].triangles);
     }
 }
 
@@ -329,7 +326,7 @@ impl<T: Scalar> Bvh<T> {
         sought: impl Sought,
         nearest: &mut Nearest<T>,
     ) {
-        crate::simd::dispatch::<T, _>(Closest { cells: self, mesh, query, nearest, sought });
+        crate::simd::dispatch::<T, _>(Closest { tree: self, mesh, query, nearest, sought });
     }
 
     /// The same on some lanes.
@@ -340,7 +337,7 @@ impl<T: Scalar> Bvh<T> {
         query: &QueryPoint<T>,
         nearest: &mut Nearest<T>,
     ) {
-        L::outlined(Closest { cells: self, mesh, query, nearest, sought: crate::bvh::All });
+        L::outlined(Closest { tree: self, mesh, query, nearest, sought: crate::bvh::All });
     }
 
     /// Finds the nearest triangles of a packet's points.
@@ -351,18 +348,16 @@ impl<T: Scalar> Bvh<T> {
         sought: impl Sought,
         packet: &mut PointPacket<T>,
     ) {
-        L::outlined(ClosestOfPacket { cells: self, mesh, packet, sought });
+        L::outlined(ClosestOfPacket { tree: self, mesh, packet, sought });
     }
 
     /// Which of a tile's triangles are sought.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sought<L: Lanes<T>, S: Sought>(&self, sought: S, tile: usize) -> Mask {
         let Tile { present, corners, .. } = &self.tiles[tile];
-        let mut excluded = sought.excluded::<T, L>(&self.outlines[tile].vertices);
         let mut own = 0;
-        while excluded != 0 {
-            own |= L::with_corner(corners, excluded.trailing_zeros() as u8);
-            excluded &= excluded - 1;
+        for place in lanes_of(sought.excluded::<T, L>(&self.outlines[tile].vertices)) {
+            own |= L::Lists::with_corner(corners, place as u8);
         }
         present & !own
     }
@@ -371,22 +366,20 @@ impl<T: Scalar> Bvh<T> {
 /// Keeps the nearest of a tile's triangles that are sought, if it is nearer than what is known; gives whether it is.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn keep_nearest<T: Scalar, L: Lanes<T>>(
-    cells: &Bvh<T>,
+    tree: &Bvh<T>,
     index: usize,
     sought: Mask,
     squares: L,
     nearest: &mut Nearest<T>,
 ) -> bool {
-    let tile = &cells.tiles[index];
+    let tile = &tree.tiles[index];
     let squares = L::select(sought, squares, L::splat(T::INFINITY));
     let smallest = squares.smallest();
     if smallest > nearest.square {
         return false;
     }
-    let mut of_these = squares.is_at_most(L::splat(smallest)) & sought;
-    while of_these != 0 {
-        nearest.keep_nearer(smallest, tile.triangles[of_these.trailing_zeros() as usize]);
-        of_these &= of_these - 1;
+    for place in lanes_of(squares.is_at_most(L::splat(smallest)) & sought) {
+        nearest.keep_nearer(smallest, tile.triangles[place]);
     }
     true
 }

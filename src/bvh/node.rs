@@ -1,8 +1,8 @@
-use crate::math::{Aabb, Scalar, Vector3};
-use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};
+use crate::math::{Aabb, Scalar};
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane, vector_in_lane};
 use std::ops::Range;
 
-/// At most so many children belong to a node.
+/// A node has at most this many children.
 pub(crate) const CHILD_COUNT: usize = LANE_COUNT;
 
 /// Up to sixteen children's boxes, axis by axis; places beyond the last child hold boxes that nothing meets.
@@ -17,9 +17,9 @@ pub(crate) struct Node<T: Scalar> {
     pub(crate) count: u32,
     /// Whether the children are tiles.
     pub(crate) is_leaf: bool,
-    /// Whether these tiles' own boxes are not known, and theirs here is wider.
+    /// Whether the tiles' own boxes are not known, and the boxes here are wider.
     pub(crate) is_far: bool,
-    /// Whether the boxes are those at the present positions: of a mesh moved by a pose only some are.
+    /// Whether the boxes are those at the present positions; in a mesh that is moved by a pose, only some nodes are placed.
     pub(crate) is_placed: bool,
 }
 
@@ -29,7 +29,7 @@ impl<T: Scalar> Node<T> {
         Self { lower, upper, first, count: count as u32, is_leaf, is_far: false, is_placed: true }
     }
 
-    /// Bit i: child i is there.
+    /// Which children are there.
     pub(crate) fn present(&self) -> Mask {
         ((1u32 << self.count) - 1) as Mask
     }
@@ -40,18 +40,19 @@ impl<T: Scalar> Node<T> {
     }
 
     pub(crate) fn set_box(&mut self, place: usize, aabb: &Aabb<T>) {
-        for axis in 0..3 {
-            self.lower[axis][place] = aabb.lower[axis];
-            self.upper[axis][place] = aabb.upper[axis];
-        }
+        set_lane(&mut self.lower, place, &aabb.lower);
+        set_lane(&mut self.upper, place, &aabb.upper);
     }
 
     /// The box of one child.
     pub(crate) fn child_box(&self, place: usize) -> Aabb<T> {
-        Aabb {
-            lower: Vector3::from_fn(|axis, _| self.lower[axis][place]),
-            upper: Vector3::from_fn(|axis, _| self.upper[axis][place]),
-        }
+        Aabb { lower: vector_in_lane(&self.lower, place), upper: vector_in_lane(&self.upper, place) }
+    }
+
+    /// The box around all children, without lanes.
+    pub(crate) fn around_children(&self) -> Aabb<T> {
+        let boxes = (0..self.count as usize).map(|place| self.child_box(place));
+        boxes.fold(Aabb::empty(), |around, child| around.union(&child))
     }
 
     /// The lower and the upper corners of all children.
@@ -69,7 +70,7 @@ impl<T: Scalar> Node<T> {
         }
     }
 
-    /// Bit i: the box meets that of child i.
+    /// Which children's boxes meet the box.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn meets<L: Lanes<T>>(&self, aabb: &BoxLanes<T, L>) -> Mask {
         Vectors::load(&self.lower).are_at_most(aabb.upper) & aabb.lower.are_at_most(Vectors::load(&self.upper))

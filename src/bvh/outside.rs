@@ -1,7 +1,7 @@
-//! Which tiles of a body lie outside another one as a whole, so that no ray from them can start inside it.
+//! Which tiles of a body lie outside another body as a whole, so that no ray from them can start inside it.
 //!
-//! A surface that meets no triangle of a closed body lies on one side of it. What meets none is told by boxes, and boxes that
-//! meet one another lie on the same side, so one point tells it of all that hang together.
+//! A tile whose box meets no tile's box of the other, closed body lies on one side of that body. Two such tiles whose boxes meet
+//! lie on the same side. So one point tells the side of all tiles whose boxes are connected.
 
 #[cfg(all(test, target_arch = "x86_64"))]
 pub(crate) mod tests;
@@ -13,18 +13,19 @@ use crate::bvh::walk::{Children, Visitor, Way, first_of};
 use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::memory::Room;
 use crate::mesh::Mesh;
-use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors, lanes_of, vector_in_lane};
 use crate::triangle::{Ray, RayPacket};
 
-/// Boxes of so many leaves before are held against the next one's: neighbours nearly always.
+/// The boxes of a leaf are held against those of this many leaves before it, which nearly always are its neighbours.
 const LEAVES_KEPT: usize = 8;
 
 /// Scratch memory of the search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SidesScratch<T: Scalar> {
     parts: Vec<Part>,
-    /// A point of each part that hangs together with none before.
+    /// A point of each part that was connected with none before it.
     points: Vec<Vector3<T>>,
+    /// Whether each of the points lies inside the other body.
     is_inside: Vec<bool>,
 }
 
@@ -40,7 +41,7 @@ struct Part {
 
 const NEAR: u32 = u32::MAX;
 
-/// Finds the tiles with something in a region that may have something inside another body.
+/// Finds the tiles of a body in a region, without those that lie outside another body as a whole.
 pub(crate) struct TilesNotOutside<'a, T: Scalar> {
     pub(crate) own: &'a Bvh<T>,
     /// The other body, closed.
@@ -68,9 +69,8 @@ impl<T: Scalar> Kernel<T> for TilesNotOutside<'_, T> {
                     kept |= part.tiles;
                 }
             }
-            while kept != 0 {
-                tiles.room_for(1).push(of_leaf[0].first + kept.trailing_zeros());
-                kept &= kept - 1;
+            while let Some(place) = first_of(&mut kept) {
+                tiles.room_for(1).push(of_leaf[0].first + place);
             }
         }
     }
@@ -99,7 +99,7 @@ impl<T: Scalar> Kernel<T> for MayMeet<'_, T> {
 impl<T: Scalar> SidesScratch<T> {
     /// Asks for each point whether the mesh winds around it.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn ask<L: Lanes<T>>(&mut self, cells: &Bvh<T>, mesh: &Mesh<T>, region: &Aabb<T>) {
+    fn ask<L: Lanes<T>>(&mut self, tree: &Bvh<T>, mesh: &Mesh<T>, region: &Aabb<T>) {
         self.is_inside.clear();
         if self.points.is_empty() {
             return;
@@ -114,7 +114,7 @@ impl<T: Scalar> SidesScratch<T> {
             }
             packet.set_rays::<L>(&rays[..points.len()]);
             let mut numbers = [0; LANE_COUNT];
-            cells.windings::<L>(mesh, &packet, &touched, &mut list, &mut numbers);
+            tree.windings::<L>(mesh, &packet, &touched, &mut list, &mut numbers);
             let is_inside = self.is_inside.room_for(points.len());
             for number in &numbers[..points.len()] {
                 is_inside.push(*number > 0);
@@ -123,8 +123,8 @@ impl<T: Scalar> SidesScratch<T> {
     }
 }
 
-/// The direction along an axis in which a region is nearest to where the box around a mesh ends, and a length that leads out
-/// of it from everywhere in the region.
+/// The direction along an axis by which the box around a mesh is left soonest from a region, and a length that leads out of the
+/// box from everywhere in the region.
 fn way_out<T: Scalar>(region: &Aabb<T>, around: &Aabb<T>) -> (Vector3<T>, T) {
     let (mut best, mut shortest) = (Vector3::z(), T::INFINITY);
     for axis in 0..3 {
@@ -142,7 +142,7 @@ fn way_out<T: Scalar>(region: &Aabb<T>, around: &Aabb<T>) -> (Vector3<T>, T) {
 /// The search for parts on one side.
 struct Sides<'a, T: Scalar> {
     scratch: &'a mut SidesScratch<T>,
-    /// The boxes of the last leaves, and what tells the sides of those that do not meet the surface.
+    /// The boxes of the last leaves, which of them do not meet the surface, and by box the point that tells its side.
     leaves: [(LeafBoxes<T>, Mask); LEAVES_KEPT],
     points: [[u32; CHILD_COUNT]; LEAVES_KEPT],
     next: usize,
@@ -172,7 +172,7 @@ impl<'a, T: Scalar> Sides<'a, T> {
         self.next = (self.next + 1) % LEAVES_KEPT;
         let mut points = [NEAR; CHILD_COUNT];
         while left != 0 {
-            // Where the box around all meets nothing, they hang together.
+            // Where not even the box around all meets anything, they are one part.
             let part = match touching {
                 Some(_) => connected::<T, L>(&boxes, left.trailing_zeros() as usize, left),
                 None => left,
@@ -180,10 +180,8 @@ impl<'a, T: Scalar> Sides<'a, T> {
             left &= !part;
             let point = self.point_of::<L>(&boxes, part);
             self.scratch.parts.room_for(1).push(Part { first, tiles: part, point });
-            let mut of_part = part;
-            while of_part != 0 {
-                points[of_part.trailing_zeros() as usize] = point;
-                of_part &= of_part - 1;
+            for place in lanes_of(part) {
+                points[place] = point;
             }
         }
         (self.leaves[place], self.points[place]) = ((boxes, tiles & !near), points);
@@ -192,10 +190,8 @@ impl<'a, T: Scalar> Sides<'a, T> {
     /// Which point tells the side of connected boxes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn point_of<L: Lanes<T>>(&mut self, boxes: &LeafBoxes<T>, connected: Mask) -> u32 {
-        let mut left = connected;
-        while left != 0 {
-            let aabb = boxes.aabb(left.trailing_zeros() as usize);
-            left &= left - 1;
+        for place in lanes_of(connected) {
+            let aabb = boxes.aabb(place);
             for ((known, clear), points) in self.leaves.iter().zip(&self.points) {
                 let met = known.meeting::<L>(&aabb) & clear;
                 if met != 0 {
@@ -211,10 +207,10 @@ impl<'a, T: Scalar> Sides<'a, T> {
 
 /// The leaves that have tiles in a region.
 struct LeavesIn<'a, T: Scalar, L> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     region: BoxLanes<T, L>,
     clip: Aabb<T>,
-    /// By how much boxes are larger than they need be.
+    /// By how much boxes are grown, so that boxes that do not meet lie apart for certain.
     apart: T,
 }
 
@@ -228,17 +224,17 @@ enum Under<T: Scalar> {
 impl<'a, T: Scalar, L: Lanes<T>> LeavesIn<'a, T, L> {
     /// `around` is the box of the body that they are held against.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn new(cells: &'a Bvh<T>, around: &Aabb<T>, region: &Aabb<T>) -> Self {
+    fn new(tree: &'a Bvh<T>, around: &Aabb<T>, region: &Aabb<T>) -> Self {
         let largest = region.lower.amax().max(region.upper.amax());
         // One margin for each of the two surfaces.
         let apart = (largest + around.longest_side()) * margins::margin(2.0 * margins::SEEN_POSITION);
-        Self { cells, region: BoxLanes::new(region), clip: region.grown(apart), apart }
+        Self { tree, region: BoxLanes::new(region), clip: region.grown(apart), apart }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn under(&self, node: u32) -> Under<T> {
         let mut room = None;
-        let node = self.cells.node(node as usize, &mut room);
+        let node = self.tree.node(node as usize, &mut room);
         let children = Children { first: node.first, left: node.meets(&self.region) };
         if node.is_leaf && children.left != 0 {
             Under::Tiles(LeafBoxes::new::<L>(node, &self.clip, self.apart), children)
@@ -325,10 +321,7 @@ impl<T: Scalar> LeafBoxes<T> {
     }
 
     fn aabb(&self, place: usize) -> Aabb<T> {
-        Aabb {
-            lower: Vector3::from_fn(|axis, _| self.lower[axis][place]),
-            upper: Vector3::from_fn(|axis, _| self.upper[axis][place]),
-        }
+        Aabb { lower: vector_in_lane(&self.lower, place), upper: vector_in_lane(&self.upper, place) }
     }
 
     /// A box around some of them.
@@ -341,7 +334,7 @@ impl<T: Scalar> LeafBoxes<T> {
         }
     }
 
-    /// Which of the boxes in `asked` meet that of any tile of the other body; `None` where not even the box around them does.
+    /// Which of the boxes in `asked` meet the box of any tile of the other body; `None` where not even the box around them does.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn touching<L: Lanes<T>>(&self, other: &Bvh<T>, asked: Mask) -> Option<Mask> {
         let around = BoxLanes::<T, L>::new(&self.around::<L>(asked));
@@ -385,7 +378,7 @@ impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Touching<'_, T, L> {
     }
 }
 
-/// The boxes that hang together with the first, among some that it is one of.
+/// The boxes among `some` that are connected with the first, which is one of them.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn connected<T: Scalar, L: Lanes<T>>(boxes: &LeafBoxes<T>, first: usize, some: Mask) -> Mask {
     let (mut found, mut left): (Mask, Mask) = (0, 1 << first);

@@ -33,7 +33,7 @@ impl<T: Scalar> Kernel<T> for Extent<'_, T> {
             let (axis, sign) = (side / 2, if side % 2 == 0 { -1.0 } else { 1.0 });
             let row = pose.rotation[axis].map(|entry| sign * entry);
             let position = sign * pose.position[axis];
-            // As far as one vertex; what its box does not let reach farther is left out.
+            // The first guess is the vertex that was outermost last time. What cannot reach farther by its box is left out.
             let vertex = posed.outermost[side];
             let reach = along(&row, position, &reference[vertex as usize]);
             let mut farthest = Farthest { posed, nodes, outlines, reference, row, position, vertex, reach };
@@ -58,7 +58,7 @@ struct Farthest<'a, T: Scalar> {
     reference: &'a [Vector3<T>],
     row: [f64; 3],
     position: f64,
-    /// The one known.
+    /// The farthest vertex found so far, and how far it reaches.
     vertex: u32,
     reach: T,
 }
@@ -107,9 +107,9 @@ fn along<T: Scalar>(row: &[f64; 3], position: f64, point: &Vector3<T>) -> T {
     T::of(row[0] * point.x.to_f64() + row[1] * point.y.to_f64() + row[2] * point.z.to_f64() + position)
 }
 
-/// Places what meets some regions, nodes and vertices.
+/// Places the nodes and vertices that meet some regions.
 struct Place<'a, T: Scalar> {
-    cells: &'a mut Bvh<T>,
+    tree: &'a mut Bvh<T>,
     mesh: &'a mut Mesh<T>,
     regions: &'a [Aabb<T>],
 }
@@ -119,15 +119,15 @@ impl<T: Scalar> Kernel<T> for Place<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { cells, mesh, regions } = self;
-        let Bvh { nodes, outlines, posed, .. } = cells;
+        let Self { tree, mesh, regions } = self;
+        let Bvh { nodes, outlines, posed, .. } = tree;
         let Some([posed]) = posed.as_deref_mut() else { return };
         let Some(pose) = posed.pose else { return };
         let mut visited = std::mem::take(&mut posed.visited);
         visited.clear();
         let mut placing = Placing { nodes, outlines, posed, pose: &pose, mesh, regions, visited: &mut visited };
         Way::new(()).walk::<T, L>(&mut placing);
-        // What is under a node was visited after it.
+        // Backwards, since what lies under a node was visited after it.
         for &(node, Children { first, mut left }) in visited.iter().rev() {
             while let Some(place) = first_of(&mut left) {
                 let aabb = nodes[(first + place) as usize].aabb::<L>();
@@ -214,20 +214,21 @@ impl<T: Scalar> Bvh<T> {
         Some(crate::simd::dispatch::<T, _>(Extent { posed, nodes, outlines, reference, pose }))
     }
 
-    /// Follows a mesh with a pose: places what meets some regions, and no more. `is_new`: it has moved since.
+    /// Follows a mesh with a pose: places what meets some regions, and no more. `is_new`: the mesh has moved since the last call.
     pub(crate) fn place_in(&mut self, mesh: &mut Mesh<T>, regions: &[Aabb<T>], is_new: bool) {
         let Some(&pose) = mesh.pose() else { return };
         self.posed_of(mesh);
         let Self { nodes, outlines, cylinders, posed, is_tight, loading, .. } = self;
         let Some([posed]) = posed.as_deref_mut() else { return };
-        if posed.pose.is_none() || is_new {
+        let is_first = posed.pose.is_none();
+        if is_first || is_new {
             *loading += 1;
             cylinders.forget();
+            posed.pose = Some(pose);
         }
-        if posed.pose.is_none() {
+        if is_first {
             nodes.iter_mut().for_each(|node| node.is_placed = false);
             outlines.iter_mut().for_each(Outline::forget);
-            posed.pose = Some(pose);
         } else if is_new {
             for index in posed.placed.drain(..) {
                 let node = &mut nodes[index as usize];
@@ -236,10 +237,9 @@ impl<T: Scalar> Bvh<T> {
                     outlines[node.tiles()].iter_mut().for_each(Outline::forget);
                 }
             }
-            posed.pose = Some(pose);
         }
         *is_tight = false;
-        crate::simd::dispatch::<T, _>(Place { cells: self, mesh, regions });
+        crate::simd::dispatch::<T, _>(Place { tree: self, mesh, regions });
     }
 
     /// The tree follows positions again: all boxes are about to be renewed.

@@ -1,7 +1,7 @@
 //! The tree of a mesh that is moved by a pose: boxes of the reference positions, moved where rays or regions reach them.
 //!
-//! Rounded products and sums rise with each factor and term, so the box of a moved box, corner by corner, holds every moved
-//! vertex to the bit, without a margin; and the extent of the body is found by looking at few of its tiles.
+//! Rounded products and sums rise with each factor and term. So the box around a box's moved corners holds every moved vertex
+//! to the bit, without a margin, and the extent of the body is found from few of its tiles.
 
 // Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
@@ -24,11 +24,11 @@ pub(crate) struct Posed<T: Scalar> {
     pub(crate) boxes: Vec<Boxes<T>>,
     /// Each tile's cylinder at the reference positions; it bounds a tilted tile more tightly than its box.
     pub(crate) cylinders: Vec<TileCylinder<T>>,
-    /// The largest coordinates of any vertex at its reference position.
+    /// The largest size of each coordinate of any vertex at its reference position.
     pub(crate) largest: Vector3<f64>,
     /// The vertices farthest out at the last pose, both ways along each axis: the next extent starts from them.
     pub(crate) outermost: [u32; 6],
-    /// What the tree follows; `None` where it follows positions, as they were last.
+    /// The pose that the tree follows; `None` where it follows positions.
     pub(crate) pose: Option<Pose>,
     /// The nodes whose boxes are those at the pose.
     pub(crate) placed: Vec<u32>,
@@ -51,10 +51,7 @@ impl<T: Scalar> Posed<T> {
                 if nodes[index].is_leaf {
                     outlines[child].vertices.iter().for_each(|&vertex| aabb.include(&reference[vertex as usize]));
                 } else {
-                    (0..nodes[child].count as usize).for_each(|grandchild| {
-                        let Aabb { lower, upper } = at_rest[child].child_box(grandchild);
-                        aabb = Aabb { lower: aabb.lower.inf(&lower), upper: aabb.upper.sup(&upper) };
-                    });
+                    aabb = at_rest[child].around_children();
                 }
                 at_rest[index].set_box(place, &aabb);
             }
@@ -85,7 +82,7 @@ impl<T: Scalar> Posed<T> {
     }
 }
 
-/// How far along the row sixteen boxes reach, for lower and upper corners; the other way round, for upper and lower ones.
+/// How far along the row sixteen boxes reach, given their lower and upper corners; with the two exchanged, how far against it.
 #[inline(always)]
 pub(crate) fn farthest<T: Scalar>(
     row: &[f64; 3],

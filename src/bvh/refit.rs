@@ -1,16 +1,17 @@
 use crate::bvh::node::Node;
+use crate::bvh::tile::Outline;
 use crate::bvh::tile_cylinder::TileCylinder;
 use crate::bvh::tree::Bvh;
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 use crate::simd::{Kernel, Lanes};
 
-/// Renews the boxes, from the tiles upward. Tiles are to be loaded anew afterwards, those that are needed.
+/// Renews the boxes, from the tiles upward. The tiles that are needed have to be loaded afterwards.
 pub(crate) struct Refit<'a, T: Scalar> {
-    pub(crate) cells: &'a mut Bvh<T>,
+    pub(crate) tree: &'a mut Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
-    /// Leaves that meet none of these, as far as their runs of vertices tell, get the box around the runs for all their
-    /// tiles. `None`: all boxes become the tightest.
+    /// A leaf whose runs of vertices meet none of these gets the box around the runs for all its tiles. `None`: all boxes become
+    /// the tightest.
     pub(crate) regions: Option<&'a [Aabb<T>]>,
 }
 
@@ -19,7 +20,7 @@ impl<T: Scalar> Kernel<T> for Refit<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Bvh { outlines, nodes, runs, is_tight, .. } = self.cells;
+        let Bvh { outlines, nodes, runs, is_tight, .. } = self.tree;
         let positions = self.mesh.positions();
         // A leaf alone meets every region.
         let regions = self.regions.filter(|_| !nodes[0].is_leaf);
@@ -36,7 +37,7 @@ impl<T: Scalar> Kernel<T> for Refit<'_, T> {
                 *is_tight = false;
                 (0..outlines.len()).for_each(|place| node.set_box(place, &around));
                 if !std::mem::replace(&mut node.is_far, true) {
-                    outlines.iter_mut().for_each(|outline| outline.forget());
+                    outlines.iter_mut().for_each(Outline::forget);
                 }
                 continue;
             }
@@ -58,9 +59,9 @@ impl<T: Scalar> Kernel<T> for Refit<'_, T> {
     }
 }
 
-/// Loads the positions of tiles that are not.
+/// Loads the positions of tiles whose positions are out of date.
 pub(crate) struct Load<'a, T: Scalar> {
-    pub(crate) cells: &'a mut Bvh<T>,
+    pub(crate) tree: &'a mut Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
     /// `None`: all tiles.
     pub(crate) tiles: Option<&'a [u32]>,
@@ -73,7 +74,7 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Bvh { tiles, outlines, cylinders, loading, .. } = self.cells;
+        let Bvh { tiles, outlines, cylinders, loading, .. } = self.tree;
         let count = self.tiles.map_or(tiles.len(), <[u32]>::len);
         for place in 0..count {
             let index = self.tiles.map_or(place, |chosen| chosen[place] as usize);
@@ -90,18 +91,18 @@ impl<T: Scalar> Kernel<T> for Load<'_, T> {
 }
 
 impl<T: Scalar> Bvh<T> {
-    /// Follows the mesh to its present positions; no tile is loaded then.
-    /// Where rays mostly stay in some regions, boxes far from those may be wider than they need be.
+    /// Follows the mesh to its present positions; no tile is loaded then. Given regions in which rays mostly stay, boxes far from
+    /// these may be wider than they need be.
     pub(crate) fn refit(&mut self, mesh: &Mesh<T>, regions: Option<&[Aabb<T>]>) {
         self.loading += 1;
         self.cylinders.forget();
         self.leave_pose();
-        crate::simd::dispatch::<T, _>(Refit { cells: self, mesh, regions });
+        crate::simd::dispatch::<T, _>(Refit { tree: self, mesh, regions });
     }
 
-    /// Loads these tiles, or all, so that rays need not do it each for itself; for distances, their cylinders too.
+    /// Loads these tiles, or all, so that each ray need not gather their positions; for distances, with their cylinders.
     pub(crate) fn load(&mut self, mesh: &Mesh<T>, tiles: Option<&[u32]>, for_distances: bool) {
-        crate::simd::dispatch::<T, _>(Load { cells: self, mesh, tiles, for_distances });
+        crate::simd::dispatch::<T, _>(Load { tree: self, mesh, tiles, for_distances });
     }
 }
 
@@ -109,11 +110,8 @@ impl<T: Scalar> Bvh<T> {
 mod tests {
     use crate::math::Vector3;
     use crate::mesh::Mesh;
-    use crate::mesh::test_mesh::cube_about;
-    use crate::mesh::test_mesh::torus;
-    use crate::mesh::test_mesh::torus_positions;
-    use crate::query::Octree;
-    use crate::query::OctreeError;
+    use crate::mesh::test_mesh::{cube_about, torus, torus_positions};
+    use crate::query::{Octree, OctreeError};
     use crate::triangle::Ray;
 
     const SIDES: [u32; 2] = [96, 24];

@@ -8,7 +8,7 @@ use crate::simd::{Kernel, LANE_COUNT, Lanes, Vectors, lanes_of};
 
 /// Finds the tiles whose boxes meet a region.
 struct TilesInRegion<'a, T: Scalar> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     region: &'a Aabb<T>,
     tiles: &'a mut Vec<u32>,
 }
@@ -18,13 +18,13 @@ impl<T: Scalar> Kernel<T> for TilesInRegion<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { cells, region, tiles } = self;
-        Way::new(()).walk::<T, L>(&mut InRegion { cells, region: BoxLanes::new(region), tiles });
+        let Self { tree, region, tiles } = self;
+        Way::new(()).walk::<T, L>(&mut InRegion { tree, region: BoxLanes::new(region), tiles });
     }
 }
 
 struct InRegion<'a, T: Scalar, L> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     region: BoxLanes<T, L>,
     tiles: &'a mut Vec<u32>,
 }
@@ -35,7 +35,7 @@ impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for InRegion<'_, T, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter(&mut self, node: u32, (): &mut ()) -> Children {
         let mut room = None;
-        let node = self.cells.node(node as usize, &mut room);
+        let node = self.tree.node(node as usize, &mut room);
         let mut left = node.meets(&self.region);
         if !node.is_leaf {
             return Children { first: node.first, left };
@@ -51,7 +51,7 @@ impl<T: Scalar> Bvh<T> {
     /// The tiles that may have something in the region, in ascending order, into `tiles`, which is cleared first.
     pub(crate) fn tiles_in(&self, region: &Aabb<T>, tiles: &mut Vec<u32>) {
         tiles.clear();
-        crate::simd::dispatch::<T, _>(TilesInRegion { cells: self, region, tiles });
+        crate::simd::dispatch::<T, _>(TilesInRegion { tree: self, region, tiles });
         debug_assert!(tiles.is_sorted());
     }
 

@@ -1,13 +1,13 @@
 //! Which triangle is sought as the nearest, and which has been found so far.
 
 use crate::math::Scalar;
-use crate::simd::{LANE_COUNT, Lanes, Mask};
+use crate::simd::{LANE_COUNT, Lanes, Lists, Mask};
 use crate::triangle::QueryPoint;
 
 /// The nearest triangle so far.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest<T: Scalar> {
-    /// What a squared distance must not exceed.
+    /// Its squared distance, or else the largest that counts.
     pub(crate) square: T,
     pub(crate) triangle: Option<u32>,
 }
@@ -30,14 +30,14 @@ impl<T: Scalar> Nearest<T> {
 
 /// Which triangles are sought.
 pub(crate) trait Sought: Copy {
-    /// Which of sixteen vertices belong to triangles that are not.
+    /// Which of sixteen vertices have triangles around them that are not sought.
     fn excluded<T: Scalar, L: Lanes<T>>(self, vertices: &[u32; LANE_COUNT]) -> Mask;
 
-    /// Whether the triangle with these corners is.
+    /// Whether the triangle with these corners is sought.
     fn includes(self, corners: [u32; 3]) -> bool;
 }
 
-/// All of them.
+/// All triangles.
 #[derive(Clone, Copy)]
 pub(crate) struct All;
 
@@ -52,10 +52,10 @@ impl Sought for All {
     }
 }
 
-/// Those without a vertex of one part of the surface.
+/// The triangles without a vertex of one part of the surface.
 #[derive(Clone, Copy)]
 pub(crate) struct Beyond<'a> {
-    /// Of each vertex.
+    /// The part of each vertex.
     pub(crate) parts: &'a [u32],
     pub(crate) part: u32,
 }
@@ -63,7 +63,7 @@ pub(crate) struct Beyond<'a> {
 impl Sought for Beyond<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn excluded<T: Scalar, L: Lanes<T>>(self, vertices: &[u32; LANE_COUNT]) -> Mask {
-        L::equal(&L::gather_indices(self.parts, vertices), self.part)
+        L::Lists::equal(&L::Lists::gather_indices(self.parts, vertices), self.part)
     }
 
     fn includes(self, corners: [u32; 3]) -> bool {

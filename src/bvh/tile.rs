@@ -2,7 +2,7 @@ use crate::math::{Aabb, Scalar, Vector3};
 use crate::mesh::CLUSTER_SIZE;
 use crate::simd::Mask;
 
-/// At most so many triangles, and so many vertices, form a tile: those of a cluster.
+/// A tile has at most this many triangles, and as many vertices: those of a cluster.
 pub(crate) const TILE_SIZE: usize = CLUSTER_SIZE;
 
 /// Up to 16 neighbouring triangles and their up to 16 vertices.
@@ -16,9 +16,9 @@ pub(crate) struct Tile<T: Scalar> {
     pub(crate) corners: [[u8; TILE_SIZE]; 3],
     /// Which places hold a triangle.
     pub(crate) present: Mask,
-    /// Which vertices are this tile's own: each vertex is one tile's.
+    /// Which vertices this tile owns; each vertex has one owner.
     pub(crate) owned: Mask,
-    /// Of the last loading of positions: see [`Bvh::is_loaded`](crate::bvh::Bvh::is_loaded).
+    /// When positions were loaded last: see [`Bvh::is_loaded`](crate::bvh::Bvh::is_loaded).
     pub(crate) loaded_at: u64,
     pub(crate) triangles: [u32; TILE_SIZE],
 }
@@ -28,12 +28,12 @@ pub(crate) struct Tile<T: Scalar> {
 pub(crate) struct Outline<T: Scalar> {
     /// Places beyond the last vertex repeat it.
     pub(crate) vertices: [u32; TILE_SIZE],
-    /// The box around the vertices, or one without end.
+    /// The box around the vertices; endless where it is not known.
     pub(crate) aabb: Aabb<T>,
 }
 
 impl<T: Scalar> Outline<T> {
-    /// Whether the box is that around the vertices.
+    /// Whether the box is known.
     pub(crate) fn is_known(&self) -> bool {
         self.aabb.upper.x.is_finite()
     }
@@ -76,7 +76,7 @@ impl<T: Scalar> Tile<T> {
         (tile, outline)
     }
 
-    /// Makes those vertices its own that are no other tile's yet.
+    /// Takes over the vertices that no other tile owns yet.
     pub(crate) fn own_vertices(&mut self, vertices: &[u32; TILE_SIZE], is_owned: &mut [bool]) {
         for (place, &vertex) in vertices.iter().enumerate() {
             if !std::mem::replace(&mut is_owned[vertex as usize], true) {

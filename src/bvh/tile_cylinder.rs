@@ -4,27 +4,27 @@
 use crate::bvh::tile::{TILE_SIZE, Tile};
 use crate::math::{Scalar, Vector3, direction, margins};
 use crate::memory;
-use crate::simd::{Lanes, Mask, Vectors};
+use crate::simd::{Lanes, Mask, Vectors, vector_in_lane};
 use crate::triangle::{PointPacket, QueryPoint};
 
 /// A round cylinder around a tile, across its mean normal: a better bound for distances than the box of a tilted tile.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TileCylinder<T: Scalar> {
-    /// Of unit length, but for a tile without a normal: then zero, and the cylinder is endless.
+    /// Of unit length; zero for a tile without a normal, whose cylinder is endless.
     normal: Vector3<T>,
     centre: Vector3<T>,
-    /// How far it reaches from the centre along the normal.
+    /// Between which heights over the centre it lies, along the normal.
     below: T,
     above: T,
-    /// And across it.
+    /// How far it reaches across the normal.
     radius: T,
 }
 
-/// The cylinders around tiles, as far as they have been made of their present positions.
+/// The cylinders around tiles, where they have been made for the present positions.
 #[derive(Clone, Debug)]
 pub(crate) struct TileCylinders<T: Scalar> {
     cylinders: Vec<TileCylinder<T>>,
-    /// Sixteen tiles after another: which have one. Beside one another, so that a look at tiles that have none costs little.
+    /// Which of sixteen tiles in a row have a cylinder. Apart from these, so that a look at tiles that have none costs little.
     are_made: Vec<Mask>,
 }
 
@@ -44,14 +44,14 @@ impl<T: Scalar> TileCylinders<T> {
         self.are_made[tile / TILE_SIZE] |= 1 << (tile % TILE_SIZE);
     }
 
-    /// Which of sixteen tiles have one.
+    /// Which of the sixteen tiles from `first` on have a cylinder.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn made_from(&self, first: usize) -> Mask {
         let [here, next] = [0, 1].map(|word| u32::from(self.are_made[first / TILE_SIZE + word]));
         ((here | next << TILE_SIZE) >> (first % TILE_SIZE)) as Mask
     }
 
-    /// That of a tile which has one.
+    /// The cylinder of a tile that has one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of(&self, tile: usize) -> &TileCylinder<T> {
         &self.cylinders[tile]
@@ -74,7 +74,7 @@ impl<T: Scalar> TileCylinder<T> {
         Vectors::select(tile.present, normals, Vectors::zeros()).store(&mut rows);
         let mut sum = Vector3::zeros();
         for place in 0..TILE_SIZE {
-            sum += Vector3::new(rows[0][place], rows[1][place], rows[2][place]);
+            sum += vector_in_lane(&rows, place);
         }
         let Some(normal) = direction(&sum) else { return Self::endless() };
         let (lower, upper) = (vertices.smallest_lanes(), vertices.greatest_lanes());
@@ -92,8 +92,8 @@ impl<T: Scalar> TileCylinder<T> {
     /// How far along a row of a rotation something in the cylinder may reach, and a little more.
     pub(crate) fn reach(&self, row: &[f64; 3]) -> f64 {
         let along = |v: &Vector3<T>| row[0] * v.x.to_f64() + row[1] * v.y.to_f64() + row[2] * v.z.to_f64();
-        let (square, cosine, middle) =
-            (row.iter().map(|x| x * x).sum::<f64>(), along(&self.normal), along(&self.centre));
+        let square: f64 = row.iter().map(|x| x * x).sum();
+        let (cosine, middle) = (along(&self.normal), along(&self.centre));
         let (below, above, radius) = (self.below.to_f64(), self.above.to_f64(), self.radius.to_f64());
         let lift = (cosine * below).max(cosine * above);
         let size = radius + below.abs() + above.abs() + self.centre.abs().max().to_f64();
@@ -101,7 +101,7 @@ impl<T: Scalar> TileCylinder<T> {
         middle + lift + radius * (square - cosine * cosine + slack).max(0.0).sqrt() + slack * size
     }
 
-    /// Squared distances of a packet's points to the cylinder, which nothing in it is nearer than.
+    /// Squared distances of a packet's points to the cylinder: nothing in it is nearer.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn squares<L: Lanes<T>>(&self, packet: &PointPacket<T>) -> L {
         let factor = packet.centre.factor;
@@ -117,7 +117,7 @@ impl<T: Scalar> TileCylinder<T> {
         apart.mul(apart).add(beside.mul(beside))
     }
 
-    /// Whether a point may be nearer than by this square to something in the cylinder.
+    /// Whether something in the cylinder may be within this squared distance of a point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn is_near(&self, query: &QueryPoint<T>, square_of_cylinders: T) -> bool {
         let seen = query.position - self.centre * query.factor;

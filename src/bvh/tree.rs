@@ -14,15 +14,15 @@ use crate::simd::{LANE_COUNT, Lanes};
 pub(crate) struct Bvh<T: Scalar> {
     /// In the order in which the nodes lead to them.
     pub(crate) tiles: Vec<Tile<T>>,
-    /// Of each tile.
+    /// The outline of each tile.
     pub(crate) outlines: Vec<Outline<T>>,
-    /// Of each tile the places of its triangles' corners in ascending order of the vertices' numbers, for distances.
+    /// By tile the places of its triangles' corners, in ascending order of the vertices' numbers: for distances.
     pub(crate) ascending: Vec<[[u8; TILE_SIZE]; 3]>,
     /// Children come after their parent; the first is the root.
     pub(crate) nodes: Vec<Node<T>>,
     pub(crate) cylinders: TileCylinders<T>,
     pub(crate) runs: VertexRuns<T>,
-    /// Where the mesh has been moved by a pose.
+    /// What poses need, made with the first one.
     pub(crate) posed: Option<Box<[Posed<T>; 1]>>,
     /// Whether all boxes are the tightest.
     pub(crate) is_tight: bool,
@@ -51,10 +51,6 @@ impl<T: Scalar> Bvh<T> {
         tree.refit(mesh, None);
         tree.load(mesh, None, true);
         tree
-    }
-
-    pub(crate) fn is_tight(&self) -> bool {
-        self.is_tight
     }
 
     pub(crate) fn tile_count(&self) -> u32 {
@@ -86,7 +82,7 @@ impl<T: Scalar> Bvh<T> {
         if self.is_loaded(tile) {
             return &self.tiles[tile].positions;
         }
-        // Rays that leave the region for which tiles were loaded are few.
+        // Few rays leave the region for which tiles were loaded.
         mesh.gather::<L>(&self.outlines[tile].vertices).store(room);
         room
     }

@@ -1,4 +1,4 @@
-use crate::bvh::node::{CHILD_COUNT, Node};
+use crate::bvh::node::CHILD_COUNT;
 use crate::bvh::tile::{Outline, TILE_SIZE, Tile};
 use crate::bvh::tree::Bvh;
 use crate::math::{Aabb, Scalar};
@@ -46,7 +46,7 @@ impl<T: Scalar> Bvh<T> {
                     return Err(format!("node {child} comes before its parent {index}"));
                 } else {
                     nodes[child] += 1;
-                    around_children(&self.nodes[child])
+                    self.nodes[child].around_children()
                 };
                 if node.child_box(place) != aabb {
                     return Err(format!("box {place} of node {index} is not the one around its child"));
@@ -60,14 +60,6 @@ impl<T: Scalar> Bvh<T> {
         not_one("node", &nodes)?;
         not_one("tile", &tiles)
     }
-}
-
-fn around_children<T: Scalar>(node: &Node<T>) -> Aabb<T> {
-    let boxes = (0..node.count as usize).map(|place| node.child_box(place));
-    boxes.fold(Aabb::empty(), |around, child| Aabb {
-        lower: around.lower.inf(&child.lower),
-        upper: around.upper.sup(&child.upper),
-    })
 }
 
 impl<T: Scalar> Tile<T> {
@@ -106,11 +98,11 @@ mod tests {
     fn said_after(change: impl FnOnce(&mut Bvh<f64>, &Mesh<f64>)) -> Result<(), String> {
         // So many triangles that nodes have nodes under them.
         let mesh = shapes::fan(300).mesh::<f64>();
-        let mut wide = Bvh::new(&mesh);
-        assert!(wide.nodes.len() > 2 && !wide.nodes[0].is_leaf);
-        wide.validate(&mesh).expect("it is whole");
-        change(&mut wide, &mesh);
-        wide.validate(&mesh)
+        let mut tree = Bvh::new(&mesh);
+        assert!(tree.nodes.len() > 2 && !tree.nodes[0].is_leaf);
+        tree.validate(&mesh).expect("it is whole");
+        change(&mut tree, &mesh);
+        tree.validate(&mesh)
     }
 
     fn assert_said(part: &str, change: impl FnOnce(&mut Bvh<f64>, &Mesh<f64>)) {
@@ -118,8 +110,8 @@ mod tests {
         assert!(what.contains(part), "{what:?} does not say {part:?}");
     }
 
-    fn forget_last_triangle(wide: &mut Bvh<f64>, index: usize, mesh: &Mesh<f64>) {
-        let (tile, outline) = (&mut wide.tiles[index], &mut wide.outlines[index]);
+    fn forget_last_triangle(tree: &mut Bvh<f64>, index: usize, mesh: &Mesh<f64>) {
+        let (tile, outline) = (&mut tree.tiles[index], &mut tree.outlines[index]);
         tile.present >>= 1;
         outline.aabb = Aabb::empty();
         let corners: Vec<Vector3<f64>> = tile.triangles().iter().flat_map(|&triangle| mesh.corners(triangle)).collect();
@@ -128,51 +120,51 @@ mod tests {
 
     #[test]
     fn faults_of_a_tile_are_told() {
-        assert_said("it has 0 triangles", |wide, _| wide.tiles[3].present = 0);
-        assert_said("tile 3: it has", |wide, mesh| {
-            forget_last_triangle(wide, 3, mesh);
-            wide.tiles[3].present <<= 1;
+        assert_said("it has 0 triangles", |tree, _| tree.tiles[3].present = 0);
+        assert_said("tile 3: it has", |tree, mesh| {
+            forget_last_triangle(tree, 3, mesh);
+            tree.tiles[3].present <<= 1;
         });
-        assert_said("is another vertex", |wide, _| wide.outlines[3].vertices[2] ^= 1);
-        assert_said("is not where the mesh has it", |wide, _| wide.tiles[3].positions[1][2] += 1.0);
-        assert_said("its box is not that of its triangles", |wide, _| wide.outlines[3].aabb.upper.y += 1.0);
-        let unloaded = said_after(|wide, _| {
-            (wide.tiles[3].loaded_at, wide.tiles[3].positions[1][2]) = (0, 42.0);
+        assert_said("is another vertex", |tree, _| tree.outlines[3].vertices[2] ^= 1);
+        assert_said("is not where the mesh has it", |tree, _| tree.tiles[3].positions[1][2] += 1.0);
+        assert_said("its box is not that of its triangles", |tree, _| tree.outlines[3].aabb.upper.y += 1.0);
+        let unloaded = said_after(|tree, _| {
+            (tree.tiles[3].loaded_at, tree.tiles[3].positions[1][2]) = (0, 42.0);
         });
         assert_eq!(unloaded, Ok(()), "positions that are not loaded do not count");
     }
 
     #[test]
     fn triangles_and_vertices_of_no_tile_or_of_two_are_told() {
-        assert_said("is in tiles 0 and 1", |wide, _| {
-            wide.tiles[1] = wide.tiles[0].clone();
-            wide.outlines[1] = wide.outlines[0].clone();
+        assert_said("is in tiles 0 and 1", |tree, _| {
+            tree.tiles[1] = tree.tiles[0].clone();
+            tree.outlines[1] = tree.outlines[0].clone();
         });
-        assert_said("is in no tile", |wide, mesh| forget_last_triangle(wide, 3, mesh));
-        assert_said("is not one tile's own", |wide, _| wide.tiles[3].owned = 0);
-        assert_said("is not one tile's own", |wide, _| wide.tiles.iter_mut().for_each(|tile| tile.owned |= 1));
+        assert_said("is in no tile", |tree, mesh| forget_last_triangle(tree, 3, mesh));
+        assert_said("is not one tile's own", |tree, _| tree.tiles[3].owned = 0);
+        assert_said("is not one tile's own", |tree, _| tree.tiles.iter_mut().for_each(|tile| tile.owned |= 1));
     }
 
     #[test]
     fn faults_of_nodes_are_told() {
-        assert_said("box 1 of node 0 is not the one around its child", |wide, _| wide.nodes[0].lower[2][1] -= 1.0);
-        assert_said("box 15 of node 0", |wide, _| {
-            wide.nodes[0].set_box(15, &Aabb::of_triangle(&[Vector3::zeros(); 3]))
+        assert_said("box 1 of node 0 is not the one around its child", |tree, _| tree.nodes[0].lower[2][1] -= 1.0);
+        assert_said("box 15 of node 0", |tree, _| {
+            tree.nodes[0].set_box(15, &Aabb::of_triangle(&[Vector3::zeros(); 3]))
         });
-        assert_said("node 0 comes before its parent 0", |wide, _| wide.nodes[0].first = 0);
-        assert_said("lies under 0 boxes", |wide, _| {
-            let root = &mut wide.nodes[0];
+        assert_said("node 0 comes before its parent 0", |tree, _| tree.nodes[0].first = 0);
+        assert_said("lies under 0 boxes", |tree, _| {
+            let root = &mut tree.nodes[0];
             root.count -= 1;
             root.set_box(root.count as usize, &Aabb::empty());
         });
-        assert_said("tile ", |wide, _| {
+        assert_said("tile ", |tree, _| {
             // The last child of the root, which must be told of its new box.
-            let (last, place) = (wide.nodes.len() - 1, wide.nodes[0].count as usize - 1);
-            let leaf = &mut wide.nodes[last];
+            let (last, place) = (tree.nodes.len() - 1, tree.nodes[0].count as usize - 1);
+            let leaf = &mut tree.nodes[last];
             leaf.count -= 1;
             leaf.set_box(leaf.count as usize, &Aabb::empty());
-            let around = around_children(&wide.nodes[last]);
-            wide.nodes[0].set_box(place, &around);
+            let around = tree.nodes[last].around_children();
+            tree.nodes[0].set_box(place, &around);
         });
     }
 }

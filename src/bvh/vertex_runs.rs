@@ -10,16 +10,16 @@ const MOST_RUNS: usize = 3 * LANE_COUNT;
 
 const ASCENDING: [u32; LANE_COUNT] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// Boxes around runs of sixteen consecutive vertices of the mesh, and the runs in which the vertices of each leaf lie. Where
-/// vertices are numbered along the surface, as they nearly always are, one pass over the positions tells which leaves are far
-/// from a region, without a look at their tiles.
+/// Boxes around runs of sixteen consecutive vertices of the mesh, and the runs in which the vertices of each leaf lie. Vertices
+/// are nearly always numbered along the surface. Then one pass over the positions tells which leaves are far from a region,
+/// without a look at their tiles.
 #[derive(Clone, Debug)]
 pub(crate) struct VertexRuns<T: Scalar> {
     lower: Vec<Vector3<T>>,
     upper: Vec<Vector3<T>>,
-    /// Sixteen at a time, the last repeated.
+    /// The runs of each leaf, sixteen at a time, the last repeated.
     of_leaves: Vec<[u32; LANE_COUNT]>,
-    /// Where in `of_leaves` those of each node begin, and where the last ones end.
+    /// Where in `of_leaves` the runs of each node begin, and where the last ones end.
     starts: Vec<u32>,
 }
 

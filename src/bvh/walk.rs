@@ -4,7 +4,7 @@ use crate::bvh::CHILD_COUNT;
 use crate::math::Scalar;
 use crate::simd::{Lanes, Mask};
 
-/// 2³² tiles have no more than so many levels of nodes.
+/// 2³² tiles have no more than this many levels of nodes.
 const LEVEL_COUNT: usize = 8;
 
 /// What a walk looks for.
@@ -12,11 +12,10 @@ pub(crate) trait Visitor<T: Scalar, L: Lanes<T>> {
     /// What is kept of a node's children while they wait.
     type Kept: Copy;
 
-    /// Looks at a node, and gives which of its children are to be visited. The tiles of a leaf are looked at here, and then
-    /// there are none.
+    /// Looks at a node, and says which of its children are to be visited. The tiles of a leaf are looked at here, so it has none.
     fn enter(&mut self, node: u32, kept: &mut Self::Kept) -> Children;
 
-    /// Takes the child to be visited next from those that are left; `None` where none of them counts any more.
+    /// Takes the child to be visited next from those that are left; `None` where no child counts any more.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn next(&mut self, _: &Self::Kept, left: &mut Mask) -> Option<u32> {
         first_of(left)
@@ -28,7 +27,7 @@ pub(crate) trait Visitor<T: Scalar, L: Lanes<T>> {
 pub(crate) struct Children {
     /// The node's first child.
     pub(crate) first: u32,
-    /// Bit i: child i after the first is to be visited.
+    /// Bit i: child first + i is to be visited.
     pub(crate) left: Mask,
 }
 
@@ -86,9 +85,7 @@ pub(crate) fn smallest_of<T: Scalar>(left: &mut Mask, keys: &[T; CHILD_COUNT]) -
         return Some(smallest);
     }
     let mut least = keys[smallest as usize % CHILD_COUNT];
-    while others != 0 {
-        let place = others.trailing_zeros();
-        others &= others - 1;
+    while let Some(place) = first_of(&mut others) {
         let key = keys[place as usize % CHILD_COUNT];
         (smallest, least) = if key < least { (place, key) } else { (smallest, least) };
     }

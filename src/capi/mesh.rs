@@ -7,8 +7,7 @@ use crate::capi::ffi::{
     with_precision, write_defaults,
 };
 use crate::math::Scalar;
-use crate::memory;
-use crate::memory::text;
+use crate::memory::{self, text};
 use crate::mesh::{Hole, InFile, Mesh, MeshError, read_obj_surface};
 use libc::c_char;
 use std::ffi::CStr;
@@ -34,7 +33,7 @@ impl Handle for rayc_mesh {
 pub(super) type AnyMesh = InPrecision<Mesh<f32>, Mesh<f64>>;
 
 impl AnyMesh {
-    /// `failure` words what is wrong with the surface.
+    /// `failure` makes a message of what is wrong with the surface.
     fn new(
         options: &rayc_mesh_options,
         positions: &Strided,
@@ -42,7 +41,8 @@ impl AnyMesh {
         failure: impl Fn(MeshError) -> Failure,
     ) -> Result<Self, Failure> {
         fn make<T: Scalar>(
-            (open, close_holes): (bool, f64),
+            open: bool,
+            close_holes: f64,
             positions: &Strided,
             triangles: &[[u32; 3]],
         ) -> Result<Mesh<T>, MeshError> {
@@ -56,14 +56,14 @@ impl AnyMesh {
             };
             made.map_err(|error| before_conversion::<T>(error, positions))
         }
-        let open = (flag("open", options.open)?, options.close_holes);
-        if open.0 && open.1 != 0.0 {
-            let message = text!("open is 1 and close_holes is {}; leave one of them 0", open.1);
+        let (open, holes) = (flag("open", options.open)?, options.close_holes);
+        if open && holes != 0.0 {
+            let message = text!("open is 1 and close_holes is {holes}; leave one of them 0");
             return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
         }
         Ok(match scalar_from(options.precision, "precision")? {
-            rayc_scalar::RAYC_SCALAR_F32 => Self::F32(make(open, positions, triangles).map_err(failure)?),
-            rayc_scalar::RAYC_SCALAR_F64 => Self::F64(make(open, positions, triangles).map_err(failure)?),
+            rayc_scalar::RAYC_SCALAR_F32 => Self::F32(make(open, holes, positions, triangles).map_err(failure)?),
+            rayc_scalar::RAYC_SCALAR_F64 => Self::F64(make(open, holes, positions, triangles).map_err(failure)?),
         })
     }
 
@@ -209,7 +209,7 @@ pub(super) fn renew_positions<T: Scalar>(mesh: &mut Mesh<T>, positions: &Strided
     Ok(set_positions(mesh, positions).map_err(|error| before_conversion::<T>(error, positions))?)
 }
 
-/// What was not finite may have been so before it was made a float.
+/// Tells a coordinate that was finite before it was made a float from one that was not.
 fn before_conversion<T: Scalar>(error: MeshError, positions: &Strided) -> MeshError {
     let MeshError::NotFinite { vertex, .. } = error else { return error };
     let given = positions.read::<f64>(vertex);

@@ -51,8 +51,7 @@ impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
 pub unsafe extern "C" fn rayc_scene_pair_memory_count(scene: *const rayc_scene, count: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = reading(scene, "scene")?;
-        let scene = &scene.scene;
+        let scene = &reading(scene, "scene")?.scene;
         Output::new(count, "count")?.write(memory_count(scene));
         Ok(())
     })
@@ -73,8 +72,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = reading(scene, "scene")?;
-        let scene = &scene.scene;
+        let scene = &reading(scene, "scene")?.scene;
         let range = range_of("pair memories", first, count, memory_count(scene))?;
         let out = Known::new(struct_size, out, count, "out")?;
         with_precision!(scene, |scene| out.write_all(scene.pair_memories()[range].iter().map(Into::into)));
@@ -87,8 +85,7 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
 pub unsafe extern "C" fn rayc_scene_saved_length(scene: *const rayc_scene, length: *mut usize) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = reading(scene, "scene")?;
-        let scene = &scene.scene;
+        let scene = &reading(scene, "scene")?.scene;
         Output::new(length, "length")?.write(with_precision!(scene, |scene| scene.saved_length()));
         Ok(())
     })
@@ -107,8 +104,7 @@ pub unsafe extern "C" fn rayc_scene_save_pair_memories(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let scene = reading(scene, "scene")?;
-        let scene = &scene.scene;
+        let scene = &reading(scene, "scene")?.scene;
         let mut saved = Vec::new();
         with_precision!(scene, |scene| scene.save_pair_memories(&mut saved));
         Output::exactly(bytes, length, saved.len(), "bytes")?.write_all(saved.into_iter());

@@ -58,10 +58,9 @@ pub struct Contact<T: Scalar> {
     pub colliding: u32,
     /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
-    /// Which part of its triangle the ray stands for: 1 the whole, and of piece n the halves are 2 n and 2 n + 1; where
-    /// several faces of the other body cut piece n, what is nearest to the k-th of them is 4 n + k; 2³¹ or more where it stands
-    /// for a patch of triangles; 0 for a vertex. Of the n-th stretch of an edge that lies inside, from 0 on, 3 n + k, where
-    /// the edge lies across from corner k.
+    /// Which part of its triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and 2 n + 1. 2³¹
+    /// or more where the ray stands for a patch of triangles. 0 for a ray from a vertex. For a contact of an edge it is 3 n + k:
+    /// the edge lies across from corner k, and the contact is on its n-th stretch inside the other body, counted from 0.
     pub piece: u32,
     /// The ray's origin, on the colliding body.
     pub p1: SurfacePoint<T>,

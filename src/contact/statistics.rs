@@ -29,7 +29,7 @@ pub struct Statistics {
     pub replaced: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
-    /// Pieces of triangles left larger than the spacing asks, because their surface had been cut as often as it may.
+    /// Pieces of triangles left larger than the sampling asks, because they have been cut as often as they may.
     pub uncut_pieces: u64,
     /// Contacts of edges, where no ray from a surface point found any.
     pub edge_contacts: u64,

@@ -1,4 +1,5 @@
-//! Where a system's own bodies will be, and which contacts they have there with ghosts that a host adds in between.
+//! Looking for contacts in two stages: where a system's own bodies will be, then, once the host has added the ghosts that are
+//! needed there, which contacts they have.
 
 use crate::math::Scalar;
 use crate::memory;
@@ -6,8 +7,8 @@ use crate::scene::Scene;
 use crate::system::{ContactSystem, SystemError};
 
 /// Puts the scene's bodies, but ghosts, where [`begin`](ContactSystem::begin) with the same numbers would look for contacts, or
-/// [`begin_explicit`](ContactSystem::begin_explicit) where no free velocities are given, and does no more: by where bodies will
-/// be it is known which ghosts a scene needs.
+/// [`begin_explicit`](ContactSystem::begin_explicit) where no free velocities are given, and does no more. Where the bodies are
+/// then shows which ghosts the scene needs.
 ///
 /// # Errors
 /// Those of [`begin`](ContactSystem::begin).
@@ -24,8 +25,8 @@ pub fn look_ahead<T: Scalar>(
     system.place_surfaces(scene, if is_ahead { dt } else { 0.0 }, true)
 }
 
-/// Puts the scene's bodies, but ghosts, where they end with these velocities, and does no more: by where they will be it is
-/// known which ghosts [`detect_among`] needs.
+/// Puts the scene's bodies, but ghosts, where they end with these velocities, and does no more. Where the bodies are then shows
+/// which ghosts [`detect_among`] needs.
 ///
 /// Systems that share bodies first ask [`off_course`](ContactSystem::off_course) whether any of them has to look. Then each
 /// calls this, adds the ghosts that its scene needs there (a ghost may be added, told its motion and what its pairs remember

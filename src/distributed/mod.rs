@@ -1,13 +1,13 @@
 //! Scenes and contact systems of several processes that simulate one world together.
 //!
-//! Each scene has some bodies of its own, and **ghosts**: copies of other scenes' bodies that meet them, which it
-//! [shares](Sharing) with those. Of a pair of an own body and a ghost one of the two scenes finds the contacts; keys of the host's
-//! ([`Scene::add_with_key`](crate::scene::Scene::add_with_key)) order bodies alike everywhere. What a pair does is summed by
+//! Each scene has some bodies of its own, and **ghosts**: copies of other scenes' bodies that meet its own, which it
+//! [shares](Sharing) with those scenes. The contacts of an own body and a ghost are found by one of the two scenes. The host's
+//! keys ([`Scene::add_with_key`](crate::scene::Scene::add_with_key)) order bodies alike everywhere. What a pair does is summed by
 //! itself, as [forces](ForcesByPair) or as the [`Parts`] of a contact system's rows. So sums in the order of the pairs have the
 //! same bits, whichever process found which. Meshes, and what pairs remember, are packed to be sent.
 //!
-//! What stands below knows of this only what `scene/hooks.rs` and `system/hooks.rs` say: that a body may be foreign, and that
-//! foreign bodies may join a step.
+//! The rooms below know of this only what `scene/hooks.rs` and `system/hooks.rs` say: a body may be foreign, and foreign bodies
+//! may join a step. There a ghost is called foreign.
 
 mod looks;
 mod packed_memory;

@@ -9,8 +9,9 @@ use crate::system::{ContactSystem, Surface, SystemError};
 const MARK: [u8; 8] = *b"raycgrip";
 const VERSION: u32 = 2;
 const HEAD: usize = MARK.len() + 4 + 6 * 8;
-/// Three numbers; those, three vertices and a height.
+/// Three numbers.
 const NUMBERS: usize = 3 * 8;
+/// Three vertices, their weights and a height.
 const CORNERS: usize = 3 * 4 + NUMBERS + 8;
 /// Three flags, the triangle, and the corners from which it holds.
 const ANCHOR: usize = 3 + 4 + CORNERS;
@@ -59,12 +60,12 @@ pub fn pack_memory<T: Scalar>(system: &ContactSystem<T>, pair: Key, bytes: &mut 
     Ok(())
 }
 
-/// Takes over what a pair remembers, as [`pack_memory`] of this system or another gave it,
-/// in place of what it remembers here. `pair`: the bodies in the order in which they were packed.
+/// Takes over what a pair remembers, as [`pack_memory`] of this system or another gave it, in place of what it remembers here.
+/// `pair`: the bodies in the order in which they were packed.
 ///
 /// # Errors
-/// [`SystemError::UnknownBody`], [`SystemError::StepUnderWay`] unless one of the bodies has joined in
-/// it, [`SystemError::Memory`] where the bytes are not what was packed, or of other meshes.
+/// [`SystemError::UnknownBody`]; [`SystemError::StepUnderWay`] unless one of the bodies has joined in the step;
+/// [`SystemError::Memory`] where the bytes are not what was packed, or are of other meshes.
 pub fn put_memory<T: Scalar>(system: &mut ContactSystem<T>, pair: Key, bytes: &[u8]) -> Result<(), SystemError> {
     match pair.1 {
         Surface::Body(second) => system.check_joined(&[pair.0, second])?,

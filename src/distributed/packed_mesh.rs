@@ -1,10 +1,8 @@
 //! A mesh as it was created, as bytes: what another process needs to make the same mesh.
 
-use crate::bytes;
-use crate::bytes::{BytesError, CHECKSUM, Reader, checksum};
+use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
 use crate::math::Scalar;
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::{Mesh, MeshError};
 use std::fmt;
 
@@ -13,7 +11,7 @@ use std::fmt;
 pub enum PackedMeshError {
     /// They are not what was packed.
     Bytes(BytesError),
-    /// They fit their checksum, and are no mesh all the same.
+    /// They fit their checksum, but are no mesh.
     Mesh(MeshError),
 }
 
@@ -37,12 +35,12 @@ impl From<BytesError> for PackedMeshError {
 const MARK: [u8; 8] = *b"raycmesh";
 const VERSION: u32 = 2;
 const HEAD: usize = 8 + 3 * 4 + 3 * 8;
-/// Of one vertex: three numbers, always in double precision, which holds both.
+/// A vertex has three numbers, always in double precision, which holds either.
 const VERTEX: usize = 3 * 8;
-/// Its corners, and its number among the clusters' triangles.
+/// A triangle has its corners, and an entry of the clusters' list of triangles.
 const TRIANGLE: usize = 3 * 4 + 4;
 
-/// Bytes of one number of a packed mesh, by which its precision is known; and what follows.
+/// How many bytes a number of a packed mesh had, by which its precision is known; and what follows.
 pub(crate) fn packed_number_size(bytes: &[u8]) -> Result<(u32, Reader<'_>), BytesError> {
     bytes::opened(bytes, MARK, VERSION)
 }
@@ -54,9 +52,8 @@ pub fn packed_mesh_length<T: Scalar>(mesh: &Mesh<T>) -> usize {
 }
 
 /// Appends the mesh as it was created: its triangles, its reference positions, not the present ones, and the clusters of
-/// triangles that are the leaves of its tree, so that these need not be found again. What is [unpacked](unpack_mesh)
-/// from it and given the same positions has the same contacts in the same order, to the bit, in any process on any
-/// machine.
+/// triangles that its tree needs, so that these need not be found again. The mesh that is [unpacked](unpack_mesh) from it has the
+/// same contacts in the same order at the same positions, to the bit, in any process on any machine.
 pub fn pack_mesh<T: Scalar>(mesh: &Mesh<T>, bytes: &mut Vec<u8>) {
     let start = bytes.len();
     let (positions, triangles) = (mesh.reference_positions(), mesh.topology().triangles());

@@ -1,5 +1,5 @@
-//! Forces pair by pair: each pair's are summed first, so that it does not matter where, and then added in the order of the
-//! pairs. Rounding makes these sums other ones than those of [`add_forces`](crate::force::add_forces), by a few last digits.
+//! Forces pair by pair: each pair's are summed first, in whichever process, and then added in the order of the pairs. By rounding
+//! these sums differ from those of [`add_forces`](crate::force::add_forces) in a few last digits.
 
 use crate::contact::ContactList;
 use crate::force::{BodiesMut, PenaltyLaw, Vectors, add_forces_of};
@@ -17,13 +17,13 @@ pub struct PairForces {
     pub counts: [usize; 2],
 }
 
-/// The forces of a contact list, summed pair by pair. It may be filled anew; then it allocates nothing.
+/// The forces of a contact list, summed pair by pair. Filled again, it allocates nothing in a steady step.
 #[derive(Clone, Debug, Default)]
 pub struct ForcesByPair<T: Scalar> {
     pairs: Vec<PairForces>,
     forces: Vec<(u32, Vector3<T>)>,
     sums: Vec<Sum<T>>,
-    /// For either body of a pair, by vertex: where its sum stands, or [`NOWHERE`].
+    /// For either body of a pair, by vertex, where in `sums` its sum stands, or [`NOWHERE`].
     places: [Vec<u32>; 2],
 }
 
@@ -82,7 +82,7 @@ impl<T: Scalar> ForcesByPair<T> {
     ) {
         self.pairs.clear();
         self.forces.clear();
-        // Something is left only where memory has ended on the way.
+        // Something is left only where the last call ran out of memory.
         for Sum { side, vertex, .. } in self.sums.drain(..) {
             self.places[side][vertex as usize] = NOWHERE;
         }

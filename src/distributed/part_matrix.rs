@@ -11,7 +11,7 @@ pub struct PartBlock {
     pub row: u32,
     /// Its column in blocks of three unknowns: of either body of the pair.
     pub column: u32,
-    /// By rows.
+    /// Its nine numbers by rows.
     pub numbers: [f64; 9],
 }
 
@@ -33,7 +33,7 @@ impl Matrix {
         self.found.room_for(1).push((order, block));
     }
 
-    /// Those of one place in the order in which they came.
+    /// The sums by place, in the order of parts, rows and columns; blocks of one place are added in the order in which they came.
     pub(super) fn sums(&mut self) -> &[PartBlock] {
         let Self { found, sums } = self;
         found.sort_unstable_by_key(|(order, block)| (block.part, block.row, block.column, *order));

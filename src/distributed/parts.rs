@@ -3,8 +3,7 @@
 
 use super::part_matrix::{Matrix, PartBlock};
 use crate::math::{Scalar, margins};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::system::hooks::{RowForce, Rows, Velocities};
 use crate::system::{ContactSystem, Surface, SystemError, check_count, check_range, check_within};
 use std::ops::Range;
@@ -25,17 +24,18 @@ pub struct Part {
 /// The parts of a contact system's present rows, found anew where these have changed.
 #[derive(Debug, Default)]
 pub struct Parts {
-    /// That of the rows.
+    /// The stamp of the rows that the parts were found for.
     stamp: u64,
     parts: Vec<Part>,
+    /// The blocks of all parts, one part after the other.
     blocks: Vec<u32>,
-    /// Of each part the place of its pair, in ascending order.
+    /// By part the place of its pair, ascending.
     pairs: Vec<usize>,
-    /// Of each slot of the rows, its block's place among all.
+    /// By slot of the rows where its block stands in `blocks`.
     slots: Vec<usize>,
     /// Scratch memory for the matrix.
     matrix: Matrix,
-    /// Scratch memory: pair, side and block; each once, and of each slot.
+    /// Scratch memory: pair, side and block, each once; and those of each slot.
     places: Vec<(usize, usize, u32)>,
     of_slots: Vec<(usize, (usize, usize, u32))>,
 }

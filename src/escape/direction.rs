@@ -1,6 +1,6 @@
 //! Getting out of an overlap that contacts cannot resolve: all points inside are pushed along one direction, chosen
-//! once and kept until the bodies are apart. Contacts of swallowed or non-convex overlaps push against each other or
-//! back to the middle; what frees them is that one direction is kept.
+//! once and kept until the bodies are apart. Contacts of swallowed bodies or of non-convex overlaps push against each other or
+//! back to the middle; one direction that is kept frees them.
 
 use crate::contact::{
     Contact, ContactKind, ContactList, EscapePush, Pair, Purpose, Sample, Statistics, Workspace,
@@ -11,13 +11,13 @@ use crate::memory::{self, Room};
 use crate::query::way_out_past_folds;
 use crate::triangle::Ray;
 
-/// A direction is dropped once one of its rays is too long; that is checked each time this many rays are traced.
+/// A direction is dropped once one of its rays is too long. That is checked whenever this many rays have been traced.
 const RAYS_AT_ONCE: usize = 64;
-/// One way out is clearly shorter than another if it is less than this part of it. A smaller difference may be rounding.
+/// A way out is clearly shorter than another if it is less than this part of it. A smaller difference may be rounding.
 const CLEARLY_SHORTER: f64 = 0.99;
 
-/// Adds the contacts that push the pair apart along `away`, the direction of its first body, and gives how deep it is;
-/// adds none where the bodies are apart.
+/// Adds the contacts that push the pair's first body along `away`, and the second against it, and gives how deep the pair is.
+/// Adds none, and gives `None`, where the bodies are apart.
 pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, contacts: &mut ContactList<T>) -> Option<T> {
     let start = contacts.len();
     let ContactList { contacts, statistics, pushes, workspace, .. } = contacts;
@@ -44,9 +44,9 @@ pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
 }
 
 /// The direction in which the first body has the shortest way out of the second. The candidates are a fixed set and the
-/// line of the boxes' centres; each is judged by the point with the longest way out along it. Among directions of nearly
-/// the same length the first in a fixed order wins, the same for all pairs. Otherwise rounding would choose between the
-/// two sides of a body that lies in the same place as another, and the bodies of a pile would push one another in a circle.
+/// line of the boxes' centres; each is judged by the point with the longest way out along it. Of ways out that are nearly
+/// equally long the first wins, in an order that is the same for all pairs. Otherwise rounding would choose between the two
+/// sides of a body that lies in the same place as another, and the bodies of a pile would push one another in a circle.
 pub(crate) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
     let ContactList { workspace, statistics, .. } = contacts;
     let mut judges = Judges::find(pair, workspace, statistics);
@@ -59,7 +59,7 @@ pub(crate) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut Con
     best.map(|(_, candidate)| candidate)
 }
 
-/// Whether no point inside has to go as far as `limit` for the pair to be apart when the first body goes `away`.
+/// Whether the pair overlaps, and every point inside has a way out shorter than `limit` when the first body goes `away`.
 pub(crate) fn is_short_way_out<T: Scalar>(
     pair: &Pair<'_, T>,
     away: &Vector3<T>,
@@ -91,7 +91,7 @@ impl<T: Scalar> Judges<T> {
         for find in [inside_samples, inside_stretches] {
             for (side, points) in judges.0.iter_mut().enumerate() {
                 let mut counts = Statistics::default();
-                // Along one axis in space, whichever body comes first: of points on the surface rounding decides.
+                // Along one axis in space, whichever body comes first, since rounding decides for points on the surface.
                 find(pair, side, &pair.of_first(Vector3::z()), workspace, &mut counts);
                 statistics.estimate_rays += counts.rays;
                 memory::append(points, workspace.samples.iter().map(|sample| sample.point.position));
@@ -103,7 +103,7 @@ impl<T: Scalar> Judges<T> {
         judges
     }
 
-    /// The longest of all ways out when the first body goes `away`; `None` where there is none, or one of at least `limit`.
+    /// The longest way out of any point when the first body goes `away`; `None` where there is none, or one of `limit` or more.
     fn longest_way_out(
         &mut self,
         pair: &Pair<'_, T>,
@@ -136,8 +136,8 @@ impl<T: Scalar> Judges<T> {
     }
 }
 
-/// The 26 directions to a cube's faces, edges and corners, before the line of centres, which differs from pair to pair; each
-/// as the first body's.
+/// The directions in which the first body may leave: the 26 to a cube's faces, edges and corners, then the line of centres, which
+/// differs from pair to pair.
 fn candidates<T: Scalar>(pair: &Pair<'_, T>) -> impl Iterator<Item = Vector3<T>> {
     let cube = (0..27).filter(|&i| i != 13).map(|i| {
         let component = |divisor: i32| T::of(f64::from(i / divisor % 3 - 1));
@@ -163,7 +163,7 @@ fn inside_samples<T: Scalar>(
     keep_inside(pair, side, workspace, statistics);
 }
 
-/// The same for the middles of edges that pierce the other body's surface.
+/// The same for the middles of the stretches of edges that lie inside the other body.
 fn inside_stretches<T: Scalar>(
     pair: &Pair<'_, T>,
     side: usize,
@@ -183,7 +183,7 @@ fn inside_stretches<T: Scalar>(
     keep_inside(pair, side, workspace, statistics);
 }
 
-/// A point is inside where its way out meets the surface from inside.
+/// Keeps the samples whose ray out meets the surface from inside: these lie inside.
 fn keep_inside<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &mut Workspace<T>, statistics: &mut Statistics) {
     statistics.rays += workspace.rays.len() as u64;
     trace_out(pair, side, workspace);
@@ -208,7 +208,6 @@ fn add_contacts<T: Scalar>(pair: &Pair<'_, T>, side: usize, workspace: &Workspac
         // Both bodies cast.
         let sample = Sample { area: sample.area * T::of(0.5), ..*sample };
         let (kind, bodies) = (ContactKind::Escape, [pair.bodies[side], pair.bodies[1 - side]]);
-        let made = make_contact(kind, bodies, &sample, ray.direction, collided, hit, T::one());
-        contacts.room_for(1).push(made);
+        contacts.room_for(1).push(make_contact(kind, bodies, &sample, ray.direction, collided, hit, T::one()));
     }
 }

@@ -4,7 +4,7 @@ use crate::bytes::Reader;
 use crate::escape::pair_memory::{PairMemory, Record};
 use crate::math::{Scalar, Vector3, margins};
 
-/// How many bytes a memory takes: three whole numbers and nine others, these always in double precision, which holds both.
+/// How many bytes a memory takes: three whole numbers, and nine others always in double precision, which holds either.
 pub(crate) const MEMORY_BYTES: usize = 3 * 4 + 9 * 8;
 
 impl<T: Scalar> PairMemory<T> {

@@ -36,7 +36,7 @@ pub fn query_pair<T: Scalar>(
 /// Adds the contacts between two bodies, both ways, to `contacts`: Algorithm 1 of Hermann, Faure and Raffin 2008, and
 /// what `options` add to it. `memory` is what the pair remembers from step to step; without it a pair escapes only where
 /// it has no other contact, in a direction chosen anew each time. A pair that may not escape is counted where it would.
-/// Both bodies meet at least `neighbours` others.
+/// `neighbours`: how many others both bodies meet at least.
 pub(crate) fn detect_pair<T: Scalar>(
     bodies: [u32; 2],
     tracers: [&Tracer<'_, T>; 2],

@@ -8,10 +8,10 @@ use crate::math::{Scalar, Vector3};
 pub struct PairMemory<T: Scalar> {
     /// The direction in which the first body leaves the second, of unit length; `None` while contacts do.
     pub escape: Option<Vector3<T>>,
-    /// The smallest overlap so far, renewed where one is smaller by a tenth: Σ area · depth · cos α, or while the pair
-    /// escapes its depth.
+    /// The smallest overlap so far, Σ area · depth · cos α; while the pair escapes, the smallest depth. Renewed by a value that
+    /// is smaller by a tenth.
     pub lowest: Record<T>,
-    /// The same, renewed where one is smaller by half. Not updated during an escape.
+    /// The same, renewed by a value that is smaller by half. Not updated during an escape.
     pub halved: Record<T>,
     /// The net push on the first body over the sum of all pushes, averaged over about eight steps that are weighted by their
     /// depth. Its length is 1 where all contacts have pushed one way, and near 0 where they push against each other or
@@ -26,13 +26,14 @@ pub struct PairMemory<T: Scalar> {
 pub struct Record<T: Scalar> {
     /// The value; infinite before the first.
     pub value: T,
-    /// For how many steps no value has been lower.
+    /// For how many steps no value has been low enough to replace it.
     pub steps: u32,
 }
 
 impl<T: Scalar> Record<T> {
     const NONE: Self = Self { value: T::INFINITY, steps: 0 };
 
+    /// Counts a step; a value of at most `factor` times the record replaces it.
     fn follow(&mut self, value: T, factor: T) {
         *self = if value <= self.value * factor {
             Self { value, steps: 0 }
@@ -78,7 +79,7 @@ pub(crate) enum Progress {
 
 /// Contacts push one way if their net push is at least this part of the sum of all pushes.
 const NET_PUSH: f64 = 0.3;
-/// Below this part of it a net push may be what is left of one that changes sides.
+/// A net push below this part of the sum may be what is left of pushes that change sides.
 const LASTING_PUSH: f64 = 0.05;
 /// How much the newest step counts in the average of net pushes.
 const NEWEST: f64 = 1.0 / 8.0;
@@ -97,9 +98,9 @@ impl<T: Scalar> PairMemory<T> {
             net += contact.direction * on_first;
         }
         if overlap > T::zero() {
-            // The first step stands for those before it. Bodies set down face on face overlap by a rounding at first, and
-            // such a step must not count as much as one that bears their weight. Nor may the areas count: bodies thrown to and fro
-            // between a broad contact and a narrow one are as deep in either.
+            // The first step stands for those before it. Steps are weighted by depth, since bodies set down face on face overlap
+            // by a rounding at first, and that must not count as much as a step that bears their weight. They are not weighted by
+            // area: bodies thrown to and fro between a broad contact and a narrow one are as deep in either.
             let newest = if self.lowest.value.is_finite() { T::of(NEWEST) } else { T::one() };
             self.mean_depth += (deepest - self.mean_depth) * newest;
             self.net_push += (net / overlap - self.net_push) * (newest * deepest / self.mean_depth).min(T::one());
@@ -118,7 +119,7 @@ impl<T: Scalar> PairMemory<T> {
         }
     }
 
-    /// The direction in which contacts push the first body on the whole, if they do.
+    /// The direction in which the contacts as a whole push the first body, if there is one.
     pub(crate) fn lasting_push(&self) -> Option<Vector3<T>> {
         let length = self.net_push.norm();
         (length > T::of(LASTING_PUSH)).then(|| self.net_push / length)

@@ -7,22 +7,22 @@ use crate::math::{Scalar, Vector3};
 
 // What chose these numbers: docs/architecture.md, *Tuned constants*.
 
-/// A way out is short if it is less than so many times the depth of the deepest contact,
+/// A short way out is less than this many times the depth of the deepest contact.
 const SHORT_WAY: f64 = 2.0;
-/// and less than this part of the smaller body's size.
+/// A short way out is also less than this part of the smaller body's size.
 const SHALLOW: f64 = 0.1;
 
 impl<T: Scalar> Pair<'_, T> {
-    /// Overlaps without any ordinary contact are still reported, as the contacts of an escape in this step.
+    /// Detects the pair's contacts; an overlap without any ordinary contact is reported as an escape in this step.
     pub(crate) fn detect_without_memory(&self, contacts: &mut ContactList<T>) {
         let start = contacts.len();
-        let outcome = self.detect(contacts);
-        let unreported = outcome == Outcome::Targetless && contacts.len() == start;
-        if unreported && self.options.escape {
+        let is_targetless = self.detect(contacts) == Outcome::Targetless;
+        if is_targetless && contacts.len() == start && self.options.escape {
             self.start_to_escape(start, contacts);
         }
     }
 
+    /// Detects the pair's contacts, or goes on with its escape, or begins one.
     pub(crate) fn detect_or_escape(&self, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
         if let Some(away) = memory.escape.filter(|_| self.may_escape) {
             self.go_on_escaping(away, memory, contacts);
@@ -35,9 +35,9 @@ impl<T: Scalar> Pair<'_, T> {
             *memory = PairMemory::default();
             return;
         }
-        // Reserved here, so that the step that asks for their depth allocates no more than others.
+        // Reserved now, so that a later step that asks for depths allocates nothing.
         contacts.workspace.reserve(contacts.len() - start);
-        // Near edges, ordinary contact has points without a target too, so these alone mean nothing.
+        // Points without a target alone mean nothing: ordinary contacts near edges have them too.
         let targetless = outcome == Outcome::Targetless;
         let stuck = match memory.observe(self.bodies[0], &contacts.contacts[start..]) {
             _ if contacts.len() == start => targetless,
@@ -54,8 +54,8 @@ impl<T: Scalar> Pair<'_, T> {
         }
     }
 
-    /// Whether the contacts, which begin at `start`, push the pair apart by a short way, though most of them push against each
-    /// other: those of a star that stands on its spikes push them from all sides, and upward a little.
+    /// Whether the contacts, which begin at `start`, push the pair apart by a short way, though most push against each other. A
+    /// star that stands on its spikes is such a pair: its contacts push the spikes from all sides, and upward a little.
     fn is_led_out(&self, memory: &PairMemory<T>, start: usize, contacts: &mut ContactList<T>) -> bool {
         let deepest = contacts.contacts[start..].iter().fold(T::zero(), |deepest, contact| deepest.max(contact.depth));
         let sizes = self.tracers.map(|tracer| tracer.mesh().aabb().longest_side());
@@ -64,8 +64,8 @@ impl<T: Scalar> Pair<'_, T> {
         away.is_some_and(|away| is_short_way_out(self, &away, limit, contacts))
     }
 
-    /// A direction is kept until the pair is apart. Where other bodies hold the pair back, it turns to the line of centres.
-    /// All pairs that do so can come apart at once, as when all bodies move away from one point.
+    /// Keeps the direction until the pair is apart. Where other bodies hold the pair back, it turns to the line of centres: all
+    /// pairs that do so can come apart at once, as when all bodies move away from one point.
     fn go_on_escaping(&self, away: Vector3<T>, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
         let Some(depth) = push_apart(self, &away, contacts) else {
             *memory = PairMemory::default();

@@ -68,11 +68,11 @@ impl PenaltyLaw {
         Ok(Self { stiffness, damping_time, weighting, friction: 0.0, slip_speed: 0.0 })
     }
 
-    /// The same law with Coulomb friction that needs no memory: of the velocities alone, hence for integrators that choose
+    /// The same law with Coulomb friction that needs no memory: a function of the velocities alone, for integrators that choose
     /// their own steps. It is regularised by the square root (Wriggers 2006, Computational Contact Mechanics, section 5.2): a
     /// contact that pushes by N rubs by μ cos α N v / √(v² + s²) against its slip v across the ray, with μ = `friction` and
-    /// s = `slip_speed` in m/s. So a part p < μ of N that friction has to bear makes the contact creep at s p / √(μ² − p²).
-    /// As in the contact system, μ is that of the part of the push that goes straight into the other surface.
+    /// s = `slip_speed` in m/s. A contact whose friction has to bear a part p < μ of N creeps at s p / √(μ² − p²). As in the
+    /// contact system, μ applies to the part of the push that goes straight into the other surface.
     ///
     /// # Errors
     /// [`LawError`] where a number is negative or not finite, or where there is friction and the slip speed is 0.
@@ -110,8 +110,8 @@ impl PenaltyLaw {
         T::of(self.stiffness) * weight * contact.cos_alpha
     }
 
-    /// The force on the first end of a contact in this direction that pushes by `push` along it and whose second end moves
-    /// with `velocity` against the first: that push, and friction across it.
+    /// The force on the first end of a contact: `push` along its direction, and friction across it. `velocity` is that of the
+    /// second end, relative to the first.
     pub(super) fn force<T: Scalar>(
         &self,
         direction: &Vector3<T>,

@@ -4,9 +4,10 @@
 //! the depth δ = (p2 − p1)·d at the present positions and the coefficient c = k · weight · cos α, the force on p1 is
 //! c (δ + τ δ̇) d and that on p2 its opposite; each is spread over its triangle's vertices by the barycentric weights
 //! (Hermann, Faure, Raffin 2008, section 4). A contact that stands for many triangles presses on all their vertices, by area,
-//! and the opposite lies on about as much of the other surface around p2, so that the pair gets no net force or torque. The energy is ½ Σ c δ², so the elastic force is its negative gradient.
-//! The differential is the rank-one part along d, positive semi-definite up to its sign: the turning of d with the
-//! surface is left out, so that conjugate gradients may be used. Friction is left out of it as well.
+//! and the opposite lies on about as much of the other surface around p2, so that the pair gets no net force or torque.
+//! The energy is ½ Σ c δ², and the elastic force its negative gradient. The differential is the rank-one part along d, which is
+//! negative semi-definite. The turning of d with the surface is left out of it, so that conjugate gradients may be used, and so
+//! is friction.
 
 mod law;
 mod rigid;
@@ -22,7 +23,7 @@ use crate::math::{Scalar, Vector3};
 /// A contact as a spring.
 struct Spring<'a, T: Scalar> {
     contact: &'a Contact<T>,
-    /// What its ends bear on, and how far they were apart along the direction.
+    /// The weighted vertices that its ends bear on, and how far these were apart along the direction at detection.
     bearings: [Bearings<'a, T>; 2],
     gap: T,
     coefficient: T,
@@ -45,15 +46,15 @@ impl<'a, T: Scalar> Spring<'a, T> {
         second - first
     }
 
-    /// Its part along the direction.
-    fn closing<V: Vectors<T>>(&self, bodies: &[V]) -> T {
+    /// The part of u2 − u1 along the direction.
+    fn along<V: Vectors<T>>(&self, bodies: &[V]) -> T {
         self.between(bodies).dot(&self.contact.direction)
     }
 
-    /// The contact's depth, and what has been added to it since detection.
+    /// The contact's depth at these positions.
     fn depth<V: Vectors<T>>(&self, positions: Option<&[V]>) -> T {
         let depth = self.contact.depth;
-        positions.map_or(depth, |positions| self.closing(positions) - self.gap + depth)
+        positions.map_or(depth, |positions| self.along(positions) - self.gap + depth)
     }
 
     /// Pulls the first end by the force and the second against it.
@@ -69,9 +70,9 @@ impl<'a, T: Scalar> Spring<'a, T> {
     }
 }
 
-/// Adds the forces of a list's contacts to `forces`, which holds one array per body, as do `positions` (`None`: as at
-/// detection) and `velocities` (`None`: no damping and no friction). Friction acts at each end on what this bears on, so it
-/// keeps momentum, but turns the pair by the depth times the friction; [`add_wrenches`] keeps angular momentum too.
+/// Adds the forces of a list's contacts to `forces`, which holds one array per body, as do `positions` (`None`: as at detection)
+/// and `velocities` (`None`: no damping and no friction). Friction acts at both ends, so it keeps momentum but gives the pair a
+/// net torque, depth times friction; [`add_wrenches`] keeps angular momentum too.
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
@@ -105,7 +106,7 @@ pub(crate) fn add_forces_of<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
 }
 
 /// Adds `stiffness_factor` · (∂force/∂position) d + `damping_factor` · (∂force/∂velocity) d to `forces`, for the
-/// displacements d, without friction; both Jacobians are negative semi-definite. Implicit integrators ask it in each iteration.
+/// displacements d, without friction; both Jacobians are negative semi-definite. For each iteration of implicit integrators.
 ///
 /// # Panics
 /// Where a body or vertex of a contact lies beyond the given arrays.
@@ -120,7 +121,7 @@ pub fn add_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     let factor = T::of(stiffness_factor + damping_factor * law.damping_time());
     for contact in &list.contacts {
         let spring = Spring::new(list, contact, law);
-        spring.pull(contact.direction * (factor * spring.coefficient * spring.closing(displacements)), forces);
+        spring.pull(contact.direction * (factor * spring.coefficient * spring.along(displacements)), forces);
     }
 }
 

@@ -17,10 +17,9 @@ impl RigidMotion {
     }
 }
 
-/// Gives `add` the force of each contact on its two bodies, and the torque about the point of the body's motion, for bodies
-/// that move as `motion` says, whatever carries them. The law is that of [`add_forces`](super::add_forces) at the positions of
-/// detection, but a contact never pulls, and all of it acts at the contact's first point: so a list's forces and torques
-/// about one point add up to zero.
+/// Gives `add` each contact's force on either body, and its torque about the point of the body's motion. The bodies move as
+/// `motion` says. The law is that of [`add_forces`](super::add_forces) at the positions of detection, but a contact never pulls,
+/// and all of it acts at the contact's first point: so a list's forces, and its torques about one point, add up to zero.
 pub fn add_wrenches<T: Scalar>(
     list: &ContactList<T>,
     law: &PenaltyLaw,

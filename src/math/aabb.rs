@@ -27,9 +27,14 @@ impl<T: Scalar> Aabb<T> {
         self.upper = self.upper.sup(point);
     }
 
-    /// What two boxes share; empty where they do not meet.
+    /// The box that two boxes have in common; empty where they do not meet.
     pub fn intersection(&self, other: &Self) -> Self {
         Self { lower: self.lower.sup(&other.lower), upper: self.upper.inf(&other.upper) }
+    }
+
+    /// The smallest box around two boxes.
+    pub(crate) fn union(&self, other: &Self) -> Self {
+        Self { lower: self.lower.inf(&other.lower), upper: self.upper.sup(&other.upper) }
     }
 
     /// The middle.

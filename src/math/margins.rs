@@ -3,14 +3,13 @@
 //!
 //! Each is a count of rounding units (half the gap between 1 and the next number). [`margin`] multiplies it with a length
 //! that no number in the computation exceeds, so that margins scale with the scene. A margin that is too small loses contacts;
-//! one that is twice as wide as need be costs next to nothing, so all are rounded up to powers of two. Where a derivation ends
-//! far below its number it says so; those are only asked whether a slower path is to be taken, or a message chosen.
+//! one that is twice as wide as need be costs next to nothing, so most are rounded up to powers of two.
 //!
-//! Behind them stand the tolerances of what a host gives, which are no margins: how far a rotation may be from one.
+//! At the end stand tolerances of what a host gives, such as how far a rotation matrix may be from one.
 
 use super::Scalar;
 
-/// So many rounding units, as a factor for a length.
+/// This many rounding units, as a factor for a length.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn margin<T: Scalar>(units: f64) -> T {
     T::ROUNDING_UNIT * T::of(units)
@@ -19,9 +18,9 @@ pub(crate) fn margin<T: Scalar>(units: f64) -> T {
 /// A box's faces, seen by a ray; times the reach, the largest coordinate difference between the ray's origin and the mesh's
 /// box.
 ///
-/// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues (`evaluation/programs/oracle/judge.rs`; 6.1
-/// is the largest it has met). The distance to a face takes 3 more: a difference, a quotient and a product. Held by the oracle
-/// and by `tests/library/query/layouts.rs`, which compare with testing every triangle.
+/// In the watertight test a triangle's edges move by at most 8.5 units, as the oracle argues
+/// (`evaluation/programs/oracle/judge.rs`; 6.1 is the largest it has met). The distance to a face takes 3 more: a difference, a
+/// quotient and a product. Held by the oracle and by `tests/library/query/layouts.rs`, which compare with testing every triangle.
 pub(crate) const BOX_FACE: f64 = 16.0;
 
 /// Where a ray leaves a box that its origin lies in; times the reach. A hit on the box's own face may lie 32 units behind the
@@ -45,15 +44,14 @@ pub(crate) const SAMPLE_IN_BOX: f64 = 8.0;
 /// `tests/library/query/closest_points.rs`.
 pub(crate) const DISTANCE: f64 = 64.0;
 
-/// A bound for a distance, itself a distance that was found or a sum of such; times itself. The bound takes the distance's place
-/// where it is the smaller one, so one that is too small costs no more than rounding. Held by
-/// `tests/library/contact/tolerance.rs`.
+/// An upper bound of a distance, found as a distance or as a sum of such; times itself. The smaller of both is used, so a bound
+/// that is too small is off by no more than rounding. Held by `tests/library/contact/tolerance.rs`.
 pub(crate) const DISTANCE_BOUND: f64 = 128.0;
 
 /// The square of a bound, held against sums of three squares; times itself: 1 for the square, 3 for the sums.
 pub(crate) const SQUARE_OF_BOUND: f64 = 8.0;
 
-/// The square of a root and a margin; times itself: 1 each for root and sum, doubled by squaring, and as above.
+/// The square of the sum of a root and a margin; times itself: 1 each for root and sum, doubled by squaring, and as above.
 pub(crate) const SQUARE_OF_LIMIT: f64 = 16.0;
 
 /// The flat cylinder around a tile; times the longest side of the tile's box. Heights are dot products of differences with
@@ -65,11 +63,11 @@ pub(crate) const TILE_CYLINDER: f64 = 32.0;
 /// vectors are up to 2 √3 times as long as a side. Held by `src/bvh/rays/packet/tests.rs`.
 pub(crate) const LEAVING: f64 = 256.0;
 
-/// How far a ray may have to go, at least and at most, in lengths of its direction, for boxes to be told apart by the `t` of
-/// their faces. Where it is less, `t` has lost its digits to underflow: four bits are left above the smallest. Where it is
-/// more, a ray that is parallel to a face, and no farther from it than a rounding, may seem to leave the box before it enters:
-/// it passes the face at the margin times a finite stand-in for 1/0, which the quarter keeps finite when two such are added.
-/// Such rays are taken to meet every box. Held by `tests/library/whole/number_range.rs` and the fuzz target of rays.
+/// Between which reaches, in lengths of a ray's direction, the `t` of faces tell boxes apart; other rays are taken to meet every
+/// box. Below the least, `t` has lost its digits to underflow: four bits are left above the smallest number. Above the most, a
+/// ray that is parallel to a face, and no farther from it than a rounding, may seem to leave the box before it enters. It passes
+/// the face at the margin times a finite stand-in for 1/0, and the quarter keeps the sum of two such numbers finite. Held by
+/// `tests/library/whole/number_range.rs` and the fuzz target of rays.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn reaches_told_apart<T: Scalar>() -> [T; 2] {
     [T::of(16.0) / T::LARGEST, T::LARGEST * margin(BOX_FACE) * T::of(0.25)]
@@ -81,7 +79,7 @@ pub(crate) const CELL_FACE: f64 = 3.0;
 
 /// How far the cylinder around a tile reaches along a row of a rotation; times its size, and as a part of a square of the row.
 /// Normals are as long as 1 to 4 units, their product with a row takes 5 more, and squares double that: 18. Held by
-/// `src/bvh/posed/tests.rs`.
+/// `src/bvh/placing/tests.rs`.
 pub(crate) const CYLINDER_REACH: f64 = 64.0;
 
 /// Boxes in narrow numbers, in units of the longest side of the box around most of the mesh: 16 rounding units of `f32`. A number
@@ -89,8 +87,8 @@ pub(crate) const CYLINDER_REACH: f64 = 64.0;
 /// against a distance 2 more, and the distance 3: 10. Held by `src/self_contact/near_triangles.rs`.
 pub(crate) const NARROW_BOX: f32 = 1.0 / (1 << 20) as f32;
 
-/// The least cosine of the angle between normals that face alike, in single precision: one half, and 0.01 for normals of
-/// slivers, of which rounding may turn those that are 2⁻¹⁷ times as high as long by so much. Held by
+/// The least cosine of the angle between normals that face alike, in single precision: one half, and 0.01 for the normals of
+/// slivers, which rounding turns by as much where a triangle is 2⁻¹⁷ times as high as long. Held by
 /// `src/self_contact/near_triangles.rs`.
 pub(crate) const FACING_ALIKE: f32 = 0.51;
 
@@ -99,14 +97,13 @@ pub(crate) const FACING_ALIKE: f32 = 0.51;
 /// `src/mesh/facing.rs`.
 pub(crate) const LEAST_PART: f64 = 1.0 / 64.0;
 
-/// The least sine of a triangle's angle, squared, for its normal to tell where it faces: a normal is rounded by 7 units (2 for
-/// each difference of its two edges, 3 for products and their difference) of these edges' product. Held by
-/// `src/mesh/facing.rs`.
+/// The square of the least sine of a triangle's angle for its normal to tell where it faces: a normal is rounded by 7 units of
+/// its edges' product, 2 for each edge's difference, 3 for products and their difference. Held by `src/mesh/facing.rs`.
 pub(crate) const LEAST_SINE: f64 = 1.0 / (1 << 20) as f64;
 
-/// Which part of the smallest |n| around a vertex Σ|n| − |Σn| must stay below for all to face outward. One that faced the other
-/// way would add at least all of it; the rounding of one length, 5 units, is all that has to be left off, beside
-/// [`SUM_AROUND_VERTEX`]. A vertex that is refused for the rest is looked at by itself. Held by `src/mesh/facing.rs`.
+/// All normals n around a vertex face outward if Σ|n| − |Σn| is below this part of the smallest |n|. A normal that faced the
+/// other way would add at least its whole length. Beside [`SUM_AROUND_VERTEX`] the 5 units of one length would do; a vertex
+/// that this refuses is only looked at by itself. Held by `src/mesh/facing.rs`.
 pub(crate) const LEAST_NORMAL: f64 = 0.9375;
 
 /// A flat tetrahedron, from a point to a triangle, as a part of the product of its three edges. The edges' directions are right
@@ -115,8 +112,8 @@ pub(crate) const LEAST_NORMAL: f64 = 0.9375;
 /// `src/mesh/winding.rs`.
 pub(crate) const FLAT_TETRAHEDRON: f64 = 128.0;
 
-/// The volume of a part of a mesh, in units of its box; times the sum of its terms' sizes. What is below comes of the rounding
-/// of the positions themselves, and the part is called flat instead of inside out. Held by `tests/library/mesh/orientation.rs`.
+/// The volume of a part of a mesh, in units of its box; times the sum of its terms' sizes. A smaller volume comes from the
+/// rounding of the positions, so the part is called flat instead of inside out. Held by `tests/library/mesh/orientation.rs`.
 pub(crate) const VOLUME: f64 = 1.0;
 
 /// Positions as rays see them; times the largest coordinate: projections 8.5, hits 32, the rays' origins 8. Held by
@@ -132,9 +129,8 @@ pub(crate) const TOUCH: f64 = 4.0;
 /// `src/self_contact/touching/tests.rs`.
 pub(crate) const ALTITUDE_OF_FAN: f64 = 64.0;
 
-/// What is left of the strain that the triangles around a vertex may take: one part in fifty for the rounding of its sines and
-/// lengths, which is a few units over the sine, and of the bound's own 1.665 to 1.67. Held by
-/// `src/self_contact/touching/tests.rs`.
+/// The part of the allowed strain around a vertex that is used. The rest, one in fifty, is for rounding: of sines and lengths, a
+/// few units over the sine, and of the bound's 1.665 to 1.67. Held by `src/self_contact/touching/tests.rs`.
 pub(crate) const STRAIN: f64 = 0.98;
 
 /// The square of a gap between triangles, held against the square of a distance; its factor. Beyond all rounding: squares and
@@ -154,8 +150,8 @@ pub(crate) const CELL_PLANE: f64 = 64.0;
 /// Held by `tests/library/system/range.rs`.
 pub(crate) const ELIMINATED_PART: f64 = 16.0;
 
-/// Which part of what rigid bodies answer may be wrong before it is corrected, so that each correction leaves no more than
-/// that; and which part may stay. Beyond the first, forces that cancel between two bodies take with them 1e-9 of the momentum.
+/// Which part of the rigid bodies' answer may be wrong before it is corrected, so that each correction leaves no more than
+/// that; and which part may stay. Above the first, forces that cancel between two bodies take 1e-9 of the momentum with them.
 /// Held by `tests/library/system/range.rs`.
 pub(crate) const WRONG_ANSWER: [f64; 2] = [1.0 / 8192.0, 1.0 / (1_u64 << 36) as f64];
 
@@ -165,8 +161,8 @@ pub(crate) const WRONG_ANSWER: [f64; 2] = [1.0 / 8192.0, 1.0 / (1_u64 << 36) as 
 /// `tests/library/system/range.rs`.
 pub(crate) const LARGEST_GIVEN: f64 = (1_u128 << 80) as f64;
 
-/// The least length of a step, and what enters a product or a quotient only once: masses, and the vectors that a solver
-/// multiplies with the matrix, which may be forces. Held by the same test.
+/// The least length of a step; and bounds of what enters a product or a quotient only once: masses, and the vectors that a
+/// solver multiplies with the matrix, which may be forces. Held by the same test.
 pub(crate) const SHORTEST_STEP: f64 = 1.0 / LARGEST_GIVEN;
 pub(crate) const LARGEST_FACTOR: f64 =
     (LARGEST_GIVEN * LARGEST_GIVEN) * (LARGEST_GIVEN * LARGEST_GIVEN) * LARGEST_GIVEN;
@@ -183,13 +179,13 @@ pub(crate) const UNIT_NORMAL: f64 = 1e-6;
 /// each, for up to 160 nodes. Held by `tests/library/system/refusals.rs`.
 pub(crate) const WEIGHT_SUM: f64 = 1e-5;
 
-/// How far an inertia matrix may be from its transpose, and how small its least eigenvalue, as parts of its norm: what is lost
-/// to rounding is no inertia. Held by `tests/library/system/refusals.rs`.
+/// How far an inertia matrix may be from its transpose, and how small its least eigenvalue may be, as parts of its norm. Held by
+/// `tests/library/system/refusals.rs`.
 pub(crate) const INERTIA: [f64; 2] = [1e-9, 1e-14];
 
-/// How far the square of a remembered direction may be from 1, in either precision. Held by `src/escape/packed_memory.rs`.
+/// How far the square of a remembered direction may be from 1, in either precision. Held by `src/escape/memory_bytes.rs`.
 pub(crate) const UNIT_SQUARE: f64 = 1e-3;
 
-/// The square of an angle below which two terms of a rotation's series are all: the next is 1/120 of its square, half a unit.
-/// Held by `src/system/twist.rs`.
+/// The square of an angle below which two terms of a rotation's series are enough: the third is 1/120 of the square of this
+/// square, a hundredth of a unit. Held by `src/system/twist.rs`.
 pub(crate) const SMALL_ANGLE: f64 = 1e-8;

@@ -45,8 +45,8 @@ pub fn cosine<T: Scalar>(v: &Vector3<T>, unit: &Vector3<T>) -> T {
     if length > T::zero() && length.is_finite() { scaled.dot(unit) / length } else { T::zero() }
 }
 
-/// A power of two that brings a number to between 1 and 2, if both it and its inverse are in range, and that inverse; one for
-/// zero.
+/// A power of two that brings a number to between 1 and 2, or as near as powers go whose inverses are in range; and its
+/// inverse. Both are one for zero.
 pub(crate) fn normalising_factor<T: Scalar>(number: T) -> (T, T) {
     let exponent = |number: T| (number.to_f64().to_bits() >> 52 & 0x7ff) as i32 - 1023;
     if number == T::zero() {

@@ -1,4 +1,4 @@
-//! Where a rigid body is: a rotation and a translation, in double precision whatever the body's.
+//! Where a rigid body is: a rotation and a translation, always in double precision.
 
 use super::{Scalar, Vector3, margins};
 use std::fmt;
@@ -51,12 +51,9 @@ impl fmt::Display for PoseError {
                  at right angles, to within {:e}",
                 margins::ROTATION
             ),
-            Self::Mirrored => {
-                write!(
-                    f,
-                    "the pose's rotation mirrors the body: its determinant is -1; give one whose determinant is 1"
-                )
-            }
+            Self::Mirrored => f.write_str(
+                "the pose's rotation mirrors the body: its determinant is -1; give one whose determinant is 1",
+            ),
         }
     }
 }
@@ -82,7 +79,7 @@ impl Pose {
         }
         let matrix = nalgebra::Matrix3::from_fn(|row, column| rotation[row][column]);
         let by = (matrix * matrix.transpose() - nalgebra::Matrix3::identity()).norm();
-        // Entries whose squares overflow too.
+        // NaN where squares of entries overflow.
         if by.is_nan() || by > margins::ROTATION {
             return Err(PoseError::NotOrthonormal { by });
         }

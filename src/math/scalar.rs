@@ -8,7 +8,7 @@ pub trait Scalar: nalgebra::RealField + Copy + Default + Send + Sync + crate::si
     const INFINITY: Self;
     /// Squared lengths between these two have lost nothing to underflow or overflow.
     const SAFE_SQUARES: (Self, Self);
-    /// Powers of two: the first lifts vectors whose squared length is below the safe ones, the second lowers those above.
+    /// Powers of two: the first brings vectors with squared lengths below the safe ones among these, the second those above.
     const RESCUE_FACTORS: (Self, Self);
 
     /// The nearest number of this type.

@@ -1,19 +1,18 @@
-//! Clusters of neighbouring triangles: what the leaves of the fast octree hold. They are found once for a mesh and are the same
-//! for its clones, so an octree is made faster for a mesh that had one before, or that another process made.
+//! Clusters of neighbouring triangles, of which the default tree makes its tiles. They are found once for a mesh and are the same
+//! for its clones, so a tree is made faster for a mesh that had one before, or that another process made.
 
 use super::edges::NO_TRIANGLE;
 use super::{OrderInSpace, Topology};
 use crate::math::{Aabb, Scalar, Vector3};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::simd::LANE_COUNT;
 use std::cmp::Ordering;
 use std::mem;
 
-/// A cluster has at most so many triangles, and as many vertices.
+/// A cluster has at most this many triangles, and as many vertices.
 pub(crate) const CLUSTER_SIZE: usize = LANE_COUNT;
 
-/// A node of the tree above clusters has at most so many children.
+/// A node of the tree above clusters has at most this many children.
 const CHILD_COUNT: usize = LANE_COUNT;
 
 /// All triangles of a mesh, cluster by cluster, in the order in which the tree above leads to them.
@@ -28,18 +27,18 @@ impl Clusters {
     /// Of a mesh with these reference positions.
     pub(crate) fn new<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> Self {
         let mut clusters = grow(topology, positions);
-        let mut places = memory::listed(
+        let mut centres = memory::listed(
             clusters.iter().zip(0..).map(|(cluster, number)| (centre(topology, positions, cluster), number)),
         );
-        sort(&mut places);
-        let sorted = memory::listed(places.iter().map(|&(_, number)| mem::take(&mut clusters[number as usize])));
+        sort(&mut centres);
+        let sorted = memory::listed(centres.iter().map(|&(_, number)| mem::take(&mut clusters[number as usize])));
         Self {
             triangles: memory::listed(sorted.iter().flatten().copied()),
             sizes: memory::listed(sorted.iter().map(|cluster| cluster.len() as u8)),
         }
     }
 
-    /// As they were found before, for a mesh with this topology; `None` where they cannot be its clusters.
+    /// Takes over clusters that were found before; `None` where they cannot be those of a mesh with this topology.
     pub(crate) fn known(topology: &Topology, triangles: Vec<u32>, sizes: Vec<u8>) -> Option<Self> {
         let count = topology.triangles().len();
         let mut is_free = memory::filled(true, count);
@@ -86,8 +85,8 @@ fn has_few_vertices(topology: &Topology, cluster: &[u32]) -> bool {
     count <= CLUSTER_SIZE
 }
 
-/// The centre of a cluster's box, and the cluster.
-type Place<T> = (Vector3<T>, u32);
+/// The centre of a cluster's box, and the cluster's number.
+type Centre<T> = (Vector3<T>, u32);
 
 fn centre<T: Scalar>(topology: &Topology, positions: &[Vector3<T>], cluster: &[u32]) -> Vector3<T> {
     let mut aabb = Aabb::empty();
@@ -96,13 +95,13 @@ fn centre<T: Scalar>(topology: &Topology, positions: &[Vector3<T>], cluster: &[u
     aabb.centre()
 }
 
-/// Where a set of clusters is halved, and its halves again, until each part is one child's; `None` where it is.
+/// Where a set of clusters is halved for children that hold up to `capacity` each; `None` for what one child holds.
 pub(crate) fn middle(count: usize, capacity: usize) -> Option<usize> {
-    // About the middle, and so that one half is all full parts.
+    // About the middle, but so that one half fills its children.
     (count > capacity).then(|| (count / 2).next_multiple_of(capacity))
 }
 
-/// How many clusters a child can hold, if all below it are full, of a node above so many; `None` where those are its children.
+/// How many clusters a full child of a node above this many holds; `None` where the clusters are the node's children.
 pub(crate) fn capacity_below(count: usize) -> Option<usize> {
     let mut capacity = CHILD_COUNT;
     while capacity * CHILD_COUNT < count {
@@ -113,28 +112,28 @@ pub(crate) fn capacity_below(count: usize) -> Option<usize> {
 
 /// Sorts clusters so that those under one node of the tree follow one another: a set is halved along the longest side of
 /// its centres' box again and again, at places that leave as few nodes as can be.
-fn sort<T: Scalar>(places: &mut [Place<T>]) {
-    if let Some(capacity) = capacity_below(places.len()) {
-        halve(places, capacity);
+fn sort<T: Scalar>(centres: &mut [Centre<T>]) {
+    if let Some(capacity) = capacity_below(centres.len()) {
+        halve(centres, capacity);
     }
 }
 
-fn halve<T: Scalar>(places: &mut [Place<T>], capacity: usize) {
-    let Some(middle) = middle(places.len(), capacity) else { return sort(places) };
-    let mut centres = Aabb::empty();
-    places.iter().for_each(|(centre, _)| centres.include(centre));
-    let axis = (centres.upper - centres.lower).imax();
-    places.select_nth_unstable_by(middle, |(a, i), (b, j)| {
+fn halve<T: Scalar>(centres: &mut [Centre<T>], capacity: usize) {
+    let Some(middle) = middle(centres.len(), capacity) else { return sort(centres) };
+    let mut around = Aabb::empty();
+    centres.iter().for_each(|(centre, _)| around.include(centre));
+    let axis = (around.upper - around.lower).imax();
+    centres.select_nth_unstable_by(middle, |(a, i), (b, j)| {
         a[axis].partial_cmp(&b[axis]).unwrap_or(Ordering::Equal).then(i.cmp(j))
     });
-    let (left, right) = places.split_at_mut(middle);
+    let (left, right) = centres.split_at_mut(middle);
     halve(left, capacity);
     halve(right, capacity);
 }
 
-/// Cuts the surface, at its reference positions, into clusters: each grows from a seed over shared edges until it has 16
-/// triangles or would have more than 16 vertices. Which neighbour is next: the one that adds the fewest vertices, then the
-/// one nearest to the cluster's centre, then the first in space. A new cluster starts where the last one could not go on, so
+/// Cuts the surface, at its reference positions, into clusters. Each grows from a seed over shared edges until it has 16
+/// triangles or would have more than 16 vertices. Next comes the neighbour that adds the fewest vertices; of several the one
+/// nearest to the cluster's centre, then the first in space. A new cluster starts where the last one could not go on, so
 /// that few remnants are left between clusters.
 fn grow<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> Vec<Vec<u32>> {
     let count = topology.triangles().len();
@@ -157,7 +156,7 @@ fn grow<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> Vec<Vec<u32
     clusters
 }
 
-/// In place of a cluster's number: of a triangle that none has come to, and of one that belongs to one for good.
+/// In place of a cluster's number: no cluster has come to the triangle; the triangle belongs to a cluster for good.
 const NO_CLUSTER: u32 = u32::MAX;
 const TAKEN: u32 = u32::MAX - 1;
 
@@ -165,12 +164,12 @@ struct Growth<'a, T: Scalar> {
     in_space: &'a OrderInSpace<'a, T>,
     triangles: &'a [[u32; 3]],
     neighbours: Vec<[u32; 3]>,
-    /// In space.
+    /// By triangle its place in space.
     places: Vec<u32>,
-    /// The cluster that was the last to border on each triangle.
+    /// By triangle the last cluster that bordered on it.
     cluster_of: Vec<u32>,
     seeds: Vec<u32>,
-    /// What the cluster that grows may grow by.
+    /// The triangles that the present cluster may grow by.
     border: Vec<Candidate<T>>,
 }
 
@@ -181,9 +180,9 @@ struct Candidate<T: Scalar> {
     corners: [u32; 3],
     /// How many of its corners the cluster does not have.
     new: u32,
-    /// In space.
+    /// Its place in space.
     place: u32,
-    /// Thrice its centre: all are compared alike.
+    /// Three times its centre, as all are compared.
     centre: Vector3<T>,
 }
 

@@ -2,8 +2,7 @@
 //! fifth of a mesh's memory.
 
 use super::MeshError;
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
 /// Where two triangles meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,8 +25,8 @@ pub enum Border {
 /// In place of a neighbour where the surface ends.
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
 
-/// A triangle's side, seen from its smaller end: the larger end, whether the triangle runs backward through it, and the
-/// triangle, as one number, which sorts fastest.
+/// A triangle's side, seen from its end with the smaller number: the larger end, whether the triangle runs backward through the
+/// side, and the triangle. As one number they sort fastest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Side(u64);
 
@@ -50,7 +49,7 @@ impl Side {
     }
 }
 
-/// A triangle's two corners beside one of them, in its order.
+/// The two corners of a triangle that follow one of them, in its order.
 pub(crate) fn others([a, b, c]: [u32; 3], vertex: u32) -> [u32; 2] {
     if a == vertex {
         [b, c]
@@ -76,8 +75,8 @@ pub(crate) fn list_sides(vertex: u32, triangles: &[[u32; 3]], around: &[u32], si
     sides.sort_unstable();
 }
 
-/// Every edge must belong to two triangles that run through it in opposite directions, or to one at a border. Gives the
-/// triangles across the edges of each, in no order, and [`NO_TRIANGLE`] for those that are not there; and whether there is a border.
+/// Checks that every edge belongs to two triangles that run through it in opposite directions, or to one at a border. Gives each
+/// triangle's neighbours across its edges, in no order, with [`NO_TRIANGLE`] at a border; and whether there is a border.
 pub(crate) fn check(
     triangles: &[[u32; 3]],
     around: &[u32],
@@ -122,7 +121,7 @@ pub(crate) fn join(neighbours: &mut [[u32; 3]], [a, b]: [u32; 2]) {
     }
 }
 
-/// The edge at or after `next` among a vertex's sides.
+/// The first edge at or after `next` among a vertex's sides; moves `next` behind it.
 pub(crate) fn next_edge(vertex: u32, sides: &[Side], next: &mut usize) -> Option<Edge> {
     while let Some(&[s, t]) = sides[*next..].first_chunk() {
         let is_edge = s.end() == t.end();

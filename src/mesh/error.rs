@@ -41,7 +41,7 @@ pub enum MeshError {
         /// How many there are.
         count: usize,
     },
-    /// Two holes share a vertex, so what is around each of them is not settled.
+    /// Two holes share a vertex, so the loop around each of them is not settled.
     HolesTouch {
         /// The vertex.
         vertex: u32,
@@ -66,16 +66,16 @@ pub enum MeshError {
         /// How large that may be.
         most: f64,
     },
-    /// No triangles over the vertices around a hole have all an area and no edge that the mesh has already.
+    /// A hole cannot be closed by triangles that all have an area, without an edge that the mesh has already.
     HoleNotClosed {
         /// The first vertex around it.
         vertex: u32,
         /// How many there are.
         vertex_count: usize,
     },
-    /// The largest part of the area that caps may have is below 0, above 1 or NaN.
+    /// The part of the area that caps may have is below 0, above 1 or NaN.
     CloseHoles {
-        /// It.
+        /// The value given.
         value: f64,
     },
     /// Two neighbours run through their shared edge the same way, so one of them faces inward.
@@ -134,17 +134,17 @@ pub enum MeshError {
     },
     /// The distance between the unknowns that carry a mesh is negative or NaN.
     CarrierSpacing {
-        /// It.
+        /// The value given.
         value: f64,
     },
 }
 
-/// What to call triangles and vertices.
+/// How messages name triangles and vertices.
 #[derive(Clone, Copy)]
 enum Names<'a> {
-    /// Those of arrays, which count from 0.
+    /// By their numbers in arrays, from 0.
     OfArrays,
-    /// Those of a file, which counts lines and vertices from 1.
+    /// By lines and vertices of a file, from 1.
     OfFile(&'a ObjSurface),
 }
 

@@ -7,8 +7,8 @@ use crate::math::Scalar;
 use crate::math::margins::{LEAST_PART, LEAST_SINE};
 use crate::simd::{Lanes, Mask, Vectors};
 
-/// Vertices around which all triangles face along an axis, or all against it, and go around once: seen along the axis they
-/// cover a neighbourhood of the vertex once, so that the points just before and behind it lie on either side of the surface.
+/// Around which vertices all triangles face along an axis, or all against it, and go around once. Seen along the axis these cover
+/// a neighbourhood of the vertex once, so the points just before and behind it lie on either side of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facing {
     /// By axis.
@@ -17,15 +17,15 @@ pub(crate) struct Facing {
 }
 
 impl<T: Scalar> Mesh<T> {
-    /// Of up to sixteen vertices, whose normals go into `found`. Where rounding might decide, or squares underflow or overflow,
-    /// neither holds.
+    /// For up to sixteen vertices, whose normals go into `found`. Where rounding might decide, or squares underflow or overflow,
+    /// a vertex faces neither way.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn facing<L: Lanes<T>>(&self, vertices: &[u32], found: &mut NormalLanes<T>) -> Facing {
         let mut fan = FacingFan { along: [Mask::MAX; 3], against: [Mask::MAX; 3], once: [0; 3], more: [0; 3] };
         self.vertex_normals_and::<L>(vertices, found, &mut fan);
         let FacingFan { mut along, mut against, once, more } = fan;
         for axis in 0..3 {
-            // Seen along one axis, the edges pass the next.
+            // Seen along an axis, edges go around by passing the next axis.
             let next = (axis + 1) % 3;
             along[axis] &= once[next] & !more[next];
             against[axis] &= once[next] & !more[next];

@@ -3,17 +3,16 @@
 
 use super::{MeshError, Topology};
 use crate::math::{Aabb, Scalar, Vector3};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
-/// The triangles that close a hole grow with the cube of the vertices around it: these take about a second.
+/// The time to close a hole grows with the cube of the vertices around it; this many take about a second.
 const MOST_VERTICES: usize = 1000;
 
-/// A triangle flatter than this part of its longest side, squared, is none.
+/// A triangle whose area is below this part of the square of its longest side counts as none.
 const LEAST_AREA: f64 = 1.0 / 1_048_576.0;
 
-/// How much the sides of a triangle count beside its area: among caps of one area, which all those of a plane hole are, the
-/// one with short sides is best.
+/// How much the squares of a triangle's sides count beside its area. All caps of a plane hole have the same area, and the one
+/// with short sides is best.
 const SIDES: f64 = 1.0 / 1_048_576.0;
 
 /// A hole that was closed when the mesh was made.
@@ -47,7 +46,7 @@ pub(super) fn caps<T: Scalar>(
     }
     half_edges.sort_unstable();
     let runs = |from: u32, to: u32| half_edges.binary_search_by_key(&(from, to), |&(a, b, _)| (a, b)).is_ok();
-    // As a cap runs through them.
+    // The sides of the border, in the direction in which a cap runs through them.
     let mut border: Vec<HalfEdge> =
         memory::listed(half_edges.iter().filter(|&&(a, b, _)| !runs(b, a)).map(|&(a, b, triangle)| (b, a, triangle)));
     border.sort_unstable();
@@ -112,13 +111,13 @@ fn area(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> f64 {
     (b - a).cross(&(c - a)).norm() / 2.0
 }
 
-/// Triangles over a loop of vertices, of the least area of all that have no new vertex (Barequet and Sharir 1995, "Filling
-/// gaps in the boundary of a polyhedron", section 3), by the numbers of the vertices in the loop. No diagonal is an edge
-/// already, since that would have four triangles. None where all ways have such a diagonal or a triangle without area.
+/// The triangles of least area over a loop of vertices, without a new vertex (Barequet and Sharir 1995, "Filling gaps in the
+/// boundary of a polyhedron", section 3), by places in the loop. No diagonal may be an edge already, which would then have four
+/// triangles. `None` where every way has such a diagonal or a triangle without area.
 fn least_area(at: &[Vector3<f64>], is_edge: impl Fn(usize, usize) -> bool) -> Option<Vec<[usize; 3]>> {
     let count = at.len();
-    // The cost of what lies between two vertices of the loop, by either of them first; and the third corner of the triangle
-    // over both.
+    // By two vertices of the loop, in either order, the cost of the triangles between them; and the third corner of the triangle
+    // that has both.
     let mut costs = memory::filled(0.0, count * count);
     let mut thirds = memory::filled(0u32, count * count);
     for length in 2..count {
@@ -129,7 +128,7 @@ fn least_area(at: &[Vector3<f64>], is_edge: impl Fn(usize, usize) -> bool) -> Op
                 let side = (at[j] - at[i]).norm_squared();
                 for k in i + 1..j {
                     let below = costs[i * count + k] + costs[j * count + k];
-                    // What is dearer without its triangle needs no look at that.
+                    // Already dearer without its triangle.
                     if below >= least {
                         continue;
                     }

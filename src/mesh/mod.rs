@@ -52,11 +52,11 @@ use std::sync::{Arc, OnceLock};
 #[derive(Debug)]
 pub struct Mesh<T: Scalar> {
     topology: Arc<Topology>,
-    /// Under a pose those of vertices that are not placed are NaN.
+    /// Under a pose, those of vertices that are not placed are NaN.
     positions: Vec<Vector3<T>>,
     aabb: Aabb<T>,
     stamp: u64,
-    /// Where the reference positions are moved by one.
+    /// The pose that moves the reference positions, if one does.
     pose: Option<Pose>,
     /// The vertices placed since the pose was set.
     placed: Vec<u32>,
@@ -65,14 +65,14 @@ pub struct Mesh<T: Scalar> {
     /// How far apart the unknowns are that move its vertices, where the host has said so.
     told_spacing: Option<T>,
     carrier: Carrier<T>,
-    /// The same for clones.
+    /// Shared by clones.
     reference: Arc<Reference<T>>,
 }
 
-/// What moves a mesh.
+/// The unknowns that move a mesh.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carrier<T> {
-    /// How far apart its unknowns are; 0 for a rigid body.
+    /// How far apart they are; 0 for a rigid body.
     pub(crate) spacing: T,
     pub(crate) are_vertices_nodes: bool,
 }
@@ -81,7 +81,7 @@ pub(crate) struct Carrier<T> {
 #[derive(Debug)]
 struct Reference<T: Scalar> {
     positions: Vec<Vector3<T>>,
-    /// Found when first asked for, like all that follows.
+    /// Found when first asked for, like the patches, the order and the roundness.
     clusters: OnceLock<Clusters>,
     patches: OnceLock<Patches<T>>,
     /// The triangles, in an order that numbering does not change.
@@ -134,8 +134,8 @@ impl<T: Scalar> Mesh<T> {
         Self::checked(positions, triangles, Border::Refused, Vec::new())
     }
 
-    /// The same for a surface with holes, as scans have them: triangles over the vertices around each hole close it, those of
-    /// the least area. They come behind those that were given, and move with their vertices; no vertex is added.
+    /// The same for a surface with holes, as scans have them. Each hole is closed by the triangles of least area over the
+    /// vertices around it. These come behind the triangles that were given, and move with their vertices; no vertex is added.
     /// [`holes`](Self::holes) lists them. `most`: the part of the given area of each connected part that its caps may have
     /// together, from 0 to 1, so that no sheet is taken for a body; 0.1 suits scans.
     ///
@@ -244,7 +244,7 @@ impl<T: Scalar> Mesh<T> {
             *place = positions.position(vertex).into();
         }
         self.leave_pose();
-        // Other vertices must not widen the surface's box.
+        // Vertices of no triangle must not widen the surface's box.
         let is_whole = self.topology.surface_vertices().len() == count;
         self.aabb = if is_whole { aabb } else { self.surface_box() };
         self.stamp = next_stamp();
@@ -259,14 +259,13 @@ impl<T: Scalar> Mesh<T> {
         aabb
     }
 
-    /// Its triangles in an order that does not depend on how they are numbered, by its reference positions; found when it is
-    /// first asked for.
+    /// Its triangles in an order that depends on its reference positions, and not on their numbers.
     pub(crate) fn triangles_in_space(&self) -> &[u32] {
         let Reference { positions, triangles_in_space, .. } = &*self.reference;
         triangles_in_space.get_or_init(|| OrderInSpace::new(&self.topology, positions).order)
     }
 
-    /// Its triangles, cluster by cluster, by its reference positions; found when they are first asked for.
+    /// Its triangles, cluster by cluster, by its reference positions.
     pub(crate) fn clusters(&self) -> &Clusters {
         let Reference { positions, clusters, .. } = &*self.reference;
         clusters.get_or_init(|| Clusters::new(&self.topology, positions))
@@ -278,13 +277,13 @@ impl<T: Scalar> Mesh<T> {
         known.map(|known| self.reference.clusters.get_or_init(|| known)).is_some()
     }
 
-    /// Its patches, by its reference positions; found when they are first asked for.
+    /// Its patches, by its reference positions.
     pub(crate) fn patches(&self) -> &Patches<T> {
         let Reference { positions, patches, .. } = &*self.reference;
         patches.get_or_init(|| Patches::new(&self.topology, positions))
     }
 
-    /// How round and how large it is, by its reference positions; found when it is first asked for.
+    /// How round and how large it is, by its reference positions.
     pub(crate) fn roundness(&self) -> Roundness {
         *self.reference.roundness.get_or_init(|| roundness::roundness(&self.topology, &self.reference.positions))
     }
@@ -310,7 +309,7 @@ impl<T: Scalar> Mesh<T> {
         Ok(())
     }
 
-    /// What holds where the host says nothing.
+    /// Sets what moves the mesh unless the host has said so.
     pub(crate) fn carry_by(&mut self, carrier: Carrier<T>) {
         self.carrier = carrier;
     }
@@ -319,7 +318,7 @@ impl<T: Scalar> Mesh<T> {
         self.told_spacing.unwrap_or(self.carrier.spacing)
     }
 
-    /// Whether it matters on which vertices a load lies.
+    /// Whether the vertices are unknowns, so that it matters on which of them a load lies.
     pub(crate) fn are_vertices_nodes(&self) -> bool {
         self.told_spacing.map_or(self.carrier.are_vertices_nodes, |spacing| spacing == T::zero())
     }

@@ -1,6 +1,6 @@
 use super::{Mesh, RING_LENGTH, VertexNormal};
 use crate::math::{Scalar, Vector3, direction, length, margins};
-use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, lanes_of};
+use crate::simd::{LANE_COUNT, Lanes, Lists, Mask, Vectors, lanes_of, set_lane};
 
 /// Sixteen points with their normals, coordinate by coordinate.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +11,7 @@ pub(crate) struct NormalLanes<T: Scalar> {
     /// Outward, of unit length.
     pub(crate) normal: [[T; LANE_COUNT]; 3],
     pub(crate) area: [T; LANE_COUNT],
-    /// Where the points are vertices, the first two of those around each: with it the corners of its first triangle.
+    /// Where the points are vertices, the first two vertices around each, which form a triangle with it.
     pub(crate) neighbours: [[u32; LANE_COUNT]; 2],
     /// Which lanes have a normal; the others hold nothing of use.
     pub(crate) found: Mask,
@@ -77,8 +77,8 @@ impl<T: Scalar> Mesh<T> {
             None => std::array::from_fn(|lane| *vertices.get(lane).unwrap_or(&vertices[0])),
         };
         let (rings, ring_start) = self.topology().rings();
-        let starts = L::gather_indices(ring_start, &own);
-        let ends = L::gather_indices(ring_start, &own.map(|vertex| vertex + 1));
+        let starts = L::Lists::gather_indices(ring_start, &own);
+        let ends = L::Lists::gather_indices(ring_start, &own.map(|vertex| vertex + 1));
         let mut longest = 0;
         for (start, end) in starts.iter().zip(&ends) {
             longest = longest.max(end - start);
@@ -93,10 +93,10 @@ impl<T: Scalar> Mesh<T> {
         for place in 0..longest as usize {
             let mut others = own;
             if place < RING_LENGTH {
-                others = L::gather_indices(rings, &starts.map(|start| start + place as u32));
+                others = L::Lists::gather_indices(rings, &starts.map(|start| start + place as u32));
             } else {
                 for (other, vertex) in others.iter_mut().zip(own) {
-                    // Beyond a ring's end the vertex itself: an edge of no length adds nothing.
+                    // Beyond a ring's end stands the vertex itself: an edge of no length adds nothing.
                     *other = *self.topology().ring(vertex).get(place).unwrap_or(&vertex);
                 }
             }
@@ -128,16 +128,16 @@ impl<T: Scalar> Mesh<T> {
             doubled_area.sub(along).add(doubled_area.mul(L::splat(margins::margin(margins::SUM_AROUND_VERTEX))));
         found.outward = missing.is_less(smallest.mul(L::splat(T::of(margins::LEAST_NORMAL)))) & !unsafe_squares;
         for lane in lanes_of(unsafe_squares & found.found) {
-            self.one_by_one(lane, own[lane], found);
+            self.find_alone(lane, own[lane], found);
         }
     }
 
-    /// The lane's normal with all care that too large and too small squares need.
+    /// Finds the normal of one lane by [`vertex_normal`](Self::vertex_normal), which copes with squares too large or too small.
     #[cold]
-    fn one_by_one(&self, lane: usize, vertex: u32, found: &mut NormalLanes<T>) {
+    fn find_alone(&self, lane: usize, vertex: u32, found: &mut NormalLanes<T>) {
         match self.vertex_normal(vertex) {
             Some(VertexNormal { normal, area }) => {
-                (0..3).for_each(|axis| found.normal[axis][lane] = normal[axis]);
+                set_lane(&mut found.normal, lane, &normal);
                 found.area[lane] = area;
             }
             None => found.found &= !(1 << lane),

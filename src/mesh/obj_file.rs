@@ -53,9 +53,9 @@ pub fn read_obj_file(path: &Path) -> Result<Surface, ObjFileError> {
     Ok((positions, triangles))
 }
 
-/// The same with the lines.
+/// The same, with the line of each triangle's face.
 pub(crate) fn read_obj_surface(path: &Path) -> Result<ObjSurface, ObjFileError> {
-    // Whatever goes wrong repeats it.
+    // For the copies of the path in an error.
     memory::ask(2 * path.as_os_str().len());
     let bytes = read_bytes(path).map_err(|source| ObjFileError::NotReadable { path: path.to_owned(), source })?;
     obj_text::read(&bytes).map_err(|reason| ObjFileError::Broken { path: path.to_owned(), reason })

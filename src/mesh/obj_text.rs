@@ -3,7 +3,7 @@
 
 use crate::memory::{Room, text};
 
-/// Of a word that is quoted in a message.
+/// A word that is quoted in a message is cut to this length.
 const QUOTED_LENGTH: usize = 40;
 
 /// What is wrong, and in which line.
@@ -89,7 +89,7 @@ fn number(word: &[u8], line: u32) -> Result<f64, Fault> {
 }
 
 impl ObjSurface {
-    /// `words` are `vertex`, `vertex/texture`, `vertex//normal` or all three; `corners` is memory to use.
+    /// `words` are `vertex`, `vertex/texture`, `vertex//normal` or all three; `corners` is scratch memory.
     fn add_face(&mut self, words: &[&[u8]], line: u32, corners: &mut Vec<u32>) -> Result<(), Fault> {
         if words.len() < 3 {
             return Err(text!("line {line}: a face of fewer than three corners"));

@@ -5,12 +5,12 @@ use crate::math::{Scalar, Vector3};
 use crate::memory;
 use std::cmp::Ordering;
 
-/// The triangles in the order in which their corners come in space, at the reference positions: what is settled once for a
-/// mesh goes by it, so that other numbers give the same tiles and patches.
+/// The triangles in the order in which their corners come in space, at the reference positions. What is settled once for a mesh
+/// goes by this order, so other numbers give the same tiles and patches.
 pub(crate) struct OrderInSpace<'a, T: Scalar> {
     positions: &'a [Vector3<T>],
     triangles: &'a [[u32; 3]],
-    /// By vertex; vertices in one place have the same.
+    /// By vertex its rank in space; vertices in one place have the same.
     ranks: Vec<u32>,
     /// The triangles, in order.
     pub(crate) order: Vec<u32>,
@@ -22,7 +22,7 @@ impl<'a, T: Scalar> OrderInSpace<'a, T> {
         let ranks = ranks(positions);
         let sorted = |corners: &[u32; 3]| first_rank_first(*corners, &ranks).map(|vertex| ranks[vertex as usize]);
         let keys = memory::listed(triangles.iter().map(sorted));
-        // Two on average begin at the same corner: counted first, few are left to be sorted.
+        // Counted by first corner, two triangles on average are left to be sorted.
         let mut ends = memory::filled(0u32, positions.len() + 1);
         keys.iter().for_each(|key| ends[key[0] as usize + 1] += 1);
         (1..ends.len()).for_each(|rank| ends[rank] += ends[rank - 1]);
@@ -69,7 +69,7 @@ fn first_rank_first(corners: [u32; 3], ranks: &[u32]) -> [u32; 3] {
 
 /// How many other places come before each position's.
 fn ranks<T: Scalar>(positions: &[Vector3<T>]) -> Vec<u32> {
-    // Beside one another, so that sorting does not look them up.
+    // Positions beside their vertices, so that sorting need not look them up.
     let mut sorted = memory::listed(positions.iter().zip(0u32..).map(|(p, vertex)| ([p.x, p.y, p.z], vertex)));
     sorted.sort_unstable_by(|(a, _), (b, _)| a.partial_cmp(b).unwrap_or(Ordering::Equal));
     let mut ranks = memory::filled(0, positions.len());

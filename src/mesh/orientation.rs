@@ -1,23 +1,21 @@
-//! Whether the closed parts of a surface face outward. One that faces inward is a cavity where it lies inside the others;
-//! elsewhere the winding number would be negative behind it, and bodies be pushed the wrong way.
+//! Whether the closed parts of a surface face outward. A part that faces inward is a cavity if it lies inside the others.
+//! Elsewhere the winding number behind it would be negative, and bodies would be pushed the wrong way.
 
 use super::winding::{self, Corners, WindingTree};
 use super::{Mesh, MeshError};
 use crate::math::{Aabb, Scalar, Vector3, margins};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
-/// A surface flush with the wall of another part has a winding number of a half in it, or a quarter at an edge; both count as
-/// inside.
+/// Flush with the wall of another part the winding number is a half, and at its edges a quarter; both count as inside.
 const LEAST_INSIDE: f64 = 0.2;
 
 /// The volume within one closed part.
 struct Volume {
-    /// In units of the box around the part, along each axis, so that it neither overflows nor underflows.
+    /// In units of the sides of the part's box, so that it neither overflows nor underflows.
     scaled: f64,
     /// How much of it may be rounding.
     rounding: f64,
-    /// Of the box.
+    /// The sides of the box.
     sides: Vector3<f64>,
 }
 
@@ -103,7 +101,7 @@ impl Volume {
         Ok(Self { scaled: six_fold / 6.0, rounding, sides })
     }
 
-    /// Of a part that faces inward and has this triangle.
+    /// Why a part is refused that faces inward and has this triangle.
     fn refusal(&self, triangle: u32) -> MeshError {
         let triangle = triangle as usize;
         if self.scaled.abs() <= self.rounding {
@@ -128,7 +126,7 @@ impl InwardPart<'_> {
 
 /// Whether all inward parts lie inside the others, by the outermost points of each.
 fn check_cavities<T: Scalar>(mesh: &Mesh<T>, triangles: &[u32], inward: &[InwardPart<'_>]) -> Result<(), MeshError> {
-    // Of one unit's size, so that lengths neither overflow nor underflow.
+    // In units of the mesh's size, so that lengths neither overflow nor underflow.
     let lower = mesh.aabb().lower.map(T::to_f64);
     let size = (mesh.aabb().upper.map(T::to_f64) - lower).max();
     let scaled = |triangle: u32| corners(mesh, triangle).map(|corner| (corner - lower) / size);

@@ -3,8 +3,7 @@
 
 use super::{Edge, OrderInSpace, Topology};
 use crate::math::{Aabb, Scalar, Vector3, length};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
 /// The patches of a mesh, from its triangles up to the largest that are nearly flat.
 #[derive(Clone, Debug)]
@@ -12,11 +11,11 @@ pub(crate) struct Patches<T: Scalar> {
     /// All triangles; those of a patch are neighbours here.
     order: Vec<u32>,
     patches: Vec<Patch<T>>,
-    /// By triangle: the patch that is it alone.
+    /// By triangle the patch that consists of it alone.
     smallest: Vec<u32>,
     /// The areas of the smallest and the largest patch of several triangles.
     bounds: Option<[T; 2]>,
-    /// Some triangles, and their doubled area together, by which to tell how much the mesh has grown since.
+    /// Some triangles, and the sum of their doubled areas, which tell how much the mesh has grown since.
     probes: Vec<u32>,
     probed_area: T,
 }
@@ -43,7 +42,7 @@ const FLAT: f64 = 0.9;
 /// The first three binary digits of an area tell its level, so there are four levels for each doubling.
 const LEVEL_SHIFT: u32 = f64::MANTISSA_DIGITS - 3;
 
-/// So many triangles tell how much a mesh has grown.
+/// About this many triangles tell how much a mesh has grown.
 const PROBE_COUNT: usize = 64;
 
 fn level_of<T: Scalar>(area: T) -> u64 {
@@ -51,11 +50,11 @@ fn level_of<T: Scalar>(area: T) -> u64 {
 }
 
 impl<T: Scalar> Patches<T> {
-    /// Those of a mesh at its reference positions. Triangles go by their places in space, so that ties do not depend on
+    /// The patches of a mesh at its reference positions. Triangles go by their places in space, so that ties do not depend on
     /// their numbers.
     pub(crate) fn new(topology: &Topology, positions: &[Vector3<T>]) -> Self {
         let in_space = OrderInSpace::new(topology, positions);
-        let tree = Tree::grow(topology, positions, &in_space);
+        let tree = MergeTree::grow(topology, positions, &in_space);
         let count = topology.triangles().len();
         let (ranges, mut order) = tree.ranges(count);
         let mut middle_triangles = tree.middle_triangles(&ranges, &order);
@@ -127,19 +126,19 @@ impl<T: Scalar> Patches<T> {
         }
     }
 
-    /// The largest patch around a triangle of at most this area, and of at most such a part of the largest of all around it.
+    /// The largest patch around a triangle of at most this area, and at most this part of the area of the largest patch there.
     pub(crate) fn part_around(&self, triangle: u32, area: T, part: T) -> u32 {
         let whole = self.around(triangle, T::INFINITY);
         self.around(triangle, area.min(self.patches[whole as usize].area * part))
     }
 
-    /// The two that a patch was merged from; `None` for a triangle.
+    /// The two patches that a patch was merged from; `None` for a triangle.
     pub(crate) fn parts(&self, patch: u32) -> Option<[u32; 2]> {
         let parts = self.patches[patch as usize].parts;
         (parts != [patch; 2]).then_some(parts)
     }
 
-    /// Whether a patch was merged from these two.
+    /// Whether these two patches were merged into one.
     pub(crate) fn are_halves(&self, first: u32, second: u32) -> bool {
         let whole = self.patches[first as usize].whole;
         first != second && whole != first && whole != second && self.patches[second as usize].whole == whole
@@ -156,7 +155,7 @@ impl<T: Scalar> Patches<T> {
         self.patches[patch as usize].middle
     }
 
-    /// The patch with this number, if there is one with this triangle in its middle.
+    /// The number itself, if it is that of a patch with this triangle in its middle.
     pub(crate) fn named(&self, number: u32, middle: u32) -> Option<u32> {
         self.patches.get(number as usize).filter(|patch| patch.middle == middle).map(|_| number)
     }
@@ -198,7 +197,7 @@ impl Moments {
         self.vector.norm() >= self.area * FLAT
     }
 
-    /// Small where the patch is compact and flat: its mean squared radius, and the area that bending takes.
+    /// Small where the patch is compact and flat: the mean squared radius, and twice the area that bending takes.
     fn cost(&self) -> f64 {
         let middle = self.first / self.area;
         let radius_squared = self.second / self.area - middle.norm_squared();
@@ -206,15 +205,15 @@ impl Moments {
     }
 }
 
-/// What was merged from what: first the triangles, then patches in the order in which they came to be.
-struct Tree {
+/// What was merged from what: first the triangles, then the patches in the order in which they were merged.
+struct MergeTree {
     moments: Vec<Moments>,
     middles: Vec<Vector3<f64>>,
-    /// Of each patch beyond the triangles.
+    /// The two parts of each patch behind the triangles.
     parts: Vec<[u32; 2]>,
 }
 
-impl Tree {
+impl MergeTree {
     /// Merges in rounds, each patch with at most one neighbour a round, the best pairs first, while any two neighbours
     /// are flat together.
     fn grow<T: Scalar>(topology: &Topology, positions: &[Vector3<T>], in_space: &OrderInSpace<'_, T>) -> Self {
@@ -251,7 +250,7 @@ impl Tree {
         self.moments[a as usize].with(&self.moments[b as usize])
     }
 
-    /// One round; gives into which patch each went, if only itself.
+    /// One round of merges; gives for each patch the one that it was merged into, or itself.
     fn merge(&mut self, neighbours: &[[u32; 2]]) -> Vec<u32> {
         let mut merged_into = memory::listed(0..self.moments.len() as u32);
         let together = neighbours.iter().map(|&pair| (self.together(pair), pair));

@@ -2,18 +2,17 @@
 
 use super::{Mesh, next_stamp};
 use crate::math::{Aabb, Pose, Scalar, Vector3};
-use crate::memory;
-use crate::memory::Room;
-use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};
+use crate::memory::{self, Room};
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane};
 
 impl<T: Scalar> Mesh<T> {
-    /// The pose that its reference positions are moved by, where it is; none after other positions.
+    /// The pose that moves its reference positions; `None` once it was given positions.
     pub(crate) fn pose(&self) -> Option<&Pose> {
         self.pose.as_ref()
     }
 
-    /// Moves the reference positions by a pose, and so the surface into this box, which is the smallest. Vertices are
-    /// placed later. Octrees of this mesh are stale from here on.
+    /// Moves the reference positions by a pose; `aabb` is the smallest box around the moved surface. Vertices are placed later.
+    /// Octrees of this mesh are stale from here on.
     pub(crate) fn follow(&mut self, pose: &Pose, aabb: Aabb<T>) {
         let nowhere = Vector3::repeat(T::of(f64::NAN));
         // Reserved now, so that no later step allocates.
@@ -71,7 +70,7 @@ impl<T: Scalar> Mesh<T> {
         }
     }
 
-    /// Apart from the above, so that what has no pose pays a glance alone.
+    /// Apart from the above, so that a mesh without a pose pays for one look alone.
     #[cold]
     fn position_by(&self, pose: &Pose, vertex: u32) -> Vector3<T> {
         let position = self.positions[vertex as usize];
@@ -97,15 +96,14 @@ impl<T: Scalar> Mesh<T> {
     fn gather_moved(&self, vertices: &[u32; LANE_COUNT]) -> [[T; LANE_COUNT]; 3] {
         let mut rows = [[T::zero(); LANE_COUNT]; 3];
         for (lane, &vertex) in vertices.iter().enumerate() {
-            let position = self.position(vertex);
-            (0..3).for_each(|axis| rows[axis][lane] = position[axis]);
+            set_lane(&mut rows, lane, &self.position(vertex));
         }
         rows
     }
 
     /// The position of every vertex.
     ///
-    /// Of a body that was moved by a [`Pose`] they are all computed when they are first asked for at that pose.
+    /// For a body that was moved by a [`Pose`], all are computed when they are first asked for at that pose.
     pub fn positions(&self) -> &[Vector3<T>] {
         match &self.pose {
             None => &self.positions,

@@ -7,7 +7,7 @@ pub(crate) trait PositionSource<T: Scalar> {
 
     fn position(&self, vertex: usize) -> [T; 3];
 
-    /// Of sixteen vertices in a row.
+    /// The positions of sixteen vertices in a row.
     fn block(&self, first: usize) -> [[T; 3]; LANE_COUNT];
 }
 

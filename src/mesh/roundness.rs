@@ -1,16 +1,15 @@
 use super::Topology;
 use crate::math::{Scalar, Vector3, normalising_factor};
 
-/// Up to this angle between two faces, in degrees, their edge belongs to a smooth surface, and from the second on it is an
-/// edge of a body with faces. Between the two it is partly either, so that no rounding decides.
+/// Up to the first angle between two faces, in degrees, their edge belongs to a smooth surface; from the second on it is an edge
+/// of a body with faces. Between the two it is partly either, so that no rounding decides.
 const CREASES: [f64; 2] = [50.0, 70.0];
 
 /// How round a surface is, and how large.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Roundness {
-    /// Whatever its size and its triangulation: its mean curvature, averaged over the area and without what is bent in edges
-    /// between faces, times the radius of the ball with the same area. 1 for a ball, 0 for a body with flat faces; bulges and
-    /// dents cancel out.
+    /// Its mean curvature, averaged over the area and without the edges between faces, times the radius of the ball with the same
+    /// area. 1 for a ball, 0 for a body with flat faces; bulges and dents cancel out. Independent of size and triangulation.
     pub(crate) of_unit: f64,
     /// In m².
     pub(crate) area: f64,

@@ -1,9 +1,8 @@
 use super::MeshError;
 use super::edges::{self, Border, Edge, NO_TRIANGLE, Side};
 use crate::math::Scalar;
-use crate::memory;
-use crate::memory::Room;
-use crate::simd::{LANE_COUNT, Lanes};
+use crate::memory::{self, Room};
+use crate::simd::{LANE_COUNT, Lanes, Lists};
 use std::sync::OnceLock;
 
 /// Which vertices form which triangles, checked once: closed unless that is not asked for, manifold and consistently
@@ -19,7 +18,7 @@ pub struct Topology {
     rings: Vec<u32>,
     ring_start: Vec<u32>,
     surface_vertices: Vec<u32>,
-    /// Found when they are first asked for in one piece.
+    /// Found when [`edge_list`](Self::edge_list) is first called.
     edges: OnceLock<Vec<Edge>>,
     components: Vec<u32>,
     is_open: bool,
@@ -69,10 +68,10 @@ impl Topology {
         &self.around[self.around_start[vertex] as usize..self.around_start[vertex + 1] as usize]
     }
 
-    /// The first of [`triangles_around`](Self::triangles_around) of sixteen vertices.
+    /// By vertex, of sixteen, the first of [`triangles_around`](Self::triangles_around).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn first_triangles<T: Scalar, L: Lanes<T>>(&self, vertices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        L::gather_indices(&self.around, &L::gather_indices(&self.around_start, vertices))
+        L::Lists::gather_indices(&self.around, &L::Lists::gather_indices(&self.around_start, vertices))
     }
 
     /// The vertices around `vertex` in the order of the triangles there: each two that follow one another form a triangle
@@ -110,14 +109,14 @@ impl Topology {
         })
     }
 
-    /// Those of them of which a vertex is the smaller end. `sides` is scratch memory.
+    /// The edges of which a vertex is the smaller end. `sides` is scratch memory.
     pub(crate) fn edges_from(&self, vertex: u32, sides: &mut Vec<Side>) -> impl Iterator<Item = Edge> {
         edges::list_sides(vertex, self.triangles(), self.triangles_around(vertex), sides);
         let (sides, mut next) = (&*sides, 0);
         std::iter::from_fn(move || edges::next_edge(vertex, sides, &mut next))
     }
 
-    /// The triangles across the edges of each, in no order; [`NO_TRIANGLE`] for those that are not there.
+    /// Each triangle's neighbours across its edges, in no order; [`NO_TRIANGLE`] at a border.
     pub(crate) fn neighbours(&self) -> Vec<[u32; 3]> {
         let mut neighbours = memory::filled([NO_TRIANGLE; 3], self.triangles().len());
         self.edges().for_each(|edge| edges::join(&mut neighbours, edge.triangles));
@@ -193,8 +192,8 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
     let lengths = around_start.windows(2).map(|ends| RING_LENGTH.max((ends[1] - ends[0]) as usize + 1));
     let mut rings = memory::with_room(lengths.sum());
     let mut start = memory::with_room(around_start.len());
-    // The two other corners of each triangle around a vertex, in the triangle's order; and the same by their first, of
-    // which no two have the same, so that a fan of a million triangles takes no square of that.
+    // The two other corners of each triangle around a vertex, in the triangle's order; and the same sorted by the first of the
+    // two, which differs from triangle to triangle, so that the time of a large fan does not grow with its square.
     let mut sides: Vec<[u32; 2]> = Vec::new();
     let mut by_first: Vec<([u32; 2], usize)> = Vec::new();
     let mut is_done: Vec<bool> = Vec::new();
@@ -229,7 +228,7 @@ fn rings(triangles: &[[u32; 3]], around: &[u32], around_start: &[u32]) -> (Vec<u
         rings.room_for(length - rings.len()).resize(length, vertex);
         start.push(rings.len() as u32);
     }
-    // Surfaces that touch themselves in vertices have longer ones than was reckoned, and so room to spare.
+    // Rings of surfaces that touch themselves in vertices are longer than was reckoned; what was reserved for growing is freed.
     if rings.capacity() > rings.len() {
         rings = memory::listed(rings.iter().copied());
     }

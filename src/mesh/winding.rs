@@ -3,8 +3,7 @@
 //! Schmidt, Levin and Jacobson 2018), so that a point among n triangles does not take n steps.
 
 use crate::math::{Vector3, direction, length, margins};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
 /// A group this many of its radii away counts as one dipole. The error of the winding number stays far below one half.
 const FAR: f64 = 6.0;
@@ -27,7 +26,7 @@ pub(crate) fn of_triangle(corners: &Corners, point: &Vector3<f64>) -> f64 {
 /// Triangles in groups of groups.
 pub(crate) struct WindingTree {
     triangles: Vec<Corners>,
-    /// Each before those within it.
+    /// A group comes before those within it.
     groups: Vec<Group>,
 }
 
@@ -49,17 +48,17 @@ impl WindingTree {
         tree
     }
 
-    /// As deep as the logarithm of the number of triangles.
+    /// Calls itself as often within one another as the logarithm of the number of triangles.
     fn group(&mut self, first: usize, end: usize) {
         let place = self.groups.len();
         let triangles = &mut self.triangles[first..end];
         let count = triangles.len();
-        // Weighted by areas: a plane group is then a dipole up to the second order.
+        // Weighted by areas, so that a plane group is a dipole up to the second order.
         let area = triangles.iter().map(|corners| length(&normal(corners))).sum::<f64>();
         let weighted = |corners: &Corners| middle(corners) * length(&normal(corners));
         let centre = match triangles.iter().map(weighted).sum::<Vector3<f64>>() / area {
             centre if centre.iter().all(|x| x.is_finite()) => centre,
-            // Of areas that underflow.
+            // The areas underflow.
             _ => triangles.first().map_or(Vector3::zeros(), middle),
         };
         let radius = triangles.iter().flatten().map(|corner| length(&(corner - centre))).fold(0.0, f64::max);

@@ -1,9 +1,9 @@
 //! Which vertices lie inside another part of their body: those with a winding number above 1 just under them, each by a ray.
 //!
-//! A ray costs what it passes, and sixteen that go the same way cost little more than one. So rays go along an axis, to the
-//! side where the body's box is nearer, wherever all triangles around a vertex face along that axis or all against it: just
-//! before and behind such a vertex the winding number differs by one, and either tells the other. Where no axis will do, at
-//! edges and corners, they go along the inward normal.
+//! A ray costs what it passes, and sixteen that go the same way cost little more than one. So a ray goes along an axis, to the
+//! side where the body's box is nearer, if all triangles around its vertex face along that axis, or all against it. Just before
+//! and behind such a vertex the winding number differs by one, so one side tells the other. Where no axis will do, at edges and
+//! corners, the ray goes along the inward normal.
 
 // Lanes side by side read best as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
@@ -20,7 +20,7 @@ use crate::triangle::{Hit, RayPacket};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inside<T: Scalar> {
     groups: Vec<u32>,
-    /// Of the surface, neighbours together.
+    /// All vertices of the surface, neighbours together.
     vertices: Vec<u32>,
     starts: Starts,
     crossings: Vec<Hit<T>>,
@@ -28,16 +28,16 @@ pub(crate) struct Inside<T: Scalar> {
     found: Vec<u32>,
 }
 
-/// Places of vertices, by the way of their rays.
+/// By the way of their rays, the places of vertices, each with whether its ray goes outward.
 #[derive(Clone, Debug, Default)]
 struct Starts {
-    /// By axis, against it and along it; each with whether the ray goes outward.
+    /// By axis, against it and along it.
     along_axes: [[Vec<(u32, bool)>; 2]; 3],
     inward: Vec<(u32, bool)>,
 }
 
 impl<T: Scalar> Inside<T> {
-    /// Finds the places of the vertices inside, in whatever order.
+    /// Finds the places of the vertices inside, in no order.
     pub(crate) fn find(&mut self, tracer: &Tracer<'_, T>) -> &[u32] {
         tracer.groups_in(tracer.mesh().aabb(), &mut self.groups);
         dispatch::<T, _>(Search { tracer, inside: self });
@@ -71,11 +71,8 @@ impl<T: Scalar> Kernel<T> for Search<'_, T> {
         let mut cast = Cast { tracer, vertices, crossings, found };
         for axis in 0..3 {
             for side in 0..2 {
-                L::outlined(CastAll {
-                    cast: &mut cast,
-                    way: Some((axis, side)),
-                    starts: &starts.along_axes[axis][side],
-                });
+                let starts = &starts.along_axes[axis][side];
+                L::outlined(CastAll { cast: &mut cast, way: Some((axis, side)), starts });
             }
         }
         L::outlined(CastAll { cast: &mut cast, way: None, starts: &starts.inward });
@@ -97,7 +94,7 @@ impl Starts {
                 }
                 let (mut shortest, mut way) = (T::INFINITY, None);
                 for axis in 0..3 {
-                    // The normal too is to face outward from all of them, so that it is on the same side.
+                    // The mean normal has to face outward from all triangles, so that both are on one side.
                     if is_set((along[axis] | against[axis]) & lanes.outward) {
                         let at = lanes.position[axis][lane];
                         let ways = [at - mesh.aabb().lower[axis], mesh.aabb().upper[axis] - at];
@@ -119,7 +116,7 @@ impl Starts {
     }
 }
 
-/// What rays are cast in, and where what they find goes.
+/// What rays are cast in, and the list of vertices found inside.
 struct Cast<'a, T: Scalar> {
     tracer: &'a Tracer<'a, T>,
     vertices: &'a [u32],
@@ -130,7 +127,7 @@ struct Cast<'a, T: Scalar> {
 /// The rays that go one way.
 struct CastAll<'a, 'b, T: Scalar> {
     cast: &'a mut Cast<'b, T>,
-    /// The axis and the side; `None` for inward normals.
+    /// The axis and the side that the rays go to; `None` for inward normals.
     way: Option<(usize, usize)>,
     starts: &'a [(u32, bool)],
 }

@@ -1,10 +1,11 @@
 //! The shortest ways out of a body that overlaps itself.
 //!
 //! A vertex lies inside another part of its body if the surface winds around the point just under it more than once. The
-//! shortest way out of that other part ends at the nearest point of its surface, and no volume mesh is needed to tell it from
-//! the vertex' own: where its own surface lies inside the other part it is no way out, and before it comes out of that again
-//! the other part's surface has come. So the nearest point of all the surface but the part inside around the vertex is the end.
-//! Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", find the same through tetrahedra.
+//! shortest way out of that other part ends at the nearest point of its surface. No volume mesh is needed to tell that surface
+//! from the vertex' own. Around the vertex its own surface lies inside the other part and is no way out; where it comes out
+//! again, the other part's surface is nearer. So the end is the nearest point of all the surface but the part inside around the
+//! vertex. Chen, Diaz and Yuksel 2023, "Shortest path to boundary for self-intersecting meshes", find the same through
+//! tetrahedra.
 
 mod inside;
 mod region_growing;
@@ -21,7 +22,7 @@ use std::fmt;
 /// A vertex inside another part of its body, and the way out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OwnExit<T: Scalar> {
-    /// Which one.
+    /// The vertex.
     pub vertex: u32,
     /// Where its shortest way out ends; `None` where every triangle belongs to the part inside around the vertex.
     pub exit: Option<ClosestPoint<T>>,
@@ -56,9 +57,9 @@ pub struct OwnExit<T: Scalar> {
 pub struct OwnExits<T: Scalar> {
     exits: Vec<OwnExit<T>>,
     inside: Inside<T>,
-    /// Of each vertex the part inside that it belongs to.
+    /// By vertex the part inside that it belongs to, or [`OUTSIDE`].
     parts: Vec<u32>,
-    /// Of each vertex inside its part and its place in the tree, so that neighbours are together.
+    /// For each vertex inside, its part and its place in the tree: sorted, neighbours of a part are together.
     places: Vec<[u32; 2]>,
     waiting: Vec<u32>,
     points: Vec<Vector3<T>>,
@@ -93,18 +94,18 @@ impl From<OctreeError> for OwnExitsError {
     }
 }
 
-/// Inside, of a part that is yet to be numbered.
+/// The part of a vertex inside that is yet to be numbered.
 const UNNUMBERED: u32 = u32::MAX - 1;
 
 impl<T: Scalar> OwnExits<T> {
-    /// Finds the vertices around which the surface, just under them, winds more than once, in ascending order. Each has the
-    /// nearest point of the surface without the triangles that have a vertex of its own part inside: those vertices inside
-    /// that are connected with it along edges. Where that point is one of those triangles' too, the surface goes on there into
-    /// the part, and the part grows by the vertices around it until the point is no more.
+    /// Finds the vertices with a winding number above 1 just under them, in ascending order. A vertex' part are the vertices
+    /// inside that are connected with it along edges. Its exit is the nearest point of the surface without the triangles that
+    /// have a vertex of the part. Where that point also lies on such a triangle, the surface goes on there into the part. The
+    /// part then grows by the vertices around it until the point does not.
     ///
     /// Vertices without a normal have no side, and are left out. Where a body lies in itself all around, as a ring of two full
-    /// turns, both are one part inside, and the exit may be a longer one than the shortest. The time goes with the number of
-    /// vertices, and with how many sheets lie above one another.
+    /// turns, everything is one part, and the exit may not be the shortest. The time grows with the number of vertices, and with
+    /// how many sheets lie above one another.
     ///
     /// # Errors
     /// [`OwnExitsError`]; what was found before is then gone.
@@ -168,7 +169,7 @@ impl<T: Scalar> OwnExits<T> {
     }
 }
 
-/// Gives what is connected with the waiting vertices along edges, and is yet to be numbered, their number.
+/// Gives the vertices that are connected with the waiting ones along edges, and are yet to be numbered, their number.
 fn flood(topology: &Topology, parts: &mut [u32], waiting: &mut Vec<u32>) {
     while let Some(vertex) = waiting.pop() {
         for &other in topology.ring(vertex) {

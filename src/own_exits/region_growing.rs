@@ -1,6 +1,6 @@
-//! Where the other part's surface passes between a triangle's vertices, the triangle beside a part inside lies partly inside
-//! too. It is as near as the other part's surface, but no way out. Such triangles are recognised by their nearest point, which
-//! lies on the border of the part; the part then grows over them.
+//! A triangle beside a part inside may lie partly inside too, where the other part's surface passes between its vertices. It is
+//! as near as that surface, but no way out. It is recognised by its nearest point, which lies on the border of the part; the
+//! part then grows over it.
 
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
@@ -8,16 +8,16 @@ use crate::mesh::Topology;
 use crate::query::Tracer;
 use crate::triangle::ClosestPoint;
 
-/// Not inside.
+/// The part of a vertex that is not inside.
 pub(crate) const OUTSIDE: u32 = u32::MAX;
 
 /// A part inside that grows over the surface, and the points whose nearest point beyond it is sought; scratch memory for both.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RegionGrowing<T: Scalar> {
-    /// For each vertex [`PART`] if it belongs to the part, else outside.
+    /// For each vertex [`PART`] if it belongs to the part, else [`OUTSIDE`].
     parts: Vec<u32>,
     vertices: Vec<u32>,
-    /// The first of `vertices` that joined last.
+    /// Where in `vertices` those begin that joined last.
     newest: usize,
     /// The indices of the points to be searched for again.
     places: Vec<u32>,
@@ -79,7 +79,7 @@ impl<T: Scalar> RegionGrowing<T> {
     }
 }
 
-/// Whether a point, on a triangle without a vertex of the part, lies on one that has one too.
+/// Whether a point found on a triangle without a vertex of the part also lies on a triangle with one.
 fn is_on_border<T: Scalar>(topology: &Topology, parts: &[u32], part: u32, point: &Option<ClosestPoint<T>>) -> bool {
     let Some(point) = point else { return false };
     let corners = topology.triangles()[point.triangle as usize];

@@ -7,7 +7,7 @@ impl<T: Scalar> PaperOctree<T> {
     /// Offers every triangle that may have a point within the squared distance that `visitor` last returned, at first
     /// `square`; a triangle that lives in several cells may be offered several times.
     pub(crate) fn visit_near(&self, query: &QueryPoint<T>, square: T, visitor: &mut impl FnMut(u32) -> T) {
-        // Seen from the root's corner, as cells are. On the way down their planes are rounded once a level.
+        // Seen from the root's corner, as cells are. Three margins, since the cells' planes are rounded once a level.
         let query = QueryPoint {
             position: query.position - self.corner * query.factor,
             margin: query.margin * T::of(3.0),
@@ -21,7 +21,7 @@ impl<T: Scalar> PaperOctree<T> {
 struct Walk<'a, T: Scalar, V> {
     cells: &'a PaperOctree<T>,
     query: QueryPoint<T>,
-    /// Cells that are farther away are passed over.
+    /// Cells at a larger squared distance are passed over.
     limit: T,
     visitor: &'a mut V,
 }
@@ -45,7 +45,7 @@ impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
         }
         children[..count].sort_unstable_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(Ordering::Equal));
         for (square, child, lower) in &children[..count] {
-            // In this form NaN, from coordinates near the end of the range, never skips a cell.
+            // Written so that NaN, from coordinates near the end of the range, never skips a cell.
             if *square > self.limit {
                 continue;
             }

@@ -4,9 +4,9 @@ use crate::triangle::Ray;
 /// A ray as the faces of boxes see it: where it crosses the plane x = a, t = (a − origin) · inverse.
 ///
 /// Planes are moved outward by `margin`. A triangle test may accept a ray that passes its triangle at a distance of a
-/// few rounding units of the largest coordinate difference involved; no box may be skipped for less than that, or the
-/// octree would miss what testing every triangle finds. The margin is relative to the reach from the ray's origin to
-/// the far end of the mesh's box, so that it scales with the scene; infinite for rays that are to meet every box.
+/// few rounding units of the largest coordinate difference involved. A box that is nearer may not be skipped, or the octree
+/// would miss what testing every triangle finds. The margin is relative to the reach from the ray's origin to the far end of
+/// the mesh's box, so it scales with the scene. It is infinite for rays that are to meet every box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slabs<T: Scalar> {
     pub(crate) origin: Vector3<T>,
@@ -20,7 +20,7 @@ impl<T: Scalar> Slabs<T> {
         let inverse = ray.direction.map(|d| (T::one() / d).clamp(-T::LARGEST, T::LARGEST));
         let (reach, length) = (mesh_box.reach_from(&ray.origin), ray.direction.amax());
         let [least, most] = margins::reaches_told_apart();
-        // A far origin does not cut the stand-in here, so the direction alone counts.
+        // Unlike in the default tree, a far origin does not make the stand-in smaller.
         let is_told_apart = length * least <= reach && T::one() <= length * most;
         let margin = if is_told_apart { reach * margins::margin(margins::BOX_FACE) } else { T::INFINITY };
         Self { origin: ray.origin, inverse, margin }
@@ -35,7 +35,7 @@ impl<T: Scalar> Slabs<T> {
     /// The `t` at which the ray crosses a face with outward direction −axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn at_lower(&self, axis: usize, face: T) -> T {
-        // The margin after the difference: far from the world's origin it would vanish in the face's own rounding.
+        // The margin comes after the difference: far from the world's origin it would vanish in the rounding of the face.
         (face - self.origin[axis] - self.margin) * self.inverse[axis]
     }
 

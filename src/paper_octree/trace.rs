@@ -59,7 +59,7 @@ impl<T: Scalar, V: FnMut(u32) -> T> Walk<'_, T, V> {
             let [x, y, z] = std::array::from_fn(|axis| halves[axis][in_ray_order >> axis & 1]);
             let enters = x.0.max(y.0).max(z.0);
             let leaves = x.1.min(y.1).min(z.1);
-            // In this form NaN, from coordinates near the end of the range, never skips a cell.
+            // Written so that NaN, from coordinates near the end of the range, never skips a cell.
             if enters > leaves || leaves < T::zero() || enters > self.t_max {
                 continue;
             }

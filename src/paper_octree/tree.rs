@@ -4,8 +4,8 @@ use crate::mesh::Mesh;
 /// Cubic cells in flat arrays, without a pointer in any node.
 #[derive(Clone, Debug)]
 pub(crate) struct PaperOctree<T: Scalar> {
-    /// The lower corner of the root cell, a cube: that of the mesh's box. Cells are measured from here, since far from
-    /// the world's origin their planes would be rounded more coarsely than any margin allows for.
+    /// The lower corner of the root cell, a cube, and of the mesh's box. Cells are measured from here: far from the world's
+    /// origin their planes would be rounded more coarsely than any margin allows for.
     pub(super) corner: Vector3<T>,
     /// The root cell's side.
     pub(super) side: T,
@@ -20,7 +20,7 @@ pub(crate) struct PaperOctree<T: Scalar> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Node {
     pub(super) first_entry: u32,
-    /// Own entries come first, those of the cells below follow.
+    /// The node's own entries come first and end here, those of the cells below follow.
     pub(super) own_end: u32,
     pub(super) subtree_end: u32,
     pub(super) first_child: u32,

@@ -71,14 +71,8 @@ impl<T: Scalar> PaperOctree<T> {
         if side + margin < aabb.longest_side() {
             return Err(format!("triangle {triangle} is larger than its cells at level {level}"));
         }
-        let mut union = Aabb::empty();
-        for (_, cell) in cells {
-            union.include(&cell.lower);
-            union.include(&cell.upper);
-        }
-        let covered = (0..3).all(|axis| {
-            union.lower[axis] <= aabb.lower[axis] + margin && aabb.upper[axis] <= union.upper[axis] + margin
-        });
+        let union = cells.iter().fold(Aabb::empty(), |union, (_, cell)| union.union(cell)).grown(margin);
+        let covered = union.contains(&aabb.lower) && union.contains(&aabb.upper);
         if covered { Ok(()) } else { Err(format!("the cells of triangle {triangle} do not cover its box")) }
     }
 }

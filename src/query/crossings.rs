@@ -1,13 +1,12 @@
-//! The winding number of a surface around a point just under it: the sum over the crossings of an inward ray, +1 for an exit
-//! and −1 for an entry.
+//! The winding number of a surface around a point just under it, from the crossings of an inward ray.
 
 use crate::math::{Scalar, direction};
 use crate::mesh::Mesh;
 use crate::query::tracer::Tracer;
 use crate::triangle::{Hit, Ray};
 
-/// The crossings of a ray from `start` with its own mesh, but for the triangles it starts from, into `crossings`; gives
-/// the winding number under `start`.
+/// Lists the crossings of a ray with the mesh that it starts from, but for triangles with all `touched` vertices, and gives the
+/// winding number just under its origin.
 pub(crate) fn winding_number<T: Scalar>(
     tracer: &Tracer<'_, T>,
     ray: &Ray<T>,
@@ -17,10 +16,10 @@ pub(crate) fn winding_number<T: Scalar>(
     let triangles = tracer.mesh().topology().triangles();
     tracer.crossings(ray, crossings);
     crossings.retain(|hit| !touched.iter().all(|vertex| triangles[hit.triangle as usize].contains(vertex)));
-    crossings.iter().map(sign).sum()
+    crossings.iter().map(Hit::sign).sum()
 }
 
-/// Where a ray from inside first leaves a fold of the body: its first exit. Entries before it lead into further folds.
+/// The first exit of a ray from inside, where it leaves a fold of the body. Entries before it lead into further folds.
 pub(crate) fn way_out<T: Scalar>(crossings: &[Hit<T>]) -> Option<&Hit<T>> {
     crossings.iter().find(|hit| hit.is_exit)
 }
@@ -36,13 +35,8 @@ pub(crate) fn way_out_past_folds<T: Scalar>(
         return None;
     }
     tracer.crossings(&ray.until(T::INFINITY), crossings);
-    let number: i32 = crossings.iter().map(sign).sum();
+    let number: i32 = crossings.iter().map(Hit::sign).sum();
     way_out(crossings).filter(|_| number > 0).copied()
-}
-
-/// What a crossing adds to the winding number at the ray's origin.
-fn sign<T: Scalar>(crossing: &Hit<T>) -> i32 {
-    if crossing.is_exit { 1 } else { -1 }
 }
 
 /// The winding number under the middle of a triangle; `None` where the triangle has no normal.
@@ -60,9 +54,9 @@ pub(crate) fn winding_under<T: Scalar>(
     Some(winding_number(tracer, &ray, vertices, crossings))
 }
 
-/// Whether a ray that starts under the surface has left its body before its end, that is, whether the winding number along it
-/// has fallen below 1; all folds of the body count as one. A ray that does not start inside has left it, and so has any ray of
-/// an open mesh, which has no inside.
+/// Whether a ray that starts under the surface leaves its body before its end: whether the winding number along it falls below 1.
+/// So all folds of the body count as one. True too for a ray that does not start inside, and for an open mesh, which has no
+/// inside.
 pub(crate) fn leaves_body_before_end<T: Scalar>(
     tracer: &Tracer<'_, T>,
     ray: &Ray<T>,
@@ -76,7 +70,7 @@ pub(crate) fn leaves_body_before_end<T: Scalar>(
     let mut before_end = crossings.iter().take_while(|hit| hit.t < ray.t_max);
     number < 1
         || before_end.any(|hit| {
-            number -= sign(hit);
+            number -= hit.sign();
             number < 1
         })
 }

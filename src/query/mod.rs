@@ -13,7 +13,7 @@ mod winding_number;
 
 pub(crate) use crossings::{leaves_body_before_end, way_out, way_out_past_folds, winding_number, winding_under};
 pub(crate) use nearest_point::PointDistances;
-pub(crate) use octree::Cells;
+pub(crate) use octree::Tree;
 pub use octree::{Layout, Octree, OctreeError};
 pub(crate) use surface::Surface;
 pub use tracer::Tracer;

@@ -5,10 +5,10 @@ use crate::bvh::{All, Beyond, Nearest, Sought};
 use crate::math::{Scalar, Vector3};
 use crate::memory;
 use crate::mesh::Mesh;
-use crate::query::octree::Cells;
+use crate::query::octree::Tree;
 use crate::query::point_order::{BLOCK, PointOrder};
 use crate::query::tracer::Tracer;
-use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors, dispatch, lanes_of};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, Vectors, dispatch, lanes_of, vector_in_lane};
 use crate::triangle::{ClosestPoint, MeshScale, PointPacket, QueryPoint, TrianglePoint, TrianglePoints, ascending};
 
 impl<T: Scalar> Tracer<'_, T> {
@@ -26,9 +26,9 @@ impl<T: Scalar> Tracer<'_, T> {
     fn closest_point_of(&self, point: &Vector3<T>, bound: T, sought: impl Sought) -> Option<ClosestPoint<T>> {
         let query = QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?;
         let mut nearest = Nearest::within(&query, bound);
-        match self.cells {
-            Cells::Bvh(cells) => cells.find_closest(self.mesh(), &query, sought, &mut nearest),
-            Cells::PaperOctree(cells) => cells.visit_near(&query, nearest.square, &mut |triangle| {
+        match self.tree {
+            Tree::Bvh(tree) => tree.find_closest(self.mesh(), &query, sought, &mut nearest),
+            Tree::PaperOctree(tree) => tree.visit_near(&query, nearest.square, &mut |triangle| {
                 if sought.includes(self.mesh().topology().triangles()[triangle as usize]) {
                     nearest.keep_nearer(self.square_to(&query, triangle), triangle);
                 }
@@ -60,8 +60,8 @@ impl<T: Scalar> Tracer<'_, T> {
         dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, sought: All, found });
     }
 
-    /// The same on the surface without the triangles that have a vertex of one part of it, given the part of each vertex, and
-    /// a place for each point.
+    /// The same without the triangles that have a vertex of one part of the surface, given the part of each vertex. `found` has
+    /// as many elements as there are points.
     pub(crate) fn closest_points_beyond(
         &self,
         (parts, part): (&[u32], u32),
@@ -86,18 +86,17 @@ impl<T: Scalar> Tracer<'_, T> {
 
     /// The point of one triangle that is nearest to a point.
     pub(crate) fn closest_on(&self, triangle: u32, point: &Vector3<T>) -> Option<ClosestPoint<T>> {
-        let query = QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?;
+        Some(self.on_triangle(&QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?, triangle))
+    }
+
+    fn on_triangle(&self, query: &QueryPoint<T>, triangle: u32) -> ClosestPoint<T> {
         let (corners, places) = self.ascending_corners(triangle);
-        Some(TrianglePoint::new(&query, &corners).resolved(&query, triangle, &corners, places))
+        TrianglePoint::new(query, &corners).resolved(query, triangle, &corners, places)
     }
 
     /// The squared distance of one triangle.
     fn square_to(&self, query: &QueryPoint<T>, triangle: u32) -> T {
-        self.on_triangle(query, triangle).square
-    }
-
-    fn on_triangle(&self, query: &QueryPoint<T>, triangle: u32) -> TrianglePoint<T> {
-        TrianglePoint::new(query, &self.ascending_corners(triangle).0)
+        TrianglePoint::new(query, &self.ascending_corners(triangle).0).square
     }
 
     /// The corners of a triangle in ascending order of their vertices, and their places in it.
@@ -107,20 +106,18 @@ impl<T: Scalar> Tracer<'_, T> {
         (places.map(|place| corners[place]), places)
     }
 
-    pub(crate) fn resolved(&self, query: &QueryPoint<T>, nearest: &Nearest<T>, bound: T) -> Option<ClosestPoint<T>> {
-        let triangle = nearest.triangle?;
-        let (corners, places) = self.ascending_corners(triangle);
-        let found = TrianglePoint::new(query, &corners).resolved(query, triangle, &corners, places);
+    fn resolved(&self, query: &QueryPoint<T>, nearest: &Nearest<T>, bound: T) -> Option<ClosestPoint<T>> {
+        let found = self.on_triangle(query, nearest.triangle?);
         // Squares are rounded: the root decides.
         (found.distance <= bound).then_some(found)
     }
 }
 
-/// How far up to sixteen points are from a surface, and room for finding out.
+/// How far up to sixteen points are from a surface, and scratch memory for finding out.
 #[derive(Clone, Debug)]
 pub(crate) struct PointDistances<T: Scalar> {
     packet: PointPacket<T>,
-    /// Whether the points were asked about together.
+    /// Whether `packet` holds the answers: the points were asked about together.
     are_of_packet: bool,
     pub(crate) distances: [T; LANE_COUNT],
     nearest: PacketPoints<T>,
@@ -132,7 +129,7 @@ impl<T: Scalar> PointDistances<T> {
         Self { packet, are_of_packet: false, distances: [T::zero(); LANE_COUNT], nearest }
     }
 
-    /// The triangle that is as near as a lane's distance, where that is less than its bound was.
+    /// The triangle that a lane's distance is to, where it was found within the bound.
     pub(crate) fn triangle(&self, lane: usize) -> Option<u32> {
         (self.are_of_packet && self.packet.found >> lane & 1 == 1).then(|| self.packet.triangle[lane])
     }
@@ -142,7 +139,7 @@ impl<T: Scalar> PointDistances<T> {
 #[derive(Clone, Debug)]
 struct PacketPoints<T: Scalar> {
     points: TrianglePoints<T>,
-    /// Of the corners, in ascending order of their vertices, in each triangle.
+    /// By lane the places of its triangle's corners, in ascending order of their vertices.
     places: [[usize; 3]; LANE_COUNT],
 }
 
@@ -170,7 +167,7 @@ impl<T: Scalar> PacketPoints<T> {
         self.points.set::<L>(&packet.position, [a, b, c], factors);
     }
 
-    /// That of one lane, if it is at most `bound` away.
+    /// The nearest point of one lane, if it is at most `bound` away.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn get(&self, packet: &PointPacket<T>, lane: usize, bound: T) -> Option<ClosestPoint<T>> {
         // Squares are rounded: the root decides.
@@ -180,7 +177,7 @@ impl<T: Scalar> PacketPoints<T> {
 }
 
 impl<T: Scalar> Tracer<'_, T> {
-    /// How far the points in `asked` are from the surface, of which the bounds are known not to be nearer.
+    /// How far the points in `asked` are from the surface, given upper bounds of their distances.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn distances_of_packet<L: Lanes<T>>(
         &self,
@@ -196,10 +193,10 @@ impl<T: Scalar> Tracer<'_, T> {
             return;
         }
         let scale = MeshScale::new(self.mesh().aabb());
-        if let Cells::Bvh(cells) = self.cells
+        if let Tree::Bvh(tree) = self.tree
             && packet.set_lanes::<L>(points, asked, bounds, &scale)
         {
-            cells.find_closest_of_packet::<L>(self.mesh(), All, packet);
+            tree.find_closest_of_packet::<L>(self.mesh(), All, packet);
             let found = packet.found & asked;
             let squares = L::load(&packet.square);
             let roots = squares.sqrt().mul(L::splat(scale.factors[1]));
@@ -208,8 +205,7 @@ impl<T: Scalar> Tracer<'_, T> {
             return;
         }
         for lane in lanes_of(asked) {
-            let point = Vector3::new(points[0][lane], points[1][lane], points[2][lane]);
-            if let Some(nearest) = self.closest_point(&point, bounds[lane]) {
+            if let Some(nearest) = self.closest_point(&vector_in_lane(points, lane), bounds[lane]) {
                 distances[lane] = nearest.distance;
             }
         }
@@ -252,13 +248,13 @@ impl<T: Scalar, S: Sought> Kernel<T> for ClosestPoints<'_, '_, T, S> {
         let (mut packet, mut nearest) = (PointPacket::empty(), PacketPoints::empty());
         let blocks = self.points.chunks(BLOCK).zip(self.bounds.chunks(BLOCK));
         for ((points, bounds), found) in blocks.zip(self.found.chunks_mut(BLOCK)) {
-            let Cells::Bvh(cells) = self.tracer.cells else {
+            let Tree::Bvh(tree) = self.tracer.tree else {
                 self.tracer.closest_one_by_one(points, bounds, self.sought, found);
                 continue;
             };
             for places in PointOrder::new(points).places().chunks(LANE_COUNT) {
                 if packet.set::<L>(points, bounds, places, &scale) {
-                    cells.find_closest_of_packet::<L>(mesh, self.sought, &mut packet);
+                    tree.find_closest_of_packet::<L>(mesh, self.sought, &mut packet);
                     nearest.set::<L>(mesh, &packet, scale.factors);
                     for (lane, &place) in places.iter().enumerate() {
                         found[place as usize] = nearest.get(&packet, lane, bounds[place as usize]);

@@ -16,13 +16,12 @@ use std::sync::Arc;
 pub struct Octree<T: Scalar> {
     pub(crate) topology: Arc<Topology>,
     pub(crate) stamp: u64,
-    pub(crate) cells: Cells<T>,
-    /// Clones have the same groups.
+    pub(crate) tree: Tree<T>,
+    /// Shared by clones, which have the same groups.
     pub(crate) patches: Arc<PatchLevels<PatchesOfGroups>>,
 }
 
-/// A ray passes a few tiles. With less than one ray for this many tiles, loading all of them would take longer than tracing
-/// without.
+/// With less than one ray for this many tiles, loading all tiles would take longer than tracing without: a ray passes only a few.
 const RAYS_TO_LOAD: usize = 4;
 
 /// How an octree keeps its triangles.
@@ -38,7 +37,7 @@ pub enum Layout {
 }
 
 #[derive(Clone, Debug)]
-pub(crate) enum Cells<T: Scalar> {
+pub(crate) enum Tree<T: Scalar> {
     Bvh(Bvh<T>),
     PaperOctree(PaperOctree<T>),
 }
@@ -73,12 +72,12 @@ impl<T: Scalar> Octree<T> {
 
     /// Builds the octree of `mesh` at its present positions.
     pub fn with_layout(mesh: &Mesh<T>, layout: Layout) -> Self {
-        let cells = match layout {
-            Layout::Bvh => Cells::Bvh(Bvh::new(mesh)),
-            Layout::PaperOctree => Cells::PaperOctree(PaperOctree::new(mesh)),
+        let tree = match layout {
+            Layout::Bvh => Tree::Bvh(Bvh::new(mesh)),
+            Layout::PaperOctree => Tree::PaperOctree(PaperOctree::new(mesh)),
         };
         let patches = memory::shared(PatchLevels::default());
-        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), cells, patches }
+        Self { topology: mesh.shared_topology().clone(), stamp: mesh.stamp(), tree, patches }
     }
 
     /// Follows the mesh to its present positions; memory is reused.
@@ -90,23 +89,23 @@ impl<T: Scalar> Octree<T> {
             return Err(OctreeError::OtherMesh);
         }
         let is_new = self.stamp != mesh.stamp();
-        match &mut self.cells {
-            Cells::Bvh(cells) => {
-                if is_new || !cells.is_tight() {
-                    cells.refit(mesh, None);
+        match &mut self.tree {
+            Tree::Bvh(tree) => {
+                if is_new || !tree.is_tight {
+                    tree.refit(mesh, None);
                 }
-                cells.load(mesh, None, true);
+                tree.load(mesh, None, true);
             }
-            Cells::PaperOctree(cells) if is_new => cells.build(mesh),
-            Cells::PaperOctree(_) => {}
+            Tree::PaperOctree(tree) if is_new => tree.build(mesh),
+            Tree::PaperOctree(_) => {}
         }
         self.stamp = mesh.stamp();
         Ok(())
     }
 
     /// [`update`](Self::update) for rays that mostly stay in some regions: what lies beside them is not prepared, and rays
-    /// there take longer. Nothing is loaded where tiles outnumber `ray_count`, the rays that are expected. `for_distances`:
-    /// distances are asked for too. `tiles` is scratch memory.
+    /// there take longer. `ray_count`: about how many rays are expected; tiles are loaded only for enough of them.
+    /// `for_distances`: distances are asked for too. `tiles` is scratch memory.
     pub(crate) fn update_in(
         &mut self,
         mesh: &mut Mesh<T>,
@@ -115,26 +114,26 @@ impl<T: Scalar> Octree<T> {
         for_distances: bool,
         tiles: &mut Vec<u32>,
     ) -> Result<(), OctreeError> {
-        match &mut self.cells {
-            Cells::Bvh(cells) if mesh.shares_topology_with(&self.topology) => {
+        match &mut self.tree {
+            Tree::Bvh(tree) if mesh.shares_topology_with(&self.topology) => {
                 if mesh.pose().is_some() {
-                    cells.place_in(mesh, regions, self.stamp != mesh.stamp());
+                    tree.place_in(mesh, regions, self.stamp != mesh.stamp());
                 } else if self.stamp != mesh.stamp() {
-                    cells.refit(mesh, Some(regions));
-                } else if !cells.is_tight() {
+                    tree.refit(mesh, Some(regions));
+                } else if !tree.is_tight {
                     // The regions may be others than last time. A body at rest has tight boxes from its second step on.
-                    cells.refit(mesh, None);
+                    tree.refit(mesh, None);
                 }
                 self.stamp = mesh.stamp();
             }
             _ => self.update(mesh)?,
         }
-        if let Cells::Bvh(cells) = &mut self.cells
-            && ray_count > cells.tile_count() as usize / RAYS_TO_LOAD
+        if let Tree::Bvh(tree) = &mut self.tree
+            && ray_count > tree.tile_count() as usize / RAYS_TO_LOAD
         {
             for region in regions {
-                cells.tiles_in(region, tiles);
-                cells.load(mesh, Some(tiles), for_distances);
+                tree.tiles_in(region, tiles);
+                tree.load(mesh, Some(tiles), for_distances);
             }
         }
         Ok(())
@@ -142,27 +141,27 @@ impl<T: Scalar> Octree<T> {
 
     /// Whether an update would change nothing.
     pub(crate) fn is_settled(&self, mesh: &Mesh<T>) -> bool {
-        let is_tight = match &self.cells {
-            Cells::Bvh(cells) => cells.is_tight(),
-            Cells::PaperOctree(_) => true,
+        let is_tight = match &self.tree {
+            Tree::Bvh(tree) => tree.is_tight,
+            Tree::PaperOctree(_) => true,
         };
         is_tight && self.stamp == mesh.stamp()
     }
 
     /// Whether [`moved_box`](Self::moved_box) gives a box.
     pub(crate) fn may_move(&mut self, mesh: &Mesh<T>, pose: &Pose) -> bool {
-        match &mut self.cells {
-            Cells::Bvh(cells) => cells.may_move(mesh, pose),
-            Cells::PaperOctree(_) => false,
+        match &mut self.tree {
+            Tree::Bvh(tree) => tree.may_move(mesh, pose),
+            Tree::PaperOctree(_) => false,
         }
     }
 
     /// The smallest box around the mesh's surface, its reference positions moved by a pose; `None` where coordinates may
     /// be beyond the precision. The first call takes as long as a few updates, later ones next to nothing.
     pub(crate) fn moved_box(&mut self, mesh: &Mesh<T>, pose: &Pose) -> Option<Aabb<T>> {
-        match &mut self.cells {
-            Cells::Bvh(cells) => cells.moved_box(mesh, pose),
-            Cells::PaperOctree(_) => None,
+        match &mut self.tree {
+            Tree::Bvh(tree) => tree.moved_box(mesh, pose),
+            Tree::PaperOctree(_) => None,
         }
     }
 
@@ -173,9 +172,9 @@ impl<T: Scalar> Octree<T> {
     /// What is wrong, and where.
     pub fn validate(&self, mesh: &Mesh<T>) -> Result<(), String> {
         self.tracer(mesh).map_err(|error| error.to_string())?;
-        match &self.cells {
-            Cells::Bvh(cells) => cells.validate(mesh),
-            Cells::PaperOctree(cells) => cells.validate(mesh),
+        match &self.tree {
+            Tree::Bvh(tree) => tree.validate(mesh),
+            Tree::PaperOctree(tree) => tree.validate(mesh),
         }
     }
 }

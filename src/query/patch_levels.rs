@@ -14,7 +14,7 @@ impl<V> Default for PatchLevels<V> {
 }
 
 impl<V> PatchLevels<V> {
-    /// That of the patches of at most about this area; `find` is given the area, rounded down to a level.
+    /// What belongs to the level of this area; found, on the first call, by `find` from the area rounded down to the level.
     pub(crate) fn at<T: Scalar>(&self, mesh: &Mesh<T>, area: T, find: impl FnOnce(T) -> V) -> &V {
         let (number, area) = mesh.patches().level(area);
         let levels = self.0.get_or_init(|| {
@@ -28,15 +28,15 @@ impl<V> PatchLevels<V> {
 /// Which patches of one level reach into each group of triangles.
 #[derive(Debug)]
 pub(crate) struct PatchesOfGroups {
-    /// All, in their order.
+    /// All patches, in their order.
     patches: Vec<u32>,
-    /// Those of group g are `patches[p]` for p in `of_group[starts[g]..starts[g + 1]]`.
+    /// The patches of group g are `patches[p]` for p in `of_group[starts[g]..starts[g + 1]]`.
     of_group: Vec<u32>,
     starts: Vec<u32>,
 }
 
 impl PatchesOfGroups {
-    /// Those of the patches of at most this area; `group` offers the triangles of each group in turn.
+    /// For patches of at most this area; `group` offers the triangles of each group.
     pub(crate) fn new<T: Scalar>(
         all: &Patches<T>,
         area: T,
@@ -64,7 +64,7 @@ impl PatchesOfGroups {
         Self { patches, of_group, starts }
     }
 
-    /// Those that reach into some groups, each once, in their order, into `patches`; `marks` is scratch memory.
+    /// Lists the patches that reach into some groups, each once, in their order; `marks` is scratch memory.
     pub(crate) fn list(&self, groups: &[u32], marks: &mut Vec<u64>, patches: &mut Vec<u32>) {
         memory::refill_with(marks, 0, self.patches.len().div_ceil(64));
         for &group in groups {

@@ -48,20 +48,19 @@ impl<T: Scalar> Surface<T> {
         self.octree.update(&self.mesh).expect("the tree was built for this mesh");
     }
 
-    /// The same for rays that mostly stay in some regions: what lies beside them is not prepared, and rays there take longer.
-    /// `ray_count`: about how many are expected; `for_distances`: distances are asked for too.
+    /// The same for rays that mostly stay in some regions: see [`Octree::update_in`].
     pub(crate) fn refit_in(&mut self, regions: &[Aabb<T>], ray_count: usize, for_distances: bool) {
         let Self { mesh, octree, tiles } = self;
         let refitted = octree.update_in(mesh, regions, ray_count, for_distances, tiles);
         refitted.expect("the tree was built for this mesh");
     }
 
-    /// What rays are traced in, since the last refit.
+    /// What rays are traced in; the tree must have been refitted since the mesh has moved.
     pub(crate) fn tracer(&self) -> Tracer<'_, T> {
         self.octree.tracer(&self.mesh).expect("surfaces that meet others are refitted first")
     }
 
-    /// Whether [`set_pose`](Self::set_pose) will do it.
+    /// Whether [`set_pose`](Self::set_pose) will succeed.
     pub(crate) fn may_move(&mut self, pose: &Pose) -> bool {
         self.octree.may_move(&self.mesh, pose)
     }

@@ -2,23 +2,23 @@ use crate::bvh::{Bvh, MayMeet, SidesScratch, TilesNotOutside};
 use crate::math::{Aabb, Scalar};
 use crate::memory;
 use crate::mesh::Mesh;
-use crate::query::octree::Cells;
+use crate::query::octree::Tree;
 use crate::query::patch_levels::for_each_mark;
 use crate::query::tracer::Tracer;
 use crate::simd::{LANE_COUNT, Lanes, dispatch};
 use crate::triangle::TriangleTest;
 
-/// A region that is thinner than so many of a body's tiles has few that are not near both surfaces, and rays from those that
-/// are not are short.
+/// In a region thinner than this many of a body's tiles, nearly all tiles are near both surfaces, and rays from the others are
+/// short.
 const FEWEST_TILES_ACROSS: f64 = 4.0;
 
-/// How many lines tell what a body's rays meet.
+/// At most this many lines tell what a body's rays meet.
 const MOST_LINES: usize = 6;
 
 /// Whether a region is thick beside the tiles of a body.
-fn is_thick<T: Scalar>(region: &Aabb<T>, mesh: &Mesh<T>, cells: &Bvh<T>) -> bool {
+fn is_thick<T: Scalar>(region: &Aabb<T>, mesh: &Mesh<T>, tree: &Bvh<T>) -> bool {
     let [x, y, z]: [T; 3] = (mesh.aabb().upper - mesh.aabb().lower).into();
-    let square_of_tile = (x * y + y * z + z * x) * T::of(2.0 / f64::from(cells.tile_count()));
+    let square_of_tile = (x * y + y * z + z * x) * T::of(2.0 / f64::from(tree.tile_count()));
     let thickness = (region.upper - region.lower).min();
     thickness * thickness >= square_of_tile * T::of(FEWEST_TILES_ACROSS * FEWEST_TILES_ACROSS)
 }
@@ -28,19 +28,24 @@ fn is_thick<T: Scalar>(region: &Aabb<T>, mesh: &Mesh<T>, cells: &Bvh<T>) -> bool
 impl<T: Scalar> Tracer<'_, T> {
     /// All groups that may have something in the region, in ascending order, into `groups`, which is cleared first.
     pub(crate) fn groups_in(&self, region: &Aabb<T>, groups: &mut Vec<u32>) {
-        match self.cells {
-            Cells::Bvh(cells) => cells.tiles_in(region, groups),
-            Cells::PaperOctree(_) => {
+        match self.tree {
+            Tree::Bvh(tree) => tree.tiles_in(region, groups),
+            Tree::PaperOctree(_) => memory::refill(groups, 0..self.group_count()),
+        }
+    }
+
+    pub(crate) fn group_count(&self) -> u32 {
+        match self.tree {
+            Tree::Bvh(tree) => tree.tile_count(),
+            Tree::PaperOctree(_) => {
                 let topology = self.mesh().topology();
-                groups.clear();
                 let largest = topology.surface_vertices().len().max(topology.triangles().len());
-                memory::append(groups, 0..largest.div_ceil(LANE_COUNT) as u32);
+                largest.div_ceil(LANE_COUNT) as u32
             }
         }
     }
 
-    /// [`groups_in`](Self::groups_in) without those of which all that lies in the region is known to lie outside `other`: where
-    /// that one winds around no point of it. `scratch` is scratch memory.
+    /// [`groups_in`](Self::groups_in) without groups that are known to lie outside `other` with all that they have in the region.
     pub(crate) fn groups_not_outside(
         &self,
         other: &Self,
@@ -48,7 +53,7 @@ impl<T: Scalar> Tracer<'_, T> {
         groups: &mut Vec<u32>,
         scratch: &mut SidesScratch<T>,
     ) {
-        match self.cells_beside(other) {
+        match self.trees_beside(other) {
             Some([own, of_other]) if is_thick(region, self.mesh(), own) => {
                 groups.clear();
                 let (other, mesh, tiles) = (of_other, other.mesh(), groups);
@@ -58,10 +63,10 @@ impl<T: Scalar> Tracer<'_, T> {
         }
     }
 
-    /// About how many of another's tiles this body's rays have on their way in a region, judged by a few lines through where
-    /// rays start; 0 where it has no tiles. The lists are scratch memory.
+    /// About how many of another body's tiles this body's rays have on their way in a region, judged by a few lines through where
+    /// rays start; 0 where the other body has no tiles. The lists are scratch memory.
     pub(crate) fn tiles_on_the_way(&self, other: &Self, region: &Aabb<T>, lists: [&mut Vec<u32>; 2]) -> usize {
-        let (Cells::Bvh(cells), [groups, met]) = (other.cells, lists) else { return 0 };
+        let (Tree::Bvh(tree), [groups, met]) = (other.tree, lists) else { return 0 };
         self.groups_in(region, groups);
         // Across a flat region: along it a line through a floor would meet many.
         let axis = (region.upper - region.lower).imin();
@@ -73,7 +78,7 @@ impl<T: Scalar> Tracer<'_, T> {
             let middle = start.intersection(region).centre();
             let mut along = Aabb { lower: middle, upper: middle };
             (along.lower[axis], along.upper[axis]) = (region.lower[axis], region.upper[axis]);
-            cells.tiles_in(&along, met);
+            tree.tiles_in(&along, met);
             met_in_all += met.len();
         }
         met_in_all / lines.max(1)
@@ -81,22 +86,22 @@ impl<T: Scalar> Tracer<'_, T> {
 
     /// Whether [`groups_not_outside`](Self::groups_not_outside) looks for groups to leave out.
     pub(crate) fn leaves_out(&self, other: &Self, region: &Aabb<T>) -> bool {
-        self.cells_beside(other).is_some_and(|[own, _]| is_thick(region, self.mesh(), own))
+        self.trees_beside(other).is_some_and(|[own, _]| is_thick(region, self.mesh(), own))
     }
 
     /// Whether anything of the two surfaces in the region may meet.
     pub(crate) fn may_meet(&self, other: &Self, region: &Aabb<T>) -> bool {
-        self.cells_beside(other).is_none_or(|[own, of_other]| {
+        self.trees_beside(other).is_none_or(|[own, of_other]| {
             dispatch::<T, _>(MayMeet { own, other: of_other, mesh: other.mesh(), region })
         })
     }
 
-    /// The tiles of both where those tell what lies outside `other`.
-    fn cells_beside(&self, other: &Self) -> Option<[&Bvh<T>; 2]> {
+    /// The trees of both, if their tiles can tell what lies outside `other`.
+    fn trees_beside(&self, other: &Self) -> Option<[&Bvh<T>; 2]> {
         // A sheet has no outside, and another test of triangles may let rays through.
         let tells = !other.mesh().is_open() && other.test == TriangleTest::Watertight;
-        match (self.cells, other.cells) {
-            (Cells::Bvh(own), Cells::Bvh(of_other)) if tells => Some([own, of_other]),
+        match (self.tree, other.tree) {
+            (Tree::Bvh(own), Tree::Bvh(of_other)) if tells => Some([own, of_other]),
             _ => None,
         }
     }
@@ -104,8 +109,8 @@ impl<T: Scalar> Tracer<'_, T> {
     /// Adds those of a group's vertices that lie in the region.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn add_vertices_in<L: Lanes<T>>(&self, group: u32, region: &Aabb<T>, vertices: &mut Vec<u32>) {
-        if let Cells::Bvh(cells) = self.cells {
-            return cells.add_vertices_in::<L>(self.mesh(), group, region, vertices);
+        if let Tree::Bvh(tree) = self.tree {
+            return tree.add_vertices_in::<L>(self.mesh(), group, region, vertices);
         }
         let all = self.mesh().topology().surface_vertices();
         let of_group = all.chunks(LANE_COUNT).nth(group as usize).unwrap_or_default();
@@ -122,10 +127,10 @@ impl<T: Scalar> Tracer<'_, T> {
         mut offer: impl FnMut(u32),
     ) {
         let count = self.mesh().topology().vertex_count();
-        let Cells::Bvh(cells) = self.cells else { return (0..count as u32).for_each(offer) };
-        cells.tiles_in(region, groups);
+        let Tree::Bvh(tree) = self.tree else { return (0..count as u32).for_each(offer) };
+        tree.tiles_in(region, groups);
         memory::refill_with(marks, 0, count.div_ceil(64));
-        for &vertex in groups.iter().flat_map(|&tile| cells.vertices_of(tile)) {
+        for &vertex in groups.iter().flat_map(|&tile| tree.vertices_of(tile)) {
             marks[vertex as usize / 64] |= 1 << (vertex % 64);
         }
         for_each_mark(marks, |vertex| offer(vertex as u32));
@@ -133,9 +138,9 @@ impl<T: Scalar> Tracer<'_, T> {
 
     /// A group's triangles.
     pub(crate) fn triangles_of(&self, group: u32, offer: impl FnMut(u32)) {
-        match self.cells {
-            Cells::Bvh(cells) => cells.triangles_of(group).iter().copied().for_each(offer),
-            Cells::PaperOctree(_) => {
+        match self.tree {
+            Tree::Bvh(tree) => tree.triangles_of(group).iter().copied().for_each(offer),
+            Tree::PaperOctree(_) => {
                 let count = self.mesh().topology().triangles().len() as u32;
                 let first = group * LANE_COUNT as u32;
                 (first..(first + LANE_COUNT as u32).min(count)).for_each(offer);

@@ -1,17 +1,17 @@
 use crate::bvh::{Candidates, PacketHits};
 use crate::math::Scalar;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
-use crate::query::octree::{Cells, Octree, OctreeError};
+use crate::query::octree::{Octree, OctreeError, Tree};
 use crate::query::patch_levels::{PatchLevels, PatchesOfGroups};
-use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask, dispatch, lanes_of};
 use crate::triangle::{Hit, PreparedRay, Ray, RayPacket, ShearedRay, TriangleTest};
 use std::cmp::Ordering;
 
 /// A mesh together with its up-to-date octree: what rays are traced in.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a, T: Scalar> {
-    pub(crate) cells: &'a Cells<T>,
+    pub(crate) tree: &'a Tree<T>,
     patches: &'a PatchLevels<PatchesOfGroups>,
     mesh: &'a Mesh<T>,
     pub(crate) test: TriangleTest,
@@ -29,16 +29,11 @@ impl<T: Scalar> Octree<T> {
         if self.stamp != mesh.stamp() {
             return Err(OctreeError::Stale);
         }
-        Ok(Tracer::new(self, mesh))
+        Ok(Tracer { tree: &self.tree, patches: &self.patches, mesh, test: TriangleTest::default() })
     }
 }
 
 impl<'a, T: Scalar> Tracer<'a, T> {
-    pub(crate) fn new(octree: &'a Octree<T>, mesh: &'a Mesh<T>) -> Self {
-        let Octree { cells, patches, .. } = octree;
-        Self { cells, patches, mesh, test: TriangleTest::default() }
-    }
-
     /// The same, deciding with another triangle test.
     pub fn with_test(self, test: TriangleTest) -> Self {
         Self { test, ..self }
@@ -56,23 +51,16 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         self.patches.at(self.mesh, area, |area| PatchesOfGroups::new(all, area, self.group_count(), group))
     }
 
-    fn group_count(&self) -> u32 {
-        match self.cells {
-            Cells::Bvh(cells) => cells.tile_count(),
-            Cells::PaperOctree(_) => self.mesh.topology().triangles().len().div_ceil(LANE_COUNT) as u32,
-        }
-    }
-
     /// The first hit along the ray; at equal `t` the triangle with the smallest index. With the watertight test it is
     /// the same to the bit as [`nearest_hit_of_all`](Self::nearest_hit_of_all).
     pub fn nearest_hit(&self, ray: &Ray<T>) -> Option<Hit<T>> {
         self.nearest_hit_of(*ray, |hit| hit)
     }
 
-    /// What `then` makes of the first hit along what is a ray in other numbers.
+    /// What `then` makes of the first hit along the ray, given in numbers of any type.
     pub(crate) fn nearest_hit_of<O>(&self, ray: impl Into<Ray<T>>, then: impl FnOnce(Option<Hit<T>>) -> O) -> O {
-        if let (Cells::Bvh(cells), TriangleTest::Watertight) = (self.cells, self.test) {
-            return cells.nearest_of_ray(self.mesh, ray, then);
+        if let (Tree::Bvh(tree), TriangleTest::Watertight) = (self.tree, self.test) {
+            return tree.nearest_of_ray(self.mesh, ray, then);
         }
         then(self.nearest_of_visited(&ray.into()))
     }
@@ -122,12 +110,11 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// [`nearest_hit`](Self::nearest_hit) of each of many rays, into `hits`, which is cleared first. Fastest where
     /// each 16 rays are neighbours.
     pub fn nearest_hits(&self, rays: &[Ray<T>], hits: &mut Vec<Option<Hit<T>>>) {
-        hits.clear();
-        hits.room_for(rays.len()).resize(rays.len(), None);
+        memory::refill_with(hits, None, rays.len());
         self.nearest_hits_into(rays, hits);
     }
 
-    /// [`nearest_hits`](Self::nearest_hits) into a place for each ray.
+    /// [`nearest_hits`](Self::nearest_hits) into as many elements as there are rays.
     pub(crate) fn nearest_hits_into(&self, rays: &[Ray<T>], hits: &mut [Option<Hit<T>>]) {
         dispatch::<T, _>(NearestHits { tracer: self, rays, hits });
     }
@@ -139,12 +126,11 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         }
     }
 
-    /// For each ray whether it leaves the mesh, meets a triangle from inside, strictly before its `t_max`; into `found`,
-    /// which is cleared first. The triangles that have all three vertices in `touched` do not count: those a ray starts
-    /// from. For a ray from a vertex it names that one three times, from an edge its two vertices, from a face its three.
+    /// For each ray whether it leaves the mesh, that is, meets a triangle from inside, strictly before its `t_max`; into `found`,
+    /// which is cleared first. Triangles that have all of a ray's `touched` vertices do not count: those it starts from. A ray
+    /// from a vertex names it three times, one from an edge its two vertices, one from a face its three.
     pub fn leave_before_end(&self, rays: &[Ray<T>], touched: &[[u32; 3]], found: &mut Vec<bool>) {
-        found.clear();
-        found.room_for(rays.len()).resize(rays.len(), false);
+        memory::refill_with(found, false, rays.len());
         dispatch::<T, _>(LeaveBeforeEnd { tracer: self, rays, touched, found });
     }
 
@@ -156,15 +142,15 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         list: &mut Candidates<T>,
         hits: &mut PacketHits<T>,
     ) {
-        match (self.cells, self.test) {
-            (Cells::Bvh(cells), TriangleTest::Watertight) => cells.nearest::<L>(self.mesh, packet, list, hits),
+        match (self.tree, self.test) {
+            (Tree::Bvh(tree), TriangleTest::Watertight) => tree.nearest::<L>(self.mesh, packet, list, hits),
             _ => self.nearest_one_by_one(packet, hits),
         }
     }
 
     fn nearest_one_by_one(&self, packet: &RayPacket<T>, hits: &mut PacketHits<T>) {
         (hits.found, hits.exits) = (0, 0);
-        for lane in (0..LANE_COUNT).filter(|lane| packet.present >> lane & 1 == 1) {
+        for lane in lanes_of(packet.present) {
             if let Some(hit) = self.nearest_hit(&packet.ray(lane)) {
                 hits.set(lane, &hit);
             }
@@ -181,9 +167,9 @@ impl<'a, T: Scalar> Tracer<'a, T> {
         touched: &[[u32; LANE_COUNT]; 3],
         list: &mut Candidates<T>,
     ) -> Mask {
-        match (self.cells, self.test) {
-            (Cells::Bvh(cells), TriangleTest::Watertight) => {
-                cells.hidden::<L>(self.mesh, packet, asked, end, touched, list)
+        match (self.tree, self.test) {
+            (Tree::Bvh(tree), TriangleTest::Watertight) => {
+                tree.hidden::<L>(self.mesh, packet, asked, end, touched, list)
             }
             _ => self.hidden_one_by_one(packet, asked, end, touched),
         }
@@ -198,7 +184,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     ) -> Mask {
         let triangles = self.mesh.topology().triangles();
         let mut hidden = 0;
-        for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+        for lane in lanes_of(asked) {
             let ray = packet.ray(lane).until(end[lane]);
             let prepared = PreparedRay::new(&ray, self.test);
             let mut is_hidden = false;
@@ -217,9 +203,9 @@ impl<'a, T: Scalar> Tracer<'a, T> {
 
     /// Offers every triangle that the ray may meet up to the `t` that `visitor` last returned, perhaps several times.
     fn visit(&self, ray: &Ray<T>, prepared: &PreparedRay<T>, visitor: &mut impl FnMut(u32) -> T) {
-        match self.cells {
-            Cells::Bvh(cells) => cells.visit(ray, prepared, self.mesh, visitor),
-            Cells::PaperOctree(cells) => cells.visit(ray, self.mesh.aabb(), visitor),
+        match self.tree {
+            Tree::Bvh(tree) => tree.visit(ray, prepared, self.mesh, visitor),
+            Tree::PaperOctree(tree) => tree.visit(ray, self.mesh.aabb(), visitor),
         }
     }
 }
@@ -236,10 +222,10 @@ impl<T: Scalar> Kernel<T> for NearestHits<'_, '_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Tracer { cells, mesh, test, .. } = self.tracer;
-        if let (Cells::Bvh(cells), TriangleTest::Watertight, false) = (cells, test, L::PACKETS_PAY) {
+        let Tracer { tree, mesh, test, .. } = self.tracer;
+        if let (Tree::Bvh(tree), TriangleTest::Watertight, false) = (tree, test, L::PACKETS_PAY) {
             for (ray, hit) in self.rays.iter().zip(self.hits) {
-                *hit = cells.nearest_of_ray_on::<L>(mesh, *ray);
+                *hit = tree.nearest_of_ray_on::<L>(mesh, *ray);
             }
             return;
         }
@@ -272,12 +258,11 @@ impl<T: Scalar> Kernel<T> for LeaveBeforeEnd<'_, '_, T> {
         for ((rays, some_touched), found) in
             self.rays.chunks(LANE_COUNT).zip(all_touched).zip(self.found.chunks_mut(LANE_COUNT))
         {
-            packet.set(rays);
+            packet.set_rays::<L>(rays);
             let mut touched = [[0; LANE_COUNT]; 3];
-            some_touched
-                .iter()
-                .enumerate()
-                .for_each(|(lane, of_ray)| (0..3).for_each(|k| touched[k][lane] = of_ray[k]));
+            for (lane, of_ray) in some_touched.iter().enumerate() {
+                (0..3).for_each(|k| touched[k][lane] = of_ray[k]);
+            }
             let end = packet.t_max;
             let hidden = self.tracer.hidden_of_packet::<L>(&packet, packet.present, &end, &touched, &mut list);
             for (lane, found) in found.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 use crate::bvh::Candidates;
 use crate::math::{Scalar, Vector3};
 use crate::memory;
-use crate::query::octree::Cells;
+use crate::query::octree::Tree;
 use crate::query::point_order::{BLOCK, PointOrder};
 use crate::query::tracer::Tracer;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, dispatch, lanes_of};
@@ -20,7 +20,7 @@ impl<T: Scalar> Tracer<'_, T> {
         }
         // Any direction will do: edges and vertices on the way are counted as if the ray passed beside them.
         self.crossings(&Ray::new(*point, Vector3::z()), crossings);
-        Some(crossings.iter().map(|crossing| if crossing.is_exit { 1 } else { -1 }).sum())
+        Some(crossings.iter().map(Hit::sign).sum())
     }
 
     /// [`winding_number`](Self::winding_number) of each of many points, into `numbers`, which is cleared first.
@@ -31,8 +31,8 @@ impl<T: Scalar> Tracer<'_, T> {
         }
     }
 
-    /// How often the surface winds around the start of each ray of a packet, whose ends lie outside, not counting the
-    /// triangles that have all vertices in its `touched`. `crossings` is room for a list.
+    /// How often the surface winds around the start of each ray of a packet; the rays end outside. Triangles that have all of a
+    /// ray's `touched` vertices do not count. `crossings` is scratch memory.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn windings_of_packet<L: Lanes<T>>(
         &self,
@@ -42,9 +42,9 @@ impl<T: Scalar> Tracer<'_, T> {
         crossings: &mut Vec<Hit<T>>,
         numbers: &mut [i32; LANE_COUNT],
     ) {
-        match self.cells {
-            Cells::Bvh(cells) => cells.windings::<L>(self.mesh(), packet, touched, list, numbers),
-            Cells::PaperOctree(_) => self.windings_one_by_one(packet, touched, crossings, numbers),
+        match self.tree {
+            Tree::Bvh(tree) => tree.windings::<L>(self.mesh(), packet, touched, list, numbers),
+            Tree::PaperOctree(_) => self.windings_one_by_one(packet, touched, crossings, numbers),
         }
     }
 
@@ -60,7 +60,7 @@ impl<T: Scalar> Tracer<'_, T> {
             self.crossings(&packet.ray(lane), crossings);
             let is_own = |hit: &Hit<T>| touched.iter().all(|v| triangles[hit.triangle as usize].contains(&v[lane]));
             let counted = crossings.iter().filter(|hit| !is_own(hit));
-            numbers[lane] = counted.map(|crossing| if crossing.is_exit { 1 } else { -1 }).sum();
+            numbers[lane] = counted.map(Hit::sign).sum();
         }
     }
 }
@@ -120,10 +120,8 @@ mod tests {
     use super::*;
     use crate::cuboid::CUBOID_FACES;
     use crate::mesh::Mesh;
-    use crate::mesh::test_mesh::torus_positions;
-    use crate::mesh::test_mesh::torus_triangles;
-    use crate::query::octree::Layout;
-    use crate::query::octree::Octree;
+    use crate::mesh::test_mesh::{torus_positions, torus_triangles};
+    use crate::query::octree::{Layout, Octree};
     use crate::simd::on_every_path;
 
     /// Packets of rays from these vertices, against and along each axis and the other way.

@@ -11,19 +11,20 @@ pub(super) enum Way {
     Alone,
 }
 
-/// A trial lasts this many queries in a row. The first does not count, since threads have to wake up and caches to fill; the
-/// median of the others does, since single ones may take long by chance.
+/// A trial lasts this many queries in a row. The first does not count, since threads have to wake up and caches to fill. The
+/// median of the others does, since single queries may take long by chance.
 const QUERIES_OF_A_TRIAL: usize = 6;
-/// The slower way is tried again after so many queries, since in the first ones threads still make room for what they find,
+/// The slower way is tried again after this many queries: in the first ones threads still allocate memory.
 const FIRST_AGAIN_AFTER: u32 = 16;
-/// and then each time after twice as many, up to so many where it takes less than this many times as long, or longer.
-const NEARLY_AS_FAST: f64 = 1.3;
+/// Each further trial waits twice as long, up to the first number of queries where the slower way takes less than
+/// [`NEARLY_AS_FAST`] times as long, else up to the second.
 const AT_LAST_AGAIN_AFTER: [u32; 2] = [256, 2048];
-/// And where there is so many times as much to do, or so many times as little, as when it was tried last; but not within so
-/// many queries, since there may be more and less to do by turns.
+const NEARLY_AS_FAST: f64 = 1.3;
+/// A trial is due sooner where there is this many times as much or as little to do as in the last one, but not within
+/// [`NOT_WITHIN`] queries of it, since there may be more and less to do by turns.
 const OTHER_WORK: f64 = 2.0;
 const NOT_WITHIN: u32 = 64;
-/// The time known of the way in use moves by this part up or down with each query, towards the median.
+/// The known time of the way in use moves up or down by this part with each query, towards the median.
 const STEP: f64 = 0.02;
 
 /// The measured times of the two ways.
@@ -34,7 +35,7 @@ pub(super) struct Autotuner {
     trial: Option<Trial>,
     /// Queries since the last trial.
     waited: u32,
-    /// After how many the slower way is tried again, if not at last.
+    /// After how many queries the slower way is tried again, up to [`AT_LAST_AGAIN_AFTER`].
     again_after: u32,
 }
 

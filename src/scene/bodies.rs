@@ -1,25 +1,24 @@
 use super::own_contacts::OwnContacts;
 use crate::math::{Aabb, Scalar};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::query::Surface;
 
 #[derive(Debug)]
 pub(super) struct Body<T: Scalar> {
     pub(super) number: u32,
-    /// Where it comes among the bodies; of equal keys by the number.
+    /// Bodies are in ascending order of their keys, and of their numbers where keys are equal.
     pub(super) key: u64,
     pub(super) surface: Surface<T>,
     /// Scratch memory for the boxes in which it meets other bodies.
     pub(super) regions: Vec<Aabb<T>>,
-    /// Where self-collision is switched on.
+    /// Only where self-collision is switched on.
     pub(super) own: Option<OwnContacts<T>>,
-    /// What is known of it from other scenes: see [`Sharing`](super::hooks::Sharing).
+    /// What other scenes know of it: see [`Sharing`](super::hooks::Sharing).
     pub(super) is_foreign: bool,
     pub(super) neighbours: Option<u32>,
     pub(super) overlaps_elsewhere: bool,
-    /// Newer than the stamp of its positions if the same positions were given again.
+    /// The stamp of the last pose that was the same as before; it changes no positions, but may end a step.
     pub(super) given: u64,
     /// The cost of the last query for it, in rays.
     pub(super) cost: f64,
@@ -49,7 +48,7 @@ impl<T: Scalar> Default for Bodies<T> {
 }
 
 impl<T: Scalar> Bodies<T> {
-    /// Adds a body; gives its number, which is its key where none is given.
+    /// Adds a body and gives its number, which is its key unless another is given.
     pub(super) fn add(&mut self, mesh: Mesh<T>, key: Option<u64>) -> u32 {
         let number = self.released.last().copied().unwrap_or(self.places.len() as u32);
         assert_ne!(number, NOWHERE, "all 2^32 - 1 numbers of bodies are taken: release those of removed bodies");

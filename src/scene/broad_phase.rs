@@ -1,14 +1,12 @@
 use crate::math::{Aabb, Scalar};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
-/// Finds the pairs of bodies whose boxes overlap: sorts the boxes along one axis and compares those whose intervals
-/// meet.
+/// Finds the pairs of bodies whose boxes overlap: sorts the boxes along one axis and compares those whose intervals meet.
 #[derive(Debug)]
 pub(super) struct BroadPhase<T: Scalar> {
     sorted: Vec<(Aabb<T>, u32)>,
     pairs: Vec<[u32; 2]>,
-    /// Every pair both ways, in ascending order.
+    /// Every pair in both orders, ascending.
     meetings: Vec<[u32; 2]>,
     /// The boxes in the order of the bodies.
     boxes: Vec<Aabb<T>>,
@@ -21,8 +19,7 @@ impl<T: Scalar> Default for BroadPhase<T> {
 }
 
 impl<T: Scalar> BroadPhase<T> {
-    /// Finds the pairs anew, of those that are wanted. The boxes are in the order of the bodies, which are named by their
-    /// places in it.
+    /// Finds the wanted pairs anew. The boxes are in the order of the bodies, which are named by their places in it.
     pub(super) fn update(&mut self, boxes: impl Iterator<Item = Aabb<T>>, is_wanted: impl Fn(&[u32; 2]) -> bool) {
         self.sorted.clear();
         memory::refill(&mut self.boxes, boxes);
@@ -67,11 +64,7 @@ impl<T: Scalar> BroadPhase<T> {
 
     /// The axis along which the scene is longest: there the fewest intervals meet.
     fn longest_axis(&self) -> usize {
-        let mut scene = Aabb::empty();
-        for (aabb, _) in &self.sorted {
-            scene.include(&aabb.lower);
-            scene.include(&aabb.upper);
-        }
+        let scene = self.boxes.iter().fold(Aabb::empty(), |scene, aabb| scene.union(aabb));
         (scene.upper - scene.lower).imax()
     }
 }

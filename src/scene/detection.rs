@@ -8,8 +8,7 @@ use super::pairs::{Remembered, by_number};
 use crate::contact::{ContactLaw, ContactList, DetectionOptions, Statistics, detect_self, reach_region};
 use crate::escape::detect_pair;
 use crate::math::{Aabb, Scalar};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::threads::Helpers;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::time::Instant;
@@ -36,7 +35,7 @@ impl<T: Scalar> Scene<T> {
     pub fn query(&mut self, contacts: &mut ContactList<T>) {
         let found = catch_unwind(AssertUnwindSafe(|| self.detect(contacts)));
         if let Err(panic) = found {
-            // As if the query had not been: what bodies know of themselves saves time only.
+            // As if the query had not been. What bodies know of themselves only saves time.
             let owns = self.bodies.iter_mut().filter_map(|body| body.own.as_mut());
             owns.for_each(|own| *own = OwnContacts::default());
             contacts.clear();
@@ -67,7 +66,7 @@ impl<T: Scalar> Scene<T> {
         self.pairs.history.is_queried = true;
     }
 
-    /// In the way that has proved faster, where the pool is the scene's own: a host that lends its threads has decided.
+    /// Detects in the way that has proved faster, where the pool is the scene's own; a host that lends its threads has decided.
     fn detect_as_fast(&mut self, rays: f64, contacts: &mut ContactList<T>) {
         let is_free = matches!(self.threads.helpers(), Helpers::Pool);
         let way = if is_free { self.autotuner.way(rays) } else { Way::SideBySide };
@@ -102,8 +101,8 @@ impl<T: Scalar> Scene<T> {
         of_pairs.sum::<f64>() + of_bodies.sum::<f64>() / TRIANGLES_SEARCHED_PER_RAY
     }
 
-    /// Each list of contacts goes straight to its place. Bodies are renewed only when the first list needs them, so that in
-    /// large scenes they are still in the cache then.
+    /// Adds each list of contacts to `contacts` as it is found. Bodies are updated only when the first list needs them, so that
+    /// in large scenes they are still in the cache then.
     fn detect_alone(&mut self, contacts: &mut ContactList<T>) {
         contacts.clear();
         contacts.set_helpers(Helpers::Nobody);
@@ -131,7 +130,7 @@ impl<T: Scalar> Scene<T> {
         }
     }
 
-    /// Threads fill a list for each pair, which are then joined.
+    /// Lets threads fill a list for each pair, and joins the lists.
     fn detect_side_by_side(&mut self, contacts: &mut ContactList<T>) {
         self.threads.follow_fork();
         let Self { bodies, broad_phase, pair_contacts, pair_costs, lists, pairs, options, threads, .. } = self;
@@ -223,17 +222,17 @@ impl<T: Scalar> Body<T> {
         self.surface.mesh().topology().triangles().len() as f64
     }
 
-    /// How many triangles the next query reads anew: none of a body that is where it was, or is moved by a pose.
+    /// How many triangles the next query reads anew: none for a body that is where it was, or is moved by a pose.
     fn triangles_read(&self) -> f64 {
         let is_read = self.surface.mesh().pose().is_none() && !self.surface.is_settled();
         if is_read { self.triangle_count() } else { 0.0 }
     }
 
-    /// About how many rays take as long as to read the mesh and cast from it into another: one from each vertex, as far as
-    /// the other's box reaches into its own.
+    /// The expected cost, in rays, of reading the mesh and of casting from it into another: one ray from each vertex in the
+    /// overlap of their boxes, if vertices were spread evenly.
     fn rays_expected_into(&self, other: &Self) -> f64 {
-        let (own, overlap) =
-            (self.surface.mesh().aabb(), self.surface.mesh().aabb().intersection(other.surface.mesh().aabb()));
+        let own = self.surface.mesh().aabb();
+        let overlap = own.intersection(other.surface.mesh().aabb());
         let part = |axis: usize| {
             let [whole, part] = [own, &overlap].map(|aabb| (aabb.upper[axis] - aabb.lower[axis]).to_f64());
             if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 1.0 }
@@ -247,14 +246,14 @@ impl<T: Scalar> Body<T> {
         self.overlaps_elsewhere || self.own.as_ref().is_some_and(|own| own.may_overlap)
     }
 
-    /// What it costs to read it.
+    /// Sets the cost of the query to that of reading the body.
     fn start_cost(&mut self) {
         let is_read = self.surface.mesh().pose().is_none();
         self.cost = if is_read { self.triangle_count() / TRIANGLES_READ_PER_RAY } else { 0.0 };
     }
 
-    /// Finds the body's contacts with itself, where they are asked for and not known already; gives whether the octree has
-    /// followed the mesh for that.
+    /// Finds the body's contacts with itself, where they are asked for and not known yet; gives whether the octree was updated
+    /// for that.
     pub(super) fn find_own_contacts(&mut self, options: &DetectionOptions<T>) -> bool {
         let Self { number, surface, own, .. } = self;
         let Some(own) = own else { return false };
@@ -275,7 +274,7 @@ impl<T: Scalar> Body<T> {
         true
     }
 
-    /// Finds the body's contacts with itself, where they are asked for; the octree follows the mesh where it is needed.
+    /// Finds the body's contacts with itself, where they are asked for, and updates the octree where bodies in `others` need it.
     fn update<'a>(&mut self, others: impl Iterator<Item = &'a Aabb<T>>, options: &DetectionOptions<T>) {
         if self.find_own_contacts(options) {
             return;
@@ -292,7 +291,7 @@ impl<T: Scalar> Body<T> {
 }
 
 impl<T: Scalar> Bodies<T> {
-    /// Shares out what a list of contacts took, and notes it where it is a pair's.
+    /// Adds the cost of a list of contacts to its bodies, and to the costs of pairs.
     fn add_cost(&mut self, list: &List, pairs: &[[u32; 2]], rays: u64, costs: &mut Vec<PairCost>) {
         let rays = rays as f64;
         match *list {

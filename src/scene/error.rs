@@ -20,7 +20,7 @@ pub enum SceneError {
         /// The key.
         key: u64,
     },
-    /// What a pair was to remember is nothing that it can.
+    /// A pair cannot remember what was given for it.
     PairMemory {
         /// Its bodies' numbers.
         pair: [u32; 2],
@@ -30,7 +30,7 @@ pub enum SceneError {
         /// The seconds given.
         seconds: f64,
     },
-    /// What was given as a body's pose is none.
+    /// The numbers given for a body's pose are none.
     Pose {
         /// The body's number.
         body: u32,

@@ -1,4 +1,4 @@
-//! What a scene is told of bodies that others know too: all that this room holds for `distributed`.
+//! Bodies that several scenes share: whose they are, and which scene finds their contacts.
 
 use super::bodies::Body;
 use super::{Scene, SceneError};
@@ -7,12 +7,12 @@ use crate::math::Scalar;
 /// How a scene shares a body with others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sharing {
-    /// Another scene's body: it has no contacts with itself here and none with other foreign ones; of a pair of it and a body of
-    /// this scene's own one of the two scenes finds the contacts, as [`finds_pair`] says.
+    /// Whether it is another scene's body. Such a body has no contacts with itself here, and none with other foreign bodies. Its
+    /// contacts with a body of this scene are found by one of the two scenes, as [`finds_pair`] says.
     pub is_foreign: bool,
     /// How many bodies' boxes overlap its own in all scenes together, by which crowds are known; `None`: as many as here.
     pub neighbours: Option<u32>,
-    /// Of a foreign body: what [`Scene::overlaps_itself`] says of it in its own scene.
+    /// For a foreign body, what [`Scene::overlaps_itself`] says in its own scene.
     pub overlaps_itself: bool,
 }
 
@@ -47,8 +47,8 @@ impl<T: Scalar> Body<T> {
     }
 }
 
-/// Whether the scene that has the body of key `own` finds the contacts with the other, which is foreign to it; the scene that
-/// has it the other way round says the opposite. Each finds about half of such pairs.
+/// Whether the scene of the body with key `own` finds its contacts with a foreign body. The foreign body's own scene, which asks
+/// the other way round, gets the opposite answer. Each finds about half of such pairs.
 pub fn finds_pair(own: u64, foreign: u64) -> bool {
     let low_finds = (own ^ foreign).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 63 == 0;
     (own < foreign) == low_finds

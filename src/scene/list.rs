@@ -1,9 +1,9 @@
 /// One list of contacts.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum List {
-    /// Of the body at this place with itself.
+    /// The contacts of the body at this place with itself.
     Body(usize),
-    /// Of the pair at this place.
+    /// The contacts of the pair at this place.
     Pair(usize),
 }
 

@@ -42,7 +42,7 @@ pub struct Scene<T: Scalar> {
     pair_contacts: Vec<ContactList<T>>,
     /// The cost of the newest query for each pair.
     pair_costs: Vec<PairCost>,
-    /// All lists of the last step in the order of their contacts, and how many contacts are in the lists before.
+    /// All lists of the last query in the order of their contacts, and how many contacts are in the lists before each.
     lists: Vec<(List, usize)>,
     /// What is remembered of pairs from step to step.
     pairs: Pairs<T>,
@@ -82,7 +82,7 @@ impl<T: Scalar> Scene<T> {
         }
     }
 
-    /// Works with these threads from here on; those that it had are in their place.
+    /// Works with these threads from here on, and puts its former ones in their place.
     pub(crate) fn exchange_threads(&mut self, threads: &mut Threads) {
         std::mem::swap(&mut self.threads, threads);
     }
@@ -160,7 +160,7 @@ impl<T: Scalar> Scene<T> {
         self.bodies.get_mut(body).map(|body| body.surface.mesh_mut()).ok_or(SceneError::UnknownBody { body })
     }
 
-    /// Tells a body what moves it, where the host says nothing.
+    /// Tells a body what moves it, unless the host has said so.
     pub(crate) fn carry_by(&mut self, body: u32, carrier: Carrier<T>) {
         self.bodies.get_mut(body).into_iter().for_each(|body| body.surface.mesh_mut().carry_by(carrier));
     }
@@ -186,7 +186,7 @@ impl<T: Scalar> Scene<T> {
         Ok(self.pairs.without_escape.binary_search(&pair).is_err())
     }
 
-    /// Ends a step of so many seconds: what the step's last query found goes into what pairs remember, by which they escape
+    /// Ends a step of this many seconds: what the step's last query found goes into what pairs remember, by which they escape
     /// where contacts cannot part them. Once a step, after the last query of it; a host that queries several times a step, to
     /// look ahead or to detect anew, thus escapes no sooner.
     ///
@@ -204,7 +204,7 @@ impl<T: Scalar> Scene<T> {
         Ok(())
     }
 
-    /// The newest query was no step's last: pairs remember what they did when the step ended.
+    /// Makes the newest query count for nothing: pairs remember what they did when the last step ended.
     pub(crate) fn disregard_query(&mut self) {
         self.pairs.history.is_queried = false;
     }
@@ -303,8 +303,8 @@ impl<T: Scalar> Scene<T> {
         Ok(())
     }
 
-    /// Finds the contacts of bodies with themselves where they are asked for, as the next query at the same positions
-    /// would, which does not do it again.
+    /// Finds the contacts of bodies with themselves where they are asked for. The next query at the same positions does not find
+    /// them again.
     pub fn find_self_contacts(&mut self) {
         let Self { bodies, options, .. } = self;
         for body in bodies.iter_mut() {
@@ -321,8 +321,8 @@ impl<T: Scalar> Scene<T> {
         self.bodies.get(body).map(Body::may_overlap_itself).ok_or(SceneError::UnknownBody { body })
     }
 
-    /// How many rays as long as the newest query took for a body: those of its contacts with itself, half of those of its
-    /// pairs, and all of those with [foreign](Self::is_foreign) bodies. Fifty triangles that are read count as a ray.
+    /// What the newest query took for a body, in rays: those of its contacts with itself, half of those of its pairs, and all of
+    /// those of its pairs with [foreign](Self::is_foreign) bodies. Fifty triangles that are read count as a ray.
     ///
     /// # Errors
     /// [`SceneError::UnknownBody`].

@@ -9,6 +9,6 @@ pub(super) struct OwnContacts<T: Scalar> {
     pub(super) contacts: ContactList<T>,
     /// Whether the body may overlap itself at its present positions.
     pub(super) may_overlap: bool,
-    /// The stamp of the positions for which the next query need not find them; 0 for none.
+    /// The stamp of the positions for which they were found; 0 where they have to be found anew.
     pub(super) found_at: u64,
 }

@@ -42,7 +42,7 @@ impl<T: Scalar> Pairs<T> {
             }
             (Err(place), false) => {
                 self.without_escape.room_for(1).insert(place, pair);
-                // Also what led to an escape is not to start the next one.
+                // What led to an escape must not start the next one.
                 self.history.forget(|known| by_number(*known) == pair);
             }
             _ => {}
@@ -50,19 +50,18 @@ impl<T: Scalar> Pairs<T> {
     }
 }
 
-/// What the overlapping pairs remember: as the last step left it, which all queries of this step start from, and as the
-/// newest query would leave it to the next step. Both lists are in the order of the bodies, which stays as it is while other
-/// bodies come and go.
+/// What the overlapping pairs remember. All queries of a step start from `before`, as the last step left it; `after` is what the
+/// newest query would leave to the next step. Both are in the order of the bodies, which stays while other bodies come and go.
 #[derive(Debug)]
 pub(super) struct History<T: Scalar> {
     pub(super) before: Vec<Remembered<T>>,
     pub(super) after: Vec<Remembered<T>>,
     /// Whether there has been a query in this step.
     pub(super) is_queried: bool,
-    /// The newest of the bodies' positions then, by their stamp.
+    /// The stamp of the newest positions of any body at the newest query.
     pub(super) queried_at: u64,
-    /// Whether the host says where a step ends. Otherwise it ends where a body is given positions after a query.
-    pub(super) is_hosts: bool,
+    /// Whether the host says when a step ends. Otherwise it ends at the first query after a body was given positions.
+    pub(super) is_advanced: bool,
     /// How much of a whole step has passed since the counts last went on: below 1.
     pub(super) passed: f64,
 }
@@ -74,25 +73,32 @@ const NEARLY_WHOLE: f64 = 0.95;
 
 impl<T: Scalar> Default for History<T> {
     fn default() -> Self {
-        Self { before: Vec::new(), after: Vec::new(), is_queried: false, queried_at: 0, is_hosts: false, passed: 0.0 }
+        Self {
+            before: Vec::new(),
+            after: Vec::new(),
+            is_queried: false,
+            queried_at: 0,
+            is_advanced: false,
+            passed: 0.0,
+        }
     }
 }
 
 impl<T: Scalar> History<T> {
-    /// As of the newest query, or else of the last step.
+    /// What pairs remember as of the newest query, or else of the last step.
     pub(super) fn newest(&self) -> &[Remembered<T>] {
         if self.is_queried { &self.after } else { &self.before }
     }
 
-    /// Starts a query: what `pairs` remembered before this step goes into `after`; nothing for those that are new. `stamp`
-    /// is the newest of the bodies' positions, `order` what pairs compare by.
+    /// Starts a query: copies what `pairs` remembered before this step into `after`, and nothing for those that are new. `stamp`
+    /// is that of the newest positions, `order` what pairs compare by.
     pub(super) fn start_query(
         &mut self,
         pairs: impl Iterator<Item = [u32; 2]>,
         stamp: u64,
         order: impl Fn(&[u32; 2]) -> [u32; 2],
     ) {
-        if !self.is_hosts && stamp != self.queried_at {
+        if !self.is_advanced && stamp != self.queried_at {
             self.end_step();
         }
         (self.is_queried, self.queried_at) = (false, stamp);
@@ -106,9 +112,9 @@ impl<T: Scalar> History<T> {
         }
     }
 
-    /// Ends a step of so many seconds.
+    /// Ends a step of this many seconds.
     pub(super) fn advance(&mut self, seconds: f64, order: impl Fn(&[u32; 2]) -> [u32; 2]) {
-        self.is_hosts = true;
+        self.is_advanced = true;
         self.passed += (seconds / WHOLE_STEP).min(1.0);
         let is_whole = self.passed >= NEARLY_WHOLE;
         if is_whole {

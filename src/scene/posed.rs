@@ -1,4 +1,4 @@
-//! Bodies that keep their shape: moved by a pose, they are read only where they meet others.
+//! Bodies that keep their shape and are moved by a pose: they are read only where they meet others.
 
 use super::bodies::Body;
 use super::{Scene, SceneError};
@@ -6,9 +6,9 @@ use crate::math::{Pose, Scalar};
 use crate::mesh::next_stamp;
 
 impl<T: Scalar> Scene<T> {
-    /// Moves a body by a pose: its vertices are those of its mesh as it was created, each moved by [`Pose::moved`]. What
-    /// positions it was given since does not count, nor does its last pose. Contacts are those of the same positions given
-    /// to [`mesh_mut`](Self::mesh_mut), to the bit.
+    /// Moves a body by a pose: its vertices are those of its mesh as it was created, each moved by [`Pose::moved`]. Positions
+    /// that it was given since do not count, nor does its last pose. Contacts are those of the same positions given to
+    /// [`mesh_mut`](Self::mesh_mut), to the bit.
     ///
     /// No vertex is looked at but those that decide how far the body reaches; a query then moves those near other bodies.
     /// A body whose contacts with itself are switched on is moved as a whole. The same pose again costs nothing.
@@ -21,20 +21,20 @@ impl<T: Scalar> Scene<T> {
         if moved.set_pose(pose) { Ok(()) } else { Err(SceneError::PoseBeyondRange { body }) }
     }
 
-    /// Whether [`follow`](Self::follow) will do it.
+    /// Whether [`follow`](Self::follow) will succeed.
     pub(crate) fn may_follow(&mut self, body: u32, pose: &Pose) -> bool {
         self.bodies.get_mut(body).is_some_and(|body| body.surface.may_move(pose))
     }
 
-    /// [`set_pose`](Self::set_pose) of one that was checked before, or has been derived from one that was; false where the
-    /// body is not there or would be beyond the precision.
+    /// [`set_pose`](Self::set_pose) of a pose that was checked before, or derived from a checked one; false where there is no
+    /// such body or it would be beyond the precision.
     pub(crate) fn follow(&mut self, body: u32, pose: &Pose) -> bool {
         self.bodies.get_mut(body).is_some_and(|body| body.set_pose(pose))
     }
 }
 
 impl<T: Scalar> Body<T> {
-    /// False where it would be beyond the precision.
+    /// Moves the body; false where it would be beyond the precision.
     fn set_pose(&mut self, pose: &Pose) -> bool {
         let Self { surface, own, given, .. } = self;
         if surface.mesh().pose() == Some(pose) {

@@ -5,10 +5,10 @@ use crate::math::Scalar;
 
 impl<T: Scalar> Scene<T> {
     /// Finds the contacts as [`query`](Self::query) does, and gives the energy that bodies store where they are, in J. Under the
-    /// pressure law it is the integral of the pressure over what they share, of which the forces are the negative gradient: two
-    /// queries at different positions differ in it by the work between. Where the law has no such integral, it is
-    /// [`energy`]: by rays' own law, of rays from vertices, of open sheets, of bodies with themselves, and where contacts are
-    /// not weighted by area. What an escape does is no energy of the positions; it counts as its springs do.
+    /// pressure law it is the integral of the pressure over what they share. The forces are its negative gradient, so it differs
+    /// between two queries by the work done between them. It is [`energy`] where there is no such integral: under the law of ray
+    /// lengths, with rays from vertices, for open sheets and bodies with themselves, and where contacts are not weighted by area.
+    /// An escape is no function of the positions; it counts as the energy of its springs.
     pub fn potential(&mut self, law: &PenaltyLaw, contacts: &mut ContactList<T>) -> f64 {
         self.query(contacts);
         match law.stiffness_of_area() {
@@ -17,7 +17,7 @@ impl<T: Scalar> Scene<T> {
         }
     }
 
-    /// The same of the newest query, where each pair has a stiffness and a depth beyond which pressure does not grow.
+    /// The same for the newest query. `law`: a pair's stiffness, and the depth beyond which its pressure does not grow.
     pub(crate) fn potential_of(&self, contacts: &mut ContactList<T>, law: impl Fn([u32; 2]) -> [f64; 2]) -> f64 {
         contacts.sum_of_pairs(|pair, contacts, room| {
             let [stiffness, cap] = law(pair);

@@ -1,12 +1,10 @@
 //! What the pairs of a scene remember, as bytes that a host saves with its own state.
 
 use super::pairs::{History, Remembered};
-use crate::bytes;
-use crate::bytes::{BytesError, CHECKSUM, Reader, checksum};
+use crate::bytes::{self, BytesError, CHECKSUM, Reader, checksum};
 use crate::escape::{MEMORY_BYTES, PairMemory};
 use crate::math::Scalar;
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
 const MARK: [u8; 8] = *b"raycpair";
 /// The form of the bytes.
@@ -14,8 +12,8 @@ const VERSION: u32 = 3;
 const HEAD: usize = 44;
 /// Flags of the history.
 const IS_QUERIED: u32 = 1;
-const IS_HOSTS: u32 = 2;
-/// No position has changed since the newest query.
+const IS_ADVANCED: u32 = 2;
+/// A flag of the history: no position has changed since the newest query.
 const IS_AT_QUERY: u32 = 4;
 /// The pair's two bodies and what it remembers.
 const ENTRY: usize = 2 * 4 + MEMORY_BYTES;
@@ -26,16 +24,16 @@ pub(super) fn saved_length<T: Scalar>(history: &History<T>) -> usize {
     HEAD + (history.before.len() + after) * ENTRY + CHECKSUM
 }
 
-/// Appends the history, numbers little-endian on every machine. `stamp` is the newest of the bodies' positions.
+/// Appends the history, numbers little-endian on every machine. `stamp` is that of the bodies' newest positions.
 pub(super) fn save<T: Scalar>(history: &History<T>, stamp: u64, bytes: &mut Vec<u8>) {
     let start = bytes.len();
-    let History { before, after, is_queried, queried_at, is_hosts, passed } = history;
+    let History { before, after, is_queried, queried_at, is_advanced, passed } = history;
     let after = if *is_queried { after.as_slice() } else { &[] };
     bytes.room_for(saved_length(history));
     bytes.extend(MARK);
     bytes.extend(VERSION.to_le_bytes());
     bytes.extend((size_of::<T>() as u32).to_le_bytes());
-    let flags = [(*is_queried, IS_QUERIED), (*is_hosts, IS_HOSTS), (stamp == *queried_at, IS_AT_QUERY)];
+    let flags = [(*is_queried, IS_QUERIED), (*is_advanced, IS_ADVANCED), (stamp == *queried_at, IS_AT_QUERY)];
     let flags = flags.iter().fold(0, |flags, (is_set, flag)| if *is_set { flags | flag } else { flags });
     bytes.extend(flags.to_le_bytes());
     bytes.extend(passed.to_le_bytes());
@@ -49,7 +47,7 @@ pub(super) fn save<T: Scalar>(history: &History<T>, stamp: u64, bytes: &mut Vec<
     bytes.extend(checksum.to_le_bytes());
 }
 
-/// The history that was saved. `stamp` is the newest of the bodies' positions, which are those that were saved with it.
+/// The history that was saved. `stamp` is that of the bodies' newest positions, which are the same as when it was saved.
 pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>, BytesError> {
     let foreign = BytesError::Foreign { length: bytes.len() };
     let (number_size, mut head) = bytes::opened(bytes, MARK, VERSION)?;
@@ -62,17 +60,19 @@ pub(super) fn restore<T: Scalar>(bytes: &[u8], stamp: u64) -> Result<History<T>,
     bytes::check::<T>(bytes, length, number_size)?;
     let [before, after] = [memories(&mut head, counts[0])?, memories(&mut head, counts[1])?];
     let is_set = |flag| flags & flag != 0;
-    let (is_queried, is_hosts) = (is_set(IS_QUERIED), is_set(IS_HOSTS));
+    let (is_queried, is_advanced) = (is_set(IS_QUERIED), is_set(IS_ADVANCED));
     // Saved bytes always pass; forged ones with a fitting checksum may not.
-    if flags > IS_QUERIED | IS_HOSTS | IS_AT_QUERY || !(0.0..1.0).contains(&passed) || !(is_queried || after.is_empty())
+    if flags > IS_QUERIED | IS_ADVANCED | IS_AT_QUERY
+        || !(0.0..1.0).contains(&passed)
+        || !(is_queried || after.is_empty())
     {
         return Err(BytesError::Damaged);
     }
     let queried_at = if is_set(IS_AT_QUERY) { stamp } else { 0 };
-    Ok(History { before, after, is_queried, queried_at, is_hosts, passed })
+    Ok(History { before, after, is_queried, queried_at, is_advanced, passed })
 }
 
-/// Reads so many memories; only the scene can tell whether they are in order.
+/// Reads this many memories; only the scene can tell whether they are in order.
 fn memories<T: Scalar>(bytes: &mut Reader, count: u64) -> Result<Vec<Remembered<T>>, BytesError> {
     let mut memories = memory::with_room(count as usize);
     for _ in 0..count {

@@ -1,5 +1,5 @@
-//! Which parts of a surface need rays: where the surface does not touch itself, the winding number under it is the same
-//! all over, and one ray tells it.
+//! Which parts of a surface need rays. The winding number under a connected part that touches nothing is the same all over, so
+//! one ray tells it.
 
 use crate::math::Scalar;
 use crate::memory;
@@ -16,8 +16,8 @@ pub(crate) struct Culling {
 }
 
 impl Culling {
-    /// Wants the triangles that touch others, and the connected parts of the rest that lie inside another part of the
-    /// body. Gives false where there is none. Adds to `rays` those that found no inside.
+    /// Wants the triangles that touch others, and the connected parts of the rest that lie inside another part of the body. Gives
+    /// whether there may be any. Counts in `rays` those that found no inside.
     pub(crate) fn choose<T: Scalar>(
         &mut self,
         tracer: &Tracer<'_, T>,
@@ -28,13 +28,12 @@ impl Culling {
         let topology = tracer.mesh().topology();
         let mut is_inside = |triangle: u32| {
             let is_inside = winding_under(tracer, triangle, crossings).is_none_or(|number| number > 1);
-            // Where it is, the ray is traced once more as that of a sample, and counted then.
+            // A ray that finds an inside is traced once more for a sample, and counted then.
             *rays += u64::from(!is_inside);
             is_inside
         };
         if !touching.any {
-            // Connected, closed and passing through itself nowhere: such a surface winds around nothing twice, unless
-            // several are nested.
+            // A closed surface that passes through itself nowhere winds around nothing twice, unless it has nested components.
             let components = topology.components();
             if components.len() == 1 || !components.iter().any(|&triangle| is_inside(triangle)) {
                 return false;

@@ -39,7 +39,7 @@ pub(crate) fn altitude_of_fan<T: Scalar>(mesh: &Mesh<T>, vertex: u32, facet: imp
         let first = if corners[0] == vertex { 0 } else { 1 + usize::from(corners[1] != vertex) };
         [1, 2].map(|i| mesh.position(corners[(first + i) % 3]) - mesh.position(vertex))
     };
-    // A direction within the first triangle: within how many is it?
+    // In how many triangles does a direction within the first one lie?
     let [p, q] = corners(around[0]);
     let across = (p + q).cross(&axis);
     let mut turns = 0;
@@ -49,7 +49,7 @@ pub(crate) fn altitude_of_fan<T: Scalar>(mesh: &Mesh<T>, vertex: u32, facet: imp
         let seen = facet.scaled_normal.dot(&axis);
         let (altitude, cosine) = (seen / facet.longest_edge, seen / facet.area);
         least_cosine = if cosine >= least_cosine { least_cosine } else { cosine };
-        // Written so that NaN counts as none.
+        // Written so that NaN becomes the least, and then 0.
         least = if altitude >= least { least } else { altitude };
         let [p, q] = corners(triangle);
         turns += u32::from(p.dot(&across) >= T::zero() && q.dot(&across) < T::zero());
@@ -57,16 +57,15 @@ pub(crate) fn altitude_of_fan<T: Scalar>(mesh: &Mesh<T>, vertex: u32, facet: imp
     if turns == 1 && least > T::zero() { (least, least_cosine) } else { (T::zero(), T::zero()) }
 }
 
-/// How far the triangles of a fan may be strained, seen at no less than a cosine, with the least altitude that is allowed
-/// as a part of theirs.
+/// How far the triangles of a fan may be strained. They are seen at no less than `cosine`, and `part` is the least altitude that
+/// is allowed as a part of theirs.
 ///
-/// The strain s of a triangle is the square root of the sum of squares of what a map adds to the unit map along the triangle
-/// and across it. Its normal, scaled by the area, changes by at most √2 s + s²/2 of that, less than 1.665 s for s up to
-/// ½, and edges grow by at most s of their length. So its altitude as seen is still at least (1 − 1.665 s / cosine) / (1 + s)
-/// of what it was.
+/// The strain s of a triangle is the Frobenius norm of F − 1, where F maps the triangle's plane from rest. Its scaled normal
+/// changes by at most √2 s + s²/2 of its length, less than 1.665 s for s up to ½, and edges grow by at most s of their length.
+/// So its altitude as seen is still at least (1 − 1.665 s / cosine) / (1 + s) of what it was.
 pub(crate) fn strain_of_fan<T: Scalar>(cosine: T, part: T) -> T {
     let most = T::of(margins::STRAIN) * (T::one() - part) * cosine / (cosine + T::of(1.67));
-    // In this form NaN counts as none.
+    // Written so that NaN counts as none.
     if most > T::zero() { most } else { T::zero() }
 }
 

@@ -24,7 +24,7 @@ pub(crate) enum Nearness {
     Touching,
 }
 
-/// How near two triangles are that may touch: others are apart.
+/// How near two triangles are. Triangles that cannot touch, as they share a vertex or are merged, count as apart.
 pub(crate) fn nearness<T: Scalar>(mesh: &Mesh<T>, pair: [u32; 2]) -> Nearness {
     let touch = touch_distance(mesh);
     // Not by `map`, which the compiler does not inline here and which took half of the time.
@@ -62,8 +62,8 @@ fn separation_along_any<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], mut best: T, 
         let axis = match number {
             0 | 1 => (corners[number][1] - corners[number][0]).cross(&(corners[number][2] - corners[number][0])),
             2..11 => edge(a, (number - 2) / 3).cross(&edge(b, (number - 2) % 3)),
-            // The axes of the boxes come last, since the boxes nearly always overlap. They matter where triangles were offered
-            // because their rounded boxes overlap: these do not touch if the boxes themselves do not.
+            // The axes of the boxes come last, since the boxes nearly always overlap. They matter where only the rounded boxes,
+            // by which triangles are offered, do.
             _ => Vector3::ith(number - 11, T::one()),
         };
         best = best.max(gap_along_either(corners, &axis));

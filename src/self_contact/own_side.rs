@@ -1,9 +1,9 @@
 //! Whether the way out of a point that lies inside another part of its body leads through that other part, or only
 //! through the far side of its own.
 //!
-//! Along a ray both look alike. But the surface around the overlap consists of parts of both folds, and the folds cross
-//! where one part ends and the next begins. So two points on it belong to the same fold if a path between them over that
-//! surface changes the fold an even number of times.
+//! Along a ray both look alike. But the surface around the overlap consists of pieces of two folds, which cross where one piece
+//! ends and the next begins. So two points on it belong to the same fold if a path between them over that surface changes
+//! from fold to fold an even number of times.
 
 use crate::math::Scalar;
 use crate::memory;
@@ -18,7 +18,7 @@ pub(crate) struct Folds {
     is_inside: Vec<bool>,
     /// Connected parts of the surface that lie inside.
     parts: UnionFind,
-    /// The same, joined where they cross.
+    /// These parts joined where they cross; the parity tells which of two folds one belongs to.
     folds: UnionFind,
     /// Whether three or more folds meet in a set of `folds`, by the set's number. Such a set has no two sides.
     is_mixed: Vec<bool>,
@@ -34,7 +34,7 @@ impl Folds {
         memory::refill_with(&mut self.is_mixed, false, count);
     }
 
-    /// Marks the surface between these vertices as inside.
+    /// Marks the surface between these vertices, which may be the same, as inside.
     pub(crate) fn add(&mut self, vertices: [u32; 3]) {
         for vertex in vertices {
             self.is_inside[vertex as usize] = true;

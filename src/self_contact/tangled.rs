@@ -1,9 +1,9 @@
-//! Bodies in which everything touches everything: garbage positions of a simulation gone wrong. Pairs of triangles that
-//! touch are then quadratically many, each ray crosses a part of the whole surface, and no inside is left to tell.
+//! Bodies in which everything touches everything: garbage positions of a simulation gone wrong. The number of pairs of triangles
+//! that touch then grows with the square of the triangles, and no inside is left to tell.
 //!
-//! A body is tangled by any of four signs: random pairs that touch too often ([`is_tangled`]), folds around too many vertices
-//! ([`Limits::folds`]), too many pairs of triangles that touch, or that are close beside folds ([`Limits`]), and too many pairs
-//! of near parts ([`MOST_PAIRS_OF_PARTS`]). What chose the numbers: docs/architecture.md, under *Tuned constants*.
+//! A body is tangled by any of four signs: random pairs touch too often ([`is_tangled`]); it folds around too many vertices
+//! ([`Limits::folds`]); too many pairs of triangles touch, or are close beside folds ([`Limits`]); or too many pairs of tiles are
+//! near each other ([`MOST_PAIRS_OF_TILES`]). What chose the numbers: docs/architecture.md, under *Tuned constants*.
 
 #[cfg(test)]
 pub(crate) mod tests;
@@ -14,47 +14,47 @@ use crate::self_contact::fans::count_folds;
 use crate::self_contact::near_triangles::is_merged;
 use crate::self_contact::nearness::{Nearness, nearness};
 
-/// Of a body with fewer triangles many touch where it is merely crumpled. It is tangled only by random pairs, if each triangle
-/// touches one in so many of the others; of triangles thrown anywhere each touches more than one in four.
+/// A body with fewer triangles than this may be merely crumpled. It is tangled only by random pairs, if each of its triangles
+/// touches at least one in [`OTHERS_OF_FEW`] of the others; of triangles thrown anywhere each touches more than one in four.
 const FEWEST_TRIANGLES: usize = 512;
 const OTHERS_OF_FEW: usize = 6;
-/// A body with even fewer is never tangled: it is searched pair by pair.
+/// A body with fewer triangles than this is never tangled: it is searched pair by pair.
 const FEWEST_OF_ALL: usize = 128;
-/// By random pairs: each triangle touches this many others on average,
+/// A body is tangled by random pairs if each triangle touches this many others on average.
 const TOUCHING: usize = 24;
-/// or this many, with long triangles all over one another,
+/// It is also tangled if each triangle touches only this many, but is close to [`CLOSE`] others: boxes overlap. Such are long
+/// triangles all over one another. In a body in order, long triangles are close to as many others, but do not touch them.
 const TOUCHING_OF_CLOSE: usize = 6;
-/// and has a box that overlaps the boxes of this many. Long triangles in order have as many such boxes, but do not touch.
 const CLOSE: usize = 96;
-/// How many random pairs are tried for each triangle,
+/// How many random pairs are tried for each triangle.
 const PAIRS_TRIED: usize = 2;
-/// and after which part of them, one in this many, an ordinary body is recognised.
+/// After one in this many of the pairs, a body in order is recognised: its triangles are close to fewer than
+/// [`FEWEST_CLOSE`] others on average.
 const FIRST_PART: usize = 4;
-/// A body whose triangles each have boxes that overlap those of fewer others than this is in order.
 const FEWEST_CLOSE: usize = 12;
 
 /// For the rays of other bodies, a body is tangled if the square of the tiles on their way times the triangles that each touches
-/// is this many, and if it folds over around many vertices: bodies of parts that overlap have thousands, but do not fold.
+/// is this much, and if it folds over around many vertices. Parts that overlap reach thousands, but do not fold.
 const SQUARE_OF_TILES_TIMES_TOUCHING: usize = 512;
-/// How many random pairs are tried for each triangle then, since few touch where few triangles are large,
+/// How many random pairs are tried for each triangle then: more, since few touch where few triangles are large.
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
-/// after which part of them a body in order is recognised,
+/// After one in this many of these pairs, a body in order is recognised.
 const FIRST_PART_FOR_RAYS: usize = 8;
-/// and how many must touch at least: fewer may be chance in a body that passes through itself in one place.
+/// At least this many pairs must touch: fewer may be chance in a body that passes through itself in one place.
 const FEWEST_TOUCHING: usize = 12;
 
-/// The surface folds over around more than one vertex in this many: it has no side.
+/// A body is tangled if it folds over around more than one vertex in this many: it has no side.
 const VERTICES_WITHOUT_SIDE: usize = 4;
-/// Around fewer than one in this many it is merely crumpled here and there.
+/// With folds around fewer than one vertex in this many it is merely crumpled here and there.
 const VERTICES_OF_A_FOLD: usize = 64;
-/// With more folds, this many pairs of triangles with overlapping boxes for each triangle are too many: spikes and rags.
+/// With more folds, a body is tangled by this many pairs of close triangles for each triangle: spikes and rags.
 const CLOSE_BESIDE_FOLDS: usize = 8;
-/// At that limit 16 of random pairs, one for each triangle, are close on average. So many never are.
+/// Of random pairs, one for each triangle, 16 are close on average at that limit. By this many it is exceeded for certain.
 const FAR_TOO_MANY_CLOSE: usize = 48;
-/// Of all pairs, this many that touch for each triangle: a large part of the surface lies on the rest.
+/// A body is tangled by this many touching pairs for each triangle: a large part of the surface lies on the rest.
 const MOST_TOUCHING: usize = 3;
-/// This many pairs of near parts for each triangle: their list would take more memory than everything else.
-pub(crate) const MOST_PAIRS_OF_PARTS: usize = 64;
+/// A body is tangled by this many pairs of near tiles for each triangle: their list would take more memory than all else.
+pub(crate) const MOST_PAIRS_OF_TILES: usize = 64;
 
 /// What a body that is not tangled has at most. A search that finds more can stop.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +65,7 @@ pub(crate) struct Limits {
     pub(crate) touching: usize,
     /// Pairs of triangles whose boxes overlap, beside many folds.
     close: usize,
-    /// So many folds are few.
+    /// Up to this many folds are few.
     few_folds: usize,
 }
 
@@ -83,13 +83,13 @@ impl Limits {
         Self { folds: vertices / VERTICES_WITHOUT_SIDE, touching, close, few_folds: vertices / VERTICES_OF_A_FOLD }
     }
 
-    /// Whether a body with so many folds is tangled without counting the pairs that are close.
+    /// Whether a body with this many folds is known to be tangled before its close pairs are counted.
     pub(crate) fn are_exceeded<T: Scalar>(&self, mesh: &Mesh<T>, folds: usize) -> bool {
         let are_too_close = |_, close, _| (close >= FAR_TOO_MANY_CLOSE).then_some(true);
         folds > self.folds || folds > self.few_folds && judge_by_random_pairs(mesh, 1, are_too_close)
     }
 
-    /// How many pairs may be close in a body with so many folds.
+    /// How many pairs may be close in a body with this many folds.
     pub(crate) fn close(&self, folds: usize) -> usize {
         if folds > self.few_folds { self.close } else { usize::MAX }
     }
@@ -116,8 +116,8 @@ pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
         })
 }
 
-/// Whether a body is tangled for rays that have so many of its tiles on their way, judged by random pairs of its triangles. One
-/// of which less than half as many touch as would be enough is known after the first part of them.
+/// Whether a body is tangled for rays that have this many of its tiles on their way, judged by random pairs of its triangles. A
+/// body in order is known after the first part of the pairs, if less than half as many touch as would be enough.
 pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
     let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART_FOR_RAYS;
     let enough = (SQUARE_OF_TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / (tiles * tiles)).max(FEWEST_TOUCHING);
@@ -128,8 +128,8 @@ pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bo
     touch_often && count_folds(mesh) * VERTICES_OF_A_FOLD > mesh.topology().surface_vertices().len()
 }
 
-/// Tries random pairs of a body's triangles, so many for each, until the judge can tell by how many were tried, are close and
-/// touch. The pairs depend on nothing but the mesh, and not on its numbering.
+/// Tries random pairs of a body's triangles, `for_each` of them for each triangle, until the judge can tell. It is given how many
+/// were tried, are close, and touch. The pairs depend on the mesh alone, and not on its numbering.
 fn judge_by_random_pairs<T: Scalar>(
     mesh: &Mesh<T>,
     for_each: usize,

@@ -10,15 +10,16 @@ use crate::mesh::Mesh;
 use crate::query::Octree;
 use crate::self_contact::certificate::reach::Reach;
 use crate::self_contact::fans::{Facet, altitude_of_fan, least_altitude, strain_of_fan};
-use crate::self_contact::near_triangles::NearParts;
+use crate::self_contact::near_triangles::NearPairs;
 use crate::self_contact::nearness::{projected_gap, rounding, separation, touch_distance};
-use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_PARTS, is_tangled};
+use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_TILES, is_tangled};
 
 /// What the search found, and the memory it needs.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Touching<T: Scalar> {
-    /// By triangle: whether it comes nearer to another than rounding tells apart, or its neighbourhood folds over.
+    /// By triangle whether it comes nearer to another than rounding tells apart, or its neighbourhood folds over.
     pub(crate) touched: Vec<bool>,
+    /// Whether any triangle does.
     pub(crate) any: bool,
     /// Triangles without a common vertex that touch.
     pub(crate) pairs: Vec<[u32; 2]>,
@@ -30,33 +31,30 @@ pub(crate) struct Touching<T: Scalar> {
     facets: Vec<Facet<T>>,
     /// By vertex: how far the triangles around it may be strained, as a part of their size, before they may touch.
     pub(crate) strains: Vec<T>,
-    near: NearParts<T>,
+    near: NearPairs<T>,
     /// Pairs of triangles held against each other.
     #[cfg(test)]
     pub(crate) tried: u64,
 }
 
-/// What holds for the triangles around the vertices.
+/// What holds for the triangles around all vertices.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fans<T: Scalar> {
-    /// They touch none of each other while the two ends of no edge move against each other by more.
-    pub(crate) strain: T,
+    /// Triangles around a vertex do not touch each other while the ends of no edge move against each other by more than this.
+    pub(crate) stretch: T,
     /// The mean altitude of the triangles.
     pub(crate) fineness: T,
 }
 
 impl<T: Scalar> Touching<T> {
-    /// Starts anew with a surface that touches itself nowhere. Lengths whose squares underflow or overflow tell
-    /// nothing: it touches itself everywhere then.
+    /// Starts anew with a surface that touches itself nowhere; everywhere, where squares of lengths would underflow or overflow.
     pub(crate) fn reset(&mut self, mesh: &Mesh<T>) {
         let rounding = rounding(mesh);
         self.pairs.clear();
         (self.is_tangled, self.folds) = (false, 0);
-        self.touched.clear();
         let square = rounding * rounding;
         self.any = !(T::SAFE_SQUARES.0 <= square && square <= T::SAFE_SQUARES.1);
-        let count = mesh.topology().triangles().len();
-        self.touched.room_for(count).resize(count, self.any);
+        memory::refill_with(&mut self.touched, self.any, mesh.topology().triangles().len());
         self.limits = if self.any { Limits::NONE } else { Limits::of(mesh) };
     }
 
@@ -87,8 +85,8 @@ impl<T: Scalar> Touching<T> {
 
     /// The reach of a search for what touches.
     pub(crate) fn reach(mesh: &Mesh<T>) -> Reach<T> {
-        let pairs = MOST_PAIRS_OF_PARTS * mesh.topology().triangles().len();
-        Reach { touch: touch_distance(mesh), margin: T::zero(), part_margin: T::zero(), most_pairs: pairs }
+        let pairs = MOST_PAIRS_OF_TILES * mesh.topology().triangles().len();
+        Reach { touch: touch_distance(mesh), margin: T::zero(), tile_margin: T::zero(), most_pairs: pairs }
     }
 
     fn touch(&mut self, triangle: u32) {
@@ -116,25 +114,25 @@ impl<T: Scalar> Touching<T> {
             }
         }
         self.is_tangled |= self.limits.are_exceeded(mesh, self.folds);
-        // With edges up to L strained by ε, twice the area of a triangle changes by at most 2 ε L + ε².
-        Fans { strain: (least - least_allowed) / T::of(3.0), fineness }
+        // Where the ends of edges of length L or less move by ε, twice the area of a triangle changes by at most 2 ε L + ε².
+        Fans { stretch: (least - least_allowed) / T::of(3.0), fineness }
     }
 
-    /// Looks at the triangles without a common vertex, until more touch or are close than the limits allow; a margin of 0 is
-    /// quickest. What touches and is close depends neither on the order in which pairs are looked at nor on the margins.
+    /// Looks at the triangles without a common vertex, until more touch or are close than the limits allow. A margin of 0 is
+    /// quickest. What touches and what is close depends neither on the order of the pairs nor on the margins.
     pub(crate) fn search_pairs(
         &mut self,
         octree: &Octree<T>,
         mesh: &Mesh<T>,
         reach: &Reach<T>,
-        near: &mut NearParts<T>,
+        near: &mut NearPairs<T>,
     ) {
         let Reach { touch, margin, .. } = *reach;
         let (most_touching, most_close) = (self.limits.touching, self.limits.close(self.folds));
         if most_close != usize::MAX {
-            // Beside many folds boxes are counted before any distance is taken.
+            // Beside many folds, overlapping boxes are counted before any distance is computed.
             let mut close = 0;
-            let boxes = Reach { margin: T::zero(), part_margin: T::zero(), ..*reach };
+            let boxes = Reach { margin: T::zero(), tile_margin: T::zero(), ..*reach };
             self.is_tangled = !octree.search_near(mesh, &boxes, near, |a, b, _| {
                 let [a, b] = [Aabb::of_triangle(&mesh.corners(a)), Aabb::of_triangle(&mesh.corners(b))];
                 close += usize::from(a.grown(touch).overlaps(&b));
@@ -164,8 +162,8 @@ impl<T: Scalar> Touching<T> {
         self.is_tangled = !is_done;
     }
 
-    /// Whether any triangles touch among the parts that have lapsed, or around a vertex of a strained triangle.
-    pub(crate) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearParts<T>) -> bool {
+    /// Whether any triangles touch in pairs of tiles that have lapsed, or around a vertex of a strained triangle.
+    pub(crate) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearPairs<T>) -> bool {
         let (touch, least_allowed) = (touch_distance(mesh), least_altitude(mesh));
         let folds = |vertex: u32| {
             altitude_of_fan(mesh, vertex, |triangle| Facet::new(&mesh.corners(triangle))).0 < least_allowed
@@ -183,7 +181,7 @@ impl<T: Scalar> Touching<T> {
     }
 }
 
-/// Whether the line of centres alone parts two triangles by more than `distance`: quicker than its length.
+/// Whether the line of centres alone parts two triangles by more than `distance`; quicker than [`separation`], without a root.
 #[inline]
 fn are_apart<T: Scalar>(corners: &[[Vector3<T>; 3]; 2], distance: T) -> bool {
     let [a, b] = corners;

@@ -31,8 +31,8 @@ impl UnionFind {
         (root, parity)
     }
 
-    /// Joins two sets so that the two numbers differ in parity where `differ` says so; gives whether that agrees with what
-    /// was known.
+    /// Joins two sets so that the two numbers differ in parity, or not, as `differ` says; gives whether that agrees with what was
+    /// known.
     pub(crate) fn join(&mut self, a: u32, b: u32, differ: bool) -> bool {
         let ((root_a, parity_a), (root_b, parity_b)) = (self.find(a), self.find(b));
         if root_a == root_b {

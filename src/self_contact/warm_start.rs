@@ -6,7 +6,7 @@ use crate::memory;
 use crate::mesh::Mesh;
 use crate::query::Octree;
 use crate::self_contact::certificate::reach::{Lapse, Reach};
-use crate::self_contact::near_triangles::NearParts;
+use crate::self_contact::near_triangles::NearPairs;
 use crate::self_contact::nearness::rounding;
 use crate::self_contact::tangled::is_tangled;
 use crate::self_contact::touching::Touching;
@@ -15,27 +15,27 @@ use crate::self_contact::touching::Touching;
 /// nothing, and how far they may move against each other before it has to search again. The contacts do not depend on it.
 #[derive(Clone, Debug)]
 pub(crate) struct SelfWarmStart<T: Scalar> {
-    /// Triangles around one vertex do not touch each other until an edge is strained by more than this.
+    /// Triangles around one vertex do not touch each other while this holds.
     fans: Certificate<T>,
-    /// By vertex: how far the triangles around it may be strained, as a part of their size.
+    /// By vertex how far the triangles around it may be strained, as a part of their size.
     strains: Vec<T>,
-    /// Triangles do not touch until one is strained by more than this holds, parts that are near each other have moved
-    /// against each other by more,
-    near: NearParts<T>,
-    /// or any two vertices by more than this. Negative where nothing is known of that.
+    /// Which tiles are near each other, and how far these may move. Triangles do not touch while nothing of it has lapsed.
+    near: NearPairs<T>,
+    /// By how much any two vertices may move against each other until tiles may touch that are not near. Negative where that is
+    /// not known.
     allowed: T,
     /// The largest rounding error of coordinates for which all this holds.
     rounding: T,
     /// Whether the body passed through itself nowhere when `near` was found.
     is_valid: bool,
-    /// The positions for which the rest was found.
+    /// The positions for which what follows was found.
     stamp: u64,
     is_clear: bool,
-    /// How much of `near` has lapsed since.
+    /// How much of `near` has lapsed.
     lapse: Lapse<T>,
-    /// Whether triangles touch in the lapsed parts, or all is to be searched.
+    /// Whether triangles touch in the pairs that have lapsed, or all is to be searched.
     touches: bool,
-    /// The parts searched in the steps since nothing had lapsed, together.
+    /// The sum of the parts of `near` that were searched in each step since nothing had lapsed.
     searched: f64,
     /// The mean altitude of the triangles.
     fineness: T,
@@ -52,7 +52,7 @@ impl<T: Scalar> Default for SelfWarmStart<T> {
         Self {
             fans: Certificate::default(),
             strains: Vec::new(),
-            near: NearParts::default(),
+            near: NearPairs::default(),
             allowed: -T::one(),
             rounding: T::zero(),
             is_valid: false,
@@ -80,27 +80,29 @@ struct Certificate<T: Scalar> {
 
 // What chose these numbers: docs/architecture.md, *Tuned constants*.
 
+// A clearance is what a search finds beyond what touches: by how much the body may move until it may touch itself.
+
 /// The clearance that a search looks for should last this many steps at the present pace.
 const STEPS_WANTED: f64 = 16.0;
-/// A clearance that lasts fewer steps than this costs more than it saves;
+/// A clearance that lasts fewer steps than this costs more than it saves.
 const FEWEST_STEPS: u32 = 5;
-/// after one, none is looked for during this many steps.
+/// After such a clearance none is looked for during this many steps, and after the next twice as many.
 const PAUSE: u32 = 30;
-/// Twice as many after the next, so many times.
+/// The pause is doubled at most this often.
 const MOST_DOUBLINGS: u32 = 3;
 /// If more than this part of the near pairs have come too close, the whole surface is searched.
 const MOST_LAPSED: f64 = 0.25;
-/// Where parts have lapsed for good, positions are kept anew once looking at them has cost as much as a search of all.
+/// Where pairs have lapsed for good, positions are kept anew once looking at them has cost as much as a search of all.
 const MOST_SEARCHED: f64 = 1.0;
-/// Steep triangles may come nearer by at most this, in mean altitudes: about as far as parts of one tile and the next move
-/// against each other while strain allows it.
+/// Steep triangles may come nearer by at most this, in mean altitudes: about as far as neighbouring tiles move against each
+/// other while strain allows it.
 const STEEP_MARGIN: f64 = 1.0;
-/// Coordinates may grow by this before what was kept for rounding is used up.
+/// Coordinates may grow by this factor before what was kept for rounding is used up.
 const MOST_GROWTH: f64 = 1.5;
 
 impl<T: Scalar> SelfWarmStart<T> {
-    /// Whether the body cannot touch itself at its present positions, by what is remembered. The octree is always the same
-    /// of the same mesh, but need not be up to date.
+    /// Whether the body cannot touch itself at its present positions, by what is remembered. Each call gets the same mesh and
+    /// octree, which need not be up to date.
     pub(crate) fn is_clear(&mut self, mesh: &Mesh<T>, octree: &Octree<T>) -> bool {
         if self.stamp != mesh.stamp() {
             self.stamp = mesh.stamp();
@@ -113,7 +115,7 @@ impl<T: Scalar> SelfWarmStart<T> {
             self.searched = if part > 0.0 { self.searched + part } else { 0.0 };
             let is_whole = part > MOST_LAPSED || self.searched > MOST_SEARCHED;
             self.touches = is_whole || part > 0.0 && Touching::any_lapsed_touch(octree, mesh, &mut self.near);
-            // Of several components one may have come inside another meanwhile.
+            // One of several components may have come inside another meanwhile.
             self.is_clear = part == 0.0 || !self.touches && mesh.topology().components().len() == 1;
         }
         self.is_clear
@@ -124,7 +126,7 @@ impl<T: Scalar> SelfWarmStart<T> {
         self.is_valid = false;
     }
 
-    /// Looks at the whole surface but for what is known of it. [`is_clear`](Self::is_clear) has been asked before.
+    /// Looks at the whole surface but for what is known of it. [`is_clear`](Self::is_clear) must have been called before.
     pub(crate) fn search(&mut self, octree: &Octree<T>, mesh: &Mesh<T>, touching: &mut Touching<T>) {
         touching.reset(mesh);
         if !self.touches && !touching.any {
@@ -134,23 +136,23 @@ impl<T: Scalar> SelfWarmStart<T> {
         if touching.is_tangled {
             return;
         }
-        let mut part_margin = self.part_margin();
-        let margin = part_margin.min(self.fineness * T::of(STEEP_MARGIN));
-        if part_margin > T::zero() || !self.fans.is_known(mesh) || !self.fans.is_strained_at_most(mesh) {
+        let mut tile_margin = self.tile_margin();
+        let margin = tile_margin.min(self.fineness * T::of(STEEP_MARGIN));
+        if tile_margin > T::zero() || !self.fans.is_known(mesh) || !self.fans.is_strained_at_most(mesh) {
             let found = touching.search_fans(mesh);
             self.fineness = found.fineness;
             std::mem::swap(&mut self.strains, &mut touching.strains);
-            self.fans.set(mesh, found.strain, !touching.any);
+            self.fans.set(mesh, found.stretch, !touching.any);
         }
         (self.is_valid, self.searched) = (false, 0.0);
         if touching.is_tangled {
             return;
         }
-        let reach = Reach { margin, part_margin, ..Touching::reach(mesh) };
+        let reach = Reach { margin, tile_margin, ..Touching::reach(mesh) };
         touching.search_pairs(octree, mesh, &reach, &mut self.near);
-        if touching.is_tangled && part_margin > T::zero() {
-            // More parts may soon be near each other than are listed; those that are near now decide.
-            part_margin = T::zero();
+        if touching.is_tangled && tile_margin > T::zero() {
+            // More tiles may soon be near each other than can be listed; those that are near now decide.
+            tile_margin = T::zero();
             self.fail();
             touching.search_pairs(octree, mesh, &Touching::reach(mesh), &mut self.near);
         }
@@ -159,11 +161,11 @@ impl<T: Scalar> SelfWarmStart<T> {
         }
         self.is_valid = !touching.any;
         self.rounding = rounding(mesh) * T::of(MOST_GROWTH);
-        // Where no clearance has been looked for, the positions are only needed to know the pace.
+        // Where no clearance has been looked for, positions are kept only to know the pace.
         self.allowed = -T::one();
-        if self.is_valid && (part_margin > T::zero() || self.pause <= 1) {
+        if self.is_valid && (tile_margin > T::zero() || self.pause <= 1) {
             octree.keep(mesh, &self.strains, &mut self.near);
-            self.allowed = part_margin;
+            self.allowed = tile_margin;
         }
         self.steps = 0;
     }
@@ -174,9 +176,8 @@ impl<T: Scalar> SelfWarmStart<T> {
         self.failures = (self.failures + 1).min(MOST_DOUBLINGS);
     }
 
-    /// How far parts that are not near may move against each other: some steps at the present pace; nothing where that
-    /// does not pay.
-    fn part_margin(&mut self) -> T {
+    /// How far tiles that are not near may move against each other: some steps at the present pace; 0 where that does not pay.
+    fn tile_margin(&mut self) -> T {
         if !self.is_valid {
             return T::zero();
         }

@@ -1,7 +1,6 @@
 //! Lanes in the registers of AVX2 with FMA: two for sixteen singles, four for sixteen doubles.
 //!
-//! Methods must only be reached inside a kernel that runs on this path: see `dispatch`. That is what every SAFETY line
-//! here leans on.
+//! Only kernels that run on this path may call these methods: see `dispatch`. Every SAFETY line relies on that.
 #![allow(unsafe_code)]
 
 use crate::simd::avx2_lists::{Avx2Lists, doubles_bounds, doubles_gather, have_next, singles_gather};
@@ -75,7 +74,7 @@ impl Lanes<f32> for SinglesAvx2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-        // SAFETY: it asks first.
+        // SAFETY: `have_next` tells the truth.
         unsafe { singles_bounds(points, indices, have_next(indices, points.len())) }
     }
 

@@ -1,6 +1,6 @@
-//! Lists of indices, and points given by their indices, with AVX2: what lanes do beside arithmetic.
+//! Lists of indices, and points given by their indices, with AVX2.
 //!
-//! To be reached like the methods in `avx2`, which is what every SAFETY line here leans on.
+//! As in `avx2`, only kernels that run on this path may call these functions. Every SAFETY line relies on that.
 #![allow(unsafe_code)]
 
 use crate::simd::lane::{LANE_COUNT, Mask};
@@ -10,7 +10,7 @@ use crate::simd::sse2_lists::with_corner;
 use nalgebra::Vector3;
 use std::arch::x86_64::*;
 
-/// The places of the bits that are set in each byte, in order; what is behind them is of no use.
+/// The places of the bits that are set in each byte, in order; zeros follow.
 static PLACES: [[u8; 8]; 256] = places();
 
 const fn places() -> [[u8; 8]; 256] {
@@ -30,7 +30,6 @@ const fn places() -> [[u8; 8]; 256] {
     all
 }
 
-/// With AVX2.
 pub(crate) struct Avx2Lists;
 
 impl Lists for Avx2Lists {
@@ -85,7 +84,7 @@ impl Lists for Avx2Lists {
     }
 }
 
-/// Whether behind each of these points there is another.
+/// Whether each of these points has another behind it in memory, so that four numbers may be read where a point is.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn have_next(indices: &[u32; LANE_COUNT], count: usize) -> bool {
     // SAFETY: the kernel that runs this checked for AVX2; sixteen indices may be read.
@@ -102,7 +101,6 @@ pub(crate) fn have_next(indices: &[u32; LANE_COUNT], count: usize) -> bool {
 /// [`Lanes::bounds`](crate::simd::Lanes::bounds) with a point to a register, and what follows the point in memory beside it.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn doubles_bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> (Vector3<f64>, Vector3<f64>) {
-    // Behind the last point there is nothing that may be read.
     if !have_next(indices, points.len()) {
         return bounds_one_by_one(points, indices);
     }
@@ -124,7 +122,6 @@ pub(crate) fn doubles_bounds(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT
 /// [`Lanes::gather`](crate::simd::Lanes::gather), each point read with what follows it in memory.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn singles_gather(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> [[__m256; 2]; 3] {
-    // Behind the last point there is nothing that may be read.
     if !have_next(indices, points.len()) {
         let coordinates = gather_one_by_one(points, indices);
         // SAFETY: the kernel that runs this checked for AVX2; sixteen numbers may be read.
@@ -153,7 +150,6 @@ pub(crate) fn singles_gather(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT
 /// [`Lanes::gather`](crate::simd::Lanes::gather), each point read with what follows it in memory.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn doubles_gather(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> [[__m256d; 4]; 3] {
-    // Behind the last point there is nothing that may be read.
     if !have_next(indices, points.len()) {
         let coordinates = gather_one_by_one(points, indices);
         // SAFETY: the kernel that runs this checked for AVX2; sixteen numbers may be read.

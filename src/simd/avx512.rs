@@ -1,7 +1,6 @@
 //! Lanes in the registers of AVX-512: one for sixteen singles, two for sixteen doubles.
 //!
-//! Methods must only be reached inside a kernel that runs on this path: see `dispatch`. That is what every SAFETY line
-//! here leans on.
+//! Only kernels that run on this path may call these methods: see `dispatch`. Every SAFETY line relies on that.
 #![allow(unsafe_code)]
 
 use crate::simd::avx2_lists::{doubles_bounds, have_next};
@@ -67,8 +66,8 @@ impl Lanes<f32> for SinglesAvx512 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
         let from = points.as_ptr().cast::<f32>();
-        // SAFETY: the kernel that runs this checked for AVX-512; all indices were found to be below the number of
-        // points, of three contiguous numbers each, which is below 2³² / 3.
+        // SAFETY: the kernel that runs this checked for AVX-512; `checked` found all indices below the number of points, of three
+        // contiguous numbers each.
         unsafe {
             let places = thrice(checked(indices, points.len()));
             [
@@ -81,7 +80,7 @@ impl Lanes<f32> for SinglesAvx512 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-        // SAFETY: it asks first.
+        // SAFETY: `have_next` tells the truth.
         unsafe { singles_bounds(points, indices, have_next(indices, points.len())) }
     }
 
@@ -166,7 +165,7 @@ impl Lanes<f64> for DoublesAvx512 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather(points: &[Vector3<f64>], indices: &[u32; LANE_COUNT]) -> [Self; 3] {
         let from = points.as_ptr().cast::<f64>();
-        // SAFETY: as for single numbers.
+        // SAFETY: as for `f32`.
         unsafe {
             let places = thrice(checked(indices, points.len()));
             let (low, high) = (_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places));

@@ -1,6 +1,6 @@
-//! Lists of indices with AVX-512: what lanes do beside arithmetic.
+//! Lists of indices with AVX-512.
 //!
-//! To be reached like the methods in `avx512`, which is what every SAFETY line here leans on.
+//! As in `avx512`, only kernels that run on this path may call these functions. Every SAFETY line relies on that.
 #![allow(unsafe_code)]
 
 use crate::simd::lane::{LANE_COUNT, Mask};
@@ -8,7 +8,6 @@ use crate::simd::lanes::Lists;
 use crate::simd::sse2_lists::with_corner;
 use std::arch::x86_64::*;
 
-/// With AVX-512.
 pub(crate) struct Avx512Lists;
 
 impl Lists for Avx512Lists {
@@ -58,7 +57,10 @@ impl Lists for Avx512Lists {
     }
 }
 
-/// The indices, if all are below `count`; and `count` is small enough for what follows.
+/// The indices, all of which are below `count`; three times `count` is within `i32`, as gathers take it.
+///
+/// # Panics
+/// Where that is not so.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn checked(indices: &[u32; LANE_COUNT], count: usize) -> __m512i {
     assert!(count < i32::MAX as usize / 3, "too many points");

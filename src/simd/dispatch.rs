@@ -1,5 +1,4 @@
-//! Chooses, while the program runs, the widest instructions this processor has. The arithmetic is the same on every
-//! path, operation by operation, and so are the results, to the bit.
+//! Chooses, while the program runs, the widest instructions that this processor has.
 
 #[cfg(not(target_arch = "x86_64"))]
 use crate::simd::lanes::{HasLanes, Kernel};
@@ -11,17 +10,9 @@ pub(crate) fn dispatch<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use x86_64::dispatch;
+pub(crate) use x86_64::{dispatch, outlined_avx2, outlined_avx512};
 #[cfg(all(test, target_arch = "x86_64"))]
-pub(crate) use x86_64::on_every_path;
-#[cfg(target_arch = "x86_64")]
-pub(crate) use x86_64::outlined_avx2;
-#[cfg(target_arch = "x86_64")]
-pub(crate) use x86_64::outlined_avx512;
-#[cfg(all(test, target_arch = "x86_64"))]
-pub(crate) use x86_64::paths;
-#[cfg(all(test, target_arch = "x86_64"))]
-pub(crate) use x86_64::run_on;
+pub(crate) use x86_64::{on_every_path, paths, run_on};
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64 {
@@ -50,7 +41,7 @@ mod x86_64 {
     #[allow(unsafe_code)] // calling code for processors that may not be this one
     pub(crate) fn dispatch<T: HasLanes, K: Kernel<T>>(kernel: K) -> K::Output {
         static PATH: OnceLock<Path> = OnceLock::new();
-        // SAFETY: it is none above the best, nor below the least.
+        // SAFETY: the path lies between the least that was compiled and the best of this processor.
         unsafe { run_on(*PATH.get_or_init(|| choose().min(best()).max(LEAST)), kernel) }
     }
 
@@ -80,7 +71,7 @@ mod x86_64 {
     #[allow(unsafe_code)] // calling code for processors that may not be this one
     pub(crate) fn on_every_path<T: HasLanes, K: Kernel<T> + Copy>(kernel: K) -> Vec<K::Output> {
         let portable = crate::simd::portable::Portable::<T>::outlined(kernel);
-        // SAFETY: it is one of those that are there.
+        // SAFETY: this processor and this build have the path.
         [portable].into_iter().chain(paths().map(|path| unsafe { run_on(path, kernel) })).collect()
     }
 
@@ -101,15 +92,15 @@ mod x86_64 {
         }
     }
 
-    /// The kernel, on a processor that has AVX2. Like all of `outlined`, never inlined: such functions are compiled with
-    /// this library, and not again with every program that uses it.
+    /// Runs the kernel on a processor that has AVX2. Never inlined, so that it is compiled with this library and not again
+    /// with every program that uses it.
     #[inline(never)]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     pub(crate) fn outlined_avx2<T: HasLanes, L: Lanes<T>, K: Kernel<T>>(kernel: K) -> K::Output {
         kernel.run::<L>()
     }
 
-    /// The kernel, on a processor that has AVX-512.
+    /// Runs the kernel on a processor that has AVX-512.
     #[inline(never)]
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,popcnt")]
     pub(crate) fn outlined_avx512<T: HasLanes, L: Lanes<T>, K: Kernel<T>>(kernel: K) -> K::Output {

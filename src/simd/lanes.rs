@@ -1,12 +1,16 @@
-//! Sixteen lanes as a path has them, and what runs on them.
+//! Sixteen lanes as a path has them, and what runs on them. A path is a set of instructions, such as AVX2.
 
 use crate::simd::lane::{LANE_COUNT, Mask};
 use crate::simd::one_by_one::{bounds_one_by_one, gather_one_by_one};
 use nalgebra::{RealField, Vector3};
 
-/// What a path does with lists of indices, whatever the numbers in its lanes; [`Lanes`] has the same functions. Here one by
-/// one, for processors without instructions for it.
+/// What a path does with lists of indices, whatever the numbers in its lanes. The bodies here go one by one, for processors
+/// without instructions for it.
 pub(crate) trait Lists {
+    /// Sixteen of the list's entries.
+    ///
+    /// # Panics
+    /// Where there is no entry of an index.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
         let mut entries = [0; LANE_COUNT];
@@ -16,6 +20,8 @@ pub(crate) trait Lists {
         entries
     }
 
+    /// Writes first + i for every bit i that is set, behind the first `count` entries of the list, and gives the new count.
+    /// Up to sixteen entries behind the first `count` may be overwritten.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn append(list: &mut [u32], mut count: usize, first: u32, mut bits: Mask) -> usize {
         while bits != 0 {
@@ -26,16 +32,19 @@ pub(crate) trait Lists {
         count
     }
 
+    /// Which of sixteen indices are this one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
         (0..LANE_COUNT).fold(0, |mask, i| mask | Mask::from(indices[i] == index) << i)
     }
 
+    /// Which of sixteen sets have all these bits.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
         (0..LANE_COUNT).fold(0, |mask, i| mask | Mask::from(sets[i] & bits == bits) << i)
     }
 
+    /// Which of sixteen triangles, given by the places of their corners, have a corner at this place.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
         (0..LANE_COUNT).fold(0, |mask, i| mask | Mask::from(corners.iter().any(|of_all| of_all[i] == place)) << i)
@@ -44,7 +53,6 @@ pub(crate) trait Lists {
 
 /// Sixteen numbers.
 pub(crate) trait Lanes<T: RealField + Copy>: Copy {
-    /// What the path does with lists of indices.
     type Lists: Lists;
     /// Whether rays that a host gives together are traced sooner in packets than one by one.
     const PACKETS_PAY: bool = true;
@@ -93,7 +101,7 @@ pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     }
     /// Lane i is this one's where bit i is set, else the other's.
     fn select(bits: Mask, this: Self, other: Self) -> Self;
-    /// `if self < limit { this } else { other }`. One instruction fewer than with a mask, or ten.
+    /// `if self < limit { this } else { other }`; cheaper than by a mask.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn where_less(self, limit: Self, this: Self, other: Self) -> Self {
         Self::select(self.is_less(limit), this, other)
@@ -120,40 +128,10 @@ pub(crate) trait Lanes<T: RealField + Copy>: Copy {
     fn bounds(points: &[Vector3<T>], indices: &[u32; LANE_COUNT]) -> (Vector3<T>, Vector3<T>) {
         bounds_one_by_one(points, indices)
     }
-    /// Sixteen of the list's entries.
-    ///
-    /// # Panics
-    /// Where there is no entry of an index.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn gather_indices(list: &[u32], indices: &[u32; LANE_COUNT]) -> [u32; LANE_COUNT] {
-        Self::Lists::gather_indices(list, indices)
-    }
     /// The smallest lane; none may be NaN.
     fn smallest(self) -> T;
     /// The largest lane; none may be NaN.
     fn greatest(self) -> T;
-    /// Puts first + i for every bit i that is set behind the first `count` of the list; gives how many there are
-    /// then. Up to sixteen places behind those may be overwritten.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn append(list: &mut [u32], count: usize, first: u32, bits: Mask) -> usize {
-        Self::Lists::append(list, count, first, bits)
-    }
-    /// Which of sixteen indices are this one.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn equal(indices: &[u32; LANE_COUNT], index: u32) -> Mask {
-        Self::Lists::equal(indices, index)
-    }
-    /// Which of sixteen sets have all these bits.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn holding(sets: &[Mask; LANE_COUNT], bits: Mask) -> Mask {
-        Self::Lists::holding(sets, bits)
-    }
-    /// Which of sixteen triangles, given by the places of their corners, have a corner at this place.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
-        Self::Lists::with_corner(corners, place)
-    }
-
     /// Runs a kernel on this path as a function of its own: large code is then compiled once, however many places call it.
     #[inline(never)]
     fn outlined<K: Kernel<T>>(kernel: K) -> K::Output

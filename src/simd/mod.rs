@@ -35,7 +35,7 @@ pub(crate) use dispatch::dispatch;
 pub(crate) use dispatch::on_every_path;
 pub(crate) use lane::{LANE_COUNT, Mask, lanes_of, set_lane, vector_in_lane};
 pub use lanes::HasLanes;
-pub(crate) use lanes::{Kernel, Lanes};
+pub(crate) use lanes::{Kernel, Lanes, Lists};
 pub(crate) use vectors::Vectors;
 
 macro_rules! has_lanes {

@@ -1,8 +1,7 @@
 //! What some processors have no instructions for.
 
 use crate::simd::lane::LANE_COUNT;
-use nalgebra::RealField;
-use nalgebra::Vector3;
+use nalgebra::{RealField, Vector3};
 
 /// [`Lanes::gather`](crate::simd::Lanes::gather) point by point.
 #[cfg_attr(not(debug_assertions), inline(always))]

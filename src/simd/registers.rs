@@ -1,11 +1,11 @@
-//! What all lanes that are several registers have in common.
+//! What lanes of one register or several have in common.
 
 /// An operation on two operands, register by register.
 macro_rules! on_two {
     ($name:ident, $instruction:ident, [$($i:literal),*]) => {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn $name(self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             unsafe { Self([$($instruction(self.0[$i], other.0[$i])),*]) }
         }
     };
@@ -26,7 +26,7 @@ macro_rules! arithmetic {
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn splat(value: $scalar) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             let all = unsafe { $splat(value) };
             Self([$({ let _ = $i; all }),*])
         }
@@ -45,26 +45,26 @@ macro_rules! arithmetic {
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn sqrt(self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             unsafe { Self([$($sqrt(self.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn mul_add(self, factor: Self, term: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             unsafe { Self([$($mul_add(self.0[$i], factor.0[$i], term.0[$i])),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn negate(self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             unsafe { Self([$($xor(self.0[$i], $splat(-0.0))),*]) }
         }
     };
 }
 
-/// Comparisons register by register, given the instructions' names, and edge functions. For the last the type brings `spread`,
-/// which makes points ready, and `at`, which gives those at a register's worth of places.
+/// Comparisons register by register, given the instructions' names, and edge functions. For these the type has `spread`, which
+/// lays points out to be looked up, and `at`, which looks up as many as a register holds.
 macro_rules! comparisons {
     (
         [$($i:literal),*], $width:literal; $splat:ident, $sub:ident, $mul:ident, $min:ident, $max:ident, $less:ident,
@@ -72,25 +72,25 @@ macro_rules! comparisons {
     ) => {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn is_less(self, other: Self) -> Mask {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             unsafe { 0 $(| ($bits($less(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn is_at_most(self, other: Self) -> Mask {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             unsafe { 0 $(| ($bits($at_most(self.0[$i], other.0[$i])) as Mask) << ($i * $width))* }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn where_less(self, limit: Self, this: Self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             unsafe { Self([$($blend(other.0[$i], this.0[$i], $less(self.0[$i], limit.0[$i]))),*]) }
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn where_at_most(self, limit: Self, this: Self, other: Self) -> Self {
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             unsafe { Self([$($blend(other.0[$i], this.0[$i], $at_most(self.0[$i], limit.0[$i]))),*]) }
         }
 
@@ -99,7 +99,7 @@ macro_rules! comparisons {
             let points = Self::spread(points);
             let [mut above, mut below] = [0; 2];
             // One register after the other: there are not enough for all at once.
-            // SAFETY: the kernel that runs this was chosen for a processor with these.
+            // SAFETY: the kernel that runs this was chosen for a processor with these instructions.
             $(unsafe {
                 let [ax, ay] = Self::at(&points, &corners[0], $i);
                 let [bx, by] = Self::at(&points, &corners[1], $i);

@@ -54,7 +54,7 @@ impl Lanes<f32> for SinglesSse2 {
                 let bits = _mm_set1_epi32((bits >> (4 * i)).into());
                 let lanes = _mm_setr_epi32(1, 2, 4, 8);
                 let mask = _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(bits, lanes), lanes));
-                result.0[i] = _mm_or_ps(_mm_and_ps(mask, this.0[i]), _mm_andnot_ps(mask, other.0[i]));
+                result.0[i] = blend_ps(other.0[i], this.0[i], mask);
             }
         }
         result
@@ -85,7 +85,7 @@ impl Lanes<f32> for SinglesSse2 {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bounds(points: &[Vector3<f32>], indices: &[u32; LANE_COUNT]) -> (Vector3<f32>, Vector3<f32>) {
-        // SAFETY: it asks first.
+        // SAFETY: `have_next` tells the truth.
         unsafe { singles_bounds(points, indices, have_next(indices, points.len())) }
     }
 
@@ -181,7 +181,7 @@ impl Lanes<f64> for DoublesSse2 {
                 let bits = _mm_set1_epi32((bits >> (2 * i)).into());
                 let lanes = _mm_setr_epi32(1, 1, 2, 2);
                 let mask = _mm_castsi128_pd(_mm_cmpeq_epi32(_mm_and_si128(bits, lanes), lanes));
-                result.0[i] = _mm_or_pd(_mm_and_pd(mask, this.0[i]), _mm_andnot_pd(mask, other.0[i]));
+                result.0[i] = blend_pd(other.0[i], this.0[i], mask);
             }
         }
         result
@@ -255,7 +255,7 @@ impl DoublesSse2 {
     }
 }
 
-/// The second's lanes where the mask has all bits set, else the first's.
+/// The lanes of `this` where the mask has all bits set, else those of `other`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 unsafe fn blend_ps(other: __m128, this: __m128, mask: __m128) -> __m128 {
     // SAFETY: every x86-64 processor has SSE2.
@@ -268,8 +268,8 @@ unsafe fn blend_pd(other: __m128d, this: __m128d, mask: __m128d) -> __m128d {
     unsafe { _mm_or_pd(_mm_and_pd(mask, this), _mm_andnot_pd(mask, other)) }
 }
 
-/// There is no such instruction: in doubles, where the product is exact, and the sum is rounded to odd, so that rounding it
-/// once more gives what one rounding does (Boldo and Melquiond 2008, "Emulation of a FMA and correctly rounded sums").
+/// SSE2 has no fused multiply-add. In doubles the product is exact, and the sum is rounded to odd; rounded once more, to
+/// singles, it is what one rounding gives (Boldo and Melquiond 2008, "Emulation of a FMA and correctly rounded sums").
 #[cfg_attr(not(debug_assertions), inline(always))]
 unsafe fn mul_add_ps(this: __m128, factor: __m128, term: __m128) -> __m128 {
     // SAFETY: every x86-64 processor has SSE2.
@@ -282,7 +282,8 @@ unsafe fn mul_add_ps(this: __m128, factor: __m128, term: __m128) -> __m128 {
     }
 }
 
-/// a · b + c of numbers that are singles; where it is inexact, of the two doubles around it the one whose last bit is set.
+/// a · b + c of numbers that are singles, rounded to odd: where it is inexact, of the two doubles around it the one whose last
+/// bit is set.
 #[cfg_attr(not(debug_assertions), inline(always))]
 unsafe fn odd_product_and_sum(a: __m128d, b: __m128d, c: __m128d) -> __m128d {
     // SAFETY: every x86-64 processor has SSE2.
@@ -304,7 +305,7 @@ unsafe fn odd_product_and_sum(a: __m128d, b: __m128d, c: __m128d) -> __m128d {
     }
 }
 
-/// One by one: there is no such instruction.
+/// Number by number.
 #[cfg_attr(not(debug_assertions), inline(always))]
 unsafe fn mul_add_pd(this: __m128d, factor: __m128d, term: __m128d) -> __m128d {
     let [mut a, mut b, mut c] = [[0.0; 2]; 3];

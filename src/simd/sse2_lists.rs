@@ -7,7 +7,6 @@ use crate::simd::one_by_one::bounds_one_by_one;
 use nalgebra::Vector3;
 use std::arch::x86_64::*;
 
-/// With what every x86-64 processor has.
 pub(crate) struct Sse2Lists;
 
 impl Lists for Sse2Lists {
@@ -55,12 +54,12 @@ pub(crate) fn with_corner(corners: &[[u8; LANE_COUNT]; 3], place: u8) -> Mask {
     }
 }
 
-/// Whether behind each of these points there is another.
+/// Whether each of these points has another behind it in memory, so that four numbers may be read where a point is.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn have_next(indices: &[u32; LANE_COUNT], count: usize) -> bool {
     // SAFETY: every x86-64 processor has SSE2; four indices may be read.
     unsafe {
-        // There are only comparisons of numbers with signs.
+        // SSE2 compares only signed numbers: the highest bit is turned.
         let turned = _mm_set1_epi32(i32::MIN);
         let last = _mm_xor_si128(_mm_set1_epi32(count.saturating_sub(1) as i32), turned);
         let mut below = _mm_set1_epi32(-1);
@@ -72,15 +71,14 @@ pub(crate) fn have_next(indices: &[u32; LANE_COUNT], count: usize) -> bool {
     }
 }
 
-/// [`Lanes::bounds`](crate::simd::Lanes::bounds) with a point to a register, and what follows the point in memory beside it. What
-/// is told of the indices must be true.
+/// [`Lanes::bounds`](crate::simd::Lanes::bounds) with a point to a register, and what follows the point in memory beside it.
+/// `have_next` must be true of the indices.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) unsafe fn singles_bounds(
     points: &[Vector3<f32>],
     indices: &[u32; LANE_COUNT],
     have_next: bool,
 ) -> (Vector3<f32>, Vector3<f32>) {
-    // Behind the last point there is nothing that may be read.
     if !have_next {
         return bounds_one_by_one(points, indices);
     }

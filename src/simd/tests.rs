@@ -3,7 +3,7 @@
 use crate::math::{Scalar, Vector3};
 use crate::simd::dispatch::{paths, run_on};
 use crate::simd::lane::{LANE_COUNT, Mask};
-use crate::simd::lanes::{Kernel, Lanes};
+use crate::simd::lanes::{Kernel, Lanes, Lists};
 use crate::simd::portable::Portable;
 use proptest::array::{uniform3, uniform16};
 use proptest::num::{f32, f64};
@@ -74,10 +74,10 @@ impl<T: Scalar> Kernel<T> for &Operands<T> {
         results.masks.extend([a.is_less(b), a.is_at_most(b), a.is_less(a), a.is_at_most(a)]);
         results.masks.extend(L::sides([a, b], corners));
         results.masks.extend([
-            L::equal(indices, indices[7]),
-            L::holding(sets, *bits),
-            L::holding(sets, sets[5] & 0x11),
-            L::with_corner(corners, corners[2][3]),
+            L::Lists::equal(indices, indices[7]),
+            L::Lists::holding(sets, *bits),
+            L::Lists::holding(sets, sets[5] & 0x11),
+            L::Lists::with_corner(corners, corners[2][3]),
         ]);
         results.note(L::gather(points, indices));
         let (lower, upper) = L::bounds(points, indices);
@@ -86,9 +86,9 @@ impl<T: Scalar> Kernel<T> for &Operands<T> {
         results.values.extend([x.smallest().to_f64(), x.greatest().to_f64()]);
         results
             .lists
-            .push(L::gather_indices(sets.map(u32::from).as_slice(), &indices.map(|index| index % 16)).to_vec());
+            .push(L::Lists::gather_indices(sets.map(u32::from).as_slice(), &indices.map(|index| index % 16)).to_vec());
         let mut list = vec![7; 3 + LANE_COUNT];
-        let count = L::append(&mut list, 3, 1000, *bits);
+        let count = L::Lists::append(&mut list, 3, 1000, *bits);
         results.lists.push(list[..count].to_vec());
         results
     }

@@ -1,14 +1,13 @@
 //! The nearest point of a triangle to a point, and how far away it is.
 //!
-//! One function decides, for single triangles (`TrianglePoint`) and for sixteen side by side (`NearTriangles`), operation
-//! by operation the same, so that all ways of asking give the same bits. A vertex's distance is computed from that vertex
-//! alone, and an edge's from its two ends in the order of their numbers, so that all triangles there agree to the bit.
+//! Single triangles (`TrianglePoint`) and sixteen side by side (`NearTriangles`) are computed by the same operations, so all
+//! ways of asking give the same bits. A vertex's distance is computed from that vertex alone, and an edge's from its two ends
+//! in the order of their numbers, so all triangles there agree to the bit.
 //!
 //! # Accuracy
 //! Every distance is that of a point of the triangle: where the foot of the perpendicular cannot be told from rounding, the
 //! edges compete with it. So thin triangles, and ones without an area, are no worse than others: distances are right to
-//! within 64 rounding units of the point's reach, the largest coordinate difference to the mesh's box. See
-//! `QueryPoint::margin` for the sum.
+//! within 64 rounding units of the point's reach, the largest coordinate difference to the mesh's box: see `margins::DISTANCE`.
 
 use crate::math::{Scalar, Vector3};
 

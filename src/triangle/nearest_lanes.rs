@@ -1,5 +1,5 @@
 use crate::math::{Scalar, Vector3};
-use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, vector_in_lane};
 use crate::triangle::closest_point::ClosestPoint;
 
 /// The edges of sixteen triangles, their corners in ascending order of their vertices, and what depends on them alone.
@@ -15,7 +15,7 @@ struct EdgeLanes<T: Scalar, L> {
     inverse_across: L,
 }
 
-/// Where on the edges and inside a triangle what is nearest lies, and its squared distance.
+/// The nearest points of the three edges and of the triangle's plane: where they lie, and their squared distances.
 struct Feet<L> {
     along_ab: L,
     on_ab: L,
@@ -39,7 +39,7 @@ impl<L> Feet<L> {
         zero.is_less(self.second) & zero.is_less(self.third) & self.second.add(self.third).is_less(one)
     }
 
-    /// The squared distances, given those of the edges' nearest points.
+    /// The squared distance of each triangle, given that of the nearest point of its edges.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn or_inside<T: Scalar>(&self, on_edges: L) -> L
     where
@@ -72,8 +72,8 @@ impl<T: Scalar, L: Lanes<T>> EdgeLanes<T, L> {
         }
     }
 
-    /// [`TrianglePoint::new`](crate::triangle::closest_point::TrianglePoint::new) in every lane, to the bit; given two corners as seen from the
-    /// point, and the squared distances of all three.
+    /// [`TrianglePoint::new`](crate::triangle::TrianglePoint::new) in every lane, to the bit, given two corners as seen from
+    /// the point, and the squared distances of all three.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn feet(&self, a: Vectors<T, L>, b: Vectors<T, L>, [square_a, square_b, square_c]: [L; 3]) -> Feet<L> {
         let along_ab = a.dot(self.ab).negate().mul(self.inverse_ab);
@@ -85,11 +85,11 @@ impl<T: Scalar, L: Lanes<T>> EdgeLanes<T, L> {
         let foot = foot_on_ab.add(self.across.scaled(third));
         Feet {
             along_ab,
-            on_ab: clamped(along_ab, foot_on_ab, square_a, square_b),
+            on_ab: clamped_square(along_ab, foot_on_ab, square_a, square_b),
             along_ac,
-            on_ac: clamped(along_ac, a.add(self.ac.scaled(along_ac)), square_a, square_c),
+            on_ac: clamped_square(along_ac, a.add(self.ac.scaled(along_ac)), square_a, square_c),
             along_bc,
-            on_bc: clamped(along_bc, b.add(self.bc.scaled(along_bc)), square_b, square_c),
+            on_bc: clamped_square(along_bc, b.add(self.bc.scaled(along_bc)), square_b, square_c),
             second,
             third,
             inside: foot.dot(foot),
@@ -97,9 +97,9 @@ impl<T: Scalar, L: Lanes<T>> EdgeLanes<T, L> {
     }
 }
 
-/// The squared distance of an edge's nearest point, given the foot of the perpendicular on its line and those of its ends.
+/// The squared distance of an edge's nearest point, given the foot of the perpendicular and the squared distances of its ends.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn clamped<T: Scalar, L: Lanes<T>>(along: L, foot: Vectors<T, L>, at_start: L, at_end: L) -> L {
+fn clamped_square<T: Scalar, L: Lanes<T>>(along: L, foot: Vectors<T, L>, at_start: L, at_end: L) -> L {
     let (zero, one) = (L::splat(T::zero()), L::splat(T::one()));
     let between = zero.where_less(along, foot.dot(foot), at_start);
     one.where_at_most(along, at_end, between)
@@ -153,8 +153,8 @@ impl<T: Scalar> TrianglePoints<T> {
         Self { weights: [zeros; 3], position: [zeros; 3], distance: zeros }
     }
 
-    /// [`TrianglePoint`](crate::triangle::nearest::TrianglePoint), resolved, in every lane, to the bit. The points are scaled, the corners,
-    /// in ascending order of their vertices, are not.
+    /// [`TrianglePoint::resolved`](crate::triangle::TrianglePoint::resolved) in every lane, to the bit. The points are scaled.
+    /// The corners, in ascending order of their vertices, are not.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn set<L: Lanes<T>>(
         &mut self,
@@ -170,14 +170,14 @@ impl<T: Scalar> TrianglePoints<T> {
         let (a, b, c) = (a.sub(points), b.sub(points), c.sub(points));
         let feet = edges.feet(a, b, [a.dot(a), b.dot(b), c.dot(c)]);
 
-        let along_ab = ending(feet.along_ab);
+        let along_ab = clamped_along(feet.along_ab);
         let mut square = feet.on_ab;
         let mut weights = Vectors::new(one.sub(along_ab), along_ab, zero);
-        let along_ac = ending(feet.along_ac);
+        let along_ac = clamped_along(feet.along_ac);
         let is_nearer = feet.on_ac.is_less(square);
         square = L::select(is_nearer, feet.on_ac, square);
         weights = Vectors::select(is_nearer, Vectors::new(one.sub(along_ac), zero, along_ac), weights);
-        let along_bc = ending(feet.along_bc);
+        let along_bc = clamped_along(feet.along_bc);
         let is_nearer = feet.on_bc.is_less(square);
         square = L::select(is_nearer, feet.on_bc, square);
         weights = Vectors::select(is_nearer, Vectors::new(zero, one.sub(along_bc), along_bc), weights);
@@ -197,9 +197,7 @@ impl<T: Scalar> TrianglePoints<T> {
         position = Vectors::select(one.is_at_most(weights.x), at_a, position);
         position.store(&mut self.position);
     }
-}
 
-impl<T: Scalar> TrianglePoints<T> {
     /// One of them; `places` are those of the corners, in ascending order of their vertices, in the triangle.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn get(&self, lane: usize, triangle: u32, places: [usize; 3]) -> ClosestPoint<T> {
@@ -207,14 +205,18 @@ impl<T: Scalar> TrianglePoints<T> {
         for corner in 0..3 {
             weights[places[corner]] = self.weights[corner][lane];
         }
-        let position = Vector3::from_fn(|axis, _| self.position[axis][lane]);
-        ClosestPoint { triangle, weights, position, distance: self.distance[lane] }
+        ClosestPoint {
+            triangle,
+            weights,
+            position: vector_in_lane(&self.position, lane),
+            distance: self.distance[lane],
+        }
     }
 }
 
-/// Where along an edge the nearest point is, from where the foot of the perpendicular is.
+/// Where along an edge its nearest point is, given where the foot of the perpendicular is.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn ending<T: Scalar, L: Lanes<T>>(along: L) -> L {
+fn clamped_along<T: Scalar, L: Lanes<T>>(along: L) -> L {
     let (zero, one) = (L::splat(T::zero()), L::splat(T::one()));
     one.where_at_most(along, one, zero.where_less(along, along, zero))
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use crate::math::{Aabb, Scalar, Vector3, margins};
-use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, lanes_of, set_lane, vector_in_lane};
 use crate::triangle::query_point::{MeshScale, QueryPoint, margin_per_half_reach};
 
 /// Up to sixteen points side by side, seen in one scale, and for each the nearest triangle so far.
@@ -14,9 +14,9 @@ pub(crate) struct PointPacket<T: Scalar> {
     pub(crate) position: [[T; LANE_COUNT]; 3],
     /// What the squared distances must not exceed.
     pub(crate) square: [T; LANE_COUNT],
-    /// Of boxes, what may matter still.
+    /// The largest squared distance to a box that may still hold something nearer.
     limit: [T; LANE_COUNT],
-    /// The same of tile cylinders.
+    /// The same for tile cylinders.
     pub(crate) cylinder_limit: [T; LANE_COUNT],
     margin: [T; LANE_COUNT],
     /// How far each is from the centre, and a little more.
@@ -28,23 +28,22 @@ pub(crate) struct PointPacket<T: Scalar> {
     pub(crate) found: Mask,
     /// The middle of all of them.
     pub(crate) centre: QueryPoint<T>,
-    /// Of boxes, seen from the centre; below zero where the points have turned out not to be neighbours, so that each had
-    /// better go its own way.
+    /// The limit of boxes as seen from the centre; below zero where the points are no neighbours and each is better searched for
+    /// by itself.
     pub(crate) centre_limit: T,
-    /// The box around all of them, and its limit.
+    /// The box around all points, and the limit of boxes as seen from it.
     pub(crate) around: Aabb<T>,
     pub(crate) greatest_limit: T,
     /// How many tiles were looked at, and by how many points in all.
     looks: [u32; 2],
-    /// Scratch memory: by tile, squared distances that nothing in it is nearer to each point than.
+    /// Scratch memory: by tile, lower bounds of the squared distances of each point to it.
     pub(crate) tile_bounds: [[T; LANE_COUNT]; LANE_COUNT],
-    /// And by point, those of a tile's triangles.
+    /// Scratch memory: by point, the squared distances of a tile's triangles.
     pub(crate) squares: [[T; LANE_COUNT]; LANE_COUNT],
 }
 
-/// After so many tiles it shows whether points are neighbours: whether so many of them look at each.
+/// After this many tiles it shows whether points are neighbours: whether at least one of them looks at each on average.
 const TILES_TO_TELL: u32 = 64;
-const POINTS_FOR_A_TILE: u32 = 1;
 
 impl<T: Scalar> PointPacket<T> {
     pub(crate) fn empty() -> Self {
@@ -82,7 +81,7 @@ impl<T: Scalar> PointPacket<T> {
     ) -> bool {
         // Lanes that are not asked about repeat the first that is.
         let first = present.trailing_zeros() as usize;
-        let one = Vectors::<T, L>::splat(&Vector3::new(points[0][first], points[1][first], points[2][first]));
+        let one = Vectors::<T, L>::splat(&vector_in_lane(points, first));
         Vectors::select(present, Vectors::load(points), one).store(&mut self.position);
         L::select(present, L::load(bounds), L::splat(bounds[first])).store(&mut self.square);
         self.present = present;
@@ -102,9 +101,7 @@ impl<T: Scalar> PointPacket<T> {
         let last = places.len() - 1;
         for lane in 0..LANE_COUNT {
             let place = places[lane.min(last)] as usize;
-            for axis in 0..3 {
-                self.position[axis][lane] = points[place][axis];
-            }
+            set_lane(&mut self.position, lane, &points[place]);
             self.square[lane] = bounds[place];
         }
         self.present = ((1u32 << places.len()) - 1) as Mask;
@@ -155,7 +152,7 @@ impl<T: Scalar> PointPacket<T> {
         self.greatest_limit = limit.greatest();
         let of_cylinders = distance.add(margin);
         of_cylinders.mul(of_cylinders).mul(L::splat(slack)).store(&mut self.cylinder_limit);
-        // The centre is no farther from a box than a point is, and as far as that is from the centre.
+        // The centre is no farther from a box than a point is plus the distance between the two.
         let farthest = distance.add(L::load(&self.from_centre)).greatest();
         self.centre_limit = farthest * farthest * slack;
     }
@@ -176,8 +173,8 @@ impl<T: Scalar> PointPacket<T> {
         L::load(&self.from_centre).greatest()
     }
 
-    /// Keeps the nearest of a tile's triangles for those of the points to which it is nearer than what is known, or as near
-    /// and before it, given the squared distances in `squares`, the smallest of them, and which triangles are sought.
+    /// Keeps the nearest of a tile's triangles for those points to which it is nearer than the one known, or as near and before
+    /// it. The squared distances are in `squares`; `smallest` has the least of each point, `sought` the triangles that count.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn keep_nearer<L: Lanes<T>>(
         &mut self,
@@ -187,7 +184,7 @@ impl<T: Scalar> PointPacket<T> {
         triangles: &[u32; LANE_COUNT],
     ) {
         let (known, smallest_of_each) = (L::load(&self.square), L::load(smallest));
-        let mut nearer = smallest_of_each.is_at_most(known) & points;
+        let nearer = smallest_of_each.is_at_most(known) & points;
         if nearer == 0 {
             return;
         }
@@ -195,25 +192,22 @@ impl<T: Scalar> PointPacket<T> {
         L::select(nearer, smallest_of_each, known).store(&mut self.square);
         self.found |= nearer;
         self.renew_limits::<L>();
-        while nearer != 0 {
-            let lane = nearer.trailing_zeros() as usize;
-            nearer &= nearer - 1;
+        for lane in lanes_of(nearer) {
             let mut first = if as_near >> lane & 1 == 1 { self.triangle[lane] } else { u32::MAX };
-            let mut nearest = L::load(&self.squares[lane]).is_at_most(L::splat(smallest[lane])) & sought;
-            while nearest != 0 {
-                first = first.min(triangles[nearest.trailing_zeros() as usize]);
-                nearest &= nearest - 1;
+            let nearest = L::load(&self.squares[lane]).is_at_most(L::splat(smallest[lane])) & sought;
+            for place in lanes_of(nearest) {
+                first = first.min(triangles[place]);
             }
             self.triangle[lane] = first;
         }
     }
 
-    /// Takes note that so many tiles were looked at, by so many points in all.
+    /// Counts tiles that were looked at, and the points that looked at each.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn count_looks(&mut self, of_tiles: u32, of_points: u32) {
         let [tiles, looks] = &mut self.looks;
         (*tiles, *looks) = (*tiles + of_tiles, *looks + of_points);
-        if *tiles >= TILES_TO_TELL && *looks < POINTS_FOR_A_TILE * *tiles {
+        if *tiles >= TILES_TO_TELL && *looks < *tiles {
             self.centre_limit = -T::one();
         }
     }
@@ -227,6 +221,6 @@ impl<T: Scalar> PointPacket<T> {
     /// One of the points, scaled.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn point(&self, lane: usize) -> Vector3<T> {
-        Vector3::new(self.position[0][lane], self.position[1][lane], self.position[2][lane])
+        vector_in_lane(&self.position, lane)
     }
 }

@@ -1,6 +1,6 @@
 use crate::math::{Aabb, Scalar, Vector3, margins, normalising_factor};
 
-/// Up to so many times the mesh's size away, all points are seen in one scale, so that they can be asked about together.
+/// Points up to this many times the mesh's size away are seen in one scale, so that they can be asked about together.
 const FAR: f64 = 65536.0;
 
 /// How points are seen from a mesh: in a scale, a power of two, in which no square overflows, and none underflows that
@@ -11,7 +11,7 @@ pub(crate) struct MeshScale<T: Scalar> {
     pub(crate) half_lower: Vector3<T>,
     pub(crate) half_upper: Vector3<T>,
     half_size: T,
-    /// What is multiplied with coordinates of near points, and 1 / that.
+    /// The factor for coordinates of near points, and its inverse.
     pub(crate) factors: [T; 2],
 }
 
@@ -24,14 +24,14 @@ impl<T: Scalar> MeshScale<T> {
         Self { half_lower, half_upper, half_size, factors: normalising_factor(half_size).into() }
     }
 
-    /// Half the reach of points up to which they are seen in the mesh's own scale.
+    /// Points are near, and seen in the mesh's own scale, up to this half reach.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn half_reach_of_near(&self) -> T {
         self.half_size * T::of(FAR)
     }
 }
 
-/// The margin of distances for a point with this reach, both scaled.
+/// What half a point's reach is multiplied with for the margin of its scaled distances.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn margin_per_half_reach<T: Scalar>(factor: T) -> T {
     factor * margins::margin(2.0 * margins::DISTANCE)

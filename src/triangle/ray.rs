@@ -19,8 +19,8 @@ impl<T: Scalar> Ray<T> {
         Self { origin, direction, t_max: T::INFINITY }
     }
 
-    /// A `t` up to which the ray has met everything it meets inside the box, for an origin inside: where it leaves, and
-    /// a little more, so that a hit on the box's very face is not lost to the rounding of either distance.
+    /// The `t` at which a ray from inside the box leaves it, and a little more: a hit on the box's very face must not be lost to
+    /// the rounding of either distance.
     pub fn exit_from(&self, aabb: &Aabb<T>) -> T {
         let margin = aabb.reach_from(&self.origin) * margins::margin(margins::RAY_END);
         let mut exit = T::INFINITY;
@@ -55,6 +55,11 @@ pub struct Hit<T: Scalar> {
 }
 
 impl<T: Scalar> Hit<T> {
+    /// What this crossing adds to the winding number at the ray's origin.
+    pub(crate) fn sign(&self) -> i32 {
+        if self.is_exit { 1 } else { -1 }
+    }
+
     /// Whether this hit comes before `other` along the ray; at equal `t` the smaller triangle index does.
     pub fn is_before(&self, other: &Self) -> bool {
         self.t < other.t || (self.t == other.t && self.triangle < other.triangle)

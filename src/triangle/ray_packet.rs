@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use crate::math::{Aabb, Scalar, Vector3, margins};
-use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, set_lane, vector_in_lane};
 use crate::triangle::main_axis::MainAxes;
 use crate::triangle::ray::Ray;
 use crate::triangle::watertight::ShearedRay;
@@ -40,18 +40,16 @@ impl<T: Scalar> RayPacket<T> {
         }
     }
 
-    /// Takes up to sixteen rays.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn set(&mut self, rays: &[Ray<T>]) {
-        self.place(rays);
+    /// Prepares the rays one by one, with the same bits: some of them are not finite.
+    #[cold]
+    fn prepare_one_by_one(&mut self) {
         for lane in 0..LANE_COUNT {
             let ray = self.ray(lane);
             let sheared = ShearedRay::new(&ray);
-            for axis in 0..3 {
-                self.inverse[axis][lane] = (T::one() / ray.direction[axis]).clamp(-T::LARGEST, T::LARGEST);
-                self.turned_origin[axis][lane] = sheared.origin[axis];
-                self.shear[axis][lane] = sheared.shear[axis];
-            }
+            let inverse = ray.direction.map(|d| (T::one() / d).clamp(-T::LARGEST, T::LARGEST));
+            set_lane(&mut self.inverse, lane, &inverse);
+            set_lane(&mut self.turned_origin, lane, &sheared.origin);
+            set_lane(&mut self.shear, lane, &sheared.shear);
             self.axes[lane] = sheared.axes;
         }
     }
@@ -61,22 +59,20 @@ impl<T: Scalar> RayPacket<T> {
         self.present = ((1u32 << rays.len()) - 1) as Mask;
         // Lanes behind the last repeat it, so that nothing undefined is computed there.
         for lane in 0..LANE_COUNT {
-            let ray = &rays[lane.min(rays.len() - 1)];
-            for axis in 0..3 {
-                self.origin[axis][lane] = ray.origin[axis];
-                self.direction[axis][lane] = ray.direction[axis];
-            }
-            self.t_max[lane] = ray.t_max;
+            let Ray { origin, direction, t_max } = &rays[lane.min(rays.len() - 1)];
+            set_lane(&mut self.origin, lane, origin);
+            set_lane(&mut self.direction, lane, direction);
+            self.t_max[lane] = *t_max;
         }
     }
 
-    /// [`set`](Self::set) in all lanes at once, to the bit.
+    /// Takes up to sixteen rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn set_rays<L: Lanes<T>>(&mut self, rays: &[Ray<T>]) {
         self.place(rays);
         let (origin, direction) = (Vectors::<T, L>::load(&self.origin), Vectors::load(&self.direction));
         if direction.magnitude().are_at_most(Vectors::splat(&Vector3::repeat(T::LARGEST))) != Mask::MAX {
-            return self.set(rays);
+            return self.prepare_one_by_one();
         }
         clamped_inverse(direction).store(&mut self.inverse);
         let axes = MainAxes::new(direction);
@@ -124,11 +120,8 @@ impl<T: Scalar> RayPacket<T> {
 
     /// One of the rays.
     pub(crate) fn ray(&self, lane: usize) -> Ray<T> {
-        Ray {
-            origin: Vector3::new(self.origin[0][lane], self.origin[1][lane], self.origin[2][lane]),
-            direction: Vector3::new(self.direction[0][lane], self.direction[1][lane], self.direction[2][lane]),
-            t_max: self.t_max[lane],
-        }
+        let [origin, direction] = [&self.origin, &self.direction].map(|rows| vector_in_lane(rows, lane));
+        Ray { origin, direction, t_max: self.t_max[lane] }
     }
 }
 

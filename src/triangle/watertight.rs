@@ -22,7 +22,7 @@ impl<T: Scalar> ShearedRay<T> {
         let main = d.iamax();
         let axes = if d[main] < T::zero() { main + 3 } else { main };
         let [x, y, z] = AXES[axes].map(usize::from);
-        // NaN, as a direction of zero makes the shear too: an infinite component would make it, and all t, zero.
+        // An infinite component would make the shear, and every t, zero. So it is made NaN, as it is for a direction of zero.
         let is_finite = d.x.is_finite() && d.y.is_finite() && d.z.is_finite();
         let along = if is_finite { d[z] } else { T::of(f64::NAN) };
         let shear = Vector3::new(d[x] / along, d[y] / along, T::one() / along);
@@ -66,7 +66,7 @@ pub(crate) fn intersect_projected<T: Scalar>([a, b, c]: &[Vector3<T>; 3], triang
     let all_right = u >= zero && v >= zero && w >= zero;
     let all_left = u <= zero && v <= zero && w <= zero;
     let determinant = u + v + w;
-    // All three zero: the triangle projects to a line, and its neighbours answer for its edges.
+    // The determinant is zero where the triangle projects to a line; its neighbours answer for its edges.
     if !(all_right || all_left) || determinant == zero || !determinant.is_finite() {
         return None;
     }
@@ -77,10 +77,9 @@ pub(crate) fn intersect_projected<T: Scalar>([a, b, c]: &[Vector3<T>; 3], triang
 }
 
 impl<T: Scalar> ShearedRay<T> {
-    /// The crossing of the triangle with these corners at `t` ≥ 0, counted so that the signs along a ray sum to the
-    /// winding number of a closed mesh at the origin, +1 for an exit and −1 for an entry: a ray through an edge or a
-    /// vertex crosses just those of the triangles there that the ray moved aside by an infinitely small step (ε, ε²)
-    /// of the projection would cross.
+    /// The crossing of the triangle with these corners at `t` ≥ 0. A ray through an edge or a vertex crosses just those triangles
+    /// there that it would cross if it were moved aside by an infinitely small step (ε, ε²) of the projection. So the signs
+    /// along a ray, +1 for an exit and −1 for an entry, sum to the winding number of a closed mesh at the origin.
     pub fn crossing(&self, corners: &[Vector3<T>; 3], triangle: u32) -> Option<Hit<T>> {
         let [a, b, c] = [0, 1, 2].map(|corner| self.project(&corners[corner]));
         let sides = [(&c, &b), (&a, &c), (&b, &a)].map(|(p, q)| side_of_moved_ray(p, q));

@@ -1,8 +1,8 @@
 // Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
 
-use crate::math::{Scalar, Vector3};
-use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};
+use crate::math::Scalar;
+use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, vector_in_lane};
 use crate::triangle::main_axis::{AXES, MainAxes};
 use crate::triangle::ray::Hit;
 use crate::triangle::ray_packet::RayPacket;
@@ -99,7 +99,7 @@ fn project<T: Scalar, L: Lanes<T>>(
     )
 }
 
-/// That of the test of single triangles.
+/// That of `watertight.rs`, to the bit.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn edge_function<T: Scalar, L: Lanes<T>>(p: Vectors<T, L>, q: Vectors<T, L>) -> L {
     let right = p.y.mul(q.x);
@@ -108,10 +108,10 @@ fn edge_function<T: Scalar, L: Lanes<T>>(p: Vectors<T, L>, q: Vectors<T, L>) -> 
 }
 
 impl<T: Scalar> RayPacket<T> {
-    /// Of a group of up to sixteen triangles with up to sixteen vertices, given axis by axis and by the places of
-    /// their corners, those with any edge function above zero, and those with any below, as one of the rays sees them. It
-    /// meets none that is among both, and only enters those that are among the first. A rounded edge function that is not
-    /// zero has the exact one's sign, so none that [`ShearedRay::intersect`] accepts is left out.
+    /// Which triangles of a group have an edge function above zero, and which one below, as one of the rays sees them. The group
+    /// has up to sixteen triangles, given by the places of their corners among up to sixteen vertices. The ray meets no triangle
+    /// with both, and can only enter one with the first. A rounded edge function that is not zero has the exact one's sign, so
+    /// no triangle that [`ShearedRay::intersect`] accepts is left out.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn sides<L: Lanes<T>>(
         &self,
@@ -119,21 +119,15 @@ impl<T: Scalar> RayPacket<T> {
         positions: &[[T; LANE_COUNT]; 3],
         corners: &[[u8; LANE_COUNT]; 3],
     ) -> [Mask; 2] {
-        let origin = Vectors::new(
-            L::splat(self.turned_origin[0][ray]),
-            L::splat(self.turned_origin[1][ray]),
-            L::splat(self.turned_origin[2][ray]),
-        );
+        let origin = Vectors::splat(&vector_in_lane(&self.turned_origin, ray));
         let shear = [L::splat(self.shear[0][ray]), L::splat(self.shear[1][ray])];
         L::sides(sheared(self.axes[ray], origin, shear, positions).0, corners)
     }
 }
 
 impl<T: Scalar> ShearedRay<T> {
-    /// Of a group of up to sixteen triangles with up to sixteen vertices, given axis by axis and by the places of their
-    /// corners, those that the ray may meet, and the vertices as it sees them. No triangle that
-    /// [`intersect`](Self::intersect) accepts is left out: a rounded edge function that is not zero has the exact one's
-    /// sign.
+    /// Which triangles of such a group the ray may meet, and the vertices as it sees them. No triangle that
+    /// [`intersect`](Self::intersect) accepts is left out.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn may_meet<L: Lanes<T>>(
         &self,
@@ -166,13 +160,7 @@ impl<T: Scalar> ProjectedTriangles<T> {
     /// [`ShearedRay::intersect`] with one of them, to the bit.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn intersect(&self, place: usize, triangle: u32) -> Option<Hit<T>> {
-        let [a, b, c] = &self.corners;
-        let [a, b, c] = [
-            Vector3::new(a[0][place], a[1][place], a[2][place]),
-            Vector3::new(b[0][place], b[1][place], b[2][place]),
-            Vector3::new(c[0][place], c[1][place], c[2][place]),
-        ];
-        intersect_projected(&[a, b, c], triangle)
+        intersect_projected(&self.corners.each_ref().map(|corner| vector_in_lane(corner, place)), triangle)
     }
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::query::{Cells, Octree, Tracer};
+use crate::query::{Octree, Tracer, Tree};
 use crate::random::Random;
 use crate::shapes::{self, Shape};
 use crate::simd::on_every_path;
@@ -24,10 +24,10 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
     }
 }
 
-fn cells<'a, T: Scalar>(tracer: &Tracer<'a, T>) -> &'a Bvh<T> {
-    match tracer.cells {
-        Cells::Bvh(cells) => cells,
-        Cells::PaperOctree(_) => panic!("wide is the default"),
+fn tree<'a, T: Scalar>(tracer: &Tracer<'a, T>) -> &'a Bvh<T> {
+    match tracer.tree {
+        Tree::Bvh(tree) => tree,
+        Tree::PaperOctree(_) => panic!("wide is the default"),
     }
 }
 
@@ -43,7 +43,7 @@ fn judged<T: Scalar>(first: &Shape, second: &Shape) -> Found {
     let meshes = [first.mesh::<T>(), second.mesh()];
     let octrees = meshes.each_ref().map(Octree::new);
     let tracers = [0, 1].map(|side| octrees[side].tracer(&meshes[side]).expect("it is new"));
-    let [own, other] = tracers.each_ref().map(cells);
+    let [own, other] = tracers.each_ref().map(tree);
     let region = meshes[0].aabb().intersection(meshes[1].aabb());
     let asked = Asked { own, other, mesh: &meshes[1], region: &region };
     let mut all = on_every_path::<T, _>(asked);

@@ -4,12 +4,12 @@ use crate::mesh::Mesh;
 use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors};
 use crate::triangle::RayPacket;
 
-/// The directions of some rays, as the box around them: tells which tiles none of the rays can leave the body through.
-/// That saves nearly all tiles around the points where rays start, which their boxes always meet.
+/// The box around the directions of some rays. It tells through which tiles none of the rays can leave the body. Nearly all tiles
+/// around the points where rays start are such: rays always meet their boxes.
 pub(crate) struct DirectionBounds<T: Scalar, L> {
     lower: Vectors<T, L>,
     upper: Vectors<T, L>,
-    /// The largest component.
+    /// The largest size of a component.
     largest: T,
     /// How long the rays are, at most, along any axis.
     reach: T,
@@ -39,13 +39,13 @@ impl<T: Scalar, L: Lanes<T>> DirectionBounds<T, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn may_leave(
         &self,
-        cells: &Bvh<T>,
+        tree: &Bvh<T>,
         tile: usize,
         mesh: &Mesh<T>,
         room: &mut [[T; LANE_COUNT]; 3],
     ) -> bool {
-        let positions = Vectors::<T, L>::load(cells.positions_of::<L>(tile, mesh, room));
-        let (tile, aabb) = (&cells.tiles[tile], &cells.outlines[tile].aabb);
+        let positions = Vectors::<T, L>::load(tree.positions_of::<L>(tile, mesh, room));
+        let (tile, aabb) = (&tree.tiles[tile], &tree.outlines[tile].aabb);
         let (a, b, c) = (
             positions.permuted(&tile.corners[0]),
             positions.permuted(&tile.corners[1]),

@@ -10,10 +10,10 @@ use crate::triangle::{Hit, ProjectedTriangles, Ray, ShearedRay};
 
 /// One ray's way to where it first meets the mesh: the nearest boxes first, none beyond the nearest hit known.
 pub(crate) struct NearestOfRay<'a, T: Scalar, R, F> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
-    // Made a ray only here, and its hit used here: numbers that are read right after they were written in other pieces keep
-    // the processor waiting.
+    // Becomes a ray only in the kernel, where its hit is used too: numbers that are read right after they were written in pieces
+    // of another size make the processor wait.
     pub(crate) ray: R,
     pub(crate) then: F,
 }
@@ -28,11 +28,11 @@ where
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) -> O {
-        let Self { cells, mesh, ray, then } = self;
+        let Self { tree, mesh, ray, then } = self;
         let ray = &ray.into();
         let (slabs, sheared) = (RaySlabs::new(ray, mesh.aabb()), ShearedRay::new(ray));
         let (end, room) = (ray.t_max, &mut [[T::zero(); LANE_COUNT]; 3]);
-        let mut nearest = Nearest { cells, mesh, slabs, ray: sheared, end, hit: None, room };
+        let mut nearest = Nearest { tree, mesh, slabs, ray: sheared, end, hit: None, room };
         Way::new([T::zero(); CHILD_COUNT]).walk::<T, L>(&mut nearest);
         then(nearest.hit)
     }
@@ -40,7 +40,7 @@ where
 
 /// The search for the nearest hit.
 struct Nearest<'a, T: Scalar> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     mesh: &'a Mesh<T>,
     slabs: RaySlabs<T>,
     ray: ShearedRay<T>,
@@ -59,7 +59,7 @@ impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Nearest<'_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter(&mut self, node: u32, entries: &mut Self::Kept) -> Children {
         let mut room = None;
-        let node = self.cells.node(node as usize, &mut room);
+        let node = self.tree.node(node as usize, &mut room);
         let (enters, mut left) = self.slabs.entering::<L>(node, self.end);
         enters.store(entries);
         if !node.is_leaf {
@@ -83,11 +83,11 @@ impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Nearest<'_, T> {
 }
 
 impl<T: Scalar> Nearest<'_, T> {
-    /// Gives whether a nearer hit is there.
+    /// Looks for a nearer hit in a tile; gives whether there is one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn search_tile<L: Lanes<T>>(&mut self, index: usize) -> bool {
-        let tile = &self.cells.tiles[index];
-        let positions = self.cells.positions_of::<L>(index, self.mesh, self.room);
+        let tile = &self.tree.tiles[index];
+        let positions = self.tree.positions_of::<L>(index, self.mesh, self.room);
         let (may_meet, vertices) = self.ray.may_meet::<L>(positions, &tile.corners);
         let mut met = may_meet & tile.present;
         if met == 0 {
@@ -114,12 +114,12 @@ impl<T: Scalar> Bvh<T> {
         ray: impl Into<Ray<T>>,
         then: impl FnOnce(Option<Hit<T>>) -> O,
     ) -> O {
-        crate::simd::dispatch::<T, _>(NearestOfRay { cells: self, mesh, ray, then })
+        crate::simd::dispatch::<T, _>(NearestOfRay { tree: self, mesh, ray, then })
     }
 
     /// Where a ray first meets the mesh, on some lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn nearest_of_ray_on<L: Lanes<T>>(&self, mesh: &Mesh<T>, ray: Ray<T>) -> Option<Hit<T>> {
-        L::outlined(NearestOfRay { cells: self, mesh, ray, then: |hit| hit })
+        L::outlined(NearestOfRay { tree: self, mesh, ray, then: |hit| hit })
     }
 }

@@ -13,7 +13,7 @@ pub(crate) struct PacketSlabs<T: Scalar, L> {
     inverse: Vectors<T, L>,
     /// For the lower and for the upper faces, each moved outward a little.
     offsets: [Vectors<T, L>; 2],
-    /// How coarsely distances from the origins to the mesh are rounded, and a little more.
+    /// A bound of how coarsely distances from the origins to the mesh are rounded.
     margin: L,
     /// Rays for which the above would overflow or underflow: taken to meet every box.
     pub(crate) meet_all: Mask,
@@ -31,7 +31,7 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         let coordinates = reach.add(origin.magnitude().largest());
         let moved = coordinates.mul(rounding);
         let moved = Vectors::new(moved, moved, moved);
-        // Where a direction has no part along an axis, the face lies far behind every end; but finitely far.
+        // Where a direction has no part along an axis, the face lies finitely far away, but behind every end.
         let lengths = coordinates.larger(L::splat(T::one()));
         let limit = L::splat(T::LARGEST * T::of(0.5)).div(lengths);
         let limit = Vectors::new(limit, limit, limit);
@@ -54,7 +54,7 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn entering(&self, aabb: &Aabb<T>, end: L) -> (L, Mask) {
         let (enters, leaves) = self.passing(aabb, end);
-        // A ray so short enters wherever it starts.
+        // Such rays enter where they start.
         (L::select(self.meet_all, L::splat(T::zero()), enters), enters.is_at_most(leaves) | self.meet_all)
     }
 
@@ -80,7 +80,7 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         singles
     }
 
-    /// A box that holds all of the rays that may count, and what triangles near them the tests may accept.
+    /// A box that holds the asked rays, and all triangles that the test may accept for them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn box_around(
         &self,
@@ -92,7 +92,7 @@ impl<T: Scalar, L: Lanes<T>> PacketSlabs<T, L> {
         self.box_between(packet, self.origin, L::load(end), asked).unwrap_or(*mesh_box)
     }
 
-    /// The same of what lies in the mesh's box: smaller where rays come from far away, or go far.
+    /// The same for the parts of the rays in the mesh's box: smaller where rays come from far away, or go far.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn box_inside(
         &self,
@@ -151,7 +151,7 @@ impl<T: Scalar> SingleSlabs<T> {
     }
 }
 
-/// The planes of boxes as one ray meets them, as [`PacketSlabs`].
+/// The planes of boxes as one ray meets them.
 pub(crate) struct RaySlabs<T: Scalar> {
     inverse: Vector3<T>,
     offsets: [Vector3<T>; 2],

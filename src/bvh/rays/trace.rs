@@ -8,7 +8,7 @@ use crate::triangle::{PreparedRay, Ray};
 
 /// Offers every triangle that a ray may meet up to the `t` that `offer` last returned.
 pub(crate) struct Trace<'a, T: Scalar, F> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
     pub(crate) ray: &'a Ray<T>,
     pub(crate) prepared: &'a PreparedRay<T>,
@@ -37,7 +37,7 @@ impl<T: Scalar, L: Lanes<T>, F: FnMut(u32) -> T> Visitor<T, L> for OnTheWay<'_, 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter(&mut self, node: u32, (): &mut ()) -> Children {
         let mut room = None;
-        let node = self.trace.cells.node(node as usize, &mut room);
+        let node = self.trace.tree.node(node as usize, &mut room);
         let (_, mut left) = self.slabs.entering::<L>(node, self.end);
         if !node.is_leaf {
             return Children { first: node.first, left };
@@ -53,12 +53,12 @@ impl<T: Scalar, F: FnMut(u32) -> T> OnTheWay<'_, T, F> {
     /// Offers the triangles of a tile that the ray may meet.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn offer<L: Lanes<T>>(&mut self, index: usize) {
-        let Trace { cells, mesh, prepared, offer, .. } = &mut self.trace;
-        let tile = &cells.tiles[index];
+        let Trace { tree, mesh, prepared, offer, .. } = &mut self.trace;
+        let tile = &tree.tiles[index];
         let mut room = [[T::zero(); LANE_COUNT]; 3];
         let met = match prepared {
             PreparedRay::Watertight(ray) => {
-                let positions = cells.positions_of::<L>(index, mesh, &mut room);
+                let positions = tree.positions_of::<L>(index, mesh, &mut room);
                 ray.may_meet::<L>(positions, &tile.corners).0 & tile.present
             }
             PreparedRay::MollerTrumbore(_) => tile.present,
@@ -79,6 +79,6 @@ impl<T: Scalar> Bvh<T> {
         mesh: &Mesh<T>,
         offer: &mut impl FnMut(u32) -> T,
     ) {
-        crate::simd::dispatch::<T, _>(Trace { cells: self, mesh, ray, prepared, offer });
+        crate::simd::dispatch::<T, _>(Trace { tree: self, mesh, ray, prepared, offer });
     }
 }

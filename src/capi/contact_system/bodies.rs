@@ -56,7 +56,7 @@ pub struct rayc_material {
 growing!(rayc_material, depth_cap: f64);
 
 impl Options for rayc_material {
-    /// Of what a caller's header does not have yet: the restitution alone.
+    /// Only the restitution counts: callers give the other fields.
     fn defaults() -> Self {
         let (damping_time, friction, depth_cap) = (0.05, 0.5, f64::INFINITY);
         Self { struct_size: size_of::<Self>(), stiffness: 0.0, damping_time, friction, depth_cap, restitution: 0.0 }

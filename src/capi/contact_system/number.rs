@@ -6,7 +6,7 @@ pub(super) trait Number: Sized {
     /// The same as doubles: where they lie, or in `room`.
     fn read<'a>(given: &'a [Self], room: &'a mut Vec<f64>) -> &'a [f64];
 
-    /// Adds to `sums` what a call adds to doubles: rounded once. Where the call fails, nothing.
+    /// Adds to `sums` what a call adds to doubles, rounded once; nothing where the call fails.
     fn add(
         sums: &mut [Self],
         room: &mut Vec<f64>,

@@ -200,9 +200,7 @@ pub unsafe extern "C" fn rayc_contact_system_off_course(
         let squares = with_precision!(&mut system.system, &scene.scene, |system, scene| {
             system.off_course(scene, velocities)?
         });
-        for (place, square) in places.into_iter().zip(squares) {
-            place.write(square);
-        }
+        places.into_iter().zip(squares).for_each(|(place, square)| place.write(square));
         Ok(())
     })
 }

@@ -51,8 +51,7 @@ pub unsafe extern "C" fn rayc_contacts_escape_push_count(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
+        let list = &reading(contacts, "contacts")?.list;
         Output::new(count, "count")?.write(push_count(list));
         Ok(())
     })
@@ -73,8 +72,7 @@ pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
+        let list = &reading(contacts, "contacts")?.list;
         let range = range_of("pushes", first, count, push_count(list))?;
         let out = Known::new(struct_size, out, count, "out")?;
         with_precision!(list, |list| out.write_all(list.pushes()[range].iter().map(Into::into)));

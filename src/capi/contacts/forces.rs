@@ -116,8 +116,7 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
+        let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         let positions = BodyArray::if_any(positions, body_count, "positions")?;
         let velocities = velocities_for(&law, list, velocities, body_count)?;
@@ -145,8 +144,7 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
+        let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         if !(stiffness_factor.is_finite() && damping_factor.is_finite()) {
             return Err(Failure::new(
@@ -213,8 +211,7 @@ pub unsafe extern "C" fn rayc_contacts_energy(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
+        let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         let positions = BodyArray::if_any(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
@@ -261,8 +258,7 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
+        let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         let range = list.range(first, count)?;
         let out = Output::array(coefficients, count, "coefficients")?;
@@ -291,12 +287,12 @@ pub(in crate::capi) fn most_force<T: Scalar>(
     }
 }
 
-/// How deep it is at most, there or as it was found.
+/// How deep a contact is at most: at positions of these sizes if `is_moved`, else as it was found.
 fn most_depth<T: Scalar>(list: &ContactList<T>, contact: &Contact<T>, positions: T, is_moved: bool) -> T {
     if is_moved { contact.depth + positions + list.spreads.gap(contact).abs() } else { contact.depth }
 }
 
-/// NULL for none, where there is something to damp, is refused: the damping would be lost.
+/// The velocities. NULL is refused where there is damping or friction, which would be lost.
 ///
 /// # Safety
 /// As [`BodyArray::if_any`].

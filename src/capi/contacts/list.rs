@@ -12,10 +12,8 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
         let list = AnyContacts::F64(ContactList::default());
-        give(
-            Output::new(contacts, "contacts")?,
-            rayc_contacts { list, pair_forces: AnyForcesByPair::F64(ForcesByPair::default()) },
-        );
+        let pair_forces = AnyForcesByPair::F64(ForcesByPair::default());
+        give(Output::new(contacts, "contacts")?, rayc_contacts { list, pair_forces });
         Ok(())
     })
 }
@@ -36,8 +34,8 @@ pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut
 /// rayc_scene_query() for many scenes at once: scene i into contacts i, on the threads of the first scene, a scene on one
 /// thread at a time. Each gets the same contacts as by itself. No handle may come twice.
 ///
-/// statuses: of each scene, what the call for it would have returned. Where one is an error, the others are done nevertheless; the call
-/// returns the first error, and rayc_last_error_message() names its scene.
+/// statuses: of each scene, what the call for it would have returned. Where one is an error, the others are done nevertheless;
+/// the call returns the first error, and rayc_last_error_message() names its scene.
 ///
 /// Errors: those of rayc_scene_query(). Where the first scene is no handle or an array is NULL, nothing is done and no
 /// status written.
@@ -125,16 +123,15 @@ pub struct rayc_contact {
     pub colliding: u32,
     /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
-    /// Which part of p1's triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and 2
-    /// n + 1. Where several faces of the other body cut piece n, what is nearest to the k-th of them, from 0, is 4 n + k.
-    /// 2³¹ or more where the ray stands for a patch of triangles. 0 for a ray from a vertex. For a contact of an edge it is
-    /// 3 n + k: the edge lies across from corner k, and the contact is on its n-th stretch inside the other body, counted
-    /// from 0.
+    /// Which part of p1's triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and
+    /// 2 n + 1. 2³¹ or more where the ray stands for a patch of triangles. 0 for a ray from a vertex. For a contact of an
+    /// edge it is 3 n + k: the edge lies across from corner k, and the contact is on its n-th stretch inside the other body,
+    /// counted from 0.
     pub piece: u32,
     /// Names the contact from step to step, for hosts that keep something for each: the same as long as the same piece
     /// of surface meets the same body, and another for every other contact. It is a hash of 64 bits of kind, bodies,
-    /// p1's triangle and piece: that any two of 100 000 contacts share one has a probability of 3e-10. Where the size
-    /// of an overlap changes much, large triangles are cut anew, and their contacts get other names.
+    /// p1's triangle and piece: that any two of 100 000 contacts share one has a probability of 3e-10. Where an overlap
+    /// changes, patches and triangles may be halved more or less often, and their contacts get other names.
     pub id: u64,
     /// The ray's origin, on the colliding body.
     pub p1: rayc_surface_point,

@@ -26,7 +26,7 @@ pub struct rayc_statistics {
     pub own_surface_hits: u64,
     /// Vertices or triangles inside an overlap box that cast no ray: their normal has no length.
     pub without_normal: u64,
-    /// Pieces of triangles left larger than the sampling asks, because triangles are not cut more often than this.
+    /// Pieces of triangles left larger than the sampling asks, because they have been cut as often as they may.
     pub uncut_pieces: u64,
     /// Contacts found.
     pub contacts: u64,
@@ -99,8 +99,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
 ) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.
     guard(|| unsafe {
-        let contacts = reading(contacts, "contacts")?;
-        let list = &contacts.list;
+        let list = &reading(contacts, "contacts")?.list;
         let found = with_precision!(list, |list| list.statistics);
         let known = rayc_statistics::of(found, list.len());
         write_known(struct_size, statistics, "statistics", known)

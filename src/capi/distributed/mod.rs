@@ -17,6 +17,7 @@ pub use system_parts::*;
 
 use crate::system::Surface;
 
+/// The number of a body, and 0; or of a half-space, and 1.
 fn numbers_of(surface: Surface) -> (u32, u32) {
     match surface {
         Surface::Body(number) => (number, 0),

@@ -38,7 +38,7 @@ pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, b
 /// handle.
 ///
 /// Errors: RAYC_STATUS_SAVED_STATE_BROKEN where the bytes are not what was packed, RAYC_STATUS_SAVED_STATE_OTHER_VERSION,
-/// and those of rayc_mesh_create() where bytes fit their checksum and are no mesh all the same.
+/// and those of rayc_mesh_create() where the bytes fit their checksum but are no mesh.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_unpack(length: usize, bytes: *const u8, mesh: *mut *mut rayc_mesh) -> rayc_status {
     // SAFETY: the pointers are the caller's, as documented.

@@ -59,9 +59,7 @@ pub unsafe extern "C" fn rayc_contacts_sum_pair_forces(
         let velocities = velocities_for(&law, list, velocities, body_count)?;
         let places = [Output::new(pair_count, "pair_count")?, Output::new(force_count, "force_count")?];
         let counts = with_precision!(&*list, |list| sum(list, pair_forces.as_mut(), &law, positions, velocities)?);
-        for (place, count) in places.into_iter().zip(counts) {
-            place.write(count);
-        }
+        places.into_iter().zip(counts).for_each(|(place, count)| place.write(count));
         Ok(())
     })
 }

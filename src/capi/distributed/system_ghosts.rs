@@ -174,9 +174,7 @@ pub unsafe extern "C" fn rayc_contact_system_largest_coupling(
         let sums = slice(sums, count, "sums")?;
         let places = [Output::new(largest, "largest")?, Output::new(damping_time, "damping_time")?];
         let found = with_precision!(&system.system, |system| largest_coupling(system, sums)?);
-        for (place, number) in places.into_iter().zip(found) {
-            place.write(number);
-        }
+        places.into_iter().zip(found).for_each(|(place, number)| place.write(number));
         Ok(())
     })
 }

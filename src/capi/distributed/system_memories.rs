@@ -17,7 +17,7 @@ pub struct rayc_contact_memory {
     pub is_half_space: u32,
     /// Always 0.
     pub reserved: u32,
-    /// What rayc_contact_system_pack_memory() writes.
+    /// How many bytes rayc_contact_system_pack_memory() writes.
     pub length: usize,
 }
 

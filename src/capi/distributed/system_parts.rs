@@ -46,9 +46,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_count(
             let (parts, blocks) = parts.of(system)?.lists();
             [parts.len(), blocks.len()]
         });
-        for (place, count) in places.into_iter().zip(counts) {
-            place.write(count);
-        }
+        places.into_iter().zip(counts).for_each(|(place, count)| place.write(count));
         Ok(())
     })
 }

@@ -10,7 +10,7 @@ use crate::force::{BodiesMut, Vectors, VectorsMut};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
 
-/// One body's array, known to be as it should.
+/// One body's array, which has been checked.
 #[repr(transparent)]
 pub(in crate::capi) struct BodyArray(rayc_vectors);
 
@@ -28,7 +28,7 @@ impl BodyArray {
             // SAFETY: by this function's contract.
             unsafe { Strided::new(vectors, format_args!("{name}[{body}]")) }?;
         }
-        // SAFETY: an array known to be as it should is laid out as any other.
+        // SAFETY: a checked array is laid out as any other.
         Ok(unsafe { std::slice::from_raw_parts(bodies.as_ptr().cast(), count) })
     }
 
@@ -44,9 +44,7 @@ impl BodyArray {
         // SAFETY: by this function's contract.
         if bodies.is_null() { Ok(None) } else { unsafe { Self::all(bodies, count, name) }.map(Some) }
     }
-}
 
-impl BodyArray {
     #[inline]
     fn known(&self) -> Strided {
         // SAFETY: only `all` makes this.
@@ -80,9 +78,7 @@ impl BodyArraysMut<'_> {
         }
         Ok(Self(bodies))
     }
-}
 
-impl BodyArraysMut<'_> {
     fn known(&self) -> impl Iterator<Item = Strided> {
         // SAFETY: only `all` makes this.
         self.0.iter().map(|array| unsafe { Strided::known_mut(array) })
@@ -97,16 +93,16 @@ impl<T: Scalar> BodiesMut<T> for BodyArraysMut<'_> {
     }
 }
 
-/// What a call is to read, with its names, and to write.
+/// The arrays that a call reads, with their names, and those that it writes.
 pub(in crate::capi) struct Arrays<'a, const N: usize> {
     pub(in crate::capi) read: [(&'static str, Option<&'a [BodyArray]>); N],
     pub(in crate::capi) written: Option<&'a BodyArraysMut<'a>>,
 }
 
 impl<const N: usize> Arrays<'_, N> {
-    /// Refuses, before anything is changed, arrays that do not reach to every body and vertex of the contacts, or that are not
-    /// finite there, and contacts of which the sum might not be. `most(contact, sizes)`: what a contact gives at most where the
-    /// numbers read for it sum up to `sizes`, array by array.
+    /// Refuses, before anything is changed, arrays that do not reach to every body and vertex of the contacts or are not finite
+    /// there, and contacts whose sum might not be finite. `most(contact, sizes)`: what a contact gives at most where the sizes of
+    /// the numbers read for it sum up to `sizes`, array by array.
     pub(in crate::capi) fn check<T: Scalar>(
         &self,
         list: &ContactList<T>,
@@ -126,7 +122,7 @@ impl<const N: usize> Arrays<'_, N> {
         Ok(())
     }
 
-    /// Refuses to write to what is read. Arrays may lie between one another, as those of a vertex's members do.
+    /// Refuses to write to what is read. Arrays may be interleaved, as those of the members of a vertex are.
     fn check_apart(&self) -> Result<(), Failure> {
         let Some(written) = self.written else { return Ok(()) };
         let (first, last) = written.known().fold((usize::MAX, 0), |(first, last), array| {
@@ -185,7 +181,7 @@ impl<const N: usize> Arrays<'_, N> {
     }
 }
 
-/// The sum of its numbers' sizes, at least its length.
+/// The sum of the sizes of its numbers, which is at least its length.
 #[inline(always)]
 fn size_of_vector<T: Scalar>(vector: &Vector3<T>) -> T {
     vector.x.abs() + vector.y.abs() + vector.z.abs()

@@ -1,4 +1,4 @@
-//! Numbers of the host: flags, reserved fields, and those of double precision that a call takes to a mesh of either.
+//! Checks of the host's numbers: flags, reserved fields, and doubles that are to be held in the mesh's precision.
 
 use super::failure::Failure;
 use crate::capi::base::rayc_status;

@@ -3,8 +3,8 @@
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 use std::arch::asm;
 
-/// While it lives, this thread rounds to nearest, keeps subnormal numbers and masks all exceptions. Then the mode and the
-/// flags of exceptions are what they were before, also after a panic.
+/// While this lives, the thread rounds to nearest, keeps subnormal numbers and masks all exceptions. When it is dropped, also by
+/// a panic, mode and exception flags are again what they were.
 pub(in crate::capi) struct DefaultMode {
     before: Mode,
 }
@@ -48,13 +48,13 @@ impl Mode {
 
     pub(in crate::capi) fn now() -> Self {
         let mut register = 0;
-        // SAFETY: it writes these four bytes alone.
+        // SAFETY: the instruction writes these four bytes alone.
         unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut register, options(nostack, preserves_flags)) };
         Self(register)
     }
 
     pub(in crate::capi) fn set(self) {
-        // SAFETY: it reads these four bytes alone. They are a constant or were read from the register: no reserved bit is set.
+        // SAFETY: the instruction reads these four bytes alone; a constant or a value of the register has no reserved bit set.
         unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const self.0, options(nostack)) };
     }
 }

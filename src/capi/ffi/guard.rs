@@ -1,8 +1,7 @@
 use super::failure::Failure;
 use super::float_mode::DefaultMode;
 use crate::capi::base::rayc_status;
-use crate::memory;
-use crate::memory::{OutOfMemory, text};
+use crate::memory::{self, OutOfMemory, text};
 use crate::threads::Threads;
 use libc::c_char;
 use std::any::Any;
@@ -13,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 thread_local! {
-    /// Ends with its only zero byte.
+    /// Its only zero byte is the last.
     static LAST_ERROR: RefCell<Cow<'static, [u8]>> = const { RefCell::new(Cow::Borrowed(b"\0")) };
 }
 
@@ -35,8 +34,8 @@ fn with_reserve(call: impl FnOnce() -> Result<(), Failure>) -> Outcome {
     if memory::keep_reserve().is_ok() { outcome(call) } else { out_of_memory() }
 }
 
-/// Makes the call for each of many scenes, on threads; one that fails keeps no other from being made. Writes the status of
-/// each, and fails as the first of them that does.
+/// Makes the call for each of many scenes, on threads, even where others fail. Writes the status of each call, and fails as the
+/// first that does.
 pub(in crate::capi) fn guard_each(
     threads: &Threads,
     statuses: &mut [u32],
@@ -59,7 +58,7 @@ pub(in crate::capi) fn guard_each(
     if place == usize::MAX { Ok(()) } else { Err(Failure::new(status, text!("scene {place}: {message}"))) }
 }
 
-/// The same for calls that take no memory: what they give back is given back even where there is none.
+/// [`guard`] for calls that free something: they run even where there is no memory to report that it has run out.
 pub(in crate::capi) fn guard_end(call: impl FnOnce() -> Result<(), Failure>) -> rayc_status {
     record(outcome(call))
 }
@@ -87,7 +86,7 @@ fn outcome(call: impl FnOnce() -> Result<(), Failure>) -> Outcome {
     told.unwrap_or_else(|_| out_of_memory())
 }
 
-/// Where there is no memory there is none for words either.
+/// Its message takes no memory.
 fn out_of_memory() -> Outcome {
     let message = b"there is no memory for what the call makes; nothing has changed: free some and call again\0";
     (rayc_status::RAYC_STATUS_OUT_OF_MEMORY, Cow::Borrowed(message))

@@ -1,11 +1,10 @@
-//! Handles: values of the library's that the host holds by pointers, marked so that misuse can be told. Marks are no
-//! locks: what waits for nobody and costs next to nothing tells the host of its mistake, and does not repair it.
+//! Handles: values of the library that the host holds by pointers, marked so that misuse can be told. Marks are no locks: no call
+//! waits for another. They cost next to nothing, and tell the host of its mistake without repairing it.
 
 use super::failure::Failure;
 use super::pointers::{Output, null};
 use crate::capi::base::rayc_status;
-use crate::memory;
-use crate::memory::text;
+use crate::memory::{self, text};
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
@@ -14,14 +13,14 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 /// What a handle points to.
 #[repr(C)]
 struct Marked<V> {
-    /// Its kind's until it is destroyed; of every type in the same place.
+    /// That of its kind until it is destroyed; in the same place for every kind.
     mark: AtomicU64,
-    /// How many calls are reading it, or [`CHANGING`].
+    /// How many calls are reading the value, or [`CHANGING`].
     users: AtomicU32,
     value: V,
 }
 
-/// One call is changing it.
+/// In place of a number of readers: one call is changing the value.
 const CHANGING: u32 = u32::MAX;
 
 /// The types of handles.
@@ -155,7 +154,7 @@ fn busy(name: &str) -> Failure {
     Failure::new(rayc_status::RAYC_STATUS_BUSY, message)
 }
 
-/// The value of a handle that a call only reads, and others may too.
+/// The value of a handle that a call only reads, as others may at the same time.
 ///
 /// # Safety
 /// As the text of each handle says: what [`found`] cannot tell is the caller's.
@@ -168,8 +167,8 @@ pub(in crate::capi) unsafe fn reading<'a, V: Handle>(pointer: *const V, name: &s
     counted.map(|_| Reading { handle, value: PhantomData }).map_err(|_| busy(name))
 }
 
-/// The same without counting as a reader, for calls that are short and that many threads make: their count would pass
-/// from core to core. Refused while another call changes it; that one is not refused meanwhile.
+/// The same without counting as a reader, for short calls of many threads: the count would pass from core to core. Refused while
+/// another call changes the value; but a call that changes it is not refused meanwhile.
 ///
 /// # Safety
 /// As [`reading`], and no call changes it during `'a`.
@@ -184,7 +183,7 @@ pub(in crate::capi) unsafe fn glancing<'a, V: Handle>(pointer: *const V, name: &
     }
 }
 
-/// The value of a handle that a call changes, and no other uses.
+/// The value of a handle that a call changes, while no other uses it.
 ///
 /// # Safety
 /// As [`reading`].
@@ -220,7 +219,7 @@ pub(in crate::capi) unsafe fn take_back<V: Handle>(pointer: *mut V, name: &str) 
     // SAFETY: by this function's contract.
     let last = unsafe { changing(pointer, name) }?;
     let handle = last.handle;
-    // It stays in use to the end, for whoever comes meanwhile.
+    // It stays marked as changing, so that calls that come meanwhile are refused.
     std::mem::forget(last);
     // SAFETY: `give` made it of a box, and nobody else has taken it back, as its mark still stands.
     unsafe {

@@ -28,7 +28,7 @@ impl<'a, S: Scalar, const IS_PACKED: bool> Numbers<'a, S, IS_PACKED> {
         Self { array, number: PhantomData }
     }
 
-    /// Where the vector lies that is so many after the one at `first`.
+    /// Where the vector lies that comes `number` vectors after the one at `first`.
     #[inline]
     fn vector(&self, first: *const u8, number: usize) -> *const [S; 3] {
         let stride = if IS_PACKED { size_of::<[S; 3]>() } else { self.array.stride() };

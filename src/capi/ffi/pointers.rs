@@ -40,10 +40,10 @@ pub(in crate::capi) unsafe fn slice_mut<'a, V>(
     }
 }
 
-/// An array to be read and one to be written, each of so many numbers, which do not overlap.
+/// An array to be read and one to be written, refused where they overlap.
 ///
 /// # Safety
-/// Those of [`slice`] and [`slice_mut`].
+/// Those of [`slice()`] and [`slice_mut`].
 pub(in crate::capi) unsafe fn apart<'a, N>(
     (read, count, read_name): (*const N, usize, &str),
     (written, length, written_name): (*mut N, usize, &str),
@@ -108,7 +108,7 @@ impl<V> Output<V> {
         if count == 0 { Ok(Self(pointer)) } else { Self::new(pointer, name) }
     }
 
-    /// The same where `needed` elements are to be written.
+    /// Like [`array`](Self::array), where the array must have `needed` elements.
     pub(in crate::capi) fn exactly(pointer: *mut V, count: usize, needed: usize, name: &str) -> Result<Self, Failure> {
         check_length(name, count, needed)?;
         Self::array(pointer, count, name)

@@ -13,7 +13,7 @@ pub(in crate::capi) trait Growing: Copy {
     const SMALLEST: usize;
 }
 
-/// Says of a struct that it may grow, and which field, of which type, was the last of the first version, unless it still is.
+/// Says that a struct may grow; and which field, of which type, was the last in its first version, if others have been added.
 macro_rules! growing {
     ($name:ident) => {
         growing!($name => size_of::<$name>());
@@ -85,7 +85,7 @@ pub(in crate::capi) unsafe fn write_known<V: Growing>(
     Ok(())
 }
 
-/// A place for an array of which the caller knows so much of each element.
+/// A place for an array of structs, of each of which the caller knows `struct_size` bytes.
 pub(in crate::capi) struct Known<V> {
     struct_size: usize,
     place: *mut V,

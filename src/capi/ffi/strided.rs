@@ -14,7 +14,7 @@ pub(in crate::capi) fn scalar_from(value: u32, field: impl Display) -> Result<ra
     }
 }
 
-/// Bytes of three numbers.
+/// How many bytes three numbers take.
 fn packed(scalar: rayc_scalar) -> usize {
     3 * match scalar {
         rayc_scalar::RAYC_SCALAR_F32 => size_of::<f32>(),
@@ -46,7 +46,7 @@ impl Strided {
         if stride < packed {
             let message =
                 text!("{name}.stride is {stride} bytes, but three numbers take {packed}; give at least that, or 0");
-            // So the C++ headers show an array with one or two numbers too many.
+            // By such a stride, the C++ headers tell of an array with one or two numbers too many.
             let message = match count.checked_mul(3).and_then(|numbers| numbers.checked_add(stride)) {
                 Some(numbers) if stride < 3 => text!(
                     "{message}. From raycontact::vectors() it stands for an array of {numbers} numbers, which is no \
@@ -56,7 +56,7 @@ impl Strided {
             };
             return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_STRIDE, message));
         }
-        // No array reaches so far; unchecked, the product would wrap and point anywhere.
+        // Unchecked, the product could wrap around and point anywhere.
         if count.checked_mul(stride).is_none_or(|bytes| bytes > isize::MAX as usize) {
             return Err(Failure::new(
                 rayc_status::RAYC_STATUS_INVALID_STRIDE,
@@ -133,7 +133,10 @@ impl Strided {
         self.stride == packed(self.scalar)
     }
 
-    /// Where so many vectors begin.
+    /// Where `count` vectors from number `first` on begin.
+    ///
+    /// # Panics
+    /// Where the array has not so many.
     #[inline]
     pub(in crate::capi) fn places(&self, first: usize, count: usize) -> *const u8 {
         let last = first + count;

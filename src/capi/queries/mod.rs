@@ -1,5 +1,5 @@
-//! What one mesh is asked without a scene: rays, nearest points, winding numbers and ways out of itself, by a search tree over its
-//! triangles; and the contacts of two meshes, or of one with itself.
+//! What one mesh is asked without a scene: rays, nearest points, winding numbers and ways out of itself, by a search tree over
+//! its triangles; and the contacts of two meshes, or of one with itself.
 
 mod closest;
 mod octree;

@@ -25,7 +25,7 @@ impl Handle for rayc_octree {
 /// An octree of either precision.
 pub(super) type AnyOctree = InPrecision<Octree<f32>, Octree<f64>>;
 
-/// What a search for own exits works with.
+/// The own exits found last, and the memory that finding them takes.
 pub(super) type AnyOwnExits = InPrecision<OwnExits<f32>, OwnExits<f64>>;
 
 /// How an octree's cells are laid out. Every answer is the same, bit for bit; only contacts come in another order.
@@ -111,7 +111,7 @@ pub unsafe extern "C" fn rayc_octree_create(
     })
 }
 
-/// Builds the octree anew for its mesh's present positions; its memory is reused.
+/// Makes the octree follow its mesh to the present positions; its memory is reused.
 ///
 /// Errors: RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH.
 #[unsafe(no_mangle)]

@@ -5,12 +5,12 @@ use crate::threads::Threads;
 /// Pointers of the host's, one for each of many scenes.
 pub(in crate::capi) struct Pointers<'a, V>(&'a [*mut V]);
 
-// SAFETY: each is used by one thread at a time, that of its scene; what is used by another call says so.
+// SAFETY: each pointer is used by one thread at a time, that of its scene; a handle that another call uses is refused.
 unsafe impl<V> Sync for Pointers<'_, V> {}
 
 impl<V> Pointers<'_, V> {
     /// # Safety
-    /// That of [`slice`].
+    /// That of [`slice()`].
     pub(in crate::capi) unsafe fn new(all: *const *mut V, count: usize, name: &str) -> Result<Self, Failure> {
         // SAFETY: by this function's contract.
         Ok(Self(unsafe { slice(all, count, name) }?))

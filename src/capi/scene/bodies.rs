@@ -8,8 +8,7 @@ use crate::capi::ffi::{
 };
 use crate::capi::mesh::{rayc_mesh, renew_positions};
 use crate::math::{Pose, Scalar};
-use crate::memory;
-use crate::memory::text;
+use crate::memory::{self, text};
 use crate::scene::Scene;
 use std::sync::Arc;
 

@@ -50,7 +50,7 @@ mod tests {
             .map(|lane| Ray::new(Vector3::new(4.0, 0.0, 0.0), if lane % 2 == 0 { out } else { into }))
             .collect();
         let mut packet = RayPacket::empty();
-        packet.set(&rays);
+        packet.set_rays::<<f64 as crate::simd::HasLanes>::Baseline>(&rays);
         let mut end = [9.0; LANE_COUNT];
         (end[2], end[4]) = (1.9, 2.1);
         for asked in [0, 1, 0b11, 0b1_0101, 0b1111_1100, 0xaaaa, Mask::MAX] {

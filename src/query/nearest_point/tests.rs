@@ -19,11 +19,11 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
         let Self { tracer, points, bounds } = self;
         let mut found = vec![None; points.len()];
         L::outlined(ClosestPoints { tracer, points, bounds, sought: All, found: &mut found });
-        let Cells::Bvh(cells) = tracer.cells else { unreachable!("it is the default") };
+        let Tree::Bvh(tree) = tracer.tree else { unreachable!("it is the default") };
         let one = |(point, &bound): (&Vector3<T>, &T)| {
             let query = QueryPoint::new(point, &MeshScale::new(tracer.mesh().aabb()))?;
             let mut nearest = Nearest::within(&query, bound);
-            cells.find_closest_with::<L>(tracer.mesh(), &query, &mut nearest);
+            tree.find_closest_with::<L>(tracer.mesh(), &query, &mut nearest);
             tracer.resolved(&query, &nearest, bound)
         };
         [found, points.iter().zip(bounds).map(one).collect()]

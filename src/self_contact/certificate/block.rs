@@ -4,7 +4,7 @@
 use crate::bvh::{Bvh, TILE_SIZE};
 use crate::math::Scalar;
 use crate::self_contact::certificate::narrow::{Narrow, Sides};
-use crate::simd::{Lanes, Mask, Vectors, lanes_of};
+use crate::simd::{Lanes, Lists, Mask, Vectors, lanes_of};
 
 /// The boxes of a tile's triangles, side by side; places beyond the last triangle hold boxes that are near nothing.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub(crate) struct Block {
     vertices: [[u32; TILE_SIZE]; 3],
 }
 
-/// Whether two boxes are farther apart along some axis.
+/// Whether two boxes are farther apart than `distance` along some axis.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn are_apart(a: &Sides, b: &Sides, distance: f32) -> bool {
     let mut are_apart = false;
@@ -25,7 +25,7 @@ pub(crate) fn are_apart(a: &Sides, b: &Sides, distance: f32) -> bool {
     are_apart
 }
 
-/// Bit i: both have the same coordinates there.
+/// Which lanes have the same coordinates.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn are_equal<T: Scalar, L: Lanes<T>>(a: Vectors<T, L>, b: Vectors<T, L>) -> Mask {
     a.are_at_most(b) & b.are_at_most(a)
@@ -38,12 +38,12 @@ impl Block {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn fill<T: Scalar, L: Lanes<T>>(
         &mut self,
-        cells: &Bvh<T>,
+        tree: &Bvh<T>,
         tile: usize,
         positions: Vectors<T, L>,
         narrow: &Narrow<T>,
     ) {
-        let (tile, all_vertices) = (&cells.tiles[tile], &cells.outlines[tile].vertices);
+        let (tile, all_vertices) = (&tree.tiles[tile], &tree.outlines[tile].vertices);
         // No closures here: they would be compiled for any processor.
         let a = positions.permuted(&tile.corners[0]);
         let b = positions.permuted(&tile.corners[1]);
@@ -88,7 +88,7 @@ impl Block {
         [a[place], b[place], c[place]]
     }
 
-    /// Bit i: triangle i's box is at most `distance` from `other` along every axis.
+    /// Which triangles' boxes are at most `distance` from `other` along every axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn near<L: Lanes<f32>>(&self, other: &Sides, distance: f32) -> Mask {
         let mut near = !0;
@@ -99,13 +99,13 @@ impl Block {
         near
     }
 
-    /// Bit i: triangle i has one of these vertices.
+    /// Which triangles have one of these vertices.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn sharing<L: Lanes<f32>>(&self, vertices: [u32; 3]) -> Mask {
         let mut sharing = 0;
         for own in &self.vertices {
             for vertex in vertices {
-                sharing |= L::equal(own, vertex);
+                sharing |= L::Lists::equal(own, vertex);
             }
         }
         sharing

@@ -4,10 +4,10 @@ use crate::memory::Room;
 
 /// The descent into all pairs of boxes that are near each other.
 pub(crate) struct Descent<'a, T: Scalar> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) distance: T,
     pub(crate) tile_pairs: &'a mut Vec<[u32; 2]>,
-    /// With one more the descent ends.
+    /// The descent ends once there are more pairs.
     pub(crate) most_pairs: usize,
 }
 
@@ -32,7 +32,7 @@ impl<T: Scalar> Descent<'_, T> {
 
     fn within(&mut self, child: Child) {
         let node = match child {
-            Child::Node(node) => &self.cells.nodes[node as usize],
+            Child::Node(node) => &self.tree.nodes[node as usize],
             Child::Tile(tile) => return self.tile_pairs.room_for(1).push([tile; 2]),
         };
         for place in 0..node.count as usize {
@@ -58,7 +58,7 @@ impl<T: Scalar> Descent<'_, T> {
     }
 
     fn descend(&mut self, node: u32, other: Boxed<T>) {
-        let node = &self.cells.nodes[node as usize];
+        let node = &self.tree.nodes[node as usize];
         let mut near = self.near(node, &other.aabb);
         while near != 0 {
             // The other may be a node too, and is then descended into next.
@@ -67,7 +67,7 @@ impl<T: Scalar> Descent<'_, T> {
         }
     }
 
-    /// Bit i: child i's box is near `other`.
+    /// Which children's boxes are near `other`.
     fn near(&self, node: &Node<T>, other: &Aabb<T>) -> u32 {
         let mut near = [true; CHILD_COUNT];
         for axis in 0..3 {

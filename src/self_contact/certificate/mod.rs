@@ -1,3 +1,6 @@
+//! The certificate that a body touches itself nowhere: pairs of near tiles, each with a clearance, by how much its triangles may
+//! come nearer. It holds while no pair has lapsed, that is, moved by more than its clearance or been strained too much.
+
 // Lanes side by side read best as plain loops over their index.
 #![allow(clippy::needless_range_loop)]
 
@@ -29,30 +32,30 @@ pub(crate) struct NearTiles<T: Scalar> {
     tile_pairs: Vec<[u32; 2]>,
     /// How much nearer the triangles of each pair may come.
     clearances: Vec<T>,
-    /// The largest clearance that is due to little strain between sheltered triangles,
+    /// A pair with a larger clearance does not rely on little strain.
     sheltered: T,
-    /// and of tiles that a path between such triangles may lead over.
+    /// A tile that a path between sheltered triangles leads over has a pair of at most this clearance with the tiles at its ends.
     surrounding: T,
     blocks: Vec<Block>,
     normals: Vec<Normals>,
-    /// By tile: the triangles whose surroundings do not all face as they do, and those whose wider ones do not.
+    /// By tile the steep triangles, by the nearer surroundings and by the wider ones.
     steep: Vec<Mask>,
     steep_wide: Vec<Mask>,
     rest: Rest<T>,
-    /// By tile: the box around its vertices' moves.
+    /// By tile the box around its vertices' moves.
     moves: Vec<Aabb<T>>,
-    /// The tiles with triangles that are strained by more than they may be, and which.
+    /// The tiles with triangles that are strained by more than they may be, and which triangles these are.
     strained: Vec<(u32, Mask)>,
-    /// By tile, where there are any.
+    /// By tile; only where any are strained.
     surroundings: Vec<Surroundings>,
-    /// The pairs that have come nearer by more than they may, and those whose triangles strain no longer keeps apart.
+    /// The pairs that have lapsed.
     lapsed: Vec<[u32; 2]>,
     /// The tiles of these pairs, and by tile its place among them or [`NO_BLOCK`].
     lapsed_tiles: Vec<u32>,
     block_places: Vec<u32>,
 }
 
-/// What is strained in and around a tile.
+/// Whether anything is strained in a tile, and in the tiles near it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Surroundings {
     is_strained: bool,
@@ -80,10 +83,10 @@ impl<T: Scalar> Bvh<T> {
         let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
         let narrow = Narrow::new(mesh);
         let tiles = 0..self.tile_count();
-        dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current: true, narrow, blocks });
+        dispatch::<T, _>(MakeBlocks { tree: self, tiles, mesh, is_current: true, narrow, blocks });
         tile_pairs.clear();
-        let distance = reach.of_parts();
-        Descent { cells: self, distance, tile_pairs, most_pairs }.within_all();
+        let distance = reach.of_tiles();
+        Descent { tree: self, distance, tile_pairs, most_pairs }.within_all();
         clearances.clear();
         if tile_pairs.len() > most_pairs {
             tile_pairs.clear();
@@ -91,12 +94,12 @@ impl<T: Scalar> Bvh<T> {
         }
         steep.clear();
         if margin > T::zero() {
-            dispatch::<T, _>(MakeNormals { cells: self, mesh, narrow, normals });
+            dispatch::<T, _>(MakeNormals { tree: self, mesh, narrow, normals });
             let [distance, wide] = reach.of_surroundings().map(|distance| narrow.distance(distance));
-            let (cells, among, found) = (self, None, &mut *steep_wide);
-            dispatch::<f32, _>(FindSteep { cells, blocks, normals, tile_pairs, distance: wide, among, steep: found });
+            let (tree, among, found) = (self, None, &mut *steep_wide);
+            dispatch::<f32, _>(FindSteep { tree, blocks, normals, tile_pairs, distance: wide, among, steep: found });
             let among = Some(&**steep_wide);
-            dispatch::<f32, _>(FindSteep { cells, blocks, normals, tile_pairs, distance, among, steep });
+            dispatch::<f32, _>(FindSteep { tree, blocks, normals, tile_pairs, distance, among, steep });
         }
         let clearance = |pair: &[u32; 2]| {
             if margin == T::zero() {
@@ -119,24 +122,23 @@ impl<T: Scalar> Bvh<T> {
             }
             clearance.is_some()
         };
-        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, close, far, steep, offer })
+        dispatch::<f32, _>(TilePairs { tree: self, blocks, block_of, tile_pairs, close, far, steep, offer })
     }
 
-    /// Keeps the positions of a search; `allowed`: how far triangles around each vertex may be strained.
+    /// See [`Octree::keep`](crate::query::Octree).
     pub(crate) fn keep(&self, mesh: &Mesh<T>, allowed: &[T], near: &mut NearTiles<T>) {
-        dispatch::<T, _>(MakeRest { cells: self, mesh, allowed, rest: &mut near.rest });
+        dispatch::<T, _>(MakeRest { tree: self, mesh, allowed, rest: &mut near.rest });
     }
 
-    /// Looks for the listed pairs of tiles that have come nearer by more than they may since positions were kept, or whose
-    /// surroundings are strained by more than they may be; for none, where all may have.
+    /// See [`Octree::find_lapsed`](crate::query::Octree).
     pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearTiles<T>) -> Lapse<T> {
         let NearTiles { rest, moves, strained, surroundings, lapsed, tile_pairs, clearances, .. } = near;
         let (sheltered, surrounding) = (near.sheltered, near.surrounding);
         lapsed.clear();
         rest.follow_turn(&self.outlines, mesh);
-        let whole = dispatch::<T, _>(FindMoves { cells: self, mesh, rest, moves, strained });
+        let whole = dispatch::<T, _>(FindMoves { tree: self, mesh, rest, moves, strained });
         let spread = length(&(whole.upper - whole.lower));
-        // In this form NaN is too much.
+        // Written so that NaN is too much.
         let is_little = spread <= most;
         if !is_little || strained.len() as f64 > self.tiles.len() as f64 * MOST_STRAINED {
             return Lapse { spread, part: 1.0 };
@@ -147,7 +149,7 @@ impl<T: Scalar> Bvh<T> {
             strained.iter().for_each(|&(tile, _)| surroundings[tile as usize].is_strained = true);
             for (&[first, second], &clearance) in tile_pairs.iter().zip(clearances.iter()) {
                 let [first, second] = [first as usize, second as usize];
-                // Without branches: which pairs are so near is hard to foretell.
+                // Without branches: which pairs are near is hard to foretell.
                 let is_near = clearance <= surrounding;
                 surroundings[first].is_near_strained |= is_near & surroundings[second].is_strained;
                 surroundings[second].is_near_strained |= is_near & surroundings[first].is_strained;
@@ -173,7 +175,7 @@ impl<T: Scalar> Bvh<T> {
         Lapse { spread, part: lapsed.len() as f64 / tile_pairs.len() as f64 }
     }
 
-    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be.
+    /// See [`Octree::strained`](crate::query::Octree).
     pub(crate) fn strained<'a>(&'a self, near: &'a NearTiles<T>) -> impl Iterator<Item = u32> + 'a {
         let triangles = |&(tile, mask): &(u32, Mask)| {
             let triangles = &self.tiles[tile as usize].triangles;
@@ -182,8 +184,7 @@ impl<T: Scalar> Bvh<T> {
         near.strained.iter().flat_map(triangles)
     }
 
-    /// The search among the pairs that have lapsed, until `offer` does not want to go on; nothing is noted. `is_current`: the
-    /// tiles follow the mesh.
+    /// See [`Octree::search_lapsed`](crate::query::Octree). `is_current`: the tiles follow the mesh.
     pub(crate) fn search_lapsed(
         &self,
         mesh: &Mesh<T>,
@@ -205,18 +206,18 @@ impl<T: Scalar> Bvh<T> {
         }
         let narrow = Narrow::new(mesh);
         let tiles = lapsed_tiles.iter().copied();
-        dispatch::<T, _>(MakeBlocks { cells: self, tiles, mesh, is_current, narrow, blocks });
+        dispatch::<T, _>(MakeBlocks { tree: self, tiles, mesh, is_current, narrow, blocks });
         let block_of = |tile: u32| block_places[tile as usize] as usize;
         let close = narrow.distance(distance);
         let offer = |_: usize, a: u32, b: u32, _: bool| offer(a, b);
         let (tile_pairs, steep) = (&*lapsed, &[]);
-        dispatch::<f32, _>(TilePairs { cells: self, blocks, block_of, tile_pairs, close, far: close, steep, offer });
+        dispatch::<f32, _>(TilePairs { tree: self, blocks, block_of, tile_pairs, close, far: close, steep, offer });
     }
 }
 
 /// Makes the blocks of tiles, in place of what was there.
 struct MakeBlocks<'a, T: Scalar, I> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     tiles: I,
     mesh: &'a Mesh<T>,
     /// Whether the tiles follow the mesh.
@@ -237,31 +238,31 @@ impl<T: Scalar, I: Iterator<Item = u32>> Kernel<T> for MakeBlocks<'_, T, I> {
             }
             let positions = if self.is_current {
                 let mut room = [[T::zero(); TILE_SIZE]; 3];
-                Vectors::load(self.cells.positions_of::<L>(tile as usize, self.mesh, &mut room))
+                Vectors::load(self.tree.positions_of::<L>(tile as usize, self.mesh, &mut room))
             } else {
-                self.mesh.gather(&self.cells.outlines[tile as usize].vertices)
+                self.mesh.gather(&self.tree.outlines[tile as usize].vertices)
             };
-            self.blocks[count].fill::<T, L>(self.cells, tile as usize, positions, &self.narrow);
+            self.blocks[count].fill::<T, L>(self.tree, tile as usize, positions, &self.narrow);
             count += 1;
         }
         self.blocks.truncate(count);
     }
 }
 
-/// Pairs of tiles, triangle by triangle.
+/// Offers the near triangles of pairs of tiles.
 struct TilePairs<'a, T: Scalar, B, O> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     blocks: &'a [Block],
     /// Where a tile's block is.
     block_of: B,
     tile_pairs: &'a [[u32; 2]],
-    /// Triangles are offered that are so near each other,
+    /// Triangles are offered that are at most this far apart.
     close: f32,
-    /// or, both of them steep, so near.
+    /// The same for two steep triangles.
     far: f32,
     /// By tile; empty where none is.
     steep: &'a [Mask],
-    /// Is told the place of the pair, two triangles and whether both are steep; gives whether to go on.
+    /// Gets the place of the pair, two triangles and whether both are steep; gives whether to go on.
     offer: O,
 }
 
@@ -274,7 +275,7 @@ impl<T: Scalar, B: Fn(u32) -> usize, O: FnMut(usize, u32, u32, bool) -> bool> Ke
         for (pair, &[first, second]) in self.tile_pairs.iter().enumerate() {
             let mut a = &self.blocks[(self.block_of)(first)];
             let mut b = &self.blocks[(self.block_of)(second)];
-            let (mut a_tile, mut b_tile) = (&self.cells.tiles[first as usize], &self.cells.tiles[second as usize]);
+            let (mut a_tile, mut b_tile) = (&self.tree.tiles[first as usize], &self.tree.tiles[second as usize]);
             let (mut a_steep, mut b_steep) = match self.steep {
                 [] => (0, 0),
                 steep => (steep[first as usize], steep[second as usize]),
@@ -294,7 +295,7 @@ impl<T: Scalar, B: Fn(u32) -> usize, O: FnMut(usize, u32, u32, bool) -> bool> Ke
                     candidates |= a_steep & a.near::<L>(&b.whole, self.far);
                     others |= b_steep & b.near::<L>(&a.whole, self.far);
                 }
-                // The fewer against all of the other tile.
+                // The fewer candidates are held against all of the other tile.
                 if others.count_ones() < candidates.count_ones() {
                     (a, b, a_tile, b_tile, candidates) = (b, a, b_tile, a_tile, others);
                     (a_steep, b_steep) = (b_steep, a_steep);
@@ -306,7 +307,7 @@ impl<T: Scalar, B: Fn(u32) -> usize, O: FnMut(usize, u32, u32, bool) -> bool> Ke
                 if steep != 0 {
                     others |= steep & b.near::<L>(&a.sides_of(place), self.far);
                 }
-                // Each pair within one tile once.
+                // Within one tile each pair comes once.
                 others &= if is_same { !1 << place } else { !0 };
                 if others != 0 {
                     others &= !b.sharing::<L>(a.vertices_of(place));

@@ -2,14 +2,14 @@ use crate::math::margins::NARROW_BOX;
 use crate::math::{Aabb, Scalar};
 use crate::mesh::Mesh;
 
-/// A box in narrow numbers: its lower coordinates and the negatives of its upper ones, within [`Narrow`]'s box and in units of
-/// that box's longest side, rounded outward. So two boxes are at most d apart only where no lower side of either and upper side
-/// of the other sum to more than d. What lies outside is moved to the border, which takes no two boxes farther apart.
+/// A box in narrow numbers: its lower coordinates and the negatives of its upper ones, within [`Narrow`]'s box, in units of its
+/// longest side, rounded outward. Along an axis two boxes are as far apart as the larger sum of one's lower side and the other's
+/// upper side. What lies outside [`Narrow`]'s box is moved to its border, which moves no two boxes farther apart.
 pub(crate) type Sides = [f32; 6];
 
-/// So many vertices tell where most of a mesh is,
+/// This many vertices tell where most of a mesh is.
 const LOOKED_AT: usize = 32;
-/// and what is farther off than so many times the size of that is outside: a few vertices may be anywhere.
+/// The narrow box reaches this many times the size of most of the mesh beyond it: a few vertices may be anywhere.
 const FAR: f64 = 1024.0;
 
 /// What narrow numbers are in units of.
@@ -52,7 +52,7 @@ impl<T: Scalar> Narrow<T> {
         ((inside - self.within.lower[axis]) * self.inverse).to_f64() as f32
     }
 
-    /// No more than finite, since places without a triangle are infinitely far.
+    /// At most the largest finite number, since places without a triangle are infinitely far.
     pub(crate) fn distance(&self, distance: T) -> f32 {
         ((distance * self.inverse).to_f64() as f32 + NARROW_BOX).min(f32::MAX)
     }

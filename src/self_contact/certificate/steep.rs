@@ -1,4 +1,5 @@
-//! Which triangles lie where the surface bends: others near them face as they do, as seen from them it is a graph.
+//! Which triangles are steep: some triangle near them faces more than 60° away from them. Around any other triangle the surface
+//! is a graph over the triangle's plane.
 
 use crate::bvh::{Bvh, TILE_SIZE};
 use crate::math::Scalar;
@@ -14,7 +15,7 @@ pub(crate) type Normals = [[f32; TILE_SIZE]; 3];
 
 /// Makes the normals of all tiles.
 pub(crate) struct MakeNormals<'a, T: Scalar> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
     pub(crate) narrow: Narrow<T>,
     pub(crate) normals: &'a mut Vec<Normals>,
@@ -25,12 +26,12 @@ impl<T: Scalar> Kernel<T> for MakeNormals<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { cells, mesh, narrow, normals } = self;
-        memory::refill_with(normals, [[0.0; TILE_SIZE]; 3], cells.tiles.len());
+        let Self { tree, mesh, narrow, normals } = self;
+        memory::refill_with(normals, [[0.0; TILE_SIZE]; 3], tree.tiles.len());
         let unit = L::splat(narrow.inverse);
-        for index in 0..cells.tiles.len() {
-            let tile = &cells.tiles[index];
-            let positions = mesh.gather::<L>(&cells.outlines[index].vertices);
+        for index in 0..tree.tiles.len() {
+            let tile = &tree.tiles[index];
+            let positions = mesh.gather::<L>(&tree.outlines[index].vertices);
             let a = positions.permuted(&tile.corners[0]);
             let p = positions.permuted(&tile.corners[1]).sub(a).scaled(unit);
             let q = positions.permuted(&tile.corners[2]).sub(a).scaled(unit);
@@ -48,12 +49,12 @@ impl<T: Scalar> Kernel<T> for MakeNormals<'_, T> {
 
 /// Finds, by tile, the triangles that have others within a distance that do not face as they do.
 pub(crate) struct FindSteep<'a, T: Scalar> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) blocks: &'a [Block],
     pub(crate) normals: &'a [Normals],
     pub(crate) tile_pairs: &'a [[u32; 2]],
     pub(crate) distance: f32,
-    /// Those of a larger distance, among which all are; `None`: not known.
+    /// The steep triangles for a larger distance, among which these are; `None` where they are not known.
     pub(crate) among: Option<&'a [Mask]>,
     pub(crate) steep: &'a mut Vec<Mask>,
 }
@@ -63,7 +64,7 @@ impl<T: Scalar> Kernel<f32> for FindSteep<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<f32>>(self) {
-        let Self { cells, blocks, normals, tile_pairs, distance, among, steep } = self;
+        let Self { tree, blocks, normals, tile_pairs, distance, among, steep } = self;
         memory::refill_with(steep, 0, blocks.len());
         for pair in tile_pairs {
             let [first, second] = pair.map(|tile| tile as usize);
@@ -74,14 +75,14 @@ impl<T: Scalar> Kernel<f32> for FindSteep<'_, T> {
             if are_apart(&a.whole, &b.whole, distance) {
                 continue;
             }
-            let present = cells.tiles[second].present;
+            let present = tree.tiles[second].present;
             let facing = Vectors::<f32, L>::load(&normals[second]);
             let (mut steep_of_a, mut steep_of_b) = (0, 0);
             for place in lanes_of(a.near::<L>(&b.whole, distance)) {
                 let [x, y, z] = &normals[first];
                 let along = facing.x.mul(L::splat(x[place]));
                 let along = along.add(facing.y.mul(L::splat(y[place]))).add(facing.z.mul(L::splat(z[place])));
-                // In this form NaN faces nowhere.
+                // Written so that NaN faces away.
                 let away = present & !L::splat(FACING_ALIKE).is_at_most(along);
                 if away != 0 {
                     let others = away & b.near::<L>(&a.sides_of(place), distance);

@@ -1,4 +1,4 @@
-//! How tiles have moved and been strained since a search, apart from what the body has turned as a whole.
+//! How tiles have moved and been strained since a search, apart from the turn of the body as a whole.
 
 use crate::bvh::{Bvh, Outline, TILE_SIZE};
 use crate::math::{Aabb, Scalar, Vector3};
@@ -11,16 +11,16 @@ use nalgebra::{Matrix3, UnitQuaternion};
 #[derive(Clone, Debug)]
 pub(crate) struct Rest<T: Scalar> {
     tiles: Vec<RestTile<T>>,
-    /// What the tiles' positions are seen from.
+    /// The point that the tiles' positions are relative to.
     centre: Vector3<T>,
-    /// By which the present positions are turned back.
+    /// The rotation that turns the present positions back.
     back: UnitQuaternion<T>,
 }
 
 #[derive(Clone, Debug)]
 struct RestTile<T: Scalar> {
     positions: [[T; TILE_SIZE]; 3],
-    /// What a triangle's strain is made with, as a part of the strain that it is allowed.
+    /// The factors of the moves of a triangle's two edges in its strain, as a part of the strain that it is allowed.
     factors: [[T; TILE_SIZE]; 3],
 }
 
@@ -30,13 +30,13 @@ impl<T: Scalar> Default for Rest<T> {
     }
 }
 
-/// Less than this a body has not turned: small turns are left to strain.
+/// A smaller turn, in radians, is not turned back; it counts as strain.
 const LEAST_TURN: f64 = 1e-3;
-/// About so many vertices tell how a body has turned.
+/// About this many vertices tell how a body has turned.
 const VERTICES_OF_TURN: usize = 64;
 
 impl<T: Scalar> Rest<T> {
-    /// Turns back by what fits some vertices best. Any turn will do: bounds hold, only less tightly.
+    /// Finds the turn that fits some vertices best. With another turn the bounds would hold too, only less tightly.
     pub(crate) fn follow_turn(&mut self, outlines: &[Outline<T>], mesh: &Mesh<T>) {
         let stride = outlines.len().div_ceil(VERTICES_OF_TURN);
         let samples = || {
@@ -60,7 +60,7 @@ impl<T: Scalar> Rest<T> {
             let seen = self.back.to_rotation_matrix() * turned;
             let torque = Vector3::new(seen.m32 - seen.m23, seen.m13 - seen.m31, seen.m21 - seen.m12);
             let turn = inverse * torque;
-            // In this form NaN turns nothing.
+            // Written so that NaN turns nothing.
             if !(turn.norm_squared() > T::of(LEAST_TURN * LEAST_TURN) && turn.norm_squared() < T::of(16.0)) {
                 return;
             }
@@ -72,7 +72,7 @@ impl<T: Scalar> Rest<T> {
 
 /// Keeps the present positions; triangles may be strained by the least that is allowed at their corners.
 pub(crate) struct MakeRest<'a, T: Scalar> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
     /// By vertex.
     pub(crate) allowed: &'a [T],
@@ -84,14 +84,14 @@ impl<T: Scalar> Kernel<T> for MakeRest<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { cells, mesh, allowed, rest } = self;
+        let Self { tree, mesh, allowed, rest } = self;
         let empty = RestTile { positions: [[T::zero(); TILE_SIZE]; 3], factors: [[T::zero(); TILE_SIZE]; 3] };
         (rest.centre, rest.back) = (mesh.aabb().centre(), UnitQuaternion::identity());
-        memory::refill_with(&mut rest.tiles, empty, cells.tiles.len());
+        memory::refill_with(&mut rest.tiles, empty, tree.tiles.len());
         // In units of the body, squares of areas neither overflow nor underflow.
         let unit = L::splat(T::one() / mesh.aabb().longest_side());
-        for index in 0..cells.tiles.len() {
-            let (tile, outline, rest_tile) = (&cells.tiles[index], &cells.outlines[index], &mut rest.tiles[index]);
+        for index in 0..tree.tiles.len() {
+            let (tile, outline, rest_tile) = (&tree.tiles[index], &tree.outlines[index], &mut rest.tiles[index]);
             let seen = mesh.gather::<L>(&outline.vertices).sub(Vectors::splat(&rest.centre));
             seen.store(&mut rest_tile.positions);
             let mut row = [T::zero(); TILE_SIZE];
@@ -117,7 +117,7 @@ impl<T: Scalar> Kernel<T> for MakeRest<'_, T> {
 
 /// The box around the moves of each tile's vertices, without the turn of the whole.
 pub(crate) struct FindMoves<'a, T: Scalar> {
-    pub(crate) cells: &'a Bvh<T>,
+    pub(crate) tree: &'a Bvh<T>,
     pub(crate) mesh: &'a Mesh<T>,
     pub(crate) rest: &'a Rest<T>,
     pub(crate) moves: &'a mut Vec<Aabb<T>>,
@@ -131,7 +131,7 @@ impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) -> Aabb<T> {
-        let Self { cells, mesh, rest, moves, strained } = self;
+        let Self { tree, mesh, rest, moves, strained } = self;
         let rotation = rest.back.to_rotation_matrix();
         let rows = rotation.matrix().transpose();
         let [x, y, z]: [Vectors<T, L>; 3] = [
@@ -142,23 +142,22 @@ impl<T: Scalar> Kernel<T> for FindMoves<'_, T> {
         let centre = Vectors::splat(&mesh.aabb().centre());
         let one = L::splat(T::one());
         let mut whole = Aabb::empty();
-        memory::refill_with(moves, whole, cells.tiles.len());
+        memory::refill_with(moves, whole, tree.tiles.len());
         strained.clear();
-        strained.room_for(cells.tiles.len());
-        for index in 0..cells.tiles.len() {
-            let (tile, rest) = (&cells.tiles[index], &rest.tiles[index]);
-            let seen = mesh.gather::<L>(&cells.outlines[index].vertices).sub(centre);
+        strained.room_for(tree.tiles.len());
+        for index in 0..tree.tiles.len() {
+            let (tile, rest) = (&tree.tiles[index], &rest.tiles[index]);
+            let seen = mesh.gather::<L>(&tree.outlines[index].vertices).sub(centre);
             let moved = Vectors::new(seen.dot(x), seen.dot(y), seen.dot(z)).sub(Vectors::load(&rest.positions));
             let aabb = Aabb { lower: moved.smallest_lanes(), upper: moved.greatest_lanes() };
-            whole.include(&aabb.lower);
-            whole.include(&aabb.upper);
+            whole = whole.union(&aabb);
             moves[index] = aabb;
             let a = moved.permuted(&tile.corners[0]);
             let (p, q) = (moved.permuted(&tile.corners[1]).sub(a), moved.permuted(&tile.corners[2]).sub(a));
             let along = p.scaled(L::load(&rest.factors[0]));
             let across = q.scaled(L::load(&rest.factors[1])).sub(p.scaled(L::load(&rest.factors[2])));
             let held = along.dot(along).add(across.dot(across)).is_at_most(one);
-            // In this form NaN counts as strained.
+            // Written so that NaN counts as strained.
             let beyond = tile.present & !held;
             if beyond != 0 {
                 strained.push((index as u32, beyond));

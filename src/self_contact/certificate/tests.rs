@@ -5,15 +5,15 @@ use std::collections::BTreeSet;
 /// A surface so large that nodes have nodes under them, and what was found near of it; `offer`
 /// as in the search.
 fn search(
-    [part_margin, margin]: [f64; 2],
+    [tile_margin, margin]: [f64; 2],
     mut offer: impl FnMut(u32, u32, bool) -> f64,
 ) -> (Mesh<f64>, Bvh<f64>, NearTiles<f64>) {
     let (mesh, mut near) = (torus([48, 12]), NearTiles::default());
-    let cells = Bvh::new(&mesh);
-    assert!(cells.nodes.len() > 2 && !cells.nodes[0].is_leaf);
-    let reach = Reach { touch: 0.0, margin, part_margin, most_pairs: usize::MAX };
-    cells.search_near(&mesh, &reach, &mut near, &mut |a, b, is_steep| Some(offer(a, b, is_steep)));
-    (mesh, cells, near)
+    let tree = Bvh::new(&mesh);
+    assert!(tree.nodes.len() > 2 && !tree.nodes[0].is_leaf);
+    let reach = Reach { touch: 0.0, margin, tile_margin, most_pairs: usize::MAX };
+    tree.search_near(&mesh, &reach, &mut near, &mut |a, b, is_steep| Some(offer(a, b, is_steep)));
+    (mesh, tree, near)
 }
 
 /// The two places of each pair, the smaller first, in their order.
@@ -24,18 +24,18 @@ fn sorted(pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
 }
 
 /// Along each axis how far apart two boxes are, at least 0.
-fn gaps(cells: &Bvh<f64>, [a, b]: [u32; 2]) -> Vector3<f64> {
-    let (a, b) = (&cells.outlines[a as usize].aabb, &cells.outlines[b as usize].aabb);
+fn gaps(tree: &Bvh<f64>, [a, b]: [u32; 2]) -> Vector3<f64> {
+    let (a, b) = (&tree.outlines[a as usize].aabb, &tree.outlines[b as usize].aabb);
     (a.lower - b.upper).sup(&(b.lower - a.upper)).sup(&Vector3::zeros())
 }
 
 #[test]
 fn the_pairs_of_tiles_are_those_whose_boxes_are_near() {
     for distance in [0.0, 0.03, 0.29, 4.0] {
-        let (_, cells, near) = search([distance, 0.0], |_, _, _| 0.0);
-        let count = cells.tiles.len() as u32;
+        let (_, tree, near) = search([distance, 0.0], |_, _, _| 0.0);
+        let count = tree.tiles.len() as u32;
         let all = (0..count).flat_map(|a| (a..count).map(move |b| [a, b]));
-        let expected: Vec<_> = all.filter(|&pair| gaps(&cells, pair).max() <= distance).collect();
+        let expected: Vec<_> = all.filter(|&pair| gaps(&tree, pair).max() <= distance).collect();
         assert!(sorted(&near.tile_pairs) == expected, "{distance}");
     }
 }
@@ -50,12 +50,12 @@ fn clearance(a: u32, b: u32) -> f64 {
 #[test]
 fn a_pair_of_tiles_may_come_nearer_by_what_its_triangles_may() {
     let (mut offered, margin) = (Vec::new(), 0.07);
-    let (_, cells, near) = search([0.3, margin], |a, b, is_steep| {
+    let (_, tree, near) = search([0.3, margin], |a, b, is_steep| {
         offered.push((a, b, is_steep));
         clearance(a, b)
     });
-    let mut tile_of = vec![0; cells.tiles.iter().map(|tile| tile.triangles().len()).sum()];
-    for (number, tile) in cells.tiles.iter().enumerate() {
+    let mut tile_of = vec![0; tree.tiles.iter().map(|tile| tile.triangles().len()).sum()];
+    for (number, tile) in tree.tiles.iter().enumerate() {
         tile.triangles().iter().for_each(|&triangle| tile_of[triangle as usize] = number as u32);
     }
     let mut least = std::collections::HashMap::new();
@@ -68,15 +68,15 @@ fn a_pair_of_tiles_may_come_nearer_by_what_its_triangles_may() {
     assert_eq!(near.clearances.len(), near.tile_pairs.len());
     for (&pair, &found) in near.tile_pairs.iter().zip(&near.clearances) {
         let is_sheltered = pair.iter().any(|&tile| near.steep_wide[tile as usize] == 0);
-        let most = gaps(&cells, pair).norm().max(if is_sheltered { 2.0 * margin } else { margin });
+        let most = gaps(&tree, pair).norm().max(if is_sheltered { 2.0 * margin } else { margin });
         let key = [pair[0].min(pair[1]), pair[0].max(pair[1])];
         assert_eq!(found, least.get(&key).copied().unwrap_or(most).min(most), "{pair:?}");
     }
 }
 
 /// By how much the distance of two vertices, one of either tile, has changed at most.
-fn change_of_distances(cells: &Bvh<f64>, [a, b]: [u32; 2], [then, now]: [&[Vector3<f64>]; 2]) -> f64 {
-    let [a, b] = [a, b].map(|tile| &cells.outlines[tile as usize].vertices);
+fn change_of_distances(tree: &Bvh<f64>, [a, b]: [u32; 2], [then, now]: [&[Vector3<f64>]; 2]) -> f64 {
+    let [a, b] = [a, b].map(|tile| &tree.outlines[tile as usize].vertices);
     let pairs = a.iter().flat_map(|&a| b.iter().map(move |&b| [a as usize, b as usize]));
     pairs.map(|[a, b]| ((now[a] - now[b]).norm() - (then[a] - then[b]).norm()).abs()).fold(0.0, f64::max)
 }
@@ -85,9 +85,9 @@ fn change_of_distances(cells: &Bvh<f64>, [a, b]: [u32; 2], [then, now]: [&[Vecto
 /// no two have moved against each other by half of it. A turn of the whole does not count.
 #[test]
 fn pairs_lapse_where_vertices_have_moved_against_each_other() {
-    let (mut mesh, cells, mut near) = search([0.3, 0.02], |a, b, _| clearance(a, b));
+    let (mut mesh, tree, mut near) = search([0.3, 0.02], |a, b, _| clearance(a, b));
     let (then, count) = (mesh.positions().to_vec(), mesh.positions().len());
-    cells.keep(&mesh, &vec![1e3; count], &mut near);
+    tree.keep(&mesh, &vec![1e3; count], &mut near);
     let wave =
         |p: &Vector3<f64>| Vector3::new(0.03 * (3.0 * p.y).sin(), 0.02 * (4.0 * p.z + p.x).cos(), 0.05 * p.x * p.y);
     for turn in [0.0, 0.4, 2.0f64] {
@@ -97,14 +97,14 @@ fn pairs_lapse_where_vertices_have_moved_against_each_other() {
         };
         mesh.set_positions_with(count, |vertex| moved(&then[vertex])).expect("finite");
         // A large turn takes some steps to be followed.
-        (0..4).for_each(|_| assert!(cells.find_lapsed(&mesh, f64::INFINITY, &mut near).part > 0.0));
-        let part = cells.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
+        (0..4).for_each(|_| assert!(tree.find_lapsed(&mesh, f64::INFINITY, &mut near).part > 0.0));
+        let part = tree.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
         assert_eq!(part, near.lapsed.len() as f64 / near.tile_pairs.len() as f64);
-        let waves = |tile: u32| cells.outlines[tile as usize].vertices.map(|v| wave(&then[v as usize]));
+        let waves = |tile: u32| tree.outlines[tile as usize].vertices.map(|v| wave(&then[v as usize]));
         let (mut far, mut calm) = (0, 0);
         for (&[a, b], &allowed) in near.tile_pairs.iter().zip(&near.clearances) {
             let has_lapsed = near.lapsed.contains(&[a, b]);
-            let is_far = change_of_distances(&cells, [a, b], [&then, mesh.positions()]) > allowed;
+            let is_far = change_of_distances(&tree, [a, b], [&then, mesh.positions()]) > allowed;
             let (of_a, of_b) = (waves(a), waves(b));
             let is_calm = of_a.iter().all(|a| of_b.iter().all(|b| (a - b).norm() <= 0.5 * allowed));
             assert!(if has_lapsed { !is_calm } else { !is_far }, "{turn}: {a}, {b}, {allowed}");
@@ -122,9 +122,9 @@ fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
     let (allowed, margin) = (0.3, 0.02);
     let mut strained_ways = 0;
     for way in 0..40 {
-        let (mut mesh, cells, mut near) = search([0.3, margin], |_, _, _| 1.0);
+        let (mut mesh, tree, mut near) = search([0.3, margin], |_, _, _| 1.0);
         let (then, count) = (mesh.positions().to_vec(), mesh.positions().len());
-        cells.keep(&mesh, &vec![allowed; count], &mut near);
+        tree.keep(&mesh, &vec![allowed; count], &mut near);
         let vertex = 13 * way as usize;
         let by = Vector3::from_fn(|axis, _| 0.04 * (way as f64 * (axis as f64 + 1.3)).sin());
         mesh.set_positions_with(count, |v| if v == vertex { then[v] + by } else { then[v] }).expect("finite");
@@ -139,26 +139,26 @@ fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
         let around = mesh.topology().triangles_around(vertex as u32).iter().copied();
         let mut expected: Vec<u32> = around.filter(|&triangle| strain(triangle) > allowed).collect();
         expected.sort();
-        cells.find_lapsed(&mesh, f64::INFINITY, &mut near);
-        let mut told: Vec<u32> = cells.strained(&near).collect();
+        tree.find_lapsed(&mesh, f64::INFINITY, &mut near);
+        let mut told: Vec<u32> = tree.strained(&near).collect();
         told.sort();
         assert_eq!(told, expected, "vertex {vertex}");
         strained_ways += u32::from(!expected.is_empty());
 
         // The tiles' outlines are still those of the search.
         let tile_of = |&triangle: &u32| {
-            let tile = cells.tiles.iter().position(|tile| tile.triangles().contains(&triangle));
+            let tile = tree.tiles.iter().position(|tile| tile.triangles().contains(&triangle));
             tile.expect("each triangle is in one") as u32
         };
         let strained: BTreeSet<u32> = expected.iter().map(tile_of).collect();
         let to_strained = |tile: u32| {
-            let gaps_to = strained.iter().map(|&other| gaps(&cells, [tile, other]).norm());
+            let gaps_to = strained.iter().map(|&other| gaps(&tree, [tile, other]).norm());
             gaps_to.fold(f64::INFINITY, f64::min)
         };
         let path = |[a, b]: [u32; 2]| to_strained(a) + to_strained(b);
         for (&pair, &clearance) in near.tile_pairs.iter().zip(&near.clearances) {
-            let is_moved = pair.iter().any(|&tile| cells.outlines[tile as usize].vertices.contains(&(vertex as u32)));
-            let is_far = change_of_distances(&cells, pair, [&then, mesh.positions()]) > clearance;
+            let is_moved = pair.iter().any(|&tile| tree.outlines[tile as usize].vertices.contains(&(vertex as u32)));
+            let is_far = change_of_distances(&tree, pair, [&then, mesh.positions()]) > clearance;
             let must = is_far || clearance <= 2.0 * margin && path(pair) <= 4.0 * margin;
             let may = is_moved || path(pair) <= 8.0 * margin;
             let has_lapsed = near.lapsed.contains(&pair);

@@ -34,7 +34,7 @@ fn two_edges(height: f64) -> [[[f64; 3]; 3]; 2] {
 }
 
 fn within(mesh: &Mesh<f64>, margin: f64) -> Reach<f64> {
-    Reach { margin, part_margin: margin, ..Touching::reach(mesh) }
+    Reach { margin, tile_margin: margin, ..Touching::reach(mesh) }
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn fans_of_an_octahedron_have_the_altitudes_of_its_triangles() {
         let (found, touching) = fans_of(&octahedron(middle));
         let kept = 64.0 * 64.0 * (middle + 1.0) * f64::EPSILON / 2.0;
         assert!((found.fineness / 1.5f64.sqrt() - 1.0).abs() < 1e-14);
-        assert!((found.strain / ((0.5f64.sqrt() - kept) / 3.0) - 1.0).abs() < 1e-13, "{}", found.strain);
+        assert!((found.stretch / ((0.5f64.sqrt() - kept) / 3.0) - 1.0).abs() < 1e-13, "{}", found.stretch);
         assert!(!touching.any && touching.touched == [false; 8]);
     }
     let (_, touching) = fans_of(&octahedron(1e13));
@@ -156,11 +156,11 @@ fn a_fan_that_folds_or_goes_round_twice_touches_itself() {
         let mesh = pyramids(rim);
         let (found, touching) = fans_of(&mesh);
         let apex = [0, 1].map(|k| altitude_of_fan(&mesh, rim.len() as u32 + k, |t| touching.facets[t as usize]).0);
-        (apex, found.strain, touching)
+        (apex, found.stretch, touching)
     };
     for rim in [[0, 4, 8].as_slice(), &[0, 3, 6, 9], &[0, 2, 4, 6, 8, 10], &[1, 4, 5, 9]] {
-        let (apex, strain, touching) = apex_of(rim);
-        assert!(apex[0] > 0.0 && apex[0] == apex[1] && strain > 0.0 && !touching.any, "{rim:?}");
+        let (apex, stretch, touching) = apex_of(rim);
+        assert!(apex[0] > 0.0 && apex[0] == apex[1] && stretch > 0.0 && !touching.any, "{rim:?}");
     }
     for rim in [[0, 5, 3, 8].as_slice(), &[0, 3, 2, 6, 9], &[0, 5, 10, 15, 20], &[0, 4, 8, 12, 16, 20]] {
         let (apex, _, touching) = apex_of(rim);
@@ -187,7 +187,7 @@ fn a_tip_touches_what_it_is_near_to() {
         for (layout, margin) in [(Layout::Bvh, 0.0), (Layout::Bvh, 0.5), (Layout::PaperOctree, 0.0)] {
             let (octree, mut touching) = (Octree::with_layout(&mesh, layout), Touching::default());
             touching.reset(&mesh);
-            touching.search_pairs(&octree, &mesh, &within(&mesh, margin), &mut NearParts::default());
+            touching.search_pairs(&octree, &mesh, &within(&mesh, margin), &mut NearPairs::default());
             touching.pairs.sort();
             let expected: &[[u32; 2]] = if is_touching { &[[0, 4], [0, 5], [0, 6]] } else { &[] };
             assert_eq!((touching.pairs.as_slice(), touching.any), (expected, is_touching), "{gap:e} {layout:?}");
@@ -201,7 +201,7 @@ fn a_tip_touches_what_it_is_near_to() {
 #[test]
 fn a_tip_may_come_as_near_as_it_does_not_touch() {
     let mut mesh = tip_above_face(10.0 * TOUCH);
-    let (mut octree, mut touching, mut near) = (Octree::new(&mesh), Touching::default(), NearParts::default());
+    let (mut octree, mut touching, mut near) = (Octree::new(&mesh), Touching::default(), NearPairs::default());
     touching.reset(&mesh);
     touching.search_pairs(&octree, &mesh, &within(&mesh, 20.0 * TOUCH), &mut near);
     // Strain shall not tell.

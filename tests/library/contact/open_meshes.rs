@@ -59,6 +59,19 @@ fn volume_below_zero(shape: &Shape) -> f64 {
     volume
 }
 
+/// A strip has more vertices than triangles: 18 and 16, of which one group of sixteen holds all.
+#[test]
+fn a_strip_of_few_triangles_bears_a_ball_in_either_layout() {
+    let positions = (0..18).map(|i| [f64::from(i / 2) - 4.0, f64::from(i % 2) * 4.0 - 2.0, 0.0]).collect();
+    let squares = (0..8).flat_map(|i| [[2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1]]);
+    let strip = open::<f64>(&Shape { positions, triangles: squares.collect(), inside: Vec::new() });
+    let ball = shapes::sphere(2).moved([0.13, -0.21, 0.7]);
+    for layout in [Layout::Bvh, Layout::PaperOctree] {
+        let (_, force) = pressed(&ball, &strip, layout);
+        assert!((force.z / volume_below_zero(&ball) - 1.0).abs() < 0.03, "{layout:?}: {force:?}");
+    }
+}
+
 /// Archimedes: the force is the volume behind the sheet, straight up.
 #[test]
 fn a_ball_on_a_sheet_is_borne_by_the_volume_behind_it() {

@@ -1,6 +1,6 @@
 use crate::bvh::rays::packet::hits::PacketHits;
 use crate::math::Scalar;
-use crate::simd::{LANE_COUNT, Lanes, Mask};
+use crate::simd::{LANE_COUNT, Lanes, Lists, Mask};
 use crate::triangle::HitLanes;
 
 /// The question that the rays of a packet ask.
@@ -23,7 +23,7 @@ pub(crate) trait Answer<T: Scalar> {
 
 /// The nearest hit of each ray.
 pub(crate) struct Nearest<'a, T: Scalar> {
-    /// Of each ray the nearest hit so far, else its own end.
+    /// The `t` of each ray's nearest hit so far, or else of its end.
     pub(crate) end: [T; LANE_COUNT],
     pub(crate) hits: &'a mut PacketHits<T>,
 }
@@ -95,7 +95,7 @@ impl<T: Scalar> Answer<T> for Hidden<'_, T> {
     }
 }
 
-/// Which of a tile's triangles have all of the touched vertices.
+/// Which of a tile's triangles have all of three vertices, which may be the same.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn excluded_around<T: Scalar, L: Lanes<T>>(
     [a, b, c]: [u32; 3],
@@ -103,12 +103,12 @@ pub(crate) fn excluded_around<T: Scalar, L: Lanes<T>>(
     corners: &[[u8; LANE_COUNT]; 3],
 ) -> Mask {
     // The last vertex of a tile is repeated, but triangles name its first place.
-    let with_corner = |places: Mask| L::with_corner(corners, places.trailing_zeros() as u8);
-    let first = L::equal(vertices, a);
+    let with_corner = |places: Mask| L::Lists::with_corner(corners, places.trailing_zeros() as u8);
+    let first = L::Lists::equal(vertices, a);
     if b == a && c == a {
         return if first == 0 { 0 } else { with_corner(first) };
     }
-    let (second, third) = (L::equal(vertices, b), L::equal(vertices, c));
+    let (second, third) = (L::Lists::equal(vertices, b), L::Lists::equal(vertices, c));
     if first == 0 || second == 0 || third == 0 {
         return 0;
     }

@@ -3,7 +3,7 @@ use crate::bvh::rays::packet::answer::Answer;
 use crate::bvh::rays::packet::search::Search;
 use crate::math::Scalar;
 use crate::mesh::Mesh;
-use crate::simd::{LANE_COUNT, Lanes, Mask};
+use crate::simd::{LANE_COUNT, Lanes, Mask, lanes_of};
 use crate::triangle::{HitLanes, RayPacket, TriangleLanes};
 
 /// A triangle that a ray may meet.
@@ -17,7 +17,7 @@ struct Candidate {
 /// of a deep overlap several hundred.
 const MOST_LISTED: usize = 64;
 
-/// Where the last leaf listed has them all.
+/// The last leaf listed may have as many tiles as a node has children.
 const ROOM_FOR_TILES: usize = MOST_LISTED + CHILD_COUNT;
 
 /// How many candidates are computed at a time.
@@ -30,7 +30,7 @@ pub(crate) struct Candidates<T: Scalar> {
     hits: HitLanes<T>,
     /// For the positions of a tile that is not loaded.
     pub(crate) room: [[T; LANE_COUNT]; 3],
-    /// The most tiles listed; beyond, the packet walks the tree.
+    /// Where more tiles than this are listed, the packet walks the tree.
     pub(crate) most_listed: usize,
     /// Tiles that rays may meet, and of each its node and its place there: 16 · node + place.
     pub(crate) tiles: [u32; ROOM_FOR_TILES + LANE_COUNT],
@@ -57,15 +57,15 @@ impl<T: Scalar> Candidates<T> {
         }
     }
 
-    /// Rays walk where more tiles than so many are listed, for tests.
+    /// Walks the tree where more tiles than this are listed, for tests.
     #[cfg(all(test, target_arch = "x86_64"))]
     pub(crate) fn listing(most_listed: usize) -> Self {
         Self { most_listed: most_listed.min(MOST_LISTED), ..Self::new() }
     }
 }
 
-/// Holds the rays of the listed pairs against all triangles of their tiles at once. What is left are mostly hits: these join
-/// those that are `listed` already, and are computed where there are at least `fewest`. Gives how many are left.
+/// Holds the rays of the listed pairs against all triangles of their tiles at once. The candidates that are left, mostly hits,
+/// join the `listed` ones, and are computed once there are at least `fewest`. Gives how many are still listed.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn work_off<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     search: &Search<T, L>,
@@ -81,13 +81,13 @@ pub(crate) fn work_off<T: Scalar, L: Lanes<T>, A: Answer<T>>(
             let pair = list.pairs[next] as usize;
             next += 1;
             let (index, ray) = (list.tiles[pair / LANE_COUNT] as usize, pair % LANE_COUNT);
-            let tile = &search.cells.tiles[index];
-            let positions = search.cells.positions_of::<L>(index, search.mesh, &mut list.room);
+            let tile = &search.tree.tiles[index];
+            let positions = search.tree.positions_of::<L>(index, search.mesh, &mut list.room);
             let [right, left] = search.packet.sides::<L>(ray, positions, &tile.corners);
             let mut met = !(if A::EXITS_ONLY { right } else { right & left }) & tile.present;
-            // Rays seldom meet what they leave through, and then the tile's vertices stay unread.
+            // Few rays meet a triangle that they could leave through; otherwise the tile's vertices stay unread.
             if !A::EXITS_ONLY || met != 0 {
-                met &= !answer.excluded::<L>(ray, &search.cells.outlines[index].vertices, &tile.corners);
+                met &= !answer.excluded::<L>(ray, &search.tree.outlines[index].vertices, &tile.corners);
             }
             // None or one, nearly always: no branch for that.
             let ray = ray as u32;
@@ -95,10 +95,9 @@ pub(crate) fn work_off<T: Scalar, L: Lanes<T>, A: Answer<T>>(
             list.triangles[listed] = Candidate { triangle: first, ray };
             listed += usize::from(met != 0);
             met &= met.wrapping_sub(1);
-            while met != 0 {
-                list.triangles[listed] = Candidate { triangle: tile.triangles[met.trailing_zeros() as usize], ray };
+            for place in lanes_of(met) {
+                list.triangles[listed] = Candidate { triangle: tile.triangles[place], ray };
                 listed += 1;
-                met &= met - 1;
             }
         }
         if listed >= fewest {
@@ -133,10 +132,7 @@ pub(crate) fn resolve<T: Scalar, L: Lanes<T>, A: Answer<T>>(
         let [a, b, c] = &corners;
         lanes.set::<L>(packet, &rays, [mesh.gather(a), mesh.gather(b), mesh.gather(c)]);
         lanes.intersect::<L>(hits);
-        let mut found = hits.found & ((1u32 << candidates.len()) - 1) as Mask;
-        while found != 0 {
-            let lane = found.trailing_zeros() as usize;
-            found &= found - 1;
+        for lane in lanes_of(hits.found & ((1u32 << candidates.len()) - 1) as Mask) {
             let Candidate { triangle, ray } = candidates[lane];
             answer.add(ray as usize % LANE_COUNT, triangle, hits, lane);
         }

@@ -39,7 +39,7 @@ impl<T: Scalar> Bvh<T> {
         hits.found = 0;
         let answer = &mut Nearest { end: packet.t_max, hits };
         let (asked, end) = (packet.present, &packet.t_max);
-        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer });
+        L::outlined(PacketSearch { tree: self, mesh, packet, asked, end, list, answer });
     }
 
     /// Which of the rays in `asked` leave the mesh strictly before `end`, through other triangles than those that have all
@@ -55,7 +55,7 @@ impl<T: Scalar> Bvh<T> {
         list: &mut Candidates<T>,
     ) -> Mask {
         let mut answer = Hidden { end, touched, hidden: 0 };
-        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer: &mut answer });
+        L::outlined(PacketSearch { tree: self, mesh, packet, asked, end, list, answer: &mut answer });
         answer.hidden & asked
     }
 
@@ -73,13 +73,13 @@ impl<T: Scalar> Bvh<T> {
         *numbers = [0; LANE_COUNT];
         let (asked, end) = (packet.present, &packet.t_max);
         let answer = &mut Windings { mesh, packet, touched, numbers };
-        L::outlined(PacketSearch { cells: self, mesh, packet, asked, end, list, answer });
+        L::outlined(PacketSearch { tree: self, mesh, packet, asked, end, list, answer });
     }
 }
 
 /// The search of a packet's asked rays up to their ends.
 struct PacketSearch<'a, T: Scalar, A> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     mesh: &'a Mesh<T>,
     packet: &'a RayPacket<T>,
     asked: Mask,
@@ -93,20 +93,20 @@ impl<T: Scalar, A: Answer<T>> Kernel<T> for PacketSearch<'_, T, A> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let Self { cells, mesh, packet, asked, end, list, answer } = self;
+        let Self { tree, mesh, packet, asked, end, list, answer } = self;
         if asked == 0 {
             return;
         }
         let slabs = PacketSlabs::<T, L>::new(packet, mesh.aabb());
         let mut around = slabs.box_around(packet, end, asked, mesh.aabb());
-        // Of rays of a host's, much may lie without, and then the box around them tells little.
+        // A host's rays may lie mostly outside the mesh's box, and then the box around them tells little.
         if !A::EXITS_ONLY && reaches_out(&around, mesh.aabb()) {
             around = slabs.box_inside(packet, end, asked, mesh.aabb());
         }
         // No closure: it would be compiled for any processor.
         let directions = if A::EXITS_ONLY { Some(DirectionBounds::<T, L>::new(packet, asked, &around)) } else { None };
         let around = BoxLanes::new(&around);
-        let search = Search { cells, mesh, packet, asked, slabs, around, directions };
+        let search = Search { tree, mesh, packet, asked, slabs, around, directions };
         if !lists::search(&search, list, answer) {
             L::outlined(Walk { search: &search, list, answer });
         }

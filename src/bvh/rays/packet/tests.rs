@@ -10,7 +10,7 @@ const SIDES: [u32; 2] = [64, 24];
 /// All packets of these rays, listing at most so many tiles.
 #[derive(Clone, Copy)]
 struct Asked<'a, T: Scalar> {
-    cells: &'a Bvh<T>,
+    tree: &'a Bvh<T>,
     mesh: &'a Mesh<T>,
     rays: &'a [Ray<T>],
     touched: &'a [[u32; 3]],
@@ -28,16 +28,16 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
         let (mut found, mut hits, mut all_hidden) = (PacketHits::empty(), Vec::new(), Vec::new());
         for (rays, touched) in self.rays.chunks(LANE_COUNT).zip(self.touched.chunks(LANE_COUNT)) {
             packet.set_rays::<L>(rays);
-            self.cells.nearest::<L>(self.mesh, &packet, &mut list, &mut found);
+            self.tree.nearest::<L>(self.mesh, &packet, &mut list, &mut found);
             hits.extend((0..rays.len()).map(|lane| found.get(lane)));
             let mut all_touched = [[0; LANE_COUNT]; 3];
             touched.iter().enumerate().for_each(|(lane, of_ray)| (0..3).for_each(|k| all_touched[k][lane] = of_ray[k]));
             let end = packet.t_max;
             let asked = packet.present;
-            let hidden = self.cells.hidden::<L>(self.mesh, &packet, asked, &end, &all_touched, &mut list);
+            let hidden = self.tree.hidden::<L>(self.mesh, &packet, asked, &end, &all_touched, &mut list);
             all_hidden.extend((0..rays.len()).map(|lane| hidden >> lane & 1 == 1));
         }
-        let alone = self.rays.iter().map(|&ray| self.cells.nearest_of_ray_on::<L>(self.mesh, ray));
+        let alone = self.rays.iter().map(|&ray| self.tree.nearest_of_ray_on::<L>(self.mesh, ray));
         (hits, alone.collect(), all_hidden)
     }
 }
@@ -95,14 +95,14 @@ fn assert_same_either_way<T: Scalar>() {
     let mesh: Mesh<T> = torus_at(SIDES, 3);
     let octree = Octree::new(&mesh);
     let tracer = octree.tracer(&mesh).expect("it is new");
-    let cells = Bvh::new(&mesh);
+    let tree = Bvh::new(&mesh);
     let (rays, touched) = rays(&mesh);
     let expected: Vec<_> = rays.iter().map(|ray| tracer.nearest_hit_of_all(ray)).collect();
     let hidden: Vec<_> = rays.iter().zip(&touched).map(|(ray, touched)| is_hidden(&tracer, ray, touched)).collect();
     assert!(expected.iter().flatten().count() > 500 && expected.contains(&None));
     assert!(hidden.iter().filter(|&&is_hidden| is_hidden).count() > 200 && hidden.contains(&false));
     for most_listed in [0, 1, 30, usize::MAX] {
-        let asked = Asked { cells: &cells, mesh: &mesh, rays: &rays, touched: &touched, most_listed };
+        let asked = Asked { tree: &tree, mesh: &mesh, rays: &rays, touched: &touched, most_listed };
         for (path, (hits, single, all_hidden)) in on_every_path::<T, _>(asked).into_iter().enumerate() {
             for (place, ray) in rays.iter().enumerate() {
                 let found = (hits[place], single[place], all_hidden[place]);

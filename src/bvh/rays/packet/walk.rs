@@ -5,13 +5,13 @@ use crate::bvh::rays::packet::search::Search;
 use crate::bvh::rays::slabs::SingleSlabs;
 use crate::bvh::walk::{Children, Visitor, Way, smallest_of};
 use crate::math::Scalar;
-use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, Lists, Mask, lanes_of};
 
 /// If the rays of a packet meet fewer tiles than this, lists would have been faster: the next packet uses lists again.
 const FEWEST_WALKED: u32 = 24;
 
-/// Each node's box is held against the rays that met its parent's; the nearest goes first, and rays that have met something
-/// nearer meanwhile are left out.
+/// Searches by a walk: each node's box is held against the rays that met its parent's. The nearest node goes first, and rays that
+/// have met something nearer meanwhile are left out.
 pub(crate) struct Walk<'a, 'b, T: Scalar, L, A> {
     pub(crate) search: &'a Search<'b, T, L>,
     pub(crate) list: &'a mut Candidates<T>,
@@ -40,7 +40,7 @@ struct PacketOnTheWay<'a, 'b, T: Scalar, L, A> {
     list: &'a mut Candidates<T>,
     answer: &'a mut A,
     singles: SingleSlabs<T>,
-    /// Those that meet the box of the node that comes next, and the least t at which one of them enters it.
+    /// The rays that meet the box of the node that comes next, and the least t at which one of them enters it.
     rays: Mask,
     entry: T,
     /// How many candidates are listed.
@@ -61,7 +61,7 @@ impl<T: Scalar, L: Lanes<T>, A: Answer<T>> Visitor<T, L> for PacketOnTheWay<'_, 
             return Children::NONE;
         }
         let mut room = None;
-        let node = search.cells.node(node as usize, &mut room);
+        let node = search.tree.node(node as usize, &mut room);
         let left = children.hold::<L, A>(search, &self.singles, node, rays, *answer);
         if !node.is_leaf {
             return Children { first: node.first, left };
@@ -90,8 +90,8 @@ struct RaysOfChildren<T> {
 }
 
 impl<T: Scalar> RaysOfChildren<T> {
-    /// Holds the rays against all children of a node, gives those that are met: one box against all rays at a time or one ray
-    /// against all boxes, whichever are fewer.
+    /// Holds the rays against the boxes of a node's children, and gives which of these are met: one box at a time against all
+    /// rays, or one ray against all boxes, whichever are fewer.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn hold<L: Lanes<T>, A: Answer<T>>(
         &mut self,
@@ -106,10 +106,7 @@ impl<T: Scalar> RaysOfChildren<T> {
         if rays.count_ones() < near.count_ones() {
             let mut met_by = [0; LANE_COUNT];
             let mut entries = endless;
-            let mut left = rays;
-            while left != 0 {
-                let ray = left.trailing_zeros() as usize;
-                left &= left - 1;
+            for ray in lanes_of(rays) {
                 let (enters, some) = singles.of(ray).entering::<L>(node, answer.end()[ray]);
                 let some = some & near;
                 met |= some;
@@ -117,19 +114,13 @@ impl<T: Scalar> RaysOfChildren<T> {
                 entries = L::select(some, enters.smaller(entries), entries);
             }
             entries.store(&mut self.entries);
-            let mut left = met;
-            while left != 0 {
-                let child = left.trailing_zeros() as usize;
-                left &= left - 1;
-                self.rays[child] = L::holding(&met_by, 1 << child);
+            for child in lanes_of(met) {
+                self.rays[child] = L::Lists::holding(&met_by, 1 << child);
             }
             return met;
         }
         let end = L::load(answer.end());
-        let mut left = near;
-        while left != 0 {
-            let child = left.trailing_zeros() as usize;
-            left &= left - 1;
+        for child in lanes_of(near) {
             let (enters, some) = search.slabs.entering(&node.child_box(child), end);
             self.rays[child] = some & rays;
             met |= Mask::from(self.rays[child] != 0) << child;
@@ -141,26 +132,24 @@ impl<T: Scalar> RaysOfChildren<T> {
     }
 }
 
-/// Lists each of these tiles with the rays that meet its box, but for those through which no ray can leave where only that
-/// counts.
+/// Lists each of these tiles with the rays that meet its box. Where only exits count, tiles through which no ray can leave are
+/// left out.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn list_pairs<T: Scalar, L: Lanes<T>, A: Answer<T>>(
     search: &Search<T, L>,
     list: &mut Candidates<T>,
     node: &Node<T>,
-    mut tiles: Mask,
+    tiles: Mask,
     rays: &[Mask; CHILD_COUNT],
 ) -> usize {
     let (mut tile_count, mut pair_count) = (0, 0);
-    while tiles != 0 {
-        let child = tiles.trailing_zeros() as usize;
-        tiles &= tiles - 1;
+    for child in lanes_of(tiles) {
         let tile = node.first as usize + child;
         if A::EXITS_ONLY && !search.may_count(tile, &mut list.room) {
             continue;
         }
         list.tiles[tile_count] = tile as u32;
-        pair_count = L::append(&mut list.pairs, pair_count, (tile_count * LANE_COUNT) as u32, rays[child]);
+        pair_count = L::Lists::append(&mut list.pairs, pair_count, (tile_count * LANE_COUNT) as u32, rays[child]);
         tile_count += 1;
     }
     pair_count

@@ -43,7 +43,7 @@ impl<T: Scalar> Answer<T> for Windings<'_, T> {
 }
 
 impl<T: Scalar> Windings<'_, T> {
-    /// Whether a ray through the border of a triangle crosses this one of those there.
+    /// Whether a ray through the border of a triangle crosses this triangle and not its neighbour.
     #[cold]
     fn crosses(&self, ray: usize, triangle: u32) -> bool {
         ShearedRay::new(&self.packet.ray(ray)).crossing(&self.mesh.corners(triangle), triangle).is_some()
