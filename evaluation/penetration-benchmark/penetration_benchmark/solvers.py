@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The scenes of `simulate`, each library in its own solver with its own documented settings: track B for rigid bodies.
+"""The scenes of `simulate`, rigid bodies, each library in its own solver with its own documented settings.
 
-Usage: python -m penetration_benchmark.solvers [--quick] [--share S] [--seed N] [--libraries NAME,...] [CSV]
+Usage: python -m penetration_benchmark.solvers [--quick] [--share S] [--seed N] [--libraries NAMES] [CSV]
 
-Starts apart (drop, impact) and deep starts (part) are never added. Bodies have a density of 1000 kg/m³, a size of 1 m and
-Coulomb's coefficient 0.5, and mass and inertia are the same for all. Each library has up to three declared stiffnesses, or
-what it has in their place; the one with which most scenes of seed 1 end well is run on another seed, drawn when that is
-known. Time steps: 1/60 and 1/240 s, and the one that a library's documentation takes. All else is a library's default, but
-for what its `settings` say.
+Starts apart (drop, impact) and deep starts (part) are never added. Bodies have a density of 1000 kg/m³, a size of 1 m
+and Coulomb's coefficient 0.5; mass and inertia are the same for all. Each library has up to three declared
+stiffnesses, or what it has in their place. That with which most scenes of seed 1 end well is run on another seed, drawn
+when it is known. Time steps: 1/60 and 1/240 s, and the one of a library's documentation. All else is a library's
+default, but for what its `settings` say.
 
-Outcomes are those of `simulate`, by its judge, and *thrown*: parted, but faster than a shot. `depth` is how far the body
-must be lifted at the end to be free of the ground or, where it was to part, the shortest way out, in parts of its size.
-`cost` is the processor's time of the steps, in seconds for a second, without that of building and judging."""
+Outcomes are those of `simulate`, by its judge, and *thrown*: parted, but faster than a shot. `depth` is how far the
+body must be lifted at the end to be free of the ground or, where it was to part, the shortest way out, in its size.
+`cost` is the processor's time of the steps, in seconds for a second, without building and judging."""
 
 import argparse
 import contextlib
@@ -84,6 +84,9 @@ class Solver:
     def version(cls):
         return importlib.metadata.version(cls.package)
 
+    def each(self):
+        return zip(self.surfaces, self.scene.bodies, self.masses, self.inertias)
+
     def build(self, stiffness):
         raise NotImplementedError
 
@@ -107,7 +110,7 @@ class Raycontact(Solver):
         self.raycontact = raycontact
         self.contact, self.system, self.numbers = raycontact.Scene(threads=1), raycontact.ContactSystem(), []
         self.system.set_node_masses([])
-        for body, surface, mass, inertia in zip(self.scene.bodies, self.surfaces, self.masses, self.inertias):
+        for surface, body, mass, inertia in self.each():
             number = self.contact.add(raycontact.Mesh(body.rest, surface.triangles))
             pressure = self.masses[1] * 9.81 / self.scene.bodies[1].size ** 2
             material = raycontact.Material(pressure / stiffness, friction=FRICTION)
@@ -160,7 +163,7 @@ class Mujoco(Solver):
 
         self.mujoco = mujoco
         assets, bodies = [], []
-        for name, surface, body, mass, inertia in zip("ab", self.surfaces, self.scene.bodies, self.masses, self.inertias):
+        for name, (surface, body, mass, inertia) in zip("ab", self.each()):
             asset, geoms = self.geoms(name, surface, body)
             assets.append(asset)
             quaternion = np.zeros(4)
@@ -210,8 +213,8 @@ class MujocoSdf(Mujoco):
 
 class Drake(Solver):
     name, package, modules = "Drake", "drake", ("pydrake",)
-    settings = ("MultibodyPlant with the discrete approximation lagged; compliant hydroelastic bodies of tetrahedra and a "
-                "rigid one for the bowl; Hunt-Crossley dissipation 10; resolution hint 0.1")
+    settings = ("MultibodyPlant with the discrete approximation lagged; compliant hydroelastic bodies of tetrahedra "
+                "and a rigid one for the bowl; Hunt-Crossley dissipation 10; resolution hint 0.1")
     documentation = "https://drake.mit.edu/doxygen_cxx/group__hydroelastic__user__guide.html"
     stiffnesses = {"modulus 1e7": 1e7, "modulus 1e6": 1e6, "modulus 1e8": 1e8}
     own_step = 0.001
@@ -233,7 +236,7 @@ class Drake(Solver):
         plant, _ = drake.AddMultibodyPlant(config, builder)
         plant.mutable_gravity_field().set_gravity_vector(self.scene.gravity)
         links = []
-        for name, surface, body, mass, inertia in zip("ab", self.surfaces, self.scene.bodies, self.masses, self.inertias):
+        for name, (surface, body, mass, inertia) in zip("ab", self.each()):
             properties = drake.ProximityProperties()
             drake.AddContactMaterial(10.0, None, drake.CoulombFriction(FRICTION, FRICTION), properties)
             try:
@@ -281,8 +284,8 @@ class Drake(Solver):
 
 class Bullet(Solver):
     name = "Bullet"
-    settings = ("btDiscreteDynamicsWorld with its manifolds kept; concave bodies are btGImpactMeshShape and a concave ground "
-                "btBvhTriangleMeshShape; margin 0.001; single precision")
+    settings = ("btDiscreteDynamicsWorld with its manifolds kept; concave bodies are btGImpactMeshShape and a concave "
+                "ground btBvhTriangleMeshShape; margin 0.001; single precision")
     documentation = "https://github.com/bulletphysics/bullet3/blob/master/docs/Bullet_User_Manual.pdf"
     stiffnesses = {"erp 0.2": 0.2, "erp 0.1": 0.1, "erp 0.8": 0.8}
     HULLS, GIMPACT, STATIC_MESH = range(3)
@@ -305,7 +308,7 @@ class Bullet(Solver):
         doubles = lambda values: np.ascontiguousarray(values, float).ctypes.data_as(ctypes.c_void_p)  # noqa: E731
         self.library.bullet_begin(doubles(self.scene.gravity), ctypes.c_double(stiffness))
         self.frames, kept = [], []
-        for surface, body, mass, inertia in zip(self.surfaces, self.scene.bodies, self.masses, self.inertias):
+        for surface, body, mass, inertia in self.each():
             # Bullet's bodies have their principal axes as their own.
             moments, frame = np.linalg.eigh(inertia)
             frame[:, 0] *= np.sign(np.linalg.det(frame))
@@ -337,8 +340,8 @@ class Bullet(Solver):
 
 class BulletParts(Bullet):
     name, modules = "Bullet with convex parts", ("coacd",)
-    settings = ("btDiscreteDynamicsWorld with its manifolds kept; concave bodies are a btCompoundShape of their convex parts by "
-                "CoACD and a concave ground btBvhTriangleMeshShape; margin 0.001; single precision")
+    settings = ("btDiscreteDynamicsWorld with its manifolds kept; concave bodies are a btCompoundShape of their convex "
+                "parts by CoACD and a concave ground btBvhTriangleMeshShape; margin 0.001; single precision")
     only_concave = True
 
     def parts_of(self, surface, is_fixed):
@@ -348,8 +351,8 @@ class BulletParts(Bullet):
 
 class IpcToolkit(Solver):
     name, package, modules = "IPC Toolkit", "ipctk", ("ipctk", "scipy")
-    settings = ("affine bodies of stiffness 1e8 Pa; Newton with additive CCD in the line search; barrier within 0.001 of the diagonal; "
-                "adaptive stiffness; lagged friction")
+    settings = ("affine bodies of stiffness 1e8 Pa; Newton with additive CCD in the line search; barrier within 0.001 "
+                "of the diagonal; adaptive stiffness; lagged friction")
     documentation = "https://ipctk.xyz/tutorials/getting_started.html"
     stiffnesses = {"adaptive": None}
     # Steps of 1/240 s would take as long as all other libraries together.
@@ -364,14 +367,15 @@ class IpcToolkit(Solver):
         ipctk.set_num_threads(1)
         ipctk.set_logger_level(ipctk.LoggerLevel.off)
         counts = [len(body.rest) for body in self.scene.bodies]
-        faces = np.vstack([self.surfaces[0].triangles, self.surfaces[1].triangles + np.uint32(counts[0])]).astype(np.int32)
-        # Of each number of a point, the three rows of its body's twelve numbers.
-        self.bodies = self.moving
+        first, second = (surface.triangles.astype(np.int32) for surface in self.surfaces)
+        faces = np.vstack([first, second + counts[0]])
         self.start = np.vstack([body.positions() for body in self.scene.bodies])
         self.mesh = ipctk.CollisionMesh(np.asfortranarray(self.start), ipctk.edges(faces), np.asfortranarray(faces))
         self.mesh.can_collide = ipctk.make_vertex_patches_filter(np.repeat([0, 1], counts).astype(np.int32))
-        self.jacobian = np.zeros((3 * sum(counts), 12 * len(self.moving)))
-        self.fixed = np.where(np.repeat([body.is_fixed for body in self.scene.bodies], counts)[:, None], self.start, 0.0)
+        # Points are these of bodies that stand still, and this matrix times twelve numbers of each that moves.
+        are_fixed = np.repeat([body.is_fixed for body in self.scene.bodies], counts)[:, None]
+        self.fixed = np.where(are_fixed, self.start, 0)
+        self.jacobian = np.zeros((self.start.size, 12 * len(self.moving)))
         self.mass = np.zeros((12 * len(self.moving),) * 2)
         self.q, self.v, pull = [], [], []
         for slot, i in enumerate(self.moving):
@@ -503,7 +507,7 @@ def run(library, surfaces, pose, stiffness, time_step, put_in):
             spent += time.process_time() - start
             gone, frames = gone + steps * time_step, frames + 1
             solver.read()
-            if not np.isfinite(np.concatenate([np.append(body.placement(), body.velocity) for body in scene.bodies])).all():
+            if not all(np.isfinite(part).all() for body in scene.bodies for part in (body.placement(), body.velocity)):
                 raise FloatingPointError
             if pose.kind != "part" and (scene.energy() - scene.start) / put_in > MOST_GAINED:
                 return "exploded", None, spent / gone
@@ -530,7 +534,8 @@ def scenes(seed, share):
         drawn = files.read_poses(pathlib.Path(folder, "poses.csv"))
     # Every so many; an odd number, since every other ground is a tray.
     every = round(1 / share) | 1
-    kept = [pose for kind in poses.SCENES for pose in [pose for pose in drawn if pose.kind == kind][::every]]
+    by_kind = [[pose for pose in drawn if pose.kind == kind][::every] for kind in poses.SCENES]
+    kept = itertools.chain(*zip(*by_kind))
     return [(pose, [surfaces[name] for name in pose.pair]) for pose in kept]
 
 
@@ -570,8 +575,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("csv", nargs="?", default="-", help="where the figures go (default: printed)")
     parser.add_argument("--libraries", default="", metavar="NAMES",
-                        help=f"with / between (default: all that are installed of {' / '.join(x.name for x in LIBRARIES)})")
-    parser.add_argument("--share", type=float, default=0.2, help="of the 26 scenes of each kind (default: 0.2)")
+                        help="with / between (default: all that are installed of "
+                        f"{'/'.join(library.name for library in LIBRARIES)})")
+    parser.add_argument("--share", type=float, default=0.15, help="of the 26 scenes of each kind (default: 0.15)")
     parser.add_argument("--seed", type=int, help="of the scenes that count (default: drawn once stiffnesses are known)")
     parser.add_argument("--quick", action="store_true", help="two scenes of each kind at 1/60 s, stiffnesses not tuned")
     options = parser.parse_args()
@@ -591,7 +597,8 @@ def main():
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(HEAD)
         if not options.quick:
-            tuned = {library: (library.stiffnesses, TIME_STEPS) for library in taking_part if len(library.stiffnesses) > 1}
+            tuned = {library: (library.stiffnesses, TIME_STEPS) for library in taking_part
+                     if len(library.stiffnesses) > 1}
             rows = list(measure("tuned", scenes(TUNED_SEED, options.share / 2), tuned, Progress("tuning")))
             writer.writerows(rows)
             taken.update((library, best_stiffness(library, rows)) for library in tuned)
