@@ -4,7 +4,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 usage() {
     cat <<END
-usage: scripts/penetration.sh [--quick|--full|--own|--check|--deforming [OBJ]]
+usage: scripts/penetration.sh [--quick|--full|--own|--check|--deforming [OBJ]|--solvers]
 
 Runs evaluation/penetration-benchmark/ in a virtual environment of its own in target/penetration, with this library as a wheel and
 its peers from PyPI and Debian, in fixed versions.
@@ -14,6 +14,8 @@ its peers from PyPI and Debian, in fixed versions.
   --own     without peers: renews docs/penetration/quick, this library's own answers that --check asks for. A minute
   --deforming   pairs of elastic bodies, each library in its own solver; with a closed surface of yours too. Renews
             deforming.csv in docs/penetration. Ten minutes
+  --solvers the scenes of simulate, each library in its own solver, on a seed drawn once its stiffness is chosen.
+            Renews solvers.csv in docs/penetration. Ten minutes
   --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
             still answers as in docs/penetration/quick. Under a minute
 Exit status: 0 when done, 1 when something fails, 2 for a wrong command line.
@@ -22,14 +24,14 @@ END
 
 size="${1:---quick}"
 case "$size" in
-    --quick | --full | --own | --check | --deforming) ;;
+    --quick | --full | --own | --check | --deforming | --solvers) ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && fail "unknown argument '$1'" 2 ;;
 esac
 
 tools=(numpy==2.4.6 pytest==9.2.0 scipy==1.17.1)
-peers=(coal==3.0.3 drake==1.51.1 embreex==4.4.0.post1 ipctk==1.6.1 matplotlib==3.11.2 mujoco==4.0.0 python-fcl==0.7.0.11
-    trimesh==5.2.0)
+peers=(coacd==1.0.14 coal==3.0.3 drake==1.51.1 embreex==4.4.0.post1 ipctk==1.6.1 matplotlib==3.11.2 mujoco==4.0.0
+    python-fcl==0.7.0.11 trimesh==5.2.0)
 folder="$root/target/penetration"
 environment="$folder/venv"
 wheels="$folder/wheel"
@@ -89,9 +91,18 @@ flags=(-Wall -Wextra -O3 -march=native -shared -fPIC)
 cc -std=c99 "${flags[@]}" c/embree.c -o "$PENETRATION_BUILD/embree.so" -lembree3 -lm &&
     c++ -std=c++17 "${flags[@]}" c/shortest_path.cpp -o "$PENETRATION_BUILD/shortest_path.so" -lembree3 &&
     c++ -std=c++17 "${flags[@]}" -isystem /usr/include/bullet c/bullet.cpp -o "$PENETRATION_BUILD/bullet.so" \
-        -lBulletCollision -lLinearMath || fail 'the peers behind c/penetration.h could not be built'
+        -lBulletDynamics -lBulletCollision -lLinearMath || fail 'the peers behind c/penetration.h could not be built'
 
 say 'Measuring'
+if [[ $size == --solvers ]]; then
+    "$environment/bin/python" -m penetration_benchmark.solvers "$folder/solvers.csv" ||
+        fail 'the measurement failed, see above'
+    seed="$(sed -n 's/^seed \([0-9]*\),.*/\1/p' "$folder/solvers.csv" | tail -1)"
+    (cd "$root" && head_csv "$folder/solvers.csv" "$seed" 'scripts/penetration.sh --solvers')
+    cp "$folder/solvers.csv" "$docs/"
+    say "Figures: $docs/solvers.csv"
+    exit 0
+fi
 if [[ $size == --quick ]]; then
     run "$folder/quick" --share 0.1
     say "Figures: $folder/quick"

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // Bullet 3.24: btConvexHullShape where both shapes are convex, else btGImpactMeshShape, its shape for concave bodies
-// that move.
-// c++ -std=c++17 -O3 -shared -fPIC -isystem /usr/include/bullet bullet.cpp -o bullet.so -lBulletCollision -lLinearMath
+// that move. At the end its own world, for solvers.py.
+// c++ -std=c++17 -O3 -shared -fPIC -isystem /usr/include/bullet bullet.cpp -o bullet.so
+// with -lBulletDynamics -lBulletCollision -lLinearMath
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
-#include <btBulletCollisionCommon.h>
+#include <btBulletDynamicsCommon.h>
 
 #include <memory>
 #include <vector>
@@ -15,6 +16,13 @@ namespace {
 
 // The shapes' size is 1. Bullet's own default, 0.04, is made for bodies of a metre that must not overlap.
 constexpr btScalar margin = 0.001f;
+
+// Of 3 x 4 numbers.
+btTransform transform(const double* pose) {
+  const auto at = [pose](int k) { return btScalar(pose[k]); };
+  const btMatrix3x3 turn(at(0), at(1), at(2), at(4), at(5), at(6), at(8), at(9), at(10));
+  return btTransform(turn, {at(3), at(7), at(11)});
+}
 
 struct Body {
   std::vector<btScalar> positions;
@@ -95,12 +103,7 @@ int penetration_load(const penetration_surface* first, const penetration_surface
 }
 
 int penetration_move(const double poses[24], const double*, const double*) {
-  for (int i = 0; i < 2; ++i) {
-    const double* m = poses + 12 * i;
-    const auto at = [m](int k) { return btScalar(m[k]); };
-    const btMatrix3x3 turn(at(0), at(1), at(2), at(4), at(5), at(6), at(8), at(9), at(10));
-    world().bodies[i]->object.setWorldTransform(btTransform(turn, {at(3), at(7), at(11)}));
-  }
+  for (int i = 0; i < 2; ++i) world().bodies[i]->object.setWorldTransform(transform(poses + 12 * i));
   return PENETRATION_OK;
 }
 
@@ -118,4 +121,90 @@ ptrdiff_t penetration_contacts(penetration_contact* contacts, size_t capacity) {
   algorithm->~btCollisionAlgorithm();
   dispatcher.freeCollisionAlgorithm(algorithm);
   return ptrdiff_t(collector.count);
+}
+
+namespace {
+
+// The numbers of the parts of solvers.py.
+enum Kind { hulls, gimpact, static_mesh };
+
+struct Solid {
+  std::vector<std::unique_ptr<Body>> parts;
+  std::unique_ptr<btCompoundShape> compound;
+  std::unique_ptr<btBvhTriangleMeshShape> ground;
+  std::unique_ptr<btRigidBody> body;
+};
+
+struct Dynamics {
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  std::vector<Solid> solids;
+
+  Dynamics() { btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher); }
+  ~Dynamics() {
+    for (Solid& solid : solids) world.removeRigidBody(solid.body.get());
+  }
+};
+
+std::unique_ptr<Dynamics>& dynamics() {
+  static auto* const only = new std::unique_ptr<Dynamics>;
+  return *only;
+}
+
+btVector3 vector(const double* v) { return {btScalar(v[0]), btScalar(v[1]), btScalar(v[2])}; }
+
+}  // namespace
+
+extern "C" {
+
+/** A new, empty world in place of the one before. erp: what part of an overlap is taken out in a step. */
+void bullet_begin(const double* gravity, double erp) {
+  dynamics() = std::make_unique<Dynamics>();
+  dynamics()->world.setGravity(vector(gravity));
+  dynamics()->world.getSolverInfo().m_erp2 = btScalar(erp);
+}
+
+/** Adds a body by its parts, in the frame of its principal axes; pose: 3 x 4. No mass: it stands still. */
+void bullet_add(const penetration_surface* parts, int count, int kind, double mass, const double* inertia,
+                const double* pose, const double* velocity) {
+  Solid solid;
+  for (int i = 0; i < count; ++i) solid.parts.push_back(std::make_unique<Body>(parts[i], kind == hulls));
+  btCollisionShape* shape = solid.parts[0]->shape.get();
+  if (kind == static_mesh) {
+    solid.ground = std::make_unique<btBvhTriangleMeshShape>(solid.parts[0]->mesh.get(), true);
+    solid.ground->setMargin(margin);
+    shape = solid.ground.get();
+  } else if (count > 1) {
+    solid.compound = std::make_unique<btCompoundShape>();
+    for (auto& part : solid.parts) solid.compound->addChildShape(btTransform::getIdentity(), part->shape.get());
+    shape = solid.compound.get();
+  }
+  const btVector3 moments = mass > 0 ? vector(inertia) : btVector3(0, 0, 0);
+  btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, shape, moments);
+  info.m_startWorldTransform = transform(pose);
+  solid.body = std::make_unique<btRigidBody>(info);
+  if (mass > 0) solid.body->setLinearVelocity(vector(velocity));
+  dynamics()->world.addRigidBody(solid.body.get());
+  dynamics()->solids.push_back(std::move(solid));
+}
+
+void bullet_step(double time_step, int steps) {
+  for (int i = 0; i < steps; ++i) dynamics()->world.stepSimulation(btScalar(time_step), 0);
+}
+
+/** 18 numbers of each body: its pose, 3 x 4, its velocity and its spin. */
+void bullet_read(double* out) {
+  for (const Solid& solid : dynamics()->solids) {
+    const btTransform& at = solid.body->getWorldTransform();
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) *out++ = at.getBasis()[i][j];
+      *out++ = at.getOrigin()[i];
+    }
+    for (int i = 0; i < 3; ++i) *out++ = solid.body->getLinearVelocity()[i];
+    for (int i = 0; i < 3; ++i) *out++ = solid.body->getAngularVelocity()[i];
+  }
+}
 }
