@@ -98,8 +98,8 @@ void a_gripper_holds() {
   expect_near(double(up.y()), 0.1 * 9.81, 0.01, test, "the fingers carry its weight");
 }
 
-// The same at steps of 1/120 and 1/60 s, in which gravity alone would move the cube by as much as half the thickness of a
-// finger.
+// The same at steps of 1/120 and 1/60 s. In the longer ones gravity alone would move the cube by nearly half the
+// thickness of a finger.
 void a_gripper_holds_in_long_steps() {
   for (const double steps : {120.0, 60.0}) {
     const char* test = steps > 100 ? "gripper, 1/120 s" : "gripper, 1/60 s";
