@@ -40,7 +40,6 @@ class Example {
     double friction;
     double element_edge;
     bool is_explicit;  // how Bullet's example integrates, with neo-Hookean elements then
-    double stiffer = 1;
   };
 
   Example(bool is_ours, double gravity, const Material& material)
@@ -143,9 +142,9 @@ class Example {
 
  protected:
   static raycontact::bullet::ContactOptions options(const Material& material) {
-    raycontact::bullet::ContactOptions options;                                              // +
-    options.stiffness = material.stiffer * material.youngs_modulus / material.element_edge;  // +
-    options.friction = material.friction;                                                    // +
+    raycontact::bullet::ContactOptions options;                           // +
+    options.stiffness = material.youngs_modulus / material.element_edge;  // +
+    options.friction = material.friction;                                 // +
     return options;
   }
 

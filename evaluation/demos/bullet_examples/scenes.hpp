@@ -112,9 +112,8 @@ class Collided : public Example {
 /** Two hinged fingers of a multibody close on a soft cube of 4 cm and 100 g, lift it by 5 cm and hold it. */
 class Grasped : public Example {
  public:
-  /** `stiffer`: how many times stiffer than usual contact is. */
-  explicit Grasped(bool is_ours, double stiffer = 1)
-      : Example(is_ours, 9.81, {2e4, 0.3, 1, edge / 3, true, stiffer}),
+  explicit Grasped(bool is_ours)
+      : Example(is_ours, 9.81, {2e4, 0.3, 1, edge / 3, true}),
         gripper_(world_, 2, 0.1, btVector3(0, btScalar(arm), 0), true) {
     add_box(btVector3(1, 1, 1), 0, btVector3(0, btScalar(-1 - edge / 2), 0));
     cube_ = &add_soft(btVector3(1, 1, 1) * btScalar(edge / 2), btVector3(0, 0, 0), 0.1,

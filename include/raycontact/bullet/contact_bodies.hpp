@@ -149,8 +149,8 @@ class ContactBodies {
 
   /**
    * Begins a step of the bodies for which `takes_part(body)` holds. Without contact, soft bodies would go on with their
-   * velocities and what gravity adds, rigid ones with the velocities that they have now. `has_moved`: bodies are where
-   * that takes them.
+   * velocities and, as far as they fall, what gravity adds, rigid ones with the velocities that they have now.
+   * `has_moved`: bodies are where that takes them.
    */
   template <class TakesPart>
   void begin(btScalar dt, const btVector3& gravity, bool has_moved, TakesPart takes_part) {
@@ -161,9 +161,10 @@ class ContactBodies {
     free_.resize(velocities_.size());
     positions_.resize(velocities_.size());
     std::size_t k = 0;
-    for (const ContactBody& body : bodies_) {
+    for (ContactBody& body : bodies_) {
       if (!body.is_in_scene || body.soft == nullptr) continue;
-      const btVector3 gained = dt * body.soft->m_gravityFactor * gravity;
+      btVector3 gained = dt * body.soft->m_gravityFactor * gravity;
+      gained *= body.falling_part(gained);
       for (int n = 0; n < body.soft->m_nodes.size(); ++n)
         for (int axis = 0; axis < 3; ++axis, ++k) {
           const btSoftBody::Node& node = body.soft->m_nodes[n];

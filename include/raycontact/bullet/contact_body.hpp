@@ -38,8 +38,34 @@ struct ContactBody {
   Twist impulse{};        // on a link, in the last step
   bool is_ahead = false;  // a link has had it in this step too
 
+  btVector3 velocity_then{0, 0, 0};  // of a soft body: the mean of its nodes at the start of the last step
+  double falling = 1;                // how much of gravity the prediction takes
+  bool has_begun = false;            // one step at least
+
   const btCollisionObject* object() const {
     return soft != nullptr ? static_cast<const btCollisionObject*>(soft) : rigid;
+  }
+
+  /**
+   * The part that a step's prediction takes of `gained`, what gravity adds to the velocity of a soft body in it: all
+   * while the body falls, none while something carries it, since that will go on doing so. It falls where it gained
+   * more than half of that in the last step. The part fades by half a step, so that what lands is still pressed on.
+   */
+  btScalar falling_part(const btVector3& gained) {
+    double mass = 0;
+    btVector3 momentum(0, 0, 0);
+    for (int n = 0; n < soft->m_nodes.size(); ++n) {
+      const btSoftBody::Node& node = soft->m_nodes[n];
+      if (!(node.m_im > 0)) continue;
+      mass += 1 / double(node.m_im);
+      momentum += node.m_v / node.m_im;
+    }
+    const btVector3 velocity = momentum / btScalar(mass > 0 ? mass : 1);
+    const btVector3 change = velocity - std::exchange(velocity_then, velocity);
+    const double square = double(gained.length2());
+    if (!std::exchange(has_begun, true) || !(square > 0)) return 1;
+    falling = std::max(std::min(1.0, 2 * double(change.dot(gained)) / square - 1), falling / 2);
+    return btScalar(falling);
   }
 
   btRigidBody& rigid_body() const { return *btRigidBody::upcast(rigid); }
