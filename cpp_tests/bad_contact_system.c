@@ -58,6 +58,9 @@ static void options_are_refused(void) {
   rayc_material material = {42, 42, 42, 42, 42, 42};
   CHECK_STATUS(rayc_bearing_material(0, 1, sizeof material, &material), RAYC_STATUS_INVALID_MATERIAL, "pressure is 0");
   CHECK_STATUS(rayc_bearing_material(1, -1, sizeof material, &material), RAYC_STATUS_INVALID_MATERIAL, "depth is -1");
+  CHECK_STATUS(rayc_elastic_material(1, 0.5, 1, sizeof material, &material), RAYC_STATUS_INVALID_MATERIAL,
+               "poissons_ratio is 0.5");
+  CHECK_STATUS(rayc_elastic_material(1, 0, -1, sizeof material, &material), RAYC_STATUS_INVALID_MATERIAL, "edge is -1");
   CHECK_STATUS(rayc_bearing_material(1, 1, 8, &material), RAYC_STATUS_INVALID_STRUCT_SIZE, "rayc_material");
   CHECK(material.stiffness == 42 && material.depth_cap == 42 && material.restitution == 42);
   CHECK_OK(rayc_bearing_material(500, 0.25, sizeof material, &material));

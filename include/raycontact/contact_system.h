@@ -139,9 +139,8 @@ typedef struct rayc_material {
  * Fills `material` with one that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: the stiffness is
  * pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5, restitution 0. struct_size: sizeof(rayc_material).
  *
- * For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
- * elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
- * carries it), and ten times the depth to which bodies may sink in.
+ * For an elastic body there is rayc_elastic_material(). For a rigid or still one, take some ten times the pressure that it
+ * bears at rest (weight over the area that carries it), and ten times the depth to which bodies may sink in.
  *
  * Two bodies' materials combine so: the surfaces are springs in series, so the softer decides; damping times are weighted
  * by how much of the depth each surface takes; friction is the geometric mean; the smaller cap and the larger restitution
@@ -151,6 +150,20 @@ typedef struct rayc_material {
  */
 enum rayc_status rayc_bearing_material(double pressure,
                                        double depth,
+                                       size_t struct_size,
+                                       struct rayc_material *material);
+
+/**
+ * Fills `material` with that of an elastic body, by its Young's modulus (Pa), Poisson's ratio and the edge (m) of its elements.
+ * It bears the larger of its Young's and its bulk modulus at a fortieth of an edge; the rest is as rayc_bearing_material() has
+ * it. struct_size: sizeof(rayc_material).
+ *
+ * Errors: RAYC_STATUS_INVALID_MATERIAL where modulus or edge is not finite and > 0 or the ratio not between -1 and 0.5,
+ * RAYC_STATUS_INVALID_STRUCT_SIZE.
+ */
+enum rayc_status rayc_elastic_material(double youngs_modulus,
+                                       double poissons_ratio,
+                                       double element_edge,
                                        size_t struct_size,
                                        struct rayc_material *material);
 

@@ -41,6 +41,14 @@ inline Outcome<rayc_material> bearing_material(double pressure, double depth) {
   return detail::outcome(status, material);
 }
 
+/** An elastic body's, by Young's modulus (Pa), Poisson's ratio and an element's edge (m): rayc_elastic_material(). */
+inline Outcome<rayc_material> elastic_material(double youngs_modulus, double poissons_ratio, double element_edge) {
+  rayc_material material{};
+  const rayc_status status =
+      rayc_elastic_material(youngs_modulus, poissons_ratio, element_edge, sizeof material, &material);
+  return detail::outcome(status, material);
+}
+
 /// @cond internal
 namespace detail {
 

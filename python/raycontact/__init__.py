@@ -11,8 +11,7 @@ stay valid when meshes, scenes and contacts are gone.
 
 Options are keyword arguments with the names of the C header. What is not given has its default; flags may be bools, and
 enums their names, such as sampling="vertices". Every call lets other Python threads run. Two of them must not use one
-scene, mesh or list of contacts at once where one changes it: that raises Error with Status.BUSY.
-"""
+scene, mesh or list of contacts at once where one changes it: that raises Error with Status.BUSY."""
 
 from . import _header
 from ._header import *  # noqa: F403 (constants, enums and options of the C header)

@@ -29,10 +29,18 @@ class Material:
 
     @classmethod
     def bearing(cls, pressure: float, depth: float) -> Material:
-        """One that bears `pressure` in Pa at `depth` in m: of elastic bodies, a quarter of Young's modulus at a quarter
-        of an element's edge; of rigid or still ones, ten times the pressure at rest at ten times the depth allowed."""
-        found = answer(library.rayc_bearing_material, pressure, depth, ffi.sizeof("rayc_material"))
-        return cls(*(getattr(found, name) for name in cls.__annotations__))
+        """One that bears `pressure` (Pa) at `depth` (m); for rigid bodies ten times those at rest and allowed."""
+        return material_by(library.rayc_bearing_material, pressure, depth)
+
+    @classmethod
+    def elastic(cls, youngs_modulus: float, poissons_ratio: float, element_edge: float) -> Material:
+        """That of an elastic body with elements of this edge (m): it bears its modulus at a fortieth of the edge."""
+        return material_by(library.rayc_elastic_material, youngs_modulus, poissons_ratio, element_edge)
+
+
+def material_by(function: Any, *given: float) -> Material:
+    found = answer(function, *given, ffi.sizeof("rayc_material"))
+    return Material(*(getattr(found, name) for name in Material.__annotations__))
 
 
 def struct_of(material: Material | None) -> Any:
@@ -46,8 +54,7 @@ class ContactSystem:
 
     A step: set_motion() for bodies that are not deformable, begin(); a solve with add_forces() and add_product(), then
     linearise() and detect_again(), as often as needed; finish(). SI units. Unknowns are x, y, z of each node, in any
-    shape, then six numbers of each rigid body that is kept, used where they lie if packed and all of one float type.
-    """
+    shape, then six numbers of each rigid body that is kept, used where they lie if packed and all of one float type."""
 
     def __init__(self, **system_options: Unpack[ContactSystemOptions]) -> None:
         self._handle = create("contact_system", options("contact_system", system_options))

@@ -20,8 +20,7 @@ class Mesh:
     """A triangle surface: fixed triangles, positions that may be renewed.
 
     positions: (n, 3), finite, in m; triangles: (m, 3), vertex numbers from 0, used where they lie if they are uint32; a
-    vertex may have none. Questions about k `points`, (k, 3), have (k,) answers; structured ones are C's structs.
-    """
+    vertex may have none. Questions about k `points`, (k, 3), have (k,) answers; structured ones are C's structs."""
 
     def __init__(self, positions: Array, triangles: Array, **mesh_options: Unpack[MeshOptions]) -> None:
         x, faces = to_read(positions, "positions"), indices(rows(triangles, "triangles", "m"), "triangles")

@@ -19,8 +19,7 @@ class Contacts:
 
     Forces follow the penalty law of ResponseOptions, keyword arguments of each call (stiffness in N/m³ by default).
     Forces, positions, velocities and displacements are one (n, 3) for each body, in the order of the bodies' numbers;
-    None for a body that has been removed or has no contact. Without positions, those of detection count.
-    """
+    None for a body that has been removed or has no contact. Without positions, those of detection count."""
 
     def __init__(self) -> None:
         self._handle = create("contacts")
@@ -119,8 +118,7 @@ class Scene:
     """Many bodies, numbered from 0, and all contacts among them.
 
     Options: see SceneOptions; threads=0 starts a pool of one thread for each core, which ends with the scene. Results
-    do not depend on it. An unknown body raises Error with Status.UNKNOWN_BODY. After an Error all is as it was.
-    """
+    do not depend on it. An unknown body raises Error with Status.UNKNOWN_BODY. After an Error all is as it was."""
 
     def __init__(self, **scene_options: Unpack[SceneOptions]) -> None:
         self._handle = create("scene", options("scene", scene_options))

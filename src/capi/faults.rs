@@ -91,6 +91,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_default_scene_options(0, null_mut());
         rayc_default_contact_system_options(0, null_mut());
         rayc_bearing_material(0.0, 0.0, 0, null_mut());
+        rayc_elastic_material(0.0, 0.0, 0.0, 0, null_mut());
         rayc_contact_system_create(null(), null_mut());
         rayc_contact_system_destroy(null_mut());
         rayc_contact_system_set_node_masses(null_mut(), 0, null());

@@ -3,7 +3,7 @@ use super::error::{SystemError, check_count, check_range};
 use super::material::Material;
 use super::twist::{Inertia, V3, angular, linear, rotation};
 use crate::contact::SurfacePoint;
-use crate::math::{Pose, Scalar, margins};
+use crate::math::{Pose, Scalar, direction, margins};
 use crate::memory;
 use crate::memory::Room;
 use crate::mesh::{Carrier, Mesh};
@@ -218,6 +218,8 @@ pub(super) struct Body<T: Scalar> {
     /// rotation.
     pub(super) ahead: Vec<V3>,
     pub(super) ahead_pose: (V3, Matrix3<f64>),
+    /// How fast its centre of mass moves at the start of the step.
+    pub(super) drift: V3,
     /// Scratch memory for the positions of its surface.
     pub(super) positions: Vec<[T; 3]>,
     pub(super) carrier: Carrier<T>,
@@ -255,6 +257,7 @@ impl<T: Scalar> Body<T> {
             mass,
             ahead: Vec::new(),
             ahead_pose,
+            drift: V3::zeros(),
             positions: Vec::new(),
             carrier: Carrier { spacing: T::of(spacing), are_vertices_nodes },
             has_joined: false,
@@ -330,6 +333,12 @@ impl<T: Scalar> Body<T> {
             Mover::Nodes { .. } => corners.point(|vertex| self.ahead[vertex as usize]),
             _ => corners.point(|vertex| self.vertex_ahead(vertex)),
         }
+    }
+
+    /// The outward normal of a triangle at the last detection.
+    pub(super) fn normal_ahead(&self, corners: [u32; 3]) -> V3 {
+        let [a, b, c] = corners.map(|vertex| self.vertex_ahead(vertex));
+        direction(&(b - a).cross(&(c - a))).unwrap_or_default()
     }
 
     /// The pose at the last detection, of a body that is not deformable.

@@ -6,7 +6,7 @@ use super::body::Body;
 use super::loads::Surface;
 use super::row_builder::{End, Ends, RowBuilder, Spring};
 use super::twist::V3;
-use crate::math::{Aabb, Scalar};
+use crate::math::{Aabb, Scalar, direction};
 use crate::memory;
 use crate::memory::Room;
 use crate::mesh::Mesh;
@@ -27,8 +27,8 @@ pub(crate) struct HalfSpace {
 /// Room for what of a body lies below a half-space's plane.
 #[derive(Debug, Default)]
 pub(super) struct Below<T: Scalar> {
-    /// Of each vertex: its depth, and the area that it stands for, seen along the normal.
-    vertices: Vec<[f64; 2]>,
+    /// Of each vertex: its depth, the area that it stands for, seen along the normal, and which way that faces.
+    vertices: Vec<(f64, f64, V3)>,
     /// The triangles with a corner below, each with its patch.
     triangles: Vec<(u32, u32)>,
     /// The vertices that bear a patch's load, and their parts of it.
@@ -39,10 +39,10 @@ impl<T: Scalar> Below<T> {
     /// Finds the triangles, and the depths of all vertices.
     fn find(&mut self, half_space: &HalfSpace, body: &Body<T>, mesh: &Mesh<T>) {
         let depth = |&position: &[T; 3]| half_space.offset - half_space.normal.dot(&V3::from(position.map(T::to_f64)));
-        memory::refill(&mut self.vertices, body.positions.iter().map(|position| [depth(position), 0.0]));
+        memory::refill(&mut self.vertices, body.positions.iter().map(|position| (depth(position), 0.0, V3::zeros())));
         let Self { vertices, triangles, .. } = self;
         triangles.clear();
-        let is_below = |vertex: &u32| vertices[*vertex as usize][0] > 0.0;
+        let is_below = |vertex: &u32| vertices[*vertex as usize].0 > 0.0;
         for vertex in (0..vertices.len() as u32).filter(is_below) {
             for &triangle in mesh.topology().triangles_around(vertex) {
                 // Each comes with the first of its corners below.
@@ -59,8 +59,14 @@ impl<T: Scalar> Below<T> {
     /// Shares out a triangle's area to its corners.
     fn add_area(&mut self, half_space: &HalfSpace, body: &Body<T>, corners: [u32; 3]) {
         let [a, b, c] = corners.map(|vertex| V3::from(body.positions[vertex as usize].map(T::to_f64)));
-        let sixth = -half_space.normal.dot(&(b - a).cross(&(c - a))) / 6.0;
-        corners.iter().for_each(|&vertex| self.vertices[vertex as usize][1] += sixth);
+        let outward = (b - a).cross(&(c - a));
+        let sixth = -half_space.normal.dot(&outward) / 6.0;
+        // The sides of what stands on the plane face it as little as they press on it.
+        let facing = direction(&outward).unwrap_or_default() * sixth.max(0.0);
+        for vertex in corners {
+            let (_, area, faces) = &mut self.vertices[vertex as usize];
+            (*area, *faces) = (*area + sixth, *faces + facing);
+        }
     }
 
     /// Per stiffness, the energy of what of a body lies below, where no pressure is larger than at the depth `cap`.
@@ -71,13 +77,13 @@ impl<T: Scalar> Below<T> {
             self.add_area(half_space, body, corners);
         }
         let pressed = (0..self.vertices.len() as u32).filter_map(|vertex| self.pressed(vertex));
-        pressed.map(|[depth, area]| area * depth.min(cap) * (depth - 0.5 * depth.min(cap))).sum()
+        pressed.map(|(depth, area, _)| area * depth.min(cap) * (depth - 0.5 * depth.min(cap))).sum()
     }
 
-    /// The depth and the area of a vertex that bears a load.
-    fn pressed(&self, vertex: u32) -> Option<[f64; 2]> {
-        let [depth, area] = self.vertices[vertex as usize];
-        (depth > 0.0 && area > 0.0).then_some([depth, area])
+    /// The depth and the area of a vertex that bears a load, and which way that faces.
+    fn pressed(&self, vertex: u32) -> Option<(f64, f64, V3)> {
+        let (depth, area, facing) = self.vertices[vertex as usize];
+        (depth > 0.0 && area > 0.0).then_some((depth, area, facing))
     }
 }
 
@@ -127,14 +133,14 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 end += 1;
             }
             below.bearing.clear();
-            let (mut load, mut sum) = (0.0, 0.0);
+            let (mut load, mut sum, mut faces) = (0.0, 0.0, V3::zeros());
             for place in start..end {
                 for vertex in all[below.triangles[place].1 as usize] {
-                    if let Some([depth, area]) = below.pressed(vertex) {
+                    if let Some((depth, area, facing)) = below.pressed(vertex) {
                         below.bearing.room_for(1).push((vertex, T::of(area)));
-                        (load, sum) = (load + depth * area, sum + area);
+                        (load, sum, faces) = (load + depth * area, sum + area, faces + facing);
                     }
-                    below.vertices[vertex as usize][1] = 0.0;
+                    (below.vertices[vertex as usize].1, below.vertices[vertex as usize].2) = (0.0, V3::zeros());
                 }
             }
             start = end;
@@ -142,7 +148,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 below.bearing.iter_mut().for_each(|(_, weight)| *weight /= T::of(sum));
                 let ends = (Corners::NOWHERE, Some(&*below.bearing));
                 let name = patches.middle(patch);
-                self.add_half_space_row((number, half_space), body, name, ends, [load / sum, sum]);
+                self.add_half_space_row((number, half_space), body, name, ends, (load / sum, sum, faces));
             }
         }
     }
@@ -154,13 +160,16 @@ impl<T: Scalar> RowBuilder<'_, T> {
         body: &Body<T>,
         name: u32,
         (at, on): (Corners, Option<&[(u32, T)]>),
-        [depth, area]: [f64; 2],
+        (depth, area, facing): (f64, f64, V3),
     ) {
         let end = End { at: &at, on };
         let mut ends = Ends::default();
+        let (begin, normal) = (self.rows.entries.len(), half_space.normal);
         self.add_end(&mut ends, 0, body, &end, None, &end.point_ahead(body));
+        ends.leaning = -self.velocity_before(begin, &ends.rigid[0]);
         let key = (body.number, Surface::HalfSpace(number));
-        let spring = Spring { key, direction: half_space.normal, depth, cos_alpha: 1.0, area, pushes: V3::zeros() };
+        let lean = normal + direction(&facing).unwrap_or_default();
+        let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: normal, lean };
         let pair = self.pair(key, Some(&half_space.material));
         self.finish(spring, pair, ends, Some((name, at, None)));
     }

@@ -26,9 +26,8 @@ impl Material {
     /// A material that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: stiffness is `pressure` /
     /// `depth`, and the cap is `depth`. Damping time 0.05 s, friction 0.5, restitution 0.
     ///
-    /// For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
-    /// elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
-    /// carries it), and ten times the depth to which bodies may sink in.
+    /// For an elastic body there is [`elastic`](Self::elastic). For a rigid or still one, take some ten times the pressure that
+    /// it bears at rest (weight over the area that carries it), and ten times the depth to which bodies may sink in.
     ///
     /// # Errors
     /// [`SystemError::Material`] where a number is not finite and > 0.
@@ -42,6 +41,26 @@ impl Material {
         let material = Self { stiffness, damping_time: 0.05, friction: 0.5, depth_cap: depth, restitution: 0.0 };
         material.check()?;
         Ok(material)
+    }
+
+    /// The material of an elastic body, by its Young's modulus (Pa), Poisson's ratio and the edge (m) of its elements: it bears
+    /// the largest pressure that a strongly squeezed body meets, its Young's modulus or, where that is more, its bulk modulus,
+    /// at a fortieth of an edge.
+    ///
+    /// # Errors
+    /// [`SystemError::Material`] where a number is out of its range.
+    pub fn elastic(youngs_modulus: f64, poissons_ratio: f64, element_edge: f64) -> Result<Self, SystemError> {
+        for (what, value) in [("youngs_modulus", youngs_modulus), ("element_edge", element_edge)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(SystemError::Material { what, value, range: "finite and above 0" });
+            }
+        }
+        if !(poissons_ratio > -1.0 && poissons_ratio < 0.5) {
+            let (what, range) = ("poissons_ratio", "between -1 and 0.5");
+            return Err(SystemError::Material { what, value: poissons_ratio, range });
+        }
+        let bulk_modulus = youngs_modulus / (3.0 - 6.0 * poissons_ratio);
+        Self::bearing(youngs_modulus.max(bulk_modulus), element_edge / 40.0)
     }
 
     /// The material of a contact between two bodies, unless the pair has one of its own. The two surfaces are springs in

@@ -2,7 +2,7 @@
 
 use super::Material;
 use super::anchors::{Anchors, Corners, Hold, sorted};
-use super::body::{Body, Course, Mover, weights_of};
+use super::body::{Body, Course, Mover, at, weights_of};
 use super::loads::{Key, PairLoads, Surface, in_order};
 use super::row::{Entry, Held, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
@@ -41,6 +41,8 @@ pub(super) struct Spring {
     pub(super) area: f64,
     /// The direction of the pair's net push on its first body, of unit length, or zero.
     pub(super) pushes: V3,
+    /// The outward normals of both surfaces, added up: zero where they are flush.
+    pub(super) lean: V3,
 }
 
 /// A contact's area seen along its direction; multiplied by a stiffness in N/m³, it is the spring's coefficient. Weighted by
@@ -71,9 +73,11 @@ type Holds = (u32, Corners, Option<[u32; 3]>);
 
 #[derive(Default)]
 pub(super) struct Ends {
-    rigid: [Option<RigidEnd>; 2],
+    pub(super) rigid: [Option<RigidEnd>; 2],
     given: V3,
     given_before: V3,
+    /// The velocity, at the start of the step, of the point whose normal is not the row's direction.
+    pub(super) leaning: V3,
 }
 
 /// Where a contact acts on one body.
@@ -155,11 +159,14 @@ impl<T: Scalar> RowBuilder<'_, T> {
             cos_alpha: contact.cos_alpha.to_f64(),
             area,
             pushes,
+            lean: second.normal_ahead(p2.vertices) - direction,
         };
         let mut ends = Ends::default();
         self.add_end(&mut ends, 0, first, &on_first, None, &point);
+        let (middle, given) = (self.rows.entries.len(), ends.given_before);
         let held = if rubs { held_inside(second, &own, &point) } else { None };
         self.add_end(&mut ends, 1, second, &on_second, held, &point);
+        ends.leaning = ends.given_before - given + self.velocity_before(middle, &ends.rigid[1]);
         self.finish(spring, pair, ends, rubs.then_some((p1.triangle, from, Some(p2.vertices))));
     }
 
@@ -184,6 +191,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 cos_alpha: 1.0,
                 area,
                 pushes: V3::zeros(),
+                lean: V3::zeros(),
             };
             let pair = self.pair(spring.key, None);
             self.finish(spring, pair, ends, None);
@@ -262,9 +270,16 @@ impl<T: Scalar> RowBuilder<'_, T> {
         }
     }
 
+    /// How one of a row's ends moves at the start of the step, with the sign of its side: entries from `begin` on, or a rigid
+    /// body.
+    pub(super) fn velocity_before(&self, begin: usize, rigid: &Option<RigidEnd>) -> V3 {
+        let of_nodes = self.rows.entries[begin..].iter().map(|entry| at(self.before.nodes, entry.node) * entry.along);
+        rigid.map(|end| end.velocity(self.before.twists)).unwrap_or_default() + of_nodes.sum::<V3>()
+    }
+
     /// Makes a row of the entries added since the last one.
     pub(super) fn finish(&mut self, spring: Spring, pair: usize, ends: Ends, holds: Option<Holds>) {
-        let Spring { key, direction, depth, cos_alpha, area, pushes } = spring;
+        let Spring { key, direction, depth, cos_alpha, area, pushes, lean } = spring;
         let material = self.loads.now[pair].material;
         let holds = holds.filter(|_| material.friction > 0.0);
         let row = Row {
@@ -289,7 +304,21 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let place = self.rows.rows.len() - 1;
         let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
         let given = self.rows.rows[place].given;
-        let (mut slip, sliding) = self.rows.slips_of_last((ahead, &given), (self.before, &ends.given_before));
+        let (mut slip, Slip { along: closing, across: sliding }) =
+            self.rows.slips_of_last((ahead, &given), (self.before, &ends.given_before));
+        // How fast a body passes by: it moves as its centre does, and turns about the pair's push.
+        let passing = |number: u32, side: usize| {
+            let turning = |end: RigidEnd| {
+                let spin = angular(&self.before.twists[6 * end.place..6 * end.place + 6]);
+                (pushes * pushes.dot(&spin)).cross(&end.arm)
+            };
+            self.body(number).drift + ends.rigid[side].map(turning).unwrap_or_default()
+        };
+        let other = if let Surface::Body(second) = key.1 { passing(second, 1) } else { V3::zeros() };
+        let seen = [passing(key.0, 0), other].map(|passing| closing - lean.dot(&(passing - ends.leaning)));
+        let row = &self.rows.rows[place];
+        let seen = if row.order > 0.0 { seen } else { [seen[1], seen[0]] };
+        self.loads.now[pair].wander.add(row.coefficient, closing, seen);
         // Without look-ahead, detection has not moved the bodies.
         if self.course.time <= 0.0 {
             slip = Slip::default();

@@ -95,25 +95,28 @@ impl Rows {
         self.entries.room_for(1).push(Entry { node, along, across });
     }
 
-    /// The slip of the last row at velocities, and its part across the direction at those before, each with what the host
-    /// moves.
-    pub(super) fn slips_of_last(&self, of: (Velocities<'_>, &V3), before: (Velocities<'_>, &V3)) -> (Slip, V3) {
+    /// The slip of the last row at velocities, and at those before, each with what the host moves.
+    pub(super) fn slips_of_last(&self, of: (Velocities<'_>, &V3), before: (Velocities<'_>, &V3)) -> (Slip, Slip) {
         let Some(row) = self.rows.last() else { return Default::default() };
-        let [mut along, mut across, mut across_before] = [*of.1, *of.1, *before.1];
+        let [mut along, mut across, mut along_before, mut across_before] = [*of.1, *of.1, *before.1, *before.1];
         for entry in &self.entries[self.begin(self.rows.len() - 1)..row.end] {
             let v = at(of.0.nodes, entry.node);
             along += v * entry.along;
             across += v * entry.across;
-            across_before += at(before.0.nodes, entry.node) * entry.across;
+            let v = at(before.0.nodes, entry.node);
+            along_before += v * entry.along;
+            across_before += v * entry.across;
         }
         for end in row.rigid.iter().flatten() {
             let v = end.velocity(of.0.twists);
             along += v;
             across += v;
-            across_before += end.velocity(before.0.twists);
+            let v = end.velocity(before.0.twists);
+            along_before += v;
+            across_before += v;
         }
-        let slip = Slip { along: row.direction.dot(&along), across: row.across(&across) };
-        (slip, row.across(&across_before))
+        let slip = |along, across| Slip { along: row.direction.dot(along), across: row.across(across) };
+        (slip(&along, &across), slip(&along_before, &across_before))
     }
 
     /// Finds what [`slip_at`](Self::slip_at) needs to know of the nodes' velocities.

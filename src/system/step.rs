@@ -1,8 +1,8 @@
-use super::body::{Body, Mover};
+use super::body::{Body, Mover, at};
 use super::buffers::{Buffers, Step, copy};
 use super::error::{SystemError, check_count, check_range, check_within};
 use super::row_builder::RowBuilder;
-use super::twist::Inertia;
+use super::twist::{Inertia, V3, linear};
 use super::{ContactSystem, RigidUnknowns, mesh_of};
 use crate::math::{Scalar, margins};
 use crate::memory;
@@ -79,8 +79,9 @@ impl<T: Scalar> ContactSystem<T> {
             memory::refill_with(twists, 0.0, 6 * self.rigid_count);
         }
         bodies.iter_mut().for_each(|body| body.has_joined = false);
-        for body in &*bodies {
+        for body in bodies {
             body.start_rigid(buffers, &mut self.rows.masses);
+            body.find_drift(&buffers.velocities, &self.node_masses);
         }
         copy(&mut buffers.ahead_twists, &buffers.free_twists);
         Ok(())
@@ -161,6 +162,7 @@ impl<T: Scalar> ContactSystem<T> {
         rows.make_room(node_masses.len());
         let mut builder =
             RowBuilder { weighting, bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
+        let first = builder.rows.rows.len();
         builder.add_contacts(contacts, wanted);
         if let Some(scene) = scene {
             builder.add_escapes(contacts.pushes());
@@ -171,6 +173,9 @@ impl<T: Scalar> ContactSystem<T> {
                     }
                 }
             }
+        }
+        for row in &mut rows.rows[first..] {
+            row.damping_time *= loads.now[row.pair].wander.damped_part();
         }
     }
 
@@ -272,6 +277,17 @@ impl<T: Scalar> Body<T> {
             buffers.free_twists[own].copy_from_slice(&frame.free_velocity);
             masses[*place] = inertia.turned(&frame.rotation);
         }
+    }
+
+    /// Of a deformable body, the mean velocity of what is not held fast.
+    fn find_drift(&mut self, velocities: &[f64], masses: &[f64]) {
+        self.drift = match &self.mover {
+            Mover::Nodes { nodes, .. } => {
+                let free = nodes.clone().filter(|&node| masses[node as usize].is_finite());
+                free.map(|node| at(velocities, node) * masses[node as usize]).sum::<V3>() / self.mass
+            }
+            Mover::Rigid { frame, .. } | Mover::Host(frame) => linear(&frame.velocity),
+        };
     }
 
     /// The nodes of a deformable body.

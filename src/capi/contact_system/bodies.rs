@@ -74,14 +74,18 @@ impl rayc_material {
         };
         Ok(Material { stiffness, damping_time, friction, depth_cap, restitution })
     }
+
+    fn of(material: Material, struct_size: usize) -> Self {
+        let Material { stiffness, damping_time, friction, depth_cap, restitution } = material;
+        Self { struct_size, stiffness, damping_time, friction, depth_cap, restitution }
+    }
 }
 
 /// Fills `material` with one that bears `pressure` (Pa) at `depth` (m), and asks for no more in one step: the stiffness is
 /// pressure / depth, the cap is depth, damping time 0.05 s, friction 0.5, restitution 0. struct_size: sizeof(rayc_material).
 ///
-/// For an elastic body, take a quarter of its Young's modulus and a quarter of the edge of its elements: more would crush
-/// elements. For a rigid or still one, take some ten times the pressure that it bears at rest (weight over the area that
-/// carries it), and ten times the depth to which bodies may sink in.
+/// For an elastic body there is rayc_elastic_material(). For a rigid or still one, take some ten times the pressure that it
+/// bears at rest (weight over the area that carries it), and ten times the depth to which bodies may sink in.
 ///
 /// Two bodies' materials combine so: the surfaces are springs in series, so the softer decides; damping times are weighted
 /// by how much of the depth each surface takes; friction is the geometric mean; the smaller cap and the larger restitution
@@ -97,10 +101,29 @@ pub unsafe extern "C" fn rayc_bearing_material(
 ) -> rayc_status {
     // SAFETY: the caller's struct has the size it says.
     guard(|| unsafe {
-        let Material { stiffness, damping_time, friction, depth_cap, restitution } =
-            Material::bearing(pressure, depth)?;
-        let bearing = rayc_material { struct_size, stiffness, damping_time, friction, depth_cap, restitution };
+        let bearing = rayc_material::of(Material::bearing(pressure, depth)?, struct_size);
         write_options(struct_size, material, "material", bearing)
+    })
+}
+
+/// Fills `material` with that of an elastic body, by its Young's modulus (Pa), Poisson's ratio and the edge (m) of its elements.
+/// It bears the larger of its Young's and its bulk modulus at a fortieth of an edge; the rest is as rayc_bearing_material() has
+/// it. struct_size: sizeof(rayc_material).
+///
+/// Errors: RAYC_STATUS_INVALID_MATERIAL where modulus or edge is not finite and > 0 or the ratio not between -1 and 0.5,
+/// RAYC_STATUS_INVALID_STRUCT_SIZE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_elastic_material(
+    youngs_modulus: f64,
+    poissons_ratio: f64,
+    element_edge: f64,
+    struct_size: usize,
+    material: *mut rayc_material,
+) -> rayc_status {
+    // SAFETY: the caller's struct has the size it says.
+    guard(|| unsafe {
+        let elastic = Material::elastic(youngs_modulus, poissons_ratio, element_edge)?;
+        write_options(struct_size, material, "material", rayc_material::of(elastic, struct_size))
     })
 }
 

@@ -13,4 +13,5 @@ mod potential;
 mod range;
 mod refusals;
 mod restitution;
+mod rolling;
 mod steps;

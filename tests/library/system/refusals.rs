@@ -55,6 +55,10 @@ fn materials_out_of_range_are_refused_by_name() {
     }
     for (pressure, depth) in [(0.0, 1.0), (1.0, 0.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
         refuses!(Material::bearing(pressure, depth), SystemError::Material { .. }, "above 0");
+        refuses!(Material::elastic(pressure, 0.3, depth), SystemError::Material { .. }, "above 0");
+    }
+    for ratio in [-1.0, 0.5, f64::NAN] {
+        refuses!(Material::elastic(1e5, ratio, 0.1), SystemError::Material { .. }, "poissons_ratio");
     }
     host.system.add_moved(&host.scene, body, FINE).expect("nothing was added before");
     refuses!(host.system.add_moved(&host.scene, body, FINE), SystemError::BodyTwice { body: 0 }, "already");
