@@ -7,7 +7,7 @@ Two bodies of tetrahedra, without gravity or friction. *Apart*: they start apart
 a second. *Deep*: the same bodies start at rest, the second moved a quarter of the size into the first. Each runs for a
 second in steps of a hundredth, MuJoCo in steps of its own default. Density 1000 kg/m³, Young's modulus 1e5 Pa,
 Poisson's ratio 0.4, size 1 m.
-  raycontact    the contact system with its documented material, `Material.bearing(E / 4, edge / 4)`, no friction; the
+  raycontact    the contact system, `Material.bearing(E / 4, edge / 4)` as suggested before `elastic`, no friction; the
                 host below: implicit Euler by Newton's method, a stable neo-Hookean solid
   IPC Toolkit   the same host and solid; barrier with the documented adaptive stiffness, activation distance 0.001 of
                 the scene's diagonal; Newton's method with continuous collision detection in the line search
