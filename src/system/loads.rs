@@ -56,28 +56,29 @@ pub(crate) struct Pair {
 /// not. The place moves with the centre of one body or the other, or between the two: whichever sees least.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wander {
-    /// Sums over rows of coefficient · speed², in N m/s²: as it is; as seen with the second body; of the difference to what is
-    /// seen with the first; and of the product of those two.
-    closing: f64,
-    second: f64,
-    difference: f64,
-    product: f64,
+    /// Sums over rows of coefficient · speed², in N m/s²: as it is, as seen with the first body, as seen with the second, and of
+    /// the product of these two. Apart for rows whose bodies stand in the pair's order and for the others, so that it does not
+    /// matter which body comes first.
+    sums: [[f64; 4]; 2],
 }
 
 impl Wander {
-    pub(super) fn add(&mut self, coefficient: f64, closing: f64, [first, second]: [f64; 2]) {
-        let difference = second - first;
-        self.closing += coefficient * closing * closing;
-        self.second += coefficient * second * second;
-        self.difference += coefficient * difference * difference;
-        self.product += coefficient * second * difference;
+    pub(super) fn add(&mut self, order: f64, coefficient: f64, closing: f64, [first, second]: [f64; 2]) {
+        let numbers = [closing * closing, first * first, second * second, first * second];
+        let sums = &mut self.sums[usize::from(order < 0.0)];
+        sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += coefficient * number);
     }
 
     /// The part of the pair's damping that takes motion of the two against one another.
     pub(super) fn damped_part(&self) -> f64 {
-        let Self { closing, second, difference, product } = *self;
-        let part = if difference > 0.0 { (product / difference).clamp(0.0, 1.0) } else { 0.0 };
-        let seen = (second - part * (2.0 * product - part * difference)).max(0.0);
+        let [closing, first, second, product] = std::array::from_fn(|k| self.sums[0][k] + self.sums[1][k]);
+        let least = first.min(second);
+        // Between the two the least is that of a parabola.
+        let seen = if product < least {
+            (first * second - product * product).max(0.0) / (first + second - 2.0 * product)
+        } else {
+            least
+        };
         // Squared, because the facets of a round body that rolls leave some hundredths.
         if seen < closing { (seen / closing).powi(2) } else { 1.0 }
     }

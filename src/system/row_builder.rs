@@ -318,7 +318,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let seen = [passing(key.0, 0), other].map(|passing| closing - lean.dot(&(passing - ends.leaning)));
         let row = &self.rows.rows[place];
         let seen = if row.order > 0.0 { seen } else { [seen[1], seen[0]] };
-        self.loads.now[pair].wander.add(row.coefficient, closing, seen);
+        self.loads.now[pair].wander.add(row.order, row.coefficient, closing, seen);
         // Without look-ahead, detection has not moved the bodies.
         if self.course.time <= 0.0 {
             slip = Slip::default();

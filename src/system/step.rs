@@ -79,9 +79,8 @@ impl<T: Scalar> ContactSystem<T> {
             memory::refill_with(twists, 0.0, 6 * self.rigid_count);
         }
         bodies.iter_mut().for_each(|body| body.has_joined = false);
-        for body in bodies {
+        for body in &*bodies {
             body.start_rigid(buffers, &mut self.rows.masses);
-            body.find_drift(&buffers.velocities, &self.node_masses);
         }
         copy(&mut buffers.ahead_twists, &buffers.free_twists);
         Ok(())
@@ -156,6 +155,8 @@ impl<T: Scalar> ContactSystem<T> {
     pub(super) fn add_rows(&mut self, time: f64, wanted: impl Fn(u32, u32) -> bool, scene: Option<&Scene<T>>) {
         let Self { bodies, pair_materials, node_masses, contacts, rows, anchors, loads, buffers, below, .. } = self;
         let weighting = self.weighting;
+        // Here, since bodies may have joined in the step.
+        bodies.iter_mut().for_each(|body| body.find_drift(&buffers.velocities, node_masses));
         let course = buffers.course(time);
         let before = buffers.before();
         rows.stamp = next_stamp();
