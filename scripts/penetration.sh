@@ -88,7 +88,11 @@ install_packages libembree-dev libbullet-dev
 export PENETRATION_BUILD="$folder/build"
 mkdir -p "$PENETRATION_BUILD"
 flags=(-Wall -Wextra -O3 -march=native -shared -fPIC)
+# Embree 4 is inside embreex.
+embree_4=("$environment"/lib/python3*/site-packages/embreex.libs/libembree4*)
 cc -std=c99 "${flags[@]}" c/embree.c -o "$PENETRATION_BUILD/embree.so" -lembree3 -lm &&
+    cc -std=c99 "${flags[@]}" -DEMBREE_4 c/embree.c -o "$PENETRATION_BUILD/embree4.so" "${embree_4[0]}" -lm \
+        -Wl,-rpath,"${embree_4[0]%/*}" &&
     c++ -std=c++17 "${flags[@]}" c/shortest_path.cpp -o "$PENETRATION_BUILD/shortest_path.so" -lembree3 &&
     c++ -std=c++17 "${flags[@]}" -isystem /usr/include/bullet c/bullet.cpp -o "$PENETRATION_BUILD/bullet.so" \
         -lBulletDynamics -lBulletCollision -lLinearMath || fail 'the peers behind c/penetration.h could not be built'
@@ -111,8 +115,8 @@ fi
 run "$folder/full" --tasks detect,measure,intersecting,simulate,self
 # Ten thousand poses to part, and a tenth of them for those that would take one more hour.
 run "$folder/free" --tasks free --share 53 \
-    --libraries raycontact,raycontact-paper,raycontact-no-escape,embree,trimesh,fcl,coal,bullet
-run "$folder/free-slow" --tasks free --share 5.3 --libraries mujoco,drake,ipc-toolkit
+    --libraries raycontact,raycontact-paper,raycontact-no-escape,embree,trimesh,fcl,coal,coal-patches,bullet
+run "$folder/free-slow" --tasks free --share 5.3 --libraries mujoco,drake
 renew_own
 { cat "$folder/free/free.csv" && tail --lines=+2 "$folder/free-slow/free.csv"; } >"$folder/full/free.csv"
 head_all "$folder/full" scripts/penetration.sh --full

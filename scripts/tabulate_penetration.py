@@ -172,36 +172,42 @@ def shapes(rows):
     return ranked(head, libraries, columns, {name: share(only(rows, library=name), "freed")[1] for name in libraries})
 
 
-def simulated(rows):
+def kept(rows, is_deep):
+    """Rows of one start, of libraries that it does not exclude."""
+    return [row for row in rows if (row["scene"] == "part") == is_deep and row["refused"] != row["scenes"]]
+
+
+def simulated(rows, is_deep):
     """Per cent of the scenes that end well, by scene and shapes."""
-    rows = [row for row in rows if row["refused"] != row["scenes"]]
+    rows = kept(rows, is_deep)
     libraries = names(rows)
-    everything = {library: part_done(only(rows, library=library)) for library in libraries}
+    runs = {library: [{"scene": pose, "outcome": "done" if pose in row["ended_well"].split() else "other"}
+                      for row in only(rows, library=library) for pose in row["asked"].split()] for library in libraries}
+    everything = {library: interval(runs[library]) for library in libraries}
+    scenes = [(scene, shapes) for scene, shapes in SCENES if (scene == "part") == is_deep]
     columns = [{library: part_done(only(rows, library=library, scene=scene, shapes=shapes)) for library in libraries}
-               for scene, shapes in SCENES]
-    return ranked(["library", "all", *map(", ".join, SCENES)], libraries, [everything, *columns],
+               for scene, shapes in scenes]
+    return ranked(["library", "ended well (95 %)", *map(", ".join, scenes)], libraries, [everything, *columns],
                   {library: rank for library, (_, rank) in everything.items()})
 
 
-def simulated_steps(rows):
+def simulated_steps(rows, is_deep):
     """The same by time step; then what is gained in energy, and how deep bodies rest."""
-    rows = [row for row in rows if row["refused"] != row["scenes"]]
+    rows = kept(rows, is_deep)
     libraries, steps = names(rows), list(dict.fromkeys(row["time_step"] for row in rows))
     columns = [{library: part_done(only(rows, library=library, time_step=step)) for library in libraries}
                for step in steps]
     exploded = {library: total(only(rows, library=library), "exploded") for library in libraries}
     columns.append({library: (str(count), None) for library, count in exploded.items()})
-    for scenes in (("drop", "impact"), ("part",)):
-        gained = {library: max(float(row["gained_worst"]) for row in only(rows, library=library)
-                               if row["scene"] in scenes and row["gained_worst"]) for library in libraries}
-        columns.append({library: (f"{100 * most:.3g}", None) for library, most in gained.items()})
-    for shapes in ("convex", "concave"):
+    gained = {library: max(float(row["gained_worst"]) for row in only(rows, library=library) if row["gained_worst"])
+              for library in libraries}
+    columns.append({library: (f"{100 * most:.3g}", None) for library, most in gained.items()})
+    for shapes in () if is_deep else ("convex", "concave"):
         found = {library: only(rows, library=library, scene="drop", shapes=shapes, time_step=REST_STEP)[0]
                  for library in libraries}
         columns.append({library: (f"{100 * float(row['depth_median']):.2g}" if row["depth_median"] else "–", None)
                         for library, row in found.items()})
-    head = ["library", *steps, "exploded", "energy gained, drop and impact", "energy gained, part", "depth at rest, convex",
-            "depth at rest, concave"]
+    head = ["library", *steps, "exploded", "energy gained", *["depth at rest, convex", "depth at rest, concave"] * (not is_deep)]
     return ranked(head, libraries, columns, {library: part_done(only(rows, library=library))[1] for library in libraries})
 
 
@@ -326,8 +332,10 @@ def tables(folder):
         "sizes": forces(measured, FORCES[:4], size, "library"),
         "free": free(freed),
         "ways": shapes(freed),
-        "simulate": simulated(read(folder, "simulate")),
-        "simulate_steps": simulated_steps(read(folder, "simulate")),
+        "simulate, apart": simulated(read(folder, "simulate"), False),
+        "simulate, deep": simulated(read(folder, "simulate"), True),
+        "simulate_steps, apart": simulated_steps(read(folder, "simulate"), False),
+        "simulate_steps, deep": simulated_steps(read(folder, "simulate"), True),
         "solvers, apart": solvers(read(folder, "solvers"), False),
         "solvers, deep": solvers(read(folder, "solvers"), True),
         "intersecting": intersecting(read(folder, "intersecting")),

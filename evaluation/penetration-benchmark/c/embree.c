@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT OR Apache-2.0 */
 /* Algorithm 1 of Hermann, Faure and Raffin 2008 on Embree 3.13: from each vertex in the other body's box a ray along
  * the inward normal; where it leaves the other body before its own it is a contact. One tree a body, refitted in each
- * step, robust traversal. cc -std=c99 -O3 -march=native -shared -fPIC embree.c -o embree.so -lembree3 -lm */
+ * step, robust traversal. cc -std=c99 -O3 -march=native -shared -fPIC embree.c -o embree.so -lembree3 -lm
+ * With -DEMBREE_4 for a library of Embree 4, whose headers need not be there: it differs in how a ray is asked for. */
 #include <embree3/rtcore.h>
 #include <math.h>
 #include <stdlib.h>
@@ -18,8 +19,33 @@ typedef struct {
   RTCGeometry geometry;
 } body;
 
+#ifdef EMBREE_4
+/* As Embree 4 has them, from its manual (rtcIntersect1, rtcInitIntersectArguments). */
 typedef struct {
-  struct RTCIntersectContext embree;
+  unsigned instance, part_of_instance;
+} query_context;
+typedef struct {
+  unsigned flags, features;
+  query_context* context;
+  RTCFilterFunctionN filter;
+  void (*intersect)(const void*);
+} query_arguments;
+enum { INVOKES_FILTER = 1 << 1 };
+/* Its hits have one number more than Embree 3's, which ends in the padding. */
+typedef union {
+  struct RTCRayHit ray;
+  char of_4[sizeof(struct RTCRayHit) + 16];
+} ray_and_hit;
+void intersect_4(RTCScene, ray_and_hit*, query_arguments*) __asm__("rtcIntersect1");
+#else
+typedef struct RTCIntersectContext query_context;
+typedef union {
+  struct RTCRayHit ray;
+} ray_and_hit;
+#endif
+
+typedef struct {
+  query_context embree;
   const uint32_t* triangles;
   uint32_t vertex;
 } context;
@@ -86,16 +112,28 @@ static void find_normals(body* b) {
   }
 }
 
-static struct RTCRayHit trace(const body* b, const float* origin, const float* direction, context* c, float reach) {
-  struct RTCRayHit ray;
-  memset(&ray, 0, sizeof ray);
-  ray.ray.org_x = origin[0], ray.ray.org_y = origin[1], ray.ray.org_z = origin[2];
-  ray.ray.dir_x = direction[0], ray.ray.dir_y = direction[1], ray.ray.dir_z = direction[2];
-  ray.ray.tfar = reach;
-  ray.ray.mask = UINT32_MAX;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(b->scene, &c->embree, &ray);
-  return ray;
+static struct RTCRayHit trace(const body* b, const float* origin, const float* direction, context* c, float reach,
+                              RTCFilterFunctionN filter) {
+  ray_and_hit with_room;
+  struct RTCRayHit* ray = &with_room.ray;
+  memset(&with_room, 0, sizeof with_room);
+  ray->ray.org_x = origin[0], ray->ray.org_y = origin[1], ray->ray.org_z = origin[2];
+  ray->ray.dir_x = direction[0], ray->ray.dir_y = direction[1], ray->ray.dir_z = direction[2];
+  ray->ray.tfar = reach;
+  ray->ray.mask = UINT32_MAX;
+  ray->hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#ifdef EMBREE_4
+  {
+    query_arguments arguments = {filter ? INVOKES_FILTER : 0, UINT32_MAX, &c->embree, filter, NULL};
+    c->embree.instance = c->embree.part_of_instance = RTC_INVALID_GEOMETRY_ID;
+    intersect_4(b->scene, &with_room, &arguments);
+  }
+#else
+  rtcInitIntersectContext(&c->embree);
+  c->embree.filter = filter;
+  rtcIntersect1(b->scene, &c->embree, ray);
+#endif
+  return *ray;
 }
 
 typedef struct {
@@ -115,17 +153,15 @@ static int find_contact(int i, uint32_t v, found* out) {
     if (p[k] < other->low[k] || p[k] > other->high[k]) return 0;
     direction[k] = -n[k] / size;
   }
-  rtcInitIntersectContext(&c.embree);
-  hit = trace(other, p, direction, &c, HUGE_VALF);
+  hit = trace(other, p, direction, &c, HUGE_VALF, NULL);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return 0;
   along = hit.hit.Ng_x * direction[0] + hit.hit.Ng_y * direction[1] + hit.hit.Ng_z * direction[2];
   if (along <= 0) return 0;
   out->cosine = along / sqrtf(hit.hit.Ng_x * hit.hit.Ng_x + hit.hit.Ng_y * hit.hit.Ng_y + hit.hit.Ng_z * hit.hit.Ng_z);
   out->length = hit.ray.tfar;
-  c.embree.filter = refuse_touched;
   c.triangles = own->triangles;
   c.vertex = v;
-  return trace(own, p, direction, &c, out->length).hit.geomID == RTC_INVALID_GEOMETRY_ID;
+  return trace(own, p, direction, &c, out->length, refuse_touched).hit.geomID == RTC_INVALID_GEOMETRY_ID;
 }
 
 int penetration_load(const penetration_surface* first, const penetration_surface* second) {

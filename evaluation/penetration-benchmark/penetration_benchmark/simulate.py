@@ -12,7 +12,7 @@ from .rigid import RigidBody, step, stiffness
 from .tasks import Table, group, note, number, quantile, refuse
 
 SIMULATE = ["library", "scene", "shapes", "time_step", "scenes", "refused", "done", "sunk", "restless", "stuck", "exploded",
-            "gained_median", "gained_worst", "depth_median", "note"]
+            "gained_median", "gained_worst", "depth_median", "asked", "ended_well", "note"]
 OUTCOMES = ("done", "sunk", "restless", "stuck", "exploded")
 # Parts of a second.
 TIME_STEPS = (240, 120, 60, 30, 15)
@@ -120,7 +120,7 @@ def run(library, surfaces, pose, put_in, parts):
 
 
 def simulate(libraries, surfaces, poses, progress):
-    """Each scene at each time step, from its start."""
+    """Each scene at each time step, from its start. Poses are listed by number, so that intervals can be had by scene."""
     table = Table()
     for done, pose in enumerate(poses):
         pair = [surfaces[name] for name in pose.pair]
@@ -134,10 +134,13 @@ def simulate(libraries, surfaces, poses, progress):
                 refuse(cell, error)
                 continue
             cell[ended] = cell.get(ended, 0) + 1
+            cell.setdefault("asked", []).append(pose.id)
+            cell.setdefault("ended_well", []).extend([pose.id] if ended == "done" else [])
             cell.setdefault("gained", []).append(float(gained))
             cell.setdefault("depths", []).extend([] if depth is None else [float(depth)])
         progress(done + 1, len(poses))
     for key, cell in table.cells.items():
         gained, depths = cell.get("gained"), cell.get("depths")
+        numbers = [" ".join(map(str, cell.get(of, []))) for of in ("asked", "ended_well")]
         yield [*key, cell["poses"], cell["refused"], *(cell.get(ended, 0) for ended in OUTCOMES),
-               *map(number, (quantile(gained, 0.5), quantile(gained, 1.0), quantile(depths, 0.5))), note(cell)]
+               *map(number, (quantile(gained, 0.5), quantile(gained, 1.0), quantile(depths, 0.5))), *numbers, note(cell)]

@@ -1,6 +1,6 @@
 // The open benchmark of deep contact, as its CSV files have it: a row of numbers for each library.
 
-export const head = ["library", "come apart", "scenes that end well", "overlap rightly told", "vertices inside, missed",
+export const head = ["library", "come apart", "start apart, end well", "start deep, end well", "overlap rightly told", "vertices inside, missed",
   "direction, convex", "direction, concave", "time, concave"];
 
 export function names(rows) {
@@ -27,12 +27,12 @@ const columns = [
     const { share, of } = shareFreed(free, library);
     return of > 0 ? { text: `${share.toPrecision(4)} %`, rank: -share } : null;
   },
-  ({ simulate }, library) => {
-    const own = simulate.filter((row) => row.library === library);
+  ...[false, true].map((isDeep) => ({ simulate }, library) => {
+    const own = simulate.filter((row) => row.library === library && (row.scene === "part") === isDeep);
     const of = sum(own, "scenes") - sum(own, "refused");
     const share = (100 * sum(own, "done")) / of;
     return of > 0 ? { text: `${share.toPrecision(3)} %`, rank: -share } : null;
-  },
+  }),
   ({ detect }, library) => {
     const own = detect.filter((row) => row.library === library && row.verdicts_right !== null && kinds.includes(row.kind));
     const of = sum(own, "poses") - sum(own, "refused");

@@ -36,6 +36,35 @@ class Coal(Library):
         return lambda: contacts_of(result)
 
 
+class CoalPatches(Coal):
+    """Where a pair has one contact, the corners of the patch on which it lies share its depth."""
+
+    name = "coal, patches"
+    settings = "the same with contact patches, of convex shapes"
+    tasks = ("free", "simulate")
+
+    def load(self, first, second):
+        super().load(first, second)
+        self.is_convex = first.is_convex and second.is_convex
+
+    def contacts(self):
+        if not self.is_convex:
+            return super().contacts()
+        result, patches = coal.CollisionResult(), coal.ContactPatchResult()
+        pair = self.shapes[0], self.placements[0], self.shapes[1], self.placements[1]
+        coal.collide(*pair, self.request, result)
+        coal.computeContactPatch(*pair, result, coal.ContactPatchRequest(), patches)
+        return lambda: corners_of(patches) if patches.numContactPatches() else contacts_of(result)
+
+
+def corners_of(patches):
+    patch = patches.getContactPatch(0)
+    first = np.array([patch.getPointShape1(i) for i in range(patch.size())]).reshape(-1, 3)
+    second = np.array([patch.getPointShape2(i) for i in range(patch.size())]).reshape(-1, 3)
+    return Contacts.make(first, second, np.tile(-patch.getNormal(), (len(first), 1)), -patch.penetration_depth,
+                         1 / max(len(first), 1))
+
+
 def contacts_of(result):
     """Normals lead from the first body to the second; overlaps are negative distances."""
     found = [result.getContact(i) for i in range(result.numContacts())]

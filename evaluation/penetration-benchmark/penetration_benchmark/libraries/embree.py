@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
+import importlib.metadata
 import os
 
 from ..c_library import CLibrary
@@ -12,3 +13,16 @@ class Embree(CLibrary):
 
     def __init__(self):
         super().__init__(os.path.join(os.environ["PENETRATION_BUILD"], "embree.so"))
+
+
+class Embree4(CLibrary):
+    """The library inside embreex. Its contacts are those of the other, so it is timed only."""
+
+    name = "Algorithm 1 on Embree 4"
+    version = f"embreex {importlib.metadata.version('embreex')}"
+    settings = "as above"
+    documentation = Embree.documentation
+    tasks = ("detect",)
+
+    def __init__(self):
+        super().__init__(os.path.join(os.environ["PENETRATION_BUILD"], "embree4.so"))
