@@ -57,6 +57,8 @@ struct World {
   btDbvtBroadphase broadphase;
   btCollisionWorld world{&dispatcher, &broadphase, &configuration};
   std::unique_ptr<Body> bodies[2];
+  // With its manifold, which hulls keep from step to step.
+  btCollisionAlgorithm* algorithm = nullptr;
 
   World() { btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher); }
 };
@@ -67,16 +69,12 @@ World& world() {
   return *only;
 }
 
-// contactPairTest() asks for another kind of algorithm, which GImpact has not got.
-struct Collector : btManifoldResult {
+struct List {
   penetration_contact* contacts;
   size_t capacity, count = 0;
 
-  Collector(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b, penetration_contact* out, size_t room)
-      : btManifoldResult(a, b), contacts(out), capacity(room) {}
-
   // The normal leads from the second body to the first; overlaps are negative distances.
-  void addContactPoint(const btVector3& normal, const btVector3& second, btScalar distance) override {
+  void add(const btVector3& normal, const btVector3& second, btScalar distance) {
     if (distance >= 0) return;
     if (count < capacity) {
       const btVector3 first = second + normal * distance;
@@ -93,10 +91,27 @@ struct Collector : btManifoldResult {
   }
 };
 
+// All contacts of GImpact, which keeps none: its manifolds would pick four of each.
+struct Collector : btManifoldResult {
+  List& list;
+
+  Collector(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b, List& out)
+      : btManifoldResult(a, b), list(out) {}
+
+  void addContactPoint(const btVector3& normal, const btVector3& second, btScalar distance) override {
+    list.add(normal, second, distance);
+  }
+};
+
 }  // namespace
 
 int penetration_load(const penetration_surface* first, const penetration_surface* second) {
   const bool are_hulls = first->is_convex && second->is_convex;
+  if (world().algorithm) {
+    world().algorithm->~btCollisionAlgorithm();
+    world().dispatcher.freeCollisionAlgorithm(world().algorithm);
+    world().algorithm = nullptr;
+  }
   world().bodies[0] = std::make_unique<Body>(*first, are_hulls);
   world().bodies[1] = std::make_unique<Body>(*second, are_hulls);
   return PENETRATION_OK;
@@ -113,14 +128,30 @@ ptrdiff_t penetration_contacts(penetration_contact* contacts, size_t capacity) {
   btCollisionObject &a = world().bodies[0]->object, &b = world().bodies[1]->object;
   const btCollisionObjectWrapper first(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(), -1, -1);
   const btCollisionObjectWrapper second(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(), -1, -1);
-  Collector collector(&first, &second, contacts, capacity);
-  btDispatcher& dispatcher = world().dispatcher;
-  btCollisionAlgorithm* algorithm = dispatcher.findAlgorithm(&first, &second, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+  btCollisionAlgorithm*& algorithm = world().algorithm;
+  // contactPairTest() asks for another kind of algorithm, which GImpact has not got.
+  if (!algorithm)
+    algorithm = world().dispatcher.findAlgorithm(&first, &second, nullptr, BT_CONTACT_POINT_ALGORITHMS);
   if (!algorithm) return -PENETRATION_FAILED;
-  algorithm->processCollision(&first, &second, world().world.getDispatchInfo(), &collector);
-  algorithm->~btCollisionAlgorithm();
-  dispatcher.freeCollisionAlgorithm(algorithm);
-  return ptrdiff_t(collector.count);
+  List list{contacts, capacity};
+  if (a.getCollisionShape()->isConcave()) {
+    Collector result(&first, &second, list);
+    algorithm->processCollision(&first, &second, world().world.getDispatchInfo(), &result);
+    return ptrdiff_t(list.count);
+  }
+  btManifoldResult result(&first, &second);
+  algorithm->processCollision(&first, &second, world().world.getDispatchInfo(), &result);
+  btManifoldArray manifolds;
+  algorithm->getAllContactManifolds(manifolds);
+  for (int m = 0; m < manifolds.size(); ++m)
+    for (int i = 0; i < manifolds[m]->getNumContacts(); ++i) {
+      const btManifoldPoint& point = manifolds[m]->getContactPoint(i);
+      if (manifolds[m]->getBody0() == &a)
+        list.add(point.m_normalWorldOnB, point.m_positionWorldOnB, point.getDistance());
+      else
+        list.add(-point.m_normalWorldOnB, point.m_positionWorldOnA, point.getDistance());
+    }
+  return ptrdiff_t(list.count);
 }
 
 namespace {
