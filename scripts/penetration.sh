@@ -68,15 +68,24 @@ if [[ $size == --own ]]; then
     exit 0
 fi
 
+export PENETRATION_BUILD="$folder/build"
+mkdir -p "$PENETRATION_BUILD"
+flags=(-Wall -Wextra -O3 -march=native -shared -fPIC)
+# Bullet's headers are not free of the last.
+bullet=(c++ -std=c++17 "${flags[@]}" -isystem /usr/include/bullet -Wno-maybe-uninitialized)
+
 if [[ $size == --deforming ]]; then
+    install_packages libbullet-dev
     "$environment/bin/pip" install ipctk==1.6.1 mujoco==4.0.0 || fail 'pip could not install the peers'
+    "${bullet[@]}" c/bullet_soft.cpp -o "$PENETRATION_BUILD/bullet_soft.so" -lBulletSoftBody -lBulletDynamics \
+        -lBulletCollision -lLinearMath || fail 'c/bullet_soft.cpp could not be built'
     scanned=()
     [[ -z "${2:-}" ]] || scanned=(--scan "$(absolute_path "$2")")
     say 'Measuring'
     mkdir -p "$folder"
     "$environment/bin/python" -m penetration_benchmark.deforming "${scanned[@]}" "$folder/deforming.csv" ||
         fail 'the measurement failed, see above'
-    (cd "$root" && head_csv "$folder/deforming.csv" none 'scripts/penetration.sh --deforming')
+    (cd "$root" && head_csv "$folder/deforming.csv" none "scripts/penetration.sh --deforming${2:+ ${2##*/}}")
     cp "$folder/deforming.csv" "$docs/"
     say "Figures: $docs/deforming.csv"
     exit 0
@@ -85,17 +94,14 @@ fi
 say 'Installing and building the peers'
 install_packages libembree-dev libbullet-dev
 "$environment/bin/pip" install "${peers[@]}" || fail "pip could not install ${peers[*]}"
-export PENETRATION_BUILD="$folder/build"
-mkdir -p "$PENETRATION_BUILD"
-flags=(-Wall -Wextra -O3 -march=native -shared -fPIC)
 # Embree 4 is inside embreex.
 embree_4=("$environment"/lib/python3*/site-packages/embreex.libs/libembree4*)
 cc -std=c99 "${flags[@]}" c/embree.c -o "$PENETRATION_BUILD/embree.so" -lembree3 -lm &&
     cc -std=c99 "${flags[@]}" -DEMBREE_4 c/embree.c -o "$PENETRATION_BUILD/embree4.so" "${embree_4[0]}" -lm \
         -Wl,-rpath,"${embree_4[0]%/*}" &&
     c++ -std=c++17 "${flags[@]}" c/shortest_path.cpp -o "$PENETRATION_BUILD/shortest_path.so" -lembree3 &&
-    c++ -std=c++17 "${flags[@]}" -isystem /usr/include/bullet c/bullet.cpp -o "$PENETRATION_BUILD/bullet.so" \
-        -lBulletDynamics -lBulletCollision -lLinearMath || fail 'the peers behind c/penetration.h could not be built'
+    "${bullet[@]}" c/bullet.cpp -o "$PENETRATION_BUILD/bullet.so" -lBulletDynamics -lBulletCollision \
+        -lLinearMath || fail 'the peers behind c/penetration.h could not be built'
 
 say 'Measuring'
 if [[ $size == --solvers ]]; then
