@@ -111,6 +111,7 @@ pub fn all() -> Vec<Description> {
         method("embree-low", F32, 1),
         method("parry3d-refit", F32, 1),
         method("obvhs-refit", F32, 1),
+        method("tinybvh-refit", F32, 1),
         other("fcl-aabb", F32, 1),
         other("bullet-vf", F32, 1),
     ]

@@ -5,6 +5,7 @@
 mod obvhs;
 mod parry;
 mod structure;
+mod tinybvh;
 
 use std::ffi::{c_char, c_void};
 

@@ -1,6 +1,6 @@
 //! What a Rust crate has to do for `cpp/ray_step.cpp`, and the way there from C++.
 
-use crate::{obvhs, parry};
+use crate::{obvhs, parry, tinybvh};
 use std::ffi::{CStr, c_char};
 use std::slice::{from_raw_parts, from_raw_parts_mut};
 
@@ -68,6 +68,7 @@ pub unsafe extern "C" fn bench_structure_new(method: *const c_char, body: &BodyV
     let structure: Box<dyn Structure> = match method.to_bytes() {
         b"parry3d-refit" => Box::new(parry::Refitted::new(positions, triangles)),
         b"obvhs-refit" => Box::new(obvhs::Refitted::new(positions, triangles)),
+        b"tinybvh-refit" => Box::new(tinybvh::Refitted::new(positions, triangles)),
         _ => return std::ptr::null_mut(),
     };
     Box::into_raw(Box::new(Handle { structure, vertex_count }))
