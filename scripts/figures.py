@@ -108,8 +108,7 @@ def error_of(method):
 
 
 def direction_of(library, shapes):
-    name = f"penetration/{'quick/' * (library == 'raycontact')}measure.csv"
-    row = only(name, library=library, kind="random", shapes=shapes, judge="hydroelastic")[0]
+    row = only("penetration/measure.csv", library=library, kind="random", shapes=shapes, judge="hydroelastic")[0]
     silent = f", {row['silent']} of {row['poses']} silent" if row["silent"] != "0" else ""
     return " / ".join(f"{float(f'{float(row[column]):.2g}'):g}°" for column in ("median", "worst")) + silent
 
@@ -122,7 +121,7 @@ def recovery_of(library):
             parts[row["kind"]] = freed + int(row["freed"]), asked + int(row["poses"]) - int(row["refused"])
     freed, asked = (sum(values) for values in zip(*parts.values()))
     worst = min(100 * freed / asked for freed, asked in parts.values() if asked)
-    return f"{100 * freed / asked:.4g} % / {worst:.4g} %" + " (earlier default)" * (library == "raycontact")
+    return f"{100 * freed / asked:.4g} % / {worst:.4g} %"
 
 
 def claims():
@@ -242,11 +241,19 @@ def queries_wrong():
 
 
 def deforming():
-    name = "penetration/deforming.csv"
-    return table(["scene", "start", "tetrahedra", "library", "parted", "deepest overlap left", "inverted",
-                  "seconds until parted", "seconds of the run"], [
-        [*(row[column] or "–" for column in ("scene", "start", "tetrahedra", "library", "parted", "depth", "inverted",
-                                             "parted_after", "seconds"))] for row in rows(name)])
+    """Of each scene and start what became of it with each library."""
+    def cell(row):
+        inverted = f", {row['inverted']} inverted" * (row["inverted"] not in ("", "0"))
+        if row["parted"] == "yes":
+            return f"{row['parted_after'] or '–'} / {row['seconds']}{inverted}"
+        return f"no, {row['depth']} deep{inverted} / {row['seconds']}" if row["parted"] == "no" else row["parted"]
+
+    listed = rows("penetration/deforming.csv")
+    libraries = list(dict.fromkeys(row["library"] for row in listed))
+    scenes = dict.fromkeys((row["scene"], row["start"], row["tetrahedra"]) for row in listed)
+    cells = {(row["scene"], row["start"], row["library"]): cell(row) for row in listed}
+    return table(["scene", "start", "tetrahedra", *libraries],
+                 [[*scene, *(cells[*scene[:2], library] for library in libraries)] for scene in scenes])
 
 
 def deep():
