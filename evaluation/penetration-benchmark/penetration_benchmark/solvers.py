@@ -578,7 +578,7 @@ def main():
     parser.add_argument("--libraries", default="", metavar="NAMES",
                         help="with / between (default: all that are installed of "
                         f"{'/'.join(library.name for library in LIBRARIES)})")
-    parser.add_argument("--share", type=float, default=0.35, help="of the 26 scenes of each kind (default: 0.35)")
+    parser.add_argument("--share", type=float, default=0.25, help="of the 26 scenes of each kind (default: 0.25)")
     parser.add_argument("--seed", type=int, help="of the scenes that count (default: drawn once stiffnesses are known)")
     parser.add_argument("--quick", action="store_true", help="two scenes of each kind at 1/60 s, stiffnesses not tuned")
     options = parser.parse_args()
