@@ -14,14 +14,13 @@ use crate::self_contact::rounding;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Mask};
 use crate::triangle::Hit;
 
-/// The rays from some of a body's groups of vertices or triangles through the other body, sixteen at a time through
-/// both filters of the paper.
+/// Casts rays from some samples of one body through the other, sixteen at a time through both filters of the paper. Gives the
+/// surface that casts.
 pub(crate) struct Cast<'a, T: Scalar> {
     /// The kind of the contacts made.
     pub(crate) kind: ContactKind,
     pub(crate) direction: &'a Direction<'a, T>,
     pub(crate) starts: Starts<'a, T>,
-    pub(crate) surface: &'a mut Turning<T>,
     pub(crate) statistics: &'a mut Statistics,
     pub(crate) contacts: &'a mut Vec<Contact<T>>,
     /// Scratch memory for the vertices in the overlap box.
@@ -31,38 +30,36 @@ pub(crate) struct Cast<'a, T: Scalar> {
 }
 
 impl<T: Scalar> Kernel<T> for Cast<'_, T> {
-    type Output = ();
+    type Output = Turning<T>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run<L: Lanes<T>>(self) {
-        let Direction { pair, side } = *self.direction;
-        let own = pair.tracers[side];
-        let mut sampler = Sampler::new::<L>(own, pair.region, self.starts, self.vertices);
+    fn run<L: Lanes<T>>(self) -> Turning<T> {
+        let Self { kind, direction, starts, statistics, contacts, vertices, crossings } = self;
+        let Direction { pair, side } = *direction;
+        let mut sampler = Sampler::new::<L>(pair.tracers[side], pair.region, starts, vertices);
         let (mut samples, mut rays, mut surface) = (sampler.packet(), Rays::new(), CastSurfaceLanes::new());
+        let mut tracing = Tracing { kind, direction, statistics, contacts, crossings };
         // Packets are filled by a small function and traced in one loop, because the code inlined into the loop is large.
         while sampler.fill::<L>(&mut samples) {
-            // What is left out because it lies outside the other body counts neither here.
             surface.add::<L>(&samples.lanes);
-            let (statistics, crossings) = (&mut *self.statistics, &mut *self.crossings);
-            Tracing { direction: self.direction, kind: self.kind, statistics, crossings, contacts: self.contacts }
-                .trace::<L>(&samples, &mut rays);
+            tracing.trace::<L>(&samples, &mut rays);
         }
-        *self.surface = surface.total();
-        sampler.count(self.statistics);
+        sampler.count(tracing.statistics);
+        surface.total()
     }
 }
 
-/// The way of one packet: traced, classified, weighed.
-struct Tracing<'a, 'b, T: Scalar> {
-    direction: &'a Direction<'b, T>,
+/// What happens to a packet once it is filled.
+struct Tracing<'a, T: Scalar> {
     kind: ContactKind,
+    direction: &'a Direction<'a, T>,
     statistics: &'a mut Statistics,
-    crossings: &'a mut Vec<Hit<T>>,
     contacts: &'a mut Vec<Contact<T>>,
+    crossings: &'a mut Vec<Hit<T>>,
 }
 
-impl<T: Scalar> Tracing<'_, '_, T> {
-    /// Keeps the rays that pass both filters.
+impl<T: Scalar> Tracing<'_, T> {
+    /// Traces the rays, classifies their hits, and makes contacts of those that pass both filters.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn trace<L: Lanes<T>>(&mut self, samples: &SamplePacket<T>, rays: &mut Rays<T>) {
         let Direction { pair, side } = *self.direction;
@@ -98,8 +95,9 @@ impl<T: Scalar> Tracing<'_, '_, T> {
         accept::<T, L>(self.kind, self.direction, samples, rays, accepted, &cos_alpha, self.contacts);
     }
 
-    /// Which of the rays leave their own body before the other. A ray from a face that leaves both through faces in one plane is
-    /// among them, so that rounding does not decide. Rays from vertices are the paper's, and end exactly at the other body.
+    /// Which of the rays leave their own body before the other. Rays from faces end a little beyond the other body: a ray that
+    /// leaves both bodies through faces in one plane is hidden, whatever rounding says. Rays from vertices end exactly there,
+    /// as the paper's do.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn hidden<L: Lanes<T>>(&mut self, samples: &SamplePacket<T>, rays: &mut Rays<T>, exits: Mask) -> Mask {
         let Direction { pair, side } = *self.direction;

@@ -10,39 +10,44 @@ use crate::contact::workspace::{Chunk, Workspace};
 use crate::math::Scalar;
 use crate::memory::Room;
 use crate::simd::{LANE_COUNT, dispatch};
+use crate::triangle::Hit;
 
 // What chose these numbers: docs/architecture.md, *Tuned constants*.
 
 /// A direction is cast in about this many chunks. They do not depend on the number of threads, so sums over them do not either.
 const CHUNKS: usize = 16;
-/// The fewest groups of vertices or triangles in a chunk, whose rays need not fill the last packet, and the most.
+/// The fewest and the most groups of vertices, or packets of samples, in a chunk.
 const GROUPS_IN_CHUNK: [usize; 2] = [32, 64];
 
 impl<'a, T: Scalar> Starts<'a, T> {
-    fn chunk_count(self) -> usize {
-        self.len().div_ceil(self.steps_in_chunk())
+    /// How many groups or packets they are, and how many of these a chunk has.
+    fn lengths(self) -> [usize; 2] {
+        let length = match self {
+            Self::Groups(groups) => groups.len(),
+            Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
+        };
+        let [fewest, most] = GROUPS_IN_CHUNK;
+        [length, length.div_ceil(CHUNKS).clamp(fewest, most)]
     }
 
-    fn steps_in_chunk(self) -> usize {
-        let [fewest, most] = GROUPS_IN_CHUNK;
-        self.len().div_ceil(CHUNKS).clamp(fewest, most)
+    fn chunk_count(self) -> usize {
+        let [all, of_chunk] = self.lengths();
+        all.div_ceil(of_chunk)
     }
 
     fn chunk(self, number: usize) -> Self {
-        let length = self.steps_in_chunk();
-        let part = |count: usize, length: usize| number * length..count.min((number + 1) * length);
-        let lanes = length * LANE_COUNT;
+        let [_, length] = self.lengths();
+        let range = |count: usize, length: usize| number * length..count.min((number + 1) * length);
         match self {
-            Self::Groups(groups) => Self::Groups(&groups[part(groups.len(), length)]),
-            Self::Samples(samples) => Self::Samples(&samples[part(samples.len(), lanes)]),
+            Self::Groups(groups) => Self::Groups(&groups[range(groups.len(), length)]),
+            Self::Samples(samples) => Self::Samples(&samples[range(samples.len(), length * LANE_COUNT)]),
         }
     }
 }
 
 impl<T: Scalar> Pair<'_, T> {
-    /// Adds the contacts of the samples inside the overlap box, both ways. The workspace holds their groups.
+    /// Adds the contacts of the samples inside the overlap box, both ways. The workspace has their groups.
     pub(crate) fn cast_samples(&self, list: &mut ContactList<T>) {
-        list.workspace.clear();
         let ContactList { contacts, workspace, statistics, .. } = list;
         let Workspace { helpers, chunks, groups, quadrature, vertices, crossings, .. } = workspace;
         let starts = if self.options.sampling == Sampling::Vertices {
@@ -56,53 +61,47 @@ impl<T: Scalar> Pair<'_, T> {
         let [of_first, of_second] = starts.map(Starts::chunk_count);
         let count = of_first + of_second;
         let mut loads = [CastLoad::default(); 2];
-        let side_and_number = |place: usize| if place < of_first { (0, place) } else { (1, place - of_first) };
+        let chunk_of = |index: usize| {
+            let (side, number) = if index < of_first { (0, index) } else { (1, index - of_first) };
+            (side, Direction { pair: self, side }, starts[side].chunk(number))
+        };
         if !helpers.are_there() || count < 2 {
             let start = contacts.len();
-            let mut middle = start;
-            for (side, number) in (0..count).map(side_and_number) {
+            let mut counts = [0; 2];
+            for (side, direction, starts) in (0..count).map(chunk_of) {
                 let before = contacts.len();
-                let mut load = CastLoad::default();
-                dispatch::<T, _>(Cast {
-                    kind: ContactKind::Ray,
-                    direction: &Direction { pair: self, side },
-                    starts: starts[side].chunk(number),
-                    surface: &mut load.surface,
-                    statistics,
-                    contacts,
-                    vertices,
-                    crossings,
-                });
-                load.add_contacts(&contacts[before..], self.options.law);
-                loads[side].merge(&load);
-                middle = if side == 0 { contacts.len() } else { middle };
+                loads[side].merge(&direction.cast(starts, statistics, contacts, vertices, crossings));
+                counts[side] += contacts.len() - before;
             }
             let shares = self.fixed_shares.unwrap_or_else(|| shares(&loads));
-            scale_contacts(shares, &mut contacts[start..], middle - start);
+            scale_contacts(shares, &mut contacts[start..], counts[0]);
             return;
         }
         if chunks.len() < count {
             chunks.room_for(count - chunks.len()).resize_with(count, Chunk::default);
         }
         let chunks = &mut chunks[..count];
-        helpers.for_each(chunks, |place, chunk| {
-            let (side, number) = side_and_number(place);
-            chunk.cast(&Direction { pair: self, side }, starts[side].chunk(number));
+        helpers.for_each(chunks, |index, chunk| {
+            let (_, direction, starts) = chunk_of(index);
+            let Chunk { load, statistics, contacts, vertices, crossings, .. } = chunk;
+            *statistics = Statistics::default();
+            contacts.clear();
+            *load = direction.cast(starts, statistics, contacts, vertices, crossings);
         });
-        let mut found = 0;
-        for (place, chunk) in chunks.iter_mut().enumerate() {
-            chunk.before = found;
-            found += chunk.contacts.len();
+        let mut before = 0;
+        for (index, chunk) in chunks.iter_mut().enumerate() {
+            chunk.before = before;
+            before += chunk.contacts.len();
             *statistics += chunk.statistics;
-            loads[side_and_number(place).0].merge(&chunk.load);
+            loads[usize::from(index >= of_first)].merge(&chunk.load);
         }
         let chunks = &*chunks;
         let shares = self.fixed_shares.unwrap_or_else(|| shares(&loads));
         helpers.append(
             contacts,
             chunks.len(),
-            |place| (chunks[place].before, chunks[place].contacts.as_slice()),
-            |place, contact| Contact { area: contact.area * shares[side_and_number(place).0], ..*contact },
+            |index| (chunks[index].before, chunks[index].contacts.as_slice()),
+            |index, contact| Contact { area: contact.area * shares[usize::from(index >= of_first)], ..*contact },
         );
     }
 
@@ -112,15 +111,20 @@ impl<T: Scalar> Pair<'_, T> {
     }
 }
 
-impl<T: Scalar> Chunk<T> {
-    fn cast(&mut self, direction: &Direction<'_, T>, starts: Starts<'_, T>) {
-        (self.load, self.statistics) = (CastLoad::default(), Statistics::default());
-        self.contacts.clear();
-        let Self { load, statistics, contacts, vertices, crossings, .. } = self;
-        let surface = &mut load.surface;
-        let kind = ContactKind::Ray;
-        dispatch::<T, _>(Cast { kind, direction, starts, surface, statistics, contacts, vertices, crossings });
-        load.add_contacts(contacts, direction.pair.options.law);
+impl<T: Scalar> Direction<'_, T> {
+    /// Adds the contacts of some samples; gives what they carry.
+    fn cast(
+        &self,
+        starts: Starts<'_, T>,
+        statistics: &mut Statistics,
+        contacts: &mut Vec<Contact<T>>,
+        vertices: &mut Vec<u32>,
+        crossings: &mut Vec<Hit<T>>,
+    ) -> CastLoad<T> {
+        let (before, kind) = (contacts.len(), ContactKind::Ray);
+        let surface =
+            dispatch::<T, _>(Cast { kind, direction: self, starts, statistics, contacts, vertices, crossings });
+        CastLoad::new(surface, &contacts[before..], self.pair.options.law)
     }
 }
 
@@ -130,12 +134,11 @@ mod tests {
     use crate::contact::options::DetectionOptions;
     use crate::escape::detect_pair;
     use crate::mesh::Mesh;
-    use crate::mesh::test_mesh::torus;
-    use crate::mesh::test_mesh::torus_positions;
+    use crate::mesh::test_mesh::{torus, torus_positions};
     use crate::query::Octree;
     use crate::threads::Threads;
 
-    /// So fine that threads also share what is done before and after the rays.
+    /// So fine that threads also divide what is done before and after the rays.
     const SIDES: [u32; 2] = [256, 128];
 
     fn contacts(meshes: [&Mesh<f64>; 2], threads: usize) -> ContactList<f64> {
@@ -143,14 +146,14 @@ mod tests {
         let tracers = [0, 1].map(|side| octrees[side].tracer(meshes[side]).expect("it is new"));
         let mut contacts = ContactList::default();
         let threads = Threads::new(threads).expect("the threads start");
-        contacts.set_helpers(threads.helpers().clone());
+        contacts.workspace.helpers = threads.helpers().clone();
         threads.run(|| {
             detect_pair([0, 1], tracers.each_ref(), &DetectionOptions::paper(), 0, None, true, &mut contacts);
         });
         contacts
     }
 
-    /// Also in number: several threads are told before where each chunk's contacts begin.
+    /// Also in number: several threads are told beforehand where each chunk's contacts begin.
     #[test]
     fn chunks_cast_side_by_side_give_what_one_thread_gives() {
         let first = torus(SIDES);

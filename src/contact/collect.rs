@@ -1,4 +1,4 @@
-//! Points of one body that do not follow the load: what is pushed where a pair escapes, and where a body may touch itself.
+//! Samples that do not follow the load: of a pair that escapes, and of a body that may touch itself.
 
 use crate::contact::pair::Pair;
 use crate::contact::quadrature::sampler::CollectVertices;
@@ -9,7 +9,7 @@ use crate::memory;
 use crate::simd::dispatch;
 
 impl<T: Scalar> Pair<'_, T> {
-    /// All samples of one body's groups inside the overlap box, into the workspace.
+    /// Fills the workspace with all samples of one body's groups inside the overlap box.
     pub(crate) fn collect(&self, side: usize, purpose: Purpose, workspace: &mut Workspace<T>) {
         let Workspace { groups, vertices, samples, quadrature, .. } = workspace;
         samples.clear();

@@ -1,4 +1,4 @@
-//! All contacts of a pair in one step: by rays both ways, or by edges where rays find none; and what is still unsettled then.
+//! All contacts of a pair: by rays both ways, or by edges where rays find none; and whether they settle the overlap.
 
 use crate::contact::list::ContactList;
 use crate::contact::pair::{Direction, Pair};
@@ -13,11 +13,11 @@ use crate::simd::LANE_COUNT;
 use crate::threads::Helpers;
 use crate::triangle::Ray;
 
-/// A ray has two to three tiles of a body in order on its way. If it has no more than this many, the body is not held to be
-/// tangled. What chose the number: docs/architecture.md, *Tuned constants*.
+/// A ray has two to three tiles of a body in order on its way. A body with no more than this many is not taken for tangled.
+/// What chose the number: docs/architecture.md, *Tuned constants*.
 const FEW_TILES: usize = 3;
 
-/// What a step's contacts say of the overlap.
+/// What the contacts say of the overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// The contacts describe the overlap, or there is none.
@@ -27,8 +27,8 @@ pub(crate) enum Outcome {
 }
 
 impl<T: Scalar> Pair<'_, T> {
-    /// Whether rays would meet a large part of a body that is tangled. The work would grow with the square of the triangles, and
-    /// no inside is left to tell.
+    /// Whether one of the bodies is tangled and the other's rays meet a large part of it. Their work would grow with the square
+    /// of the triangles, and no inside is left to tell.
     pub(crate) fn is_tangled(&self, workspace: &mut Workspace<T>) -> bool {
         [0, 1].into_iter().any(|side| {
             let ([groups, met], other) = (&mut workspace.groups, self.tracers[1 - side]);
@@ -64,7 +64,7 @@ impl<T: Scalar> Pair<'_, T> {
     pub(crate) fn cast_both_ways(&self, contacts: &mut ContactList<T>) {
         let Workspace { helpers, groups, sides, .. } = &mut contacts.workspace;
         let [first, second] = self.tracers;
-        // Handing over takes longer than telling that there is nothing to look for.
+        // Where there is nothing to leave out, handing over would take longer than the work.
         let take_long = first.leaves_out(second, self.region) && second.leaves_out(first, self.region);
         let helpers = if take_long { helpers } else { &Helpers::Nobody };
         let ([of_first, of_second], [first_sides, second_sides]) = (groups, sides);
@@ -79,8 +79,8 @@ impl<T: Scalar> Pair<'_, T> {
         self.cast_samples(contacts);
     }
 
-    /// Adds the contacts of the edges of both bodies; gives how many stretches of edges lie inside. Where the body that carries
-    /// all of the load has none, the other's edges carry it.
+    /// Adds the contacts of the edges of both bodies; gives how many stretches of edges lie inside. Bodies without a share of
+    /// the load cast only where no edge of the others lies inside.
     fn cast_edges(&self, contacts: &mut ContactList<T>) -> usize {
         let start = contacts.len();
         for carries in [true, false] {

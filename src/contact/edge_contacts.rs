@@ -16,15 +16,13 @@ impl<T: Scalar> Direction<'_, T> {
     /// Adds the contacts of the edges that pierce the other mesh, from the middle of each stretch inside; gives how many
     /// such stretches there are, and the direction's load.
     ///
-    /// A stretch stands for a strip of its length. Below the edge that lies across a sharp one, whatever the angle between
-    /// them, the pressure on the two faces, integrated, is that in the middle of the stretch times a strip as wide as a third
-    /// of what the ray runs through, times the tangent of half the angle between the faces. That is wide for faces that hardly
-    /// bend, so no strip is wider than the middle is deep.
+    /// A stretch stands for a strip of its length. A strip as wide as a third of the depth, times the tangent of half the angle
+    /// between the faces, has the load of a sharp edge across another edge, whatever the angle between the two. For faces that
+    /// hardly bend it would be wide, so no strip is wider than the middle is deep.
     pub(crate) fn cast_edges(&self, list: &mut ContactList<T>) -> (usize, CastLoad<T>) {
         let ContactList { contacts, statistics, workspace, .. } = list;
         let Workspace { samples, groups, vertices, marks, edge_sides, crossings, .. } = workspace;
         let first = contacts.len();
-        let mut load = CastLoad::default();
         let tracers = [self.pair.tracers[self.side], self.pair.tracers[1 - self.side]];
         samples.clear();
         for_each_inside_stretch(
@@ -36,11 +34,10 @@ impl<T: Scalar> Direction<'_, T> {
                 samples.room_for(1).push(Sample { area: length, ..sample });
             },
         );
-        dispatch::<T, _>(Cast {
+        let surface = dispatch::<T, _>(Cast {
             kind: ContactKind::Edge,
             direction: self,
             starts: Starts::Samples(samples),
-            surface: &mut load.surface,
             statistics,
             contacts,
             vertices,
@@ -48,13 +45,12 @@ impl<T: Scalar> Direction<'_, T> {
         });
         let own = tracers[0].mesh();
         contacts[first..].iter_mut().for_each(|contact| contact.area *= width_of_strip(own, contact));
-        load.add_contacts(&contacts[first..], self.pair.options.law);
-        (samples.len(), load)
+        (samples.len(), CastLoad::new(surface, &contacts[first..], self.pair.options.law))
     }
 }
 
 fn width_of_strip<T: Scalar>(own: &Mesh<T>, contact: &Contact<T>) -> T {
-    // Of half the angle between the faces.
+    // The sine and the cosine of half the angle between the faces.
     let sine = cosine(&own.scaled_normal(contact.p1.triangle), &-contact.direction);
     let cosine = (T::one() - sine * sine).max(T::zero()).sqrt();
     let third = T::one() / T::of(3.0);

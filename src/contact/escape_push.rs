@@ -19,7 +19,6 @@ pub struct EscapePush<T: Scalar> {
 }
 
 impl<T: Scalar> EscapePush<T> {
-    /// Of the pair's contacts.
     pub(crate) fn new(bodies: [u32; 2], direction: Vector3<T>, depth: T, contacts: &[Contact<T>]) -> Self {
         let area = contacts.iter().fold(T::zero(), |sum, contact| sum + contact.area);
         Self { bodies, direction, depth, area, contact_count: contacts.len() as u32 }

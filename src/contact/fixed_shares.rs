@@ -3,12 +3,12 @@ use crate::mesh::Roundness;
 
 /// The shares of the load that the two directions carry for bodies of these shapes, whatever their pose.
 ///
-/// The forces of one body's rays are the gradient of an energy, in the field of distances inside the other body. With constant
-/// shares the sum of both directions is such a gradient too, so closed paths cost no work. In the field of a flat face the
-/// force is that of Archimedes; in that of a ball it is smaller, the more so the smaller the ball. So the one that is curved
-/// more casts more, and all where the other is flat beside it. Of two with flat faces the smaller casts more: it is more likely
-/// to touch with a whole face, where the border is its own and needs no search. Only by the root of their sizes: pressed between
-/// others, a block has the right force where both cast alike. docs/accuracy.md has the errors that the two constants leave.
+/// The forces of one body's rays are the gradient of an energy: an integral over the distances inside the other body. With
+/// constant shares the sum of both directions is a gradient too, and closed paths cost no work. Distances to a flat face give
+/// the force of Archimedes. Those to a ball give less, the less the smaller the ball is. So the body that is curved more casts
+/// more, and beside a flat one it casts all. Of two flat bodies the smaller casts more: it is more likely to touch with a whole
+/// face, whose border is its own and needs no search. That goes only by the root of the sizes, because a block pressed between
+/// others has the right force where both cast alike. docs/accuracy.md has the errors that the two constants leave.
 pub(crate) fn fixed_shares<T: Scalar>(shapes: [Roundness; 2]) -> [T; 2] {
     const LITTLE: f64 = 1.0 / 128.0;
     const NOTHING: f64 = 1.0 / 512.0;
@@ -16,8 +16,7 @@ pub(crate) fn fixed_shares<T: Scalar>(shapes: [Roundness; 2]) -> [T; 2] {
     let shapes = shapes.map(|Roundness { of_unit, area }| [of_unit, area / largest]);
     // The squares of both curvatures, times both areas.
     let claims = [0, 1].map(|k| (shapes[k][0] + LITTLE * shapes[k][1].sqrt().sqrt()).powi(2) * shapes[1 - k][1]);
-    let parts = claims.map(|claim| claim / (claims[0] + claims[1]));
-    match parts {
+    match claims.map(|claim| claim / (claims[0] + claims[1])) {
         [first, _] if first < NOTHING => [T::zero(), T::one()],
         [_, second] if second < NOTHING => [T::one(), T::zero()],
         [first, second] if first + second > 0.0 => [T::of(first), T::of(second)],

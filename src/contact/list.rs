@@ -1,6 +1,6 @@
 use crate::contact::escape_push::EscapePush;
 use crate::contact::point_pair::Contact;
-use crate::contact::potential::PotentialRoom;
+use crate::contact::potential::Columns;
 use crate::contact::spread::Spreads;
 use crate::contact::statistics::Statistics;
 use crate::contact::workspace::Workspace;
@@ -48,12 +48,7 @@ impl<T: Scalar> ContactList<T> {
         &self.pushes
     }
 
-    /// Says who helps with the next query for a pair.
-    pub(crate) fn set_helpers(&mut self, helpers: Helpers) {
-        self.workspace.helpers = helpers;
-    }
-
-    /// Forgets everything but the memory.
+    /// Empties the list; its capacity stays.
     pub fn clear(&mut self) {
         self.contacts.clear();
         self.pushes.clear();
@@ -61,7 +56,7 @@ impl<T: Scalar> ContactList<T> {
         self.statistics = Statistics::default();
     }
 
-    /// Fills the list anew. If memory runs out on the way, the list is empty.
+    /// Fills the list anew. If memory runs out, the list is empty.
     pub(crate) fn refill<R>(&mut self, fill: impl FnOnce(&mut Self) -> R) -> R {
         self.clear();
         catch_unwind(AssertUnwindSafe(|| fill(self))).unwrap_or_else(|panic| {
@@ -70,26 +65,26 @@ impl<T: Scalar> ContactList<T> {
         })
     }
 
-    /// Replaces what it holds by `count` other lists. `list` gives how many contacts are in all lists before, and the list.
+    /// Replaces its contents by those of `count` other lists. `list` gives how many contacts all lists before have, and the list.
     pub(crate) fn join<'a>(&mut self, helpers: &Helpers, count: usize, list: impl Fn(usize) -> (usize, &'a Self) + Sync)
     where
         T: 'a,
     {
         self.clear();
-        let contacts_of = |number| {
-            let (before, list) = list(number);
+        let contacts_of = |index| {
+            let (before, list) = list(index);
             (before, list.contacts.as_slice())
         };
         helpers.append(&mut self.contacts, count, contacts_of, |_, contact| *contact);
-        for number in 0..count {
-            let (before, other) = list(number);
+        for index in 0..count {
+            let (before, other) = list(index);
             self.take_spreads(before, other);
             memory::append(&mut self.pushes, other.pushes.iter().copied());
             self.statistics += other.statistics;
         }
     }
 
-    /// Takes over what another list holds; that list has to be cleared afterwards.
+    /// Takes over another list's contents; that list has to be cleared afterwards.
     pub(crate) fn take_from(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.contacts, &mut other.contacts);
         std::mem::swap(&mut self.pushes, &mut other.pushes);
@@ -97,7 +92,7 @@ impl<T: Scalar> ContactList<T> {
         self.statistics = other.statistics;
     }
 
-    /// Adds the contacts and counts of `other` after its own.
+    /// Adds the contacts, pushes and counts of `other` after its own.
     pub fn append(&mut self, other: &Self) {
         let before = self.len();
         self.contacts.room_for(other.contacts.len()).extend_from_slice(&other.contacts);
@@ -109,18 +104,14 @@ impl<T: Scalar> ContactList<T> {
     /// The sum over all pairs of what `of_pair` gives for its two bodies and its contacts.
     pub(crate) fn sum_of_pairs(
         &mut self,
-        mut of_pair: impl FnMut([u32; 2], &[Contact<T>], &mut PotentialRoom<T>) -> f64,
+        mut of_pair: impl FnMut([u32; 2], &[Contact<T>], &mut Columns<T>) -> f64,
     ) -> f64 {
-        let pair = |contact: &Contact<T>| {
-            let Contact { colliding, collided, .. } = *contact;
-            [colliding.min(collided), colliding.max(collided)]
-        };
-        let pairs = self.contacts.chunk_by(|one, next| pair(one) == pair(next));
-        let room = &mut self.workspace.potential;
-        pairs.fold(0.0, |sum, contacts| sum + of_pair(pair(&contacts[0]), contacts, room))
+        let pairs = self.contacts.chunk_by(|one, next| one.bodies() == next.bodies());
+        let columns = &mut self.workspace.columns;
+        pairs.fold(0.0, |sum, contacts| sum + of_pair(contacts[0].bodies(), contacts, columns))
     }
 
-    /// Adds what the contacts of `other` bear on, which stand after so many of its own.
+    /// Adds the spreads of the contacts of `other`, which come after so many of its own.
     fn take_spreads(&mut self, before: usize, other: &Self) {
         if other.spreads.len() > 0 {
             let spreads_before = self.spreads.len();

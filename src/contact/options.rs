@@ -26,13 +26,13 @@ impl<T: Scalar> Default for DetectionOptions<T> {
     }
 }
 
-/// A body has at most about so many times the area of a region's largest face in it.
+/// The surface of a body in a region has at most about this many times the area of the region's largest face.
 const MOST_FACES: f64 = 5.0;
-/// About so many rays and distances at a tolerance of 1; at others more, in inverse proportion.
+/// About this many rays and distances at a tolerance of 1; at others more, in inverse proportion.
 const RAYS_AT_TOLERANCE_OF_ONE: f64 = 10.0;
 
 impl<T: Scalar> DetectionOptions<T> {
-    /// About how many rays of a body are expected in some regions.
+    /// About how many rays a body casts in these regions.
     pub(crate) fn expected_rays(&self, regions: &[Aabb<T>]) -> usize {
         match (self.law, self.sampling) {
             (ContactLaw::Pressure, Sampling::Accuracy(tolerance)) => {

@@ -1,4 +1,4 @@
-//! Two bodies whose boxes overlap, as plain data: what all parts of a detection are given.
+//! Two bodies whose boxes overlap, as plain data: what each step of a detection is given.
 
 use crate::contact::fixed_shares::fixed_shares;
 use crate::contact::options::{ContactLaw, DetectionOptions};
@@ -16,8 +16,7 @@ pub(crate) fn overlap_region<T: Scalar>(a: &Aabb<T>, b: &Aabb<T>) -> (Aabb<T>, A
     (overlap, overlap.grown(largest * margins::margin(margins::SAMPLE_IN_BOX)))
 }
 
-/// Most nearest points of the surface lie no farther beyond an overlap box than this part of the box's shortest side. To
-/// prepare the trees that far took a deep default step from 6.5 to 3.1 times one by the paper's law.
+/// Most nearest points of the surface lie no farther beyond an overlap box than this fraction of the box's shortest side.
 const BEYOND_OVERLAP: f64 = 0.5;
 
 /// Where most rays end, and most distances, of a pair with these boxes.
@@ -39,11 +38,11 @@ pub(crate) struct Pair<'a, T: Scalar> {
     pub(crate) region: &'a Aabb<T>,
     pub(crate) options: &'a DetectionOptions<T>,
     pub(crate) may_escape: bool,
-    /// The part of the usual samples that this pair has.
-    pub(crate) part_of_samples: T,
+    /// How many samples this pair has, over the usual number.
+    pub(crate) sample_fraction: T,
     /// Where the rays of either body end.
     pub(crate) ray_regions: [Aabb<T>; 2],
-    /// Whether rays count only that leave the other body before their own.
+    /// Whether only those rays count that leave the other body before their own.
     pub(crate) hides_behind_own_surface: bool,
     /// The share of the load that each direction carries; `None`: found from the contacts.
     pub(crate) fixed_shares: Option<[T; 2]>,
@@ -76,7 +75,7 @@ impl<'a, T: Scalar> Pair<'a, T> {
         // With rays from vertices a coarse flat body may cast nothing. Then the other direction must carry all of the load.
         let is_fixed = !hides_behind_own_surface && options.sampling != Sampling::Vertices;
         let fixed_shares = is_fixed.then(|| fixed_shares(meshes.map(Mesh::roundness)));
-        let (may_escape, part_of_samples) = (true, T::one());
+        let (may_escape, sample_fraction) = (true, T::one());
         Self {
             bodies,
             tracers,
@@ -84,7 +83,7 @@ impl<'a, T: Scalar> Pair<'a, T> {
             region,
             options,
             may_escape,
-            part_of_samples,
+            sample_fraction,
             ray_regions,
             hides_behind_own_surface,
             fixed_shares,

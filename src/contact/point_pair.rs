@@ -27,14 +27,14 @@ pub(crate) fn touched_of<T: Scalar>(vertices: [u32; 3], weights: [T; 3]) -> [u32
     [0, 1, 2].map(|k| vertices[if weights[k] != T::zero() { k } else { one }])
 }
 
-/// Where a contact's spread stands in its list; by default it has none.
+/// Which of its list's spreads a contact has, counted from 1; by default it has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SpreadPlace(pub(crate) Option<NonZeroU32>);
+pub struct SpreadNumber(pub(crate) Option<NonZeroU32>);
 
-impl SpreadPlace {
-    /// The same in a list with so many before it.
+impl SpreadNumber {
+    /// The same behind so many others.
     pub(crate) fn after(self, before: usize) -> Self {
-        Self(self.0.and_then(|place| place.checked_add(before as u32)))
+        Self(self.0.and_then(|number| number.checked_add(before as u32)))
     }
 }
 
@@ -58,9 +58,9 @@ pub struct Contact<T: Scalar> {
     pub colliding: u32,
     /// The body the ray ends on; the same for a contact of a body with itself.
     pub collided: u32,
-    /// Which part of its triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and 2 n + 1. 2³¹
-    /// or more where the ray stands for a patch of triangles. 0 for a ray from a vertex. For a contact of an edge it is 3 n + k:
-    /// the edge lies across from corner k, and the contact is on its n-th stretch inside the other body, counted from 0.
+    /// Which part of its triangle the ray stands for: 1 is the whole triangle, and the halves of piece n are 2 n and 2 n + 1.
+    /// 2³¹ or more where the ray stands for a patch of triangles. 0 for a ray from a vertex. For a contact of an edge it is 3 n
+    /// + k: the edge lies across from corner k, and the contact is on its n-th stretch inside the other body, counted from 0.
     pub piece: u32,
     /// The ray's origin, on the colliding body.
     pub p1: SurfacePoint<T>,
@@ -70,18 +70,24 @@ pub struct Contact<T: Scalar> {
     pub direction: Vector3<T>,
     /// The distance from p1 to p2, ≥ 0.
     pub depth: T,
-    /// What the depth is multiplied with in the pressure, in \[0, 1\]. Under [`ContactLaw::Pressure`](crate::contact::options::ContactLaw) the
-    /// distance from p1 to the nearest point of the collided body over the depth, which beside a flat face is the cosine of
-    /// the angle between the ray and the outward normal at p2; under [`ContactLaw::RayLength`](crate::contact::options::ContactLaw) that cosine.
+    /// The factor of the depth in the pressure, in \[0, 1\]. Under
+    /// [`ContactLaw::Pressure`](crate::contact::options::ContactLaw) the distance from p1 to the nearest point of the collided
+    /// body over the depth, which beside a flat face is the cosine of the angle between the ray and the outward normal at p2;
+    /// under [`ContactLaw::RayLength`](crate::contact::options::ContactLaw) that cosine.
     pub cos_alpha: T,
-    /// The surface area the contact stands for: that of the ray's share of the surface, times the share of the load that
-    /// the rays of this direction carry; the two directions' shares sum to 1.
+    /// The surface area that the ray stands for, times the share of the load that the rays of this direction carry. The two
+    /// directions' shares sum to 1.
     pub area: T,
-    /// Over which vertices its load is spread, in the list in which it was found.
-    pub spread: SpreadPlace,
+    /// Over which vertices its load is spread, in the list that it belongs to.
+    pub spread: SpreadNumber,
 }
 
 impl<T: Scalar> Contact<T> {
+    /// Its bodies' numbers, the smaller one first.
+    pub(crate) fn bodies(&self) -> [u32; 2] {
+        [self.colliding.min(self.collided), self.colliding.max(self.collided)]
+    }
+
     /// A number for the surface point that casts and the body that it meets: the same from step to step while the triangle is
     /// cut in the same way, and another for every other contact. It is a hash of 64 bits: two contacts of a query with 100 000
     /// have the same with a probability of 3 · 10⁻¹⁰.

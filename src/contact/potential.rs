@@ -1,10 +1,10 @@
-//! The energy whose gradient the forces of the pressure law are: the integral of the distance to the one surface over what two
-//! bodies share.
+//! The energy whose gradient the forces of the pressure law are: the integral of the distance to the one surface over what
+//! is in both bodies.
 //!
-//! By Gauss's theorem it is a sum over the samples that cast: each stands for a column, along a line that is nearly its ray,
-//! from where it is to where the line leaves the other body. Lines of a pair are parallel, or meet in one point where bodies
-//! press from many sides, as a ball in a room. The integral does not depend on the choice, so neither do its differences. Its
-//! error is that of the samples, and of the depths between them.
+//! By Gauss's theorem it is a sum over the samples that cast. Each stands for a column along a line, nearly that of its ray,
+//! from the sample to where the line leaves the other body. The lines of a pair are parallel, or meet in one point where bodies
+//! press from many sides, as on a ball in a box. The integral does not depend on the lines, so they may change from call to
+//! call. Its error is that of the samples, and of the depths between them.
 
 use crate::contact::pair::Pair;
 use crate::contact::point_pair::{Contact, ContactKind};
@@ -14,25 +14,26 @@ use crate::query::Tracer;
 use crate::self_contact::rounding;
 use crate::triangle::{ClosestPoint, Ray};
 
-/// A column is halved until the depth in its middle is that between its ends, but for this part of the pair's mean depth.
+/// A column is halved until the depth in its middle is the mean of those at its ends, within this fraction of the pair's mean
+/// depth.
 const TOLERANCE: f64 = 0.01;
-/// And at most so often.
+/// And at most this often.
 const MOST_HALVINGS: usize = 6;
 
-/// A part of a column within one body.
+/// A stretch of a line within one body, with the area that it stands for.
 #[derive(Clone, Copy, Debug)]
 struct Column<T: Scalar> {
     line: Line<T>,
-    /// From the line's origin.
+    /// Distances along the line.
     ends: [T; 2],
-    /// Below the body's surface, at both ends.
+    /// How deep both ends are below the body's surface.
     depths: [T; 2],
-    /// At the origin, seen along the line.
+    /// Seen along the line, at its origin.
     area: T,
 }
 
-/// A line through a sample, and how much nearer its neighbours come with each metre: the inverse of how far it is to where all
-/// meet.
+/// A line through a sample. `narrowing` is the inverse of the distance to the point in which the pair's lines meet, 0 where
+/// they are parallel.
 #[derive(Clone, Copy, Debug)]
 struct Line<T: Scalar> {
     origin: Vector3<T>,
@@ -40,15 +41,16 @@ struct Line<T: Scalar> {
     narrowing: T,
 }
 
-/// Memory for the columns of a pair.
+/// The columns of a pair.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PotentialRoom<T: Scalar> {
-    /// In the field of either body.
-    columns: [Vec<Column<T>>; 2],
+pub(crate) struct Columns<T: Scalar> {
+    /// By the body in which they are.
+    within: [Vec<Column<T>>; 2],
+    /// Scratch memory for the integral.
     halves: Vec<Column<T>>,
     middles: Vec<Vector3<T>>,
     bounds: Vec<T>,
-    found: Vec<Option<ClosestPoint<T>>>,
+    nearest: Vec<Option<ClosestPoint<T>>>,
 }
 
 impl<T: Scalar> Line<T> {
@@ -60,7 +62,7 @@ impl<T: Scalar> Line<T> {
         self.origin + self.direction * t
     }
 
-    /// How far it runs within a body, from inside to the surface or to where all lines meet, and how deep it is there.
+    /// How far it runs inside a body, to the surface or to where all lines meet, and how deep it is there.
     fn span(&self, body: &Tracer<'_, T>, cap: T) -> Option<[T; 2]> {
         let meeting = if self.narrowing > T::zero() { T::one() / self.narrowing } else { T::INFINITY };
         match body.nearest_hit(&Ray { origin: self.origin, direction: self.direction, t_max: meeting }) {
@@ -75,15 +77,14 @@ impl<T: Scalar> Line<T> {
     }
 }
 
-/// The lines of a pair as the body with the smaller number goes along them.
+/// The lines of a pair, in the direction in which the body with the smaller number is pushed: `aim` − `narrowing` · point.
 struct Lines<T: Scalar> {
-    /// The direction is this, less so many times the point.
     aim: Vector3<T>,
     narrowing: T,
 }
 
 impl<T: Scalar> Lines<T> {
-    /// Those nearest to the contacts' directions: of all that meet in one point the best, and the more parallel the less the
+    /// Lines near the contacts' directions: those of the best fit that meet in one point, made more parallel the less the
     /// pushes cancel out.
     fn new(contacts: &[Contact<T>], first: u32) -> Self {
         let weighted = || {
@@ -102,8 +103,8 @@ impl<T: Scalar> Lines<T> {
             along -= load * push.dot(&(point - middle));
             squares += load * (point - middle).norm_squared();
         });
-        let part = (T::one() - length(&push)).max(T::zero());
-        let narrowing = if squares > T::zero() { along / squares * part } else { T::zero() };
+        let cancelled = (T::one() - length(&push)).max(T::zero());
+        let narrowing = if squares > T::zero() { along / squares * cancelled } else { T::zero() };
         Self { aim: push + middle * narrowing, narrowing }
     }
 
@@ -117,9 +118,9 @@ impl<T: Scalar> Lines<T> {
 
 impl<T: Scalar> Pair<'_, T> {
     /// The energy, over the stiffness, of all this pair's contacts; no pressure is larger than at the depth `cap`.
-    pub(crate) fn potential(&self, contacts: &[Contact<T>], cap: T, room: &mut PotentialRoom<T>) -> T {
+    pub(crate) fn potential(&self, contacts: &[Contact<T>], cap: T, columns: &mut Columns<T>) -> T {
         let mut energy = T::zero();
-        room.columns.iter_mut().for_each(Vec::clear);
+        columns.within.iter_mut().for_each(Vec::clear);
         let lines = Lines::new(contacts, self.bodies[0]);
         let (mut load, mut moment) = (T::zero(), T::zero());
         for contact in contacts.iter().filter(|contact| contact.area * contact.depth * contact.cos_alpha > T::zero()) {
@@ -127,7 +128,7 @@ impl<T: Scalar> Pair<'_, T> {
             match (contact.kind, self.fixed_shares) {
                 (ContactKind::Ray, Some(shares)) => {
                     (load, moment) = (load + contact.area * depth, moment + contact.area * depth * depth);
-                    self.add_columns(contact, depth, cap, shares, &lines, &mut room.columns);
+                    self.add_columns(contact, depth, cap, shares, &lines, &mut columns.within);
                 }
                 // What two edges share grows with the cube of the depth in area, and with the fourth power in energy.
                 (ContactKind::Edge, Some(_)) => energy += contact.area * depth * contact.depth * T::of(0.25),
@@ -137,14 +138,14 @@ impl<T: Scalar> Pair<'_, T> {
         if load > T::zero() {
             let tolerance = (moment / load).min(cap) * T::of(TOLERANCE);
             energy +=
-                (0..2).fold(T::zero(), |sum, field| sum + room.integral(self.tracers[field], field, cap, tolerance));
+                (0..2).fold(T::zero(), |sum, side| sum + columns.integral(self.tracers[side], side, cap, tolerance));
         }
         energy
     }
 
-    /// Adds the columns that a sample stands for. Its own body may end before the other does. Then the column from where that
-    /// body is entered runs on beyond it, and this sample takes away what is too much; or, seen from the other body, it adds
-    /// what lies between two points of this one.
+    /// Adds the columns that a sample stands for. Where its line leaves its own body before the other, a column that enters
+    /// that body runs too far; this sample then takes away what is too much. Seen from the other body, it adds the stretch
+    /// between two points of its own.
     fn add_columns(
         &self,
         contact: &Contact<T>,
@@ -159,10 +160,10 @@ impl<T: Scalar> Pair<'_, T> {
         let start = contact.p1.position;
         let line = lines.through(start, side == 0);
         let along = contact.direction.dot(&line.direction);
-        let mut add = |field: usize, line: Line<T>, from: T, span: Option<[T; 2]>, area: T| {
+        let mut add = |within: usize, line: Line<T>, from: T, span: Option<[T; 2]>, area: T| {
             if let Some([end, last]) = span {
                 let (ends, depths) = ([T::zero(), end], [from.min(cap), last]);
-                columns[field].room_for(1).push(Column { line, ends, depths, area });
+                columns[within].room_for(1).push(Column { line, ends, depths, area });
             }
         };
         if along > T::zero() {
@@ -185,25 +186,25 @@ impl<T: Scalar> Pair<'_, T> {
     }
 }
 
-impl<T: Scalar> PotentialRoom<T> {
-    /// Of the depth below a body's surface over the columns in its field, by Simpson's rule.
-    fn integral(&mut self, body: &Tracer<'_, T>, field: usize, cap: T, tolerance: T) -> T {
+impl<T: Scalar> Columns<T> {
+    /// The integral of the depth below a body's surface over the columns within it, by Simpson's rule.
+    fn integral(&mut self, body: &Tracer<'_, T>, side: usize, cap: T, tolerance: T) -> T {
         let (mut sum, half) = (T::zero(), T::of(0.5));
         for halvings in 0..=MOST_HALVINGS {
-            let Self { columns, halves, middles, bounds, found } = self;
-            let columns = &mut columns[field];
+            let Self { within, halves, middles, bounds, nearest } = self;
+            let columns = &mut within[side];
             let middle = |column: &Column<T>| (column.ends[0] + column.ends[1]) * half;
             memory::refill(middles, columns.iter().map(|column| column.line.at(middle(column))));
             memory::refill_with(bounds, T::INFINITY, middles.len());
-            body.closest_points(middles, bounds, found);
+            body.closest_points(middles, bounds, nearest);
             halves.clear();
-            for (column, found) in columns.iter().zip(&*found) {
+            for (column, nearest) in columns.iter().zip(&*nearest) {
                 let Column { line, ends: [start, end], depths: [first, last], area } = *column;
                 let middle = middle(column);
-                let depth = found.as_ref().map_or(T::zero(), |nearest| nearest.distance.min(cap));
+                let depth = nearest.as_ref().map_or(T::zero(), |nearest| nearest.distance.min(cap));
                 if halvings < MOST_HALVINGS && (depth - (first + last) * half).abs() > tolerance {
-                    let parts = [([start, middle], [first, depth]), ([middle, end], [depth, last])];
-                    memory::append(halves, parts.map(|(ends, depths)| Column { line, ends, depths, area }));
+                    let both = [([start, middle], [first, depth]), ([middle, end], [depth, last])];
+                    memory::append(halves, both.map(|(ends, depths)| Column { line, ends, depths, area }));
                 } else {
                     let width = |t: T| (T::one() - line.narrowing * t).powi(2);
                     let six = first * width(start) + depth * width(middle) * T::of(4.0) + last * width(end);

@@ -1,6 +1,6 @@
 //! Over which vertices contacts spread their loads.
 
-use crate::contact::point_pair::{Contact, SpreadPlace, SurfacePoint};
+use crate::contact::point_pair::{Contact, SpreadNumber, SurfacePoint};
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
 use crate::mesh::Topology;
@@ -9,120 +9,121 @@ use std::num::NonZeroU32;
 /// The vertices that bear the loads of those contacts of a list that stand for many triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Spreads<T: Scalar> {
-    loads: Vec<Load<T>>,
-    bearings: Vec<(u32, T)>,
+    spreads: Vec<Spread<T>>,
+    vertices: Vec<(u32, T)>,
 }
 
-/// The bearings of one contact: of the colliding body between the first two of these places, of the other up to the last.
+/// The vertices of one contact: of the colliding body those between the first two bounds, of the other those up to the third.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Load<T: Scalar> {
-    places: [u32; 3],
+struct Spread<T: Scalar> {
+    bounds: [u32; 3],
     gap: T,
 }
 
-/// What one end of a contact bears on.
+/// The vertices that bear one end of a contact.
 #[derive(Clone, Copy)]
-pub(crate) enum Bearings<'a, T: Scalar> {
+pub(crate) enum WeightedVertices<'a, T: Scalar> {
     Point(&'a SurfacePoint<T>),
-    /// Vertices and their weights, which sum to 1.
+    /// With weights that sum to 1.
     Spread(&'a [(u32, T)]),
 }
 
-impl<T: Scalar> Bearings<'_, T> {
-    /// Vertices and their weights.
+impl<T: Scalar> WeightedVertices<'_, T> {
+    /// Calls `each(vertex, weight)`.
     #[inline(always)]
     pub(crate) fn for_each(&self, mut each: impl FnMut(u32, T)) {
         match self {
             Self::Point(point) => (0..3).for_each(|corner| each(point.vertices[corner], point.weights[corner])),
-            Self::Spread(bearings) => bearings.iter().for_each(|&(vertex, weight)| each(vertex, weight)),
+            Self::Spread(vertices) => vertices.iter().for_each(|&(vertex, weight)| each(vertex, weight)),
         }
     }
 }
 
 impl<T: Scalar> Spreads<T> {
     pub(crate) fn clear(&mut self) {
-        self.loads.clear();
-        self.bearings.clear();
+        self.spreads.clear();
+        self.vertices.clear();
     }
 
-    /// How many contacts they are for.
     pub(crate) fn len(&self) -> usize {
-        self.loads.len()
+        self.spreads.len()
     }
 
-    /// Adds what the two ends of a contact bear on; gives its place.
-    pub(crate) fn add(&mut self, ends: [&[(u32, T)]; 2], gap: T) -> SpreadPlace {
-        let start = self.bearings.len();
-        ends.iter().for_each(|end| memory::append(&mut self.bearings, end.iter().copied()));
-        let places = [start, start + ends[0].len(), self.bearings.len()].map(|place| place as u32);
-        self.loads.room_for(1).push(Load { places, gap });
-        SpreadPlace(NonZeroU32::new(self.loads.len() as u32))
+    /// Adds the vertices of a contact's two ends; gives their number.
+    pub(crate) fn add(&mut self, ends: [&[(u32, T)]; 2], gap: T) -> SpreadNumber {
+        let start = self.vertices.len();
+        ends.iter().for_each(|end| memory::append(&mut self.vertices, end.iter().copied()));
+        let bounds = [start, start + ends[0].len(), self.vertices.len()].map(|bound| bound as u32);
+        self.spreads.room_for(1).push(Spread { bounds, gap });
+        SpreadNumber(NonZeroU32::new(self.spreads.len() as u32))
     }
 
     /// Adds those of another list.
     pub(crate) fn append(&mut self, other: &Self) {
-        let start = self.bearings.len() as u32;
-        let moved = |load: &Load<T>| Load { places: load.places.map(|place| place + start), ..*load };
-        memory::append(&mut self.loads, other.loads.iter().map(moved));
-        memory::append(&mut self.bearings, other.bearings.iter().copied());
+        let start = self.vertices.len() as u32;
+        let moved = |spread: &Spread<T>| Spread { bounds: spread.bounds.map(|bound| bound + start), ..*spread };
+        memory::append(&mut self.spreads, other.spreads.iter().map(moved));
+        memory::append(&mut self.vertices, other.vertices.iter().copied());
     }
 
-    fn load(&self, contact: &Contact<T>) -> Option<&Load<T>> {
-        contact.spread.0.map(|place| &self.loads[place.get() as usize - 1])
+    fn spread(&self, contact: &Contact<T>) -> Option<&Spread<T>> {
+        contact.spread.0.map(|number| &self.spreads[number.get() as usize - 1])
     }
 
-    /// What a contact's two ends bear on.
+    /// The vertices that bear a contact's two ends.
     #[inline(always)]
-    pub(crate) fn bearings<'a>(&'a self, contact: &'a Contact<T>) -> [Bearings<'a, T>; 2] {
-        let Some(load) = self.load(contact) else { return [&contact.p1, &contact.p2].map(Bearings::Point) };
-        let [start, middle, end] = load.places.map(|place| place as usize);
-        [&self.bearings[start..middle], &self.bearings[middle..end]].map(Bearings::Spread)
+    pub(crate) fn vertices_of<'a>(&'a self, contact: &'a Contact<T>) -> [WeightedVertices<'a, T>; 2] {
+        let Some(spread) = self.spread(contact) else {
+            return [&contact.p1, &contact.p2].map(WeightedVertices::Point);
+        };
+        let [start, middle, end] = spread.bounds.map(|bound| bound as usize);
+        [&self.vertices[start..middle], &self.vertices[middle..end]].map(WeightedVertices::Spread)
     }
 
-    /// How far what the second end bears on was beyond what the first does, along the direction, at detection.
+    /// How far, at detection, the mean of the second end's vertices was from that of the first's, along the direction.
     #[inline(always)]
     pub(crate) fn gap(&self, contact: &Contact<T>) -> T {
         let between = || (contact.p2.position - contact.p1.position).dot(&contact.direction);
-        self.load(contact).map_or_else(between, |load| load.gap)
+        self.spread(contact).map_or_else(between, |spread| spread.gap)
     }
 }
 
-/// Room for finding what contacts bear on.
+/// Scratch memory for finding spreads.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SpreadWorkspace<T: Scalar> {
     pub(crate) ends: [EndWorkspace<T>; 2],
     pub(crate) marks: Marks,
 }
 
-/// The vertices that one end bears on, their weights, and where they are.
+/// The vertices that bear one end, with their weights, and their positions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EndWorkspace<T: Scalar> {
-    pub(crate) bearings: Vec<(u32, T)>,
+    pub(crate) vertices: Vec<(u32, T)>,
     pub(crate) positions: Vec<Vector3<T>>,
 }
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Marks {
-    /// By vertex: where it stands among the bearings, from 1 on; 0 between two ends.
-    pub(crate) places: Vec<u32>,
+    /// By vertex: its number among the end's vertices, from 1 on; 0 where it is not among them.
+    pub(crate) numbers: Vec<u32>,
     /// By triangle, whether it was met; and those met.
     pub(crate) is_met: Vec<bool>,
     pub(crate) met: Vec<u32>,
-    /// Whether memory has ended on the way.
+    /// Whether the marks may be wrong, because memory ran out in between.
     pub(crate) is_unfinished: bool,
 }
 
 impl Marks {
-    /// Makes room for two meshes.
+    /// Makes marks for two meshes.
     pub(crate) fn start(&mut self, topologies: [&Topology; 2]) {
         if std::mem::replace(&mut self.is_unfinished, true) {
-            self.places.clear();
+            self.numbers.clear();
             self.is_met.clear();
         }
         for topology in topologies {
             let [vertices, triangles] = [topology.vertex_count(), topology.triangles().len()];
-            if self.places.len() < vertices {
-                memory::refill_with(&mut self.places, 0, vertices);
+            if self.numbers.len() < vertices {
+                memory::refill_with(&mut self.numbers, 0, vertices);
             }
             if self.is_met.len() < triangles {
                 memory::refill_with(&mut self.is_met, false, triangles);

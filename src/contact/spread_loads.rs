@@ -28,7 +28,7 @@ impl<T: Scalar> Pair<'_, T> {
                 let mut second = End::new(meshes[1 - side], contact, area, second);
                 if bear(contact, [&mut first, &mut second], area, marks) {
                     let gap = (second.mean() - first.mean()).dot(&contact.direction) / first.factor;
-                    contact.spread = spreads.add([first.bearings, second.bearings], gap);
+                    contact.spread = spreads.add([first.vertices, second.vertices], gap);
                 }
             }
         }
@@ -36,7 +36,7 @@ impl<T: Scalar> Pair<'_, T> {
     }
 }
 
-/// Finds what the two ends of a contact bear on that stands for this area; false where that is no more than a triangle of either.
+/// Finds the vertices that bear the two ends of a contact of this area; false where those of one triangle each will do.
 fn bear<T: Scalar>(contact: &Contact<T>, [first, second]: [&mut End<'_, T>; 2], area: T, marks: &mut Marks) -> bool {
     let patches = first.mesh.patches();
     let patch = patches.named(!contact.piece, contact.p1.triangle);
@@ -47,7 +47,7 @@ fn bear<T: Scalar>(contact: &Contact<T>, [first, second]: [&mut End<'_, T>; 2], 
         Some(patch) => first.bear_on_patch(patches.triangles_of(patch), marks),
         None => first.bear_on_corners(&contact.p1),
     }
-    // Nothing turns the pair if the means of both ends lie on one line along the force.
+    // The pair feels no torque if the means of both ends lie on one line along the force.
     let from = first.local(&contact.p1.position);
     let aside = first.mean() - from;
     if second.bear_around(contact.p2.triangle, &aside, area, marks) {
@@ -61,30 +61,29 @@ fn bear<T: Scalar>(contact: &Contact<T>, [first, second]: [&mut End<'_, T>; 2], 
     first.move_mean(&from)
 }
 
-/// What one end of a contact bears on, in coordinates about the contact's second point, with its area between 1 and 4.
+/// The vertices that bear one end of a contact. Coordinates are about its second point, scaled so that its area is from 1 to 4.
 struct End<'a, T: Scalar> {
     mesh: &'a Mesh<T>,
     origin: Vector3<T>,
     factor: T,
     /// Of the push.
     direction: Vector3<T>,
-    bearings: &'a mut Vec<(u32, T)>,
-    /// Where these vertices are.
+    vertices: &'a mut Vec<(u32, T)>,
     positions: &'a mut Vec<Vector3<T>>,
 }
 
 impl<'a, T: Scalar> End<'a, T> {
-    fn new(mesh: &'a Mesh<T>, contact: &Contact<T>, area: T, room: &'a mut EndWorkspace<T>) -> Self {
+    fn new(mesh: &'a Mesh<T>, contact: &Contact<T>, area: T, scratch: &'a mut EndWorkspace<T>) -> Self {
         let (factor, _) = normalising_factor(area.sqrt());
-        let EndWorkspace { bearings, positions } = room;
+        let EndWorkspace { vertices, positions } = scratch;
         let mut end =
-            Self { mesh, origin: contact.p2.position, factor, direction: contact.direction, bearings, positions };
+            Self { mesh, origin: contact.p2.position, factor, direction: contact.direction, vertices, positions };
         end.clear();
         end
     }
 
     fn clear(&mut self) {
-        self.bearings.clear();
+        self.vertices.clear();
         self.positions.clear();
     }
 
@@ -102,13 +101,13 @@ impl<'a, T: Scalar> End<'a, T> {
     }
 
     fn weights(&self) -> impl Iterator<Item = (Vector3<T>, T)> {
-        self.positions.iter().zip(&*self.bearings).map(|(&position, &(_, weight))| (position, weight))
+        self.positions.iter().zip(&*self.vertices).map(|(&position, &(_, weight))| (position, weight))
     }
 
     /// The corners of a point's triangle.
     fn bear_on_corners(&mut self, point: &SurfacePoint<T>) {
         let corners = (0..3).map(|corner| (point.vertices[corner], point.weights[corner]));
-        memory::refill(self.bearings, corners);
+        memory::refill(self.vertices, corners);
         memory::refill(self.positions, self.corners(point.vertices));
     }
 
@@ -123,8 +122,8 @@ impl<'a, T: Scalar> End<'a, T> {
         self.normalise(marks);
     }
 
-    /// The vertices of the triangles about the origin, from this one on, that face the push, on about this area, the nearest the
-    /// most. Their mean is this far beside the origin, seen along the push. False where that is one triangle.
+    /// Spreads over the triangles around the origin that face the push, of about this area, starting with `triangle`. The
+    /// nearest bear most. Seen along the push, the mean of the vertices is `aside`. False where only one triangle would bear.
     fn bear_around(&mut self, triangle: u32, aside: &Vector3<T>, area: T, marks: &mut Marks) -> bool {
         // With weights that fall to 0 there, the area counts a little more than once.
         let mut square = area * self.factor * self.factor * T::of(0.7);
@@ -134,7 +133,7 @@ impl<'a, T: Scalar> End<'a, T> {
             if count > 1 && self.move_mean(aside) {
                 return true;
             }
-            // Beside an edge less can be borne on around the origin.
+            // Beside an edge only a smaller area lies evenly around the origin.
             self.clear();
             square *= T::of(0.25);
             if count < 2 {
@@ -149,8 +148,8 @@ impl<'a, T: Scalar> End<'a, T> {
         marks.met.clear();
         let mut count = usize::from(self.load_within(triangle, square, marks));
         let mut next = 0;
-        // What is around a vertex that bears some of the load may bear some too.
-        while let Some(&(vertex, _)) = self.bearings.get(next) {
+        // Triangles around a vertex that bears some of the load may bear some too.
+        while let Some(&(vertex, _)) = self.vertices.get(next) {
             next += 1;
             for &neighbour in topology.triangles_around(vertex) {
                 count += usize::from(!marks.is_met[neighbour as usize] && self.load_within(neighbour, square, marks));
@@ -181,27 +180,27 @@ impl<'a, T: Scalar> End<'a, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn load(&mut self, vertices: [u32; 3], corners: [Vector3<T>; 3], weight: T, marks: &mut Marks) {
         for (vertex, corner) in vertices.into_iter().zip(corners) {
-            let place = &mut marks.places[vertex as usize];
-            if *place == 0 {
-                self.bearings.room_for(1).push((vertex, T::zero()));
+            let number = &mut marks.numbers[vertex as usize];
+            if *number == 0 {
+                self.vertices.room_for(1).push((vertex, T::zero()));
                 self.positions.room_for(1).push(corner);
-                *place = self.bearings.len() as u32;
+                *number = self.vertices.len() as u32;
             }
-            self.bearings[*place as usize - 1].1 += weight;
+            self.vertices[*number as usize - 1].1 += weight;
         }
     }
 
-    /// Makes the weights sum to 1, and forgets where each vertex stands.
+    /// Makes the weights sum to 1, and takes back the marks of the vertices.
     fn normalise(&mut self, marks: &mut Marks) {
-        let sum = self.bearings.iter().fold(T::zero(), |sum, &(_, weight)| sum + weight);
-        for (vertex, weight) in &mut *self.bearings {
-            marks.places[*vertex as usize] = 0;
+        let sum = self.vertices.iter().fold(T::zero(), |sum, &(_, weight)| sum + weight);
+        for (vertex, weight) in &mut *self.vertices {
+            marks.numbers[*vertex as usize] = 0;
             *weight /= sum;
         }
     }
 
-    /// Changes the weights evenly across the push, so that their mean lies there, seen along it; false where one would be below
-    /// 0, and then they are of no use.
+    /// Multiplies the weights by a function that is linear across the push, so that their mean moves to `to`, seen along the
+    /// push. False, with useless weights, where one would be negative.
     fn move_mean(&mut self, to: &Vector3<T>) -> bool {
         let direction = self.direction;
         let other = if direction.x.abs() < direction.y.abs() { Vector3::x() } else { Vector3::y() };
@@ -217,7 +216,7 @@ impl<'a, T: Scalar> End<'a, T> {
         let [u, v] = along(to - mean);
         let determinant = uu * vv - uv * uv;
         let change = [(vv * u - uv * v) / determinant, (uu * v - uv * u) / determinant];
-        self.positions.iter().zip(&mut *self.bearings).all(|(position, (_, weight))| {
+        self.positions.iter().zip(&mut *self.vertices).all(|(position, (_, weight))| {
             let [u, v] = along(position - mean);
             *weight *= T::one() + change[0] * u + change[1] * v;
             *weight >= T::zero()

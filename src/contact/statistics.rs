@@ -47,7 +47,7 @@ pub struct Statistics {
     pub escaping_pairs: u64,
     /// Contacts of escaping pairs.
     pub escape_contacts: u64,
-    /// Pairs whose escape was held fast by others and has turned to the line of centres, from the next query on.
+    /// Pairs whose escape others stopped and that have turned to the line of centres, from the next query on.
     pub escapes_turned: u64,
     /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
     pub escapes_forbidden: u64,
@@ -59,14 +59,14 @@ pub struct Statistics {
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
     /// left to tell. docs/architecture.md says how they are known.
     pub tangled_pairs: u64,
-    /// By what part of its net force a pair was allowed to be off, the most of all pairs ([`Sampling::Accuracy`], more in crowds);
-    /// 0 where no pair was sampled by accuracy.
+    /// By what fraction of its net force a pair was allowed to be off, the most of all pairs ([`Sampling::Accuracy`], more in
+    /// crowds); 0 where no pair was sampled by accuracy.
     ///
     /// [`Sampling::Accuracy`]: crate::contact::Sampling::Accuracy
     pub error_asked: f64,
-    /// By what part of its net force, or of a tenth of the sizes of all its forces if that is more, a pair is expected to be
-    /// off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a bound.
-    /// It may exceed what was asked (docs/options.md), most of all where the sampling ended too early (`uncut_pieces`).
+    /// By what fraction of its net force, or of a tenth of the sizes of all its forces if that is more, a pair is expected to
+    /// be off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a
+    /// bound. It may exceed what was asked (docs/options.md), most of all where the sampling ended too early (`uncut_pieces`).
     pub error_estimated: f64,
 }
 

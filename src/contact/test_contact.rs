@@ -2,7 +2,7 @@
 
 use crate::contact::options::DetectionOptions;
 use crate::contact::pair::{Pair, overlap_region};
-use crate::contact::point_pair::{Contact, ContactKind, SpreadPlace, SurfacePoint};
+use crate::contact::point_pair::{Contact, ContactKind, SpreadNumber, SurfacePoint};
 use crate::math::Vector3;
 use crate::mesh::Mesh;
 use crate::query::Octree;
@@ -17,7 +17,7 @@ pub(crate) fn contact(
     let [position, direction] = [position, direction].map(Vector3::from);
     let point = SurfacePoint { triangle: 0, vertices: [0; 3], weights: [0.0; 3], position };
     let (kind, collided, piece) = (ContactKind::Ray, 1 - colliding, 1);
-    let spread = SpreadPlace::default();
+    let spread = SpreadNumber::default();
     Contact { kind, colliding, collided, piece, p1: point, p2: point, direction, depth, cos_alpha, area, spread }
 }
 

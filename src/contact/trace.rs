@@ -1,11 +1,9 @@
-//! Sixteen rays side by side: on their way, and where they first meet the other body.
-
 use crate::bvh::{Candidates, PacketHits};
 use crate::math::Scalar;
 use crate::query::PointDistances;
 use crate::triangle::RayPacket;
 
-/// The rays of a packet of samples, and room for what they meet.
+/// The rays of a packet of samples, where they first meet the other body, and scratch memory.
 pub(crate) struct Rays<T: Scalar> {
     pub(crate) packet: RayPacket<T>,
     pub(crate) candidates: Candidates<T>,

@@ -19,7 +19,7 @@ use crate::query::{Octree, OctreeError, Tracer, way_out, winding_number};
 use crate::self_contact::{SelfWarmStart, SelfWorkspace, is_collapsed};
 use crate::triangle::{Hit, Ray};
 
-/// Finds the contacts between parts of one mesh, body 0; replaces what `contacts` held. Of the options only the sampling
+/// Finds the contacts between parts of one mesh, body 0, in place of those in `contacts`. Of the options only the sampling
 /// counts; an accuracy is one ray for each triangle.
 ///
 /// Rays start where the surface touches others of its triangles, and where it winds around more than once: if it touches
@@ -40,8 +40,8 @@ pub fn query_self<T: Scalar>(
     Ok(())
 }
 
-/// [`query_self`] by casting every ray: slow, and the standard it is held to. The contacts are the same to the bit, but for
-/// those of a tangled body, which are found here however long it takes.
+/// [`query_self`] by casting every ray: slow, for comparison. The contacts are the same to the bit, but for
+/// those of a tangled body, which this finds however long it takes.
 ///
 /// # Errors
 /// As [`query_self`].
@@ -124,7 +124,7 @@ impl<T: Scalar> Body<'_, T> {
     fn trace(&self, is_culled: bool, contacts: &mut ContactList<T>) -> bool {
         let mesh = self.tracer.mesh();
         let ContactList { statistics, workspace, .. } = contacts;
-        workspace.clear();
+        workspace.rays.clear();
         workspace.hits.clear();
         let region = mesh.aabb();
         // The body's own box is no measure of an overlap: one ray for each triangle, unless the caller says how many.

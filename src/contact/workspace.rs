@@ -1,6 +1,6 @@
 use crate::bvh::SidesScratch;
 use crate::contact::point_pair::Contact;
-use crate::contact::potential::PotentialRoom;
+use crate::contact::potential::Columns;
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::refinement::Quadrature;
 use crate::contact::spread::SpreadWorkspace;
@@ -13,8 +13,8 @@ use crate::self_contact::SelfWorkspace;
 use crate::threads::Helpers;
 use crate::triangle::{Hit, Ray};
 
-/// The rays of one direction of a pair on their way through the filters, each at one place of all arrays. Kept with
-/// the contacts, so that a steady step allocates nothing.
+/// Scratch memory of detection. Kept with the contacts, so that a steady step allocates nothing. `samples`, `rays` and `hits`
+/// go together by index.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Workspace<T: Scalar> {
     /// Who helps to cast the rays of one pair.
@@ -22,39 +22,33 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) chunks: Vec<Chunk<T>>,
     /// The groups of vertices or triangles in the overlap box, of either body.
     pub(crate) groups: [Vec<u32>; 2],
-    /// For which of them lie outside the other body.
+    /// For telling which of these lie outside the other body.
     pub(crate) sides: [SidesScratch<T>; 2],
-    /// Where the load needs samples, and over what they spread it.
     pub(crate) quadrature: Quadrature<T>,
     pub(crate) spread: SpreadWorkspace<T>,
-    /// Of one chunk's groups the vertices in the overlap box.
+    /// The vertices of a chunk's groups in the overlap box.
     pub(crate) vertices: Vec<u32>,
     /// A bit for each vertex.
     pub(crate) marks: Vec<u64>,
     pub(crate) samples: Vec<Sample<T>>,
     pub(crate) rays: Vec<Ray<T>>,
     pub(crate) hits: Vec<Option<Hit<T>>>,
-    /// Of each ray the vertices shared by the triangles it starts from.
+    /// By ray the vertices that all triangles have where it starts.
     pub(crate) touched: Vec<[u32; 3]>,
     /// Whether the ray leaves its own mesh first.
     pub(crate) hidden: Vec<bool>,
     /// The sides from one vertex.
     pub(crate) edge_sides: Vec<Side>,
-    /// The crossings of one edge.
+    /// The crossings of one edge or ray.
     pub(crate) crossings: Vec<Hit<T>>,
-    /// For the energy of what was found.
-    pub(crate) potential: PotentialRoom<T>,
+    /// For the energy of a list's contacts.
+    pub(crate) columns: Columns<T>,
     /// For contacts of a body with itself.
     pub(crate) own: SelfWorkspace<T>,
 }
 
 impl<T: Scalar> Workspace<T> {
-    pub(crate) fn clear(&mut self) {
-        self.samples.clear();
-        self.rays.clear();
-    }
-
-    /// Makes room for so many rays from contacts.
+    /// Reserves memory for so many rays from contacts.
     pub(crate) fn reserve(&mut self, count: usize) {
         self.rays.clear();
         self.rays.room_for(count);
@@ -67,14 +61,14 @@ impl<T: Scalar> Workspace<T> {
     /// Keeps the rays that meet the other mesh from inside first, and counts the others.
     pub(crate) fn keep_exits(&mut self, statistics: &mut Statistics) {
         let mut kept = 0;
-        for place in 0..self.rays.len() {
-            let hit = &self.hits[place];
+        for index in 0..self.rays.len() {
+            let hit = &self.hits[index];
             statistics.misses += u64::from(hit.is_none());
             statistics.entry_hits += u64::from(hit.is_some_and(|hit| !hit.is_exit));
             if hit.is_some_and(|hit| hit.is_exit) {
-                self.samples[kept] = self.samples[place];
-                self.rays[kept] = self.rays[place];
-                self.hits[kept] = self.hits[place];
+                self.samples[kept] = self.samples[index];
+                self.rays[kept] = self.rays[index];
+                self.hits[kept] = self.hits[index];
                 kept += 1;
             }
         }
@@ -84,7 +78,7 @@ impl<T: Scalar> Workspace<T> {
     }
 }
 
-/// What the rays of some groups found, where chunks are cast side by side.
+/// The contacts of some of a direction's samples, where threads cast side by side.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Chunk<T: Scalar> {
     pub(crate) load: CastLoad<T>,

@@ -22,7 +22,7 @@ pub fn look_ahead<T: Scalar>(
 ) -> Result<(), SystemError> {
     system.prepare(scene, dt, [positions, velocities, free_velocities.unwrap_or(velocities)])?;
     let is_ahead = free_velocities.is_some() && system.looks_ahead;
-    system.place_surfaces(scene, if is_ahead { dt } else { 0.0 }, true)
+    system.move_surfaces(scene, if is_ahead { dt } else { 0.0 }, true)
 }
 
 /// Puts the scene's bodies, but ghosts, where they end with these velocities, and does no more. Where the bodies are then shows
@@ -39,10 +39,10 @@ pub fn look_again<T: Scalar>(
     scene: &mut Scene<T>,
     velocities: &[f64],
 ) -> Result<(), SystemError> {
-    let step = system.check_velocities("velocities", velocities)?;
+    let step = system.check_velocities(velocities)?;
     system.check_bodies(scene)?;
     system.go_on_with(velocities, step);
-    system.place_surfaces(scene, step.dt, true)
+    system.move_surfaces(scene, step.dt, true)
 }
 
 /// As [`detect_again`](ContactSystem::detect_again), but it looks in any case, and rows are held as before: where any system has
@@ -58,7 +58,7 @@ pub fn detect_among<T: Scalar>(
     start_velocities: &[f64],
     velocities: &[f64],
 ) -> Result<bool, SystemError> {
-    let step = system.check_velocities("velocities", velocities)?;
+    let step = system.check_velocities(velocities)?;
     system.check_nodes([("positions", positions), ("start_velocities", start_velocities)])?;
     system.check_bodies(scene)?;
     memory::refill(&mut system.buffers.positions, positions.iter().copied());

@@ -3,7 +3,7 @@
 use crate::bytes::{CHECKSUM, Reader, checksum};
 use crate::math::{Scalar, Vector3};
 use crate::memory::Room;
-use crate::system::hooks::{Anchor, Corners, Hold, Key};
+use crate::system::hooks::{Anchor, AnchorPoint, Hold, Key};
 use crate::system::{ContactSystem, Surface, SystemError};
 
 const MARK: [u8; 8] = *b"raycgrip";
@@ -42,7 +42,7 @@ pub fn pack_memory<T: Scalar>(system: &ContactSystem<T>, pair: Key, bytes: &mut 
         for anchor in key.map_or(&[][..], |key| system.anchors.of(key)) {
             bytes.extend([1, is_turned as u8, u8::from(matches!(anchor.hold, Hold::Space(_)))]);
             bytes.extend(anchor.triangle.to_le_bytes());
-            let put_corners = |bytes: &mut Vec<u8>, corners: &Corners| {
+            let put_corners = |bytes: &mut Vec<u8>, corners: &AnchorPoint| {
                 corners.vertices.iter().for_each(|vertex| bytes.extend(vertex.to_le_bytes()));
                 put(bytes, &corners.weights);
                 put(bytes, &[corners.height]);
@@ -121,10 +121,10 @@ fn read(bytes: &[u8], pair: Key, counts: [usize; 2]) -> Option<([f64; 6], Vec<An
     reader.rest.is_empty().then_some((load, anchors))
 }
 
-fn corners(reader: &mut Reader, count: usize) -> Option<Corners> {
+fn corners(reader: &mut Reader, count: usize) -> Option<AnchorPoint> {
     let vertices = [reader.whole()?, reader.whole()?, reader.whole()?];
     let (weights, height) = (numbers(reader)?, reader.number().filter(|x: &f64| x.is_finite())?);
-    vertices.iter().all(|&vertex| (vertex as usize) < count).then_some(Corners { vertices, weights, height })
+    vertices.iter().all(|&vertex| (vertex as usize) < count).then_some(AnchorPoint { vertices, weights, height })
 }
 
 fn numbers(reader: &mut Reader) -> Option<[f64; 3]> {

@@ -122,7 +122,7 @@ impl<'a, T: Scalar> PartsOf<'a, T> {
     /// As there.
     pub fn forces(&mut self, velocities: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
         let Self { found, system } = self;
-        let step = system.check_velocities("velocities", velocities)?;
+        let step = system.check_velocities(velocities)?;
         check_count("forces", forces.len(), 3 * found.blocks.len())?;
         system.find_motions(velocities, step);
         forces.fill(0.0);
@@ -177,7 +177,7 @@ impl<'a, T: Scalar> PartsOf<'a, T> {
     /// As there.
     pub fn energies(&mut self, velocities: &[f64], joules: &mut [f64]) -> Result<(), SystemError> {
         let Self { found, system } = self;
-        let step = system.check_velocities("velocities", velocities)?;
+        let step = system.check_velocities(velocities)?;
         check_count("joules", joules.len(), found.parts.len())?;
         system.find_motions(velocities, step);
         joules.fill(0.0);

@@ -9,7 +9,7 @@ mod progress;
 pub(crate) use memory_bytes::MEMORY_BYTES;
 pub use pair_memory::{PairMemory, Record};
 
-use crate::contact::{ContactList, DetectionOptions, Pair, Sampling, overlap_region, part_of_samples};
+use crate::contact::{ContactList, DetectionOptions, Pair, Sampling, overlap_region, sample_fraction};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::query::{Octree, OctreeError, Tracer};
@@ -61,13 +61,13 @@ pub(crate) fn detect_pair<T: Scalar>(
         [false, true] => overlap_region(boxes[0], boxes[0]),
         [true, true] => return,
     };
-    let part_of_samples = match options.sampling {
-        Sampling::Accuracy(_) => part_of_samples(neighbours),
+    let sample_fraction = match options.sampling {
+        Sampling::Accuracy(_) => sample_fraction(neighbours),
         Sampling::Spacing(_) | Sampling::Vertices => T::one(),
     };
-    contacts.statistics.crowded_pairs += u64::from(part_of_samples < T::one());
+    contacts.statistics.crowded_pairs += u64::from(sample_fraction < T::one());
     let (overlap, region) = (&overlap, &region);
-    let pair = Pair { may_escape, part_of_samples, ..Pair::new(bodies, tracers, [overlap, region], options) };
+    let pair = Pair { may_escape, sample_fraction, ..Pair::new(bodies, tracers, [overlap, region], options) };
     if pair.is_tangled(&mut contacts.workspace) {
         contacts.statistics.tangled_pairs += 1;
         memory.into_iter().for_each(|memory| *memory = PairMemory::default());

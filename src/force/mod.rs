@@ -17,22 +17,22 @@ pub use law::{LawError, PenaltyLaw, Weighting};
 pub use rigid::{RigidMotion, add_wrenches};
 pub use vectors::{BodiesMut, Vectors, VectorsMut};
 
-use crate::contact::{Bearings, Contact, ContactList};
+use crate::contact::{Contact, ContactList, WeightedVertices};
 use crate::math::{Scalar, Vector3};
 
 /// A contact as a spring.
 struct Spring<'a, T: Scalar> {
     contact: &'a Contact<T>,
     /// The weighted vertices that its ends bear on, and how far these were apart along the direction at detection.
-    bearings: [Bearings<'a, T>; 2],
+    vertices: [WeightedVertices<'a, T>; 2],
     gap: T,
     coefficient: T,
 }
 
 impl<'a, T: Scalar> Spring<'a, T> {
     fn new(list: &'a ContactList<T>, contact: &'a Contact<T>, law: &PenaltyLaw) -> Self {
-        let (bearings, gap) = (list.spreads.bearings(contact), list.spreads.gap(contact));
-        Self { contact, bearings, gap, coefficient: law.coefficient(contact) }
+        let (vertices, gap) = (list.spreads.vertices_of(contact), list.spreads.gap(contact));
+        Self { contact, vertices, gap, coefficient: law.coefficient(contact) }
     }
 
     /// u2 − u1, for a field u given at the vertices of each body.
@@ -40,7 +40,7 @@ impl<'a, T: Scalar> Spring<'a, T> {
         let Contact { colliding, collided, .. } = self.contact;
         let [first, second] = [0, 1].map(|end| {
             let (field, mut sum) = (&bodies[[*colliding, *collided][end] as usize], Vector3::zeros());
-            self.bearings[end].for_each(|vertex, weight| sum += field.get(vertex) * weight);
+            self.vertices[end].for_each(|vertex, weight| sum += field.get(vertex) * weight);
             sum
         });
         second - first
@@ -61,7 +61,7 @@ impl<'a, T: Scalar> Spring<'a, T> {
     fn pull<F: BodiesMut<T> + ?Sized>(&self, force: Vector3<T>, forces: &mut F) {
         let Contact { colliding, collided, .. } = self.contact;
         for (end, (body, force)) in [(colliding, force), (collided, -force)].into_iter().enumerate() {
-            self.bearings[end].for_each(|vertex, weight| {
+            self.vertices[end].for_each(|vertex, weight| {
                 if weight != T::zero() {
                     forces.add_to(*body, vertex, force * weight);
                 }

@@ -105,7 +105,7 @@ impl<T: Scalar> Scene<T> {
     /// in large scenes they are still in the cache then.
     fn detect_alone(&mut self, contacts: &mut ContactList<T>) {
         contacts.clear();
-        contacts.set_helpers(Helpers::Nobody);
+        contacts.workspace.helpers = Helpers::Nobody;
         let Self { bodies, broad_phase, lists, pairs, pair_costs, options, .. } = self;
         let mut next = 0;
         for (list, _) in lists {
@@ -149,7 +149,7 @@ impl<T: Scalar> Scene<T> {
             let [with_pairs, within_pairs] = helpers.outside_and_within(count);
             with_pairs.for_each_two(&mut pairs.history.after, found, |remembered, found| {
                 found.clear();
-                found.set_helpers(within_pairs.clone());
+                found.workspace.helpers = within_pairs.clone();
                 narrow_phase.detect(remembered, found);
             });
 

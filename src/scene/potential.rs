@@ -1,5 +1,5 @@
 use super::Scene;
-use crate::contact::{Contact, ContactList, Pair, PotentialRoom, overlap_region};
+use crate::contact::{Columns, Contact, ContactList, Pair, overlap_region};
 use crate::force::{PenaltyLaw, energy};
 use crate::math::Scalar;
 
@@ -19,13 +19,13 @@ impl<T: Scalar> Scene<T> {
 
     /// The same for the newest query. `law`: a pair's stiffness, and the depth beyond which its pressure does not grow.
     pub(crate) fn potential_of(&self, contacts: &mut ContactList<T>, law: impl Fn([u32; 2]) -> [f64; 2]) -> f64 {
-        contacts.sum_of_pairs(|pair, contacts, room| {
+        contacts.sum_of_pairs(|pair, contacts, columns| {
             let [stiffness, cap] = law(pair);
-            stiffness * self.potential_of_pair(pair, contacts, T::of(cap), room).to_f64()
+            stiffness * self.potential_of_pair(pair, contacts, T::of(cap), columns).to_f64()
         })
     }
 
-    fn potential_of_pair(&self, bodies: [u32; 2], contacts: &[Contact<T>], cap: T, room: &mut PotentialRoom<T>) -> T {
+    fn potential_of_pair(&self, bodies: [u32; 2], contacts: &[Contact<T>], cap: T, columns: &mut Columns<T>) -> T {
         let tracers = bodies.map(|number| self.bodies.get(number).expect("its contacts were found").surface.tracer());
         let [first, second] = tracers.each_ref().map(|tracer| tracer.mesh().aabb());
         let (overlap, region) = overlap_region(first, second);
@@ -33,6 +33,6 @@ impl<T: Scalar> Scene<T> {
         if !pair.measures_distances() || bodies[0] == bodies[1] {
             pair.fixed_shares = None;
         }
-        pair.potential(contacts, cap, room)
+        pair.potential(contacts, cap, columns)
     }
 }

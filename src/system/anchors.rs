@@ -3,26 +3,25 @@
 use super::loads::Key;
 use super::twist::V3;
 use crate::math::direction;
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use nalgebra::Matrix3;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// A point of a triangle, or beside or above it.
+/// A point of a triangle's plane, or above it, as seen from the corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Corners {
+pub(crate) struct AnchorPoint {
     pub(crate) vertices: [u32; 3],
     pub(crate) weights: [f64; 3],
     /// Above the triangle's plane, along its normal, in m.
     pub(crate) height: f64,
 }
 
-impl Corners {
-    /// No point: of a spring that many vertices share by weights that change, so that only its stretch is known.
+impl AnchorPoint {
+    /// No point: of a spring whose vertices have weights that change, so that only its stretch is known.
     pub(super) const NOWHERE: Self = Self { vertices: [0; 3], weights: [0.0; 3], height: 0.0 };
 
-    /// Where it is, with the surface's vertices.
+    /// Its position, given the positions of the surface's vertices.
     pub(super) fn point(&self, vertex: impl Fn(u32) -> V3) -> V3 {
         let mut sum = V3::zeros();
         for k in 0..3 {
@@ -41,21 +40,21 @@ impl Corners {
 /// What a contact holds on to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Hold {
-    Material(Corners),
-    /// Seen from [nowhere](Corners::NOWHERE) the stretch of the spring.
+    Material(AnchorPoint),
+    /// The stretch of the spring if it starts from [nowhere](AnchorPoint::NOWHERE).
     Space(V3),
 }
 
-/// An anchor is a material point of the second body, where the contact's first point was, so deep inside where the two overlap
-/// deeply. It is given by one of the body's triangles, so it moves, turns and stretches with the body and nothing adds up from
-/// step to step. A contact finds its own again by the triangle from which it starts, and
-/// among several there by the nearest point.
+/// A material point of the second body: where the contact's first point was, so deep inside where the two overlap deeply.
+/// Corners of one of the body's triangles give it, so it moves, turns and stretches with the body, and nothing adds up from
+/// step to step. A contact finds its own again by the triangle from which it starts, and among several there by the nearest
+/// point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Anchor {
     pub(crate) key: Key,
     /// Of the first body, or its vertex over a half-space.
     pub(crate) triangle: u32,
-    pub(crate) from: Corners,
+    pub(crate) from: AnchorPoint,
     pub(crate) hold: Hold,
 }
 
@@ -64,28 +63,29 @@ pub(crate) struct Anchor {
 pub(super) struct Pending {
     pub(super) key: Key,
     triangle: u32,
-    pub(super) from: Corners,
+    pub(super) from: AnchorPoint,
     /// The corners of the triangle that it is to hold on to; `None` over a half-space.
     pub(super) on: Option<[u32; 3]>,
-    /// Among those kept, what it was found as.
-    found: Option<usize>,
+    /// Its anchor of the step before, by index among those kept.
+    before: Option<usize>,
 }
 
 #[derive(Debug, Default)]
 pub(crate) struct Anchors {
     /// Of the step before, by pair and triangle.
     kept: Vec<Anchor>,
-    /// Their triangles: a search in these reads little memory.
+    /// Their triangles, apart, because a search in these reads less memory.
     triangles: Vec<u32>,
-    /// Where those of the pair are that was looked for last.
+    /// The pair that was looked for last, and the range of its anchors.
     searched: Option<(Key, Range<usize>)>,
     /// Of this step.
     pub(super) pending: Vec<Pending>,
     next: Vec<Anchor>,
-    /// Room to sort: where those of one pair lie next to one another, and the triangles of one pair with their anchors.
+    /// Scratch memory for sorting: ranges of anchors of one pair, and the triangles of one pair with their anchors.
     runs: Vec<(Key, u32, u32)>,
     order: Vec<u64>,
-    found: Vec<Option<Anchor>>,
+    /// Scratch memory: of each pending contact its anchor of the step before.
+    befores: Vec<Option<Anchor>>,
 }
 
 impl Anchors {
@@ -99,18 +99,18 @@ impl Anchors {
         start..start + self.kept[start..].partition_point(|anchor| anchor.key == key)
     }
 
-    /// Keeps these in place of some. Those that this step has found are found where they are then.
+    /// Keeps these instead of some. Contacts of this step go on to have the anchors that they had found.
     pub(crate) fn replace(&mut self, is_gone: impl Fn(&Key) -> bool, anchors: &[Anchor]) {
-        let Self { kept, pending, found, .. } = self;
+        let Self { kept, pending, befores, .. } = self;
         kept.room_for(anchors.len());
-        let as_found = |pending: &Pending| pending.found.and_then(|place| kept.get(place)).copied();
-        memory::refill(found, pending.iter().map(as_found));
+        let before = |pending: &Pending| pending.before.and_then(|index| kept.get(index)).copied();
+        memory::refill(befores, pending.iter().map(before));
         kept.retain(|anchor| !is_gone(&anchor.key));
         kept.extend_from_slice(anchors);
         self.sort();
-        let Self { kept, pending, found, .. } = self;
-        for (pending, found) in pending.iter_mut().zip(&*found) {
-            pending.found = found.and_then(|found| kept.binary_search_by(|kept| in_order(kept, &found)).ok());
+        let Self { kept, pending, befores, .. } = self;
+        for (pending, before) in pending.iter_mut().zip(&*befores) {
+            pending.before = before.and_then(|before| kept.binary_search_by(|kept| in_order(kept, &before)).ok());
         }
     }
 
@@ -123,14 +123,14 @@ impl Anchors {
         self.list_triangles();
     }
 
-    /// Adds a contact of this step; gives its place, and that of the anchor of the step before if it had one.
+    /// Adds a contact of this step; gives its index, and its anchor of the step before if it had one.
     pub(super) fn find(
         &mut self,
         key: Key,
         triangle: u32,
-        from: Corners,
+        from: AnchorPoint,
         on: Option<[u32; 3]>,
-    ) -> (usize, Option<usize>) {
+    ) -> (usize, Option<Anchor>) {
         // Contacts of one pair mostly come one after the other.
         let of_pair = match &self.searched {
             Some((last, range)) if *last == key => range.clone(),
@@ -147,32 +147,27 @@ impl Anchors {
         let nearest =
             || (0..of_triangle.len()).min_by(|&a, &b| distance(&of_triangle[a]).total_cmp(&distance(&of_triangle[b])));
         let is_same = of_triangle.get(same).is_some_and(|anchor| anchor.from.weights == from.weights);
-        let found = if is_same { Some(start + same) } else { nearest().map(|place| start + place) };
+        let before = if is_same { Some(start + same) } else { nearest().map(|nearest| start + nearest) };
         self.searched = Some((key, of_pair));
-        self.pending.room_for(1).push(Pending { key, triangle, from, on, found });
-        (self.pending.len() - 1, found)
+        self.pending.room_for(1).push(Pending { key, triangle, from, on, before });
+        (self.pending.len() - 1, before.map(|before| self.kept[before]))
     }
 
-    /// One of the step before.
-    pub(super) fn before(&self, place: usize) -> &Anchor {
-        &self.kept[place]
+    /// Whether the contact had no anchor in the step before.
+    pub(super) fn is_new(&self, index: usize) -> bool {
+        self.pending[index].before.is_none()
     }
 
-    /// Whether the contact did not hold on in the step before.
-    pub(super) fn is_new(&self, place: usize) -> bool {
-        self.pending[place].found.is_none()
-    }
-
-    /// The anchor stays where it is: to the bit, so that rounding does not add up to a way. False for a new one.
-    pub(super) fn keep(&mut self, place: usize) -> bool {
-        let Some(found) = self.pending[place].found else { return false };
-        self.next.room_for(1).push(self.kept[found]);
+    /// Keeps the anchor of the step before, to the bit, so that rounding does not add up to a motion. False where there is none.
+    pub(super) fn keep(&mut self, index: usize) -> bool {
+        let Some(before) = self.pending[index].before else { return false };
+        self.next.room_for(1).push(self.kept[before]);
         true
     }
 
     /// From now on the contact holds on to this.
-    pub(super) fn set(&mut self, place: usize, hold: Hold) {
-        let Pending { key, triangle, from, .. } = self.pending[place];
+    pub(super) fn set(&mut self, index: usize, hold: Hold) {
+        let Pending { key, triangle, from, .. } = self.pending[index];
         self.next.room_for(1).push(Anchor { key, triangle, from, hold });
     }
 
@@ -182,7 +177,7 @@ impl Anchors {
         self.sort();
     }
 
-    /// Those of a pair come in few stretches: these are sorted, then the triangles of each pair, and each anchor moves once.
+    /// Anchors of a pair come in few runs. So the runs are sorted, then the triangles of each pair, and each anchor moves once.
     fn sort(&mut self) {
         let Self { kept, next, runs, order, .. } = self;
         runs.clear();
@@ -197,11 +192,11 @@ impl Anchors {
         next.room_for(kept.len());
         for of_key in runs.chunk_by(|one, next| one.0 == next.0) {
             order.clear();
-            for place in of_key.iter().flat_map(|&(_, start, end)| start..end) {
-                order.room_for(1).push(u64::from(kept[place as usize].triangle) << 32 | u64::from(place));
+            for index in of_key.iter().flat_map(|&(_, start, end)| start..end) {
+                order.room_for(1).push(u64::from(kept[index as usize].triangle) << 32 | u64::from(index));
             }
             order.sort_unstable();
-            next.extend(order.iter().map(|&place| kept[place as u32 as usize]));
+            next.extend(order.iter().map(|&index| kept[index as u32 as usize]));
         }
         for alike in next.chunk_by_mut(|a, b| (a.triangle, a.key) == (b.triangle, b.key)) {
             alike.sort_unstable_by(in_order);
@@ -221,14 +216,14 @@ fn compare(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
     a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)))
 }
 
-/// Of several as near as each other the first is taken, which must not depend on other pairs.
+/// Of several anchors that are equally near, [`Anchors::find`] takes the first. So the order must not depend on other pairs.
 fn in_order(a: &Anchor, b: &Anchor) -> Ordering {
     let order = |anchor: &Anchor| (anchor.key, anchor.triangle);
-    let held = |anchor: &Anchor| match anchor.hold {
+    let hold = |anchor: &Anchor| match anchor.hold {
         Hold::Material(corners) => (corners.vertices, corners.weights),
         Hold::Space(point) => ([0; 3], point.into()),
     };
-    let ((vertices, weights), (other_vertices, other_weights)) = (held(a), held(b));
+    let ((vertices, weights), (other_vertices, other_weights)) = (hold(a), hold(b));
     order(a)
         .cmp(&order(b))
         .then_with(|| compare(&a.from.weights, &b.from.weights))
@@ -236,18 +231,18 @@ fn in_order(a: &Anchor, b: &Anchor) -> Ordering {
         .then_with(|| compare(&weights, &other_weights))
 }
 
-/// A point as seen from a triangle. `vertex`: where the surface's are.
-pub(super) fn seen_from(vertices: &[u32; 3], point: &V3, vertex: impl Fn(u32) -> V3) -> Corners {
+/// A point as seen from a triangle. `vertex`: the positions of the surface's vertices.
+pub(super) fn seen_from(vertices: &[u32; 3], point: &V3, vertex: impl Fn(u32) -> V3) -> AnchorPoint {
     let [a, b, c] = vertices.map(vertex);
     let (u, v) = (b - a, c - a);
     let axes = direction(&u.cross(&v)).and_then(|normal| Matrix3::from_columns(&[u, v, normal]).try_inverse());
     let [second, third, height] = axes.map_or([0.0; 3], |axes| (axes * (point - a)).into());
-    Corners { vertices: *vertices, weights: [1.0 - second - third, second, third], height }
+    AnchorPoint { vertices: *vertices, weights: [1.0 - second - third, second, third], height }
 }
 
-/// By rising vertex number: a contact that starts from a vertex has that one first.
-pub(super) fn sorted(vertices: [u32; 3], weights: [f64; 3]) -> Corners {
+/// Sorted by vertex number, because a contact that starts from a vertex has that one first.
+pub(super) fn sorted(vertices: [u32; 3], weights: [f64; 3]) -> AnchorPoint {
     let mut order = [0, 1, 2];
     order.sort_unstable_by_key(|&k: &usize| vertices[k]);
-    Corners { vertices: order.map(|k| vertices[k]), weights: order.map(|k| weights[k]), height: 0.0 }
+    AnchorPoint { vertices: order.map(|k| vertices[k]), weights: order.map(|k| weights[k]), height: 0.0 }
 }

@@ -1,11 +1,11 @@
-use super::anchors::Corners;
+use super::anchors::AnchorPoint;
+use super::buffers::{Buffers, Course};
 use super::error::{SystemError, check_count, check_range};
 use super::material::Material;
-use super::twist::{Inertia, V3, angular, linear, rotation};
+use super::twist::{Inertia, V3, angular, at, linear, rotation};
 use crate::contact::SurfacePoint;
 use crate::math::{Pose, Scalar, direction, margins};
 use crate::memory;
-use crate::memory::Room;
 use crate::mesh::{Carrier, Mesh};
 use nalgebra::Matrix3;
 use std::ops::Range;
@@ -48,10 +48,10 @@ pub(super) enum Mover {
         table: Table,
         nodes: Range<u32>,
     },
-    /// With its place among the rigid bodies.
+    /// With its index among the rigid bodies.
     Rigid {
         inertia: Box<Inertia>,
-        place: usize,
+        index: usize,
         frame: Frame,
     },
     Host(Frame),
@@ -89,11 +89,10 @@ impl Frame {
         }
     }
 
-    pub(super) fn place(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
-        let check = |what, numbers: &[f64]| check_range(what, numbers);
-        check("position", &motion.position)?;
-        check("velocity", &motion.velocity)?;
-        check("free_velocity", &motion.free_velocity)?;
+    pub(super) fn set_motion(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
+        check_range("position", &motion.position)?;
+        check_range("velocity", &motion.velocity)?;
+        check_range("free_velocity", &motion.free_velocity)?;
         let rotation = Matrix3::from_fn(|row, column| motion.rotation[row][column]);
         let error = (rotation * rotation.transpose() - Matrix3::identity()).norm();
         if !(error < margins::ROTATION && rotation.determinant() > 0.0) {
@@ -196,13 +195,6 @@ fn of<'a>(offsets: &[u32], entries: &'a [(u32, f64)], vertex: u32) -> &'a [(u32,
     &entries[offsets[vertex as usize] as usize..offsets[vertex as usize + 1] as usize]
 }
 
-/// The node's vector of a field.
-#[inline(always)] // in the innermost loops
-pub(super) fn at(field: &[f64], node: u32) -> V3 {
-    // One check of the bounds instead of three.
-    V3::from(field.as_chunks::<3>().0[node as usize])
-}
-
 /// A body of the system.
 #[derive(Debug)]
 pub(super) struct Body<T: Scalar> {
@@ -210,12 +202,11 @@ pub(super) struct Body<T: Scalar> {
     pub(super) number: u32,
     pub(super) material: Material,
     pub(super) mover: Mover,
-    /// Its surface vertices farthest out along each axis, which help to carry points inside it.
+    /// Its surface vertices farthest along each axis, which help to carry points inside it.
     pub(super) outermost: [u32; 6],
     /// The sum of its nodes' masses, or a rigid body's mass; infinite if no force moves it.
     pub(super) mass: f64,
-    /// Its predicted position, where detection finds its contacts: the vertices of a surface that nodes carry, or centre and
-    /// rotation.
+    /// Where detection last looked for its contacts: the vertices of a surface that nodes carry, or centre and rotation.
     pub(super) ahead: Vec<V3>,
     pub(super) ahead_pose: (V3, Matrix3<f64>),
     /// How fast its centre of mass moves at the start of the step.
@@ -225,16 +216,6 @@ pub(super) struct Body<T: Scalar> {
     pub(super) carrier: Carrier<T>,
     /// Whether it was added within the step under way, or the last one.
     pub(super) has_joined: bool,
-}
-
-/// The predicted motion: the velocities of nodes and rigid bodies, followed for some time.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Course<'a> {
-    pub(super) time: f64,
-    pub(super) velocities: &'a [f64],
-    pub(super) twists: &'a [f64],
-    /// The predicted positions of the nodes.
-    pub(super) ends: &'a [f64],
 }
 
 impl<T: Scalar> Body<T> {
@@ -276,6 +257,32 @@ impl<T: Scalar> Body<T> {
         }
     }
 
+    /// The nodes of a deformable body.
+    pub(super) fn nodes(&self) -> Option<Range<u32>> {
+        if let Mover::Nodes { nodes, .. } = &self.mover { Some(nodes.clone()) } else { None }
+    }
+
+    /// Stores how a rigid body moves at the start of a step, and its mass and inertia there.
+    pub(super) fn start_rigid(&self, buffers: &mut Buffers, masses: &mut [Inertia]) {
+        if let Mover::Rigid { inertia, index, frame } = &self.mover {
+            let own = 6 * index..6 * index + 6;
+            buffers.twists[own.clone()].copy_from_slice(&frame.velocity);
+            buffers.free_twists[own].copy_from_slice(&frame.free_velocity);
+            masses[*index] = inertia.turned(&frame.rotation);
+        }
+    }
+
+    /// Finds the drift; of a deformable body that of its free nodes.
+    pub(super) fn find_drift(&mut self, velocities: &[f64], masses: &[f64]) {
+        self.drift = match &self.mover {
+            Mover::Nodes { nodes, .. } => {
+                let free = nodes.clone().filter(|&node| masses[node as usize].is_finite());
+                free.map(|node| at(velocities, node) * masses[node as usize]).sum::<V3>() / self.mass
+            }
+            Mover::Rigid { frame, .. } | Mover::Host(frame) => linear(&frame.velocity),
+        };
+    }
+
     /// The frame of a body that is not deformable.
     pub(super) fn frame_mut(&mut self) -> Option<&mut Frame> {
         match &mut self.mover {
@@ -284,36 +291,36 @@ impl<T: Scalar> Body<T> {
         }
     }
 
-    /// The predicted positions of surface vertices.
-    pub(super) fn vertices(&self, course: &Course<'_>) -> impl Fn(u32) -> V3 {
-        let pose = match &self.mover {
+    /// The predicted centre and rotation of a body that is not deformable.
+    fn pose(&self, course: &Course<'_>) -> Option<(V3, Matrix3<f64>)> {
+        match &self.mover {
             Mover::Nodes { .. } => None,
-            Mover::Rigid { frame, place, .. } => {
-                Some(frame.moved(course.time, &course.twists[6 * place..6 * place + 6]))
+            Mover::Rigid { frame, index, .. } => {
+                Some(frame.moved(course.time, &course.twists[6 * index..6 * index + 6]))
             }
             Mover::Host(frame) => Some(frame.moved(course.time, &frame.free_velocity)),
-        };
+        }
+    }
+
+    /// The predicted positions of surface vertices.
+    pub(super) fn vertices(&self, course: &Course<'_>) -> impl Fn(u32) -> V3 {
+        let pose = self.pose(course);
         move |vertex| match (&self.mover, &pose) {
             (Mover::Rigid { frame, .. } | Mover::Host(frame), Some((centre, rotation))) => {
                 centre + rotation * frame.points[vertex as usize]
             }
-            (Mover::Nodes { table, .. }, _) => table.sum(vertex, course.ends),
+            (Mover::Nodes { table, .. }, _) => table.sum(vertex, course.positions),
             _ => V3::zeros(),
         }
     }
 
     /// Moves the body to its predicted position.
     pub(super) fn go(&mut self, course: &Course<'_>) {
-        let Self { mover, ahead, ahead_pose, .. } = self;
-        match mover {
-            Mover::Nodes { table, .. } => {
-                let vertices = table.vertex_count();
-                memory::refill(ahead, (0..vertices as u32).map(|vertex| table.sum(vertex, course.ends)));
-            }
-            Mover::Rigid { frame, place, .. } => {
-                *ahead_pose = frame.moved(course.time, &course.twists[6 * *place..6 * *place + 6]);
-            }
-            Mover::Host(frame) => *ahead_pose = frame.moved(course.time, &frame.free_velocity),
+        if let Some(pose) = self.pose(course) {
+            self.ahead_pose = pose;
+        } else if let Mover::Nodes { table, .. } = &self.mover {
+            let vertices = 0..table.vertex_count() as u32;
+            memory::refill(&mut self.ahead, vertices.map(|vertex| table.sum(vertex, course.positions)));
         }
     }
 
@@ -328,11 +335,8 @@ impl<T: Scalar> Body<T> {
     }
 
     /// Where a point of the surface was at the last detection.
-    pub(super) fn point_ahead(&self, corners: &Corners) -> V3 {
-        match &self.mover {
-            Mover::Nodes { .. } => corners.point(|vertex| self.ahead[vertex as usize]),
-            _ => corners.point(|vertex| self.vertex_ahead(vertex)),
-        }
+    pub(super) fn point_ahead(&self, corners: &AnchorPoint) -> V3 {
+        corners.point(|vertex| self.vertex_ahead(vertex))
     }
 
     /// The outward normal of a triangle at the last detection.
@@ -353,18 +357,14 @@ impl<T: Scalar> Body<T> {
 
     /// Fills `positions` with those of the last detection, or gives the first vertex that the precision cannot hold.
     pub(super) fn fill_positions(&mut self) -> Result<(), usize> {
-        let mut positions = std::mem::take(&mut self.positions);
-        positions.clear();
-        positions.room_for(self.vertex_count());
+        let Self { mover, ahead, ahead_pose: (centre, rotation), positions, .. } = self;
         let rounded = |x: V3| [T::of(x.x), T::of(x.y), T::of(x.z)];
-        match &self.mover {
-            Mover::Nodes { .. } => positions.extend(self.ahead.iter().map(|&x| rounded(x))),
+        match mover {
+            Mover::Nodes { .. } => memory::refill(positions, ahead.iter().map(|&x| rounded(x))),
             Mover::Rigid { frame, .. } | Mover::Host(frame) => {
-                let (centre, rotation) = self.ahead_pose;
-                positions.extend(frame.points.iter().map(|&point| rounded(centre + rotation * point)));
+                memory::refill(positions, frame.points.iter().map(|point| rounded(*centre + *rotation * point)));
             }
         }
-        self.positions = positions;
         match self.positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
             Some(vertex) => Err(vertex),
             None => Ok(()),

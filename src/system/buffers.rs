@@ -1,9 +1,7 @@
 //! What a step under way keeps of the host's numbers, and its scratch memory.
 
-use super::body::Course;
 use super::rows::Velocities;
 use crate::memory;
-use crate::memory::Room;
 
 /// A step under way.
 #[derive(Clone, Copy, Debug)]
@@ -20,11 +18,11 @@ pub(crate) struct Buffers {
     pub(crate) positions: Vec<f64>,
     pub(crate) velocities: Vec<f64>,
     /// The predicted positions of the nodes.
-    pub(super) ends: Vec<f64>,
+    pub(super) predicted: Vec<f64>,
     /// The velocities by which the last detection predicted where nodes and rigid bodies will be.
     pub(super) ahead: Vec<f64>,
     pub(super) ahead_twists: Vec<f64>,
-    /// Those two while a trial is made.
+    /// Those two, set aside while a trial is made.
     pub(super) kept: [Vec<f64>; 2],
     pub(super) twists: Vec<f64>,
     pub(super) free_twists: Vec<f64>,
@@ -32,8 +30,18 @@ pub(crate) struct Buffers {
     pub(super) end_twists: Vec<f64>,
     pub(super) sums: Vec<f64>,
     pub(super) unknowns: Vec<f64>,
-    /// Each pair with the area of the contacts that a later detection found, and that of its rows.
+    /// Each pair with the area of the contacts of a later detection, and that of its rows.
     pub(super) pairs: Vec<([u32; 2], f64, f64)>,
+}
+
+/// The predicted motion: the velocities of nodes and rigid bodies, followed for some time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course<'a> {
+    pub(super) time: f64,
+    pub(super) velocities: &'a [f64],
+    pub(super) twists: &'a [f64],
+    /// The predicted positions of the nodes.
+    pub(super) positions: &'a [f64],
 }
 
 impl Buffers {
@@ -42,21 +50,11 @@ impl Buffers {
     }
 
     pub(super) fn course(&self, time: f64) -> Course<'_> {
-        Course { time, velocities: &self.ahead, twists: &self.ahead_twists, ends: &self.ends }
+        Course { time, velocities: &self.ahead, twists: &self.ahead_twists, positions: &self.predicted }
     }
 
     /// Finds where nodes are after a time with these velocities.
-    pub(super) fn find_ends(ends: &mut Vec<f64>, positions: &[f64], velocities: &[f64], time: f64) {
-        memory::refill(ends, positions.iter().zip(velocities).map(|(x, v)| x + v * time));
+    pub(super) fn predict(predicted: &mut Vec<f64>, positions: &[f64], velocities: &[f64], time: f64) {
+        memory::refill(predicted, positions.iter().zip(velocities).map(|(x, v)| x + v * time));
     }
-}
-
-/// The squared distance of two velocities.
-pub(super) fn square_between(a: &[f64], b: &[f64]) -> f64 {
-    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
-}
-
-pub(super) fn copy(to: &mut Vec<f64>, from: &[f64]) {
-    to.clear();
-    to.room_for(from.len()).extend_from_slice(from);
 }

@@ -1,8 +1,7 @@
 //! The rows' matrix as libraries for sparse matrices take it: three arrays of numbers.
 
 use super::rows::Rows;
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 
 /// A matrix in compressed sparse rows (CSR): row i has the numbers `offsets[i]` to `offsets[i + 1]` of both others. Columns
 /// ascend within each row, none comes twice, and there is one offset more than rows.
@@ -22,10 +21,10 @@ pub(super) struct Compressed {
     offsets: Vec<i32>,
     columns: Vec<i32>,
     values: Vec<f64>,
-    /// Room: the rows that push on each block of three unknowns, and where those of each block end.
+    /// Scratch memory: by block of three unknowns the rows that push on it, and where those of each block end.
     pushing: Vec<u32>,
     ends: Vec<u32>,
-    /// Room: the blocks in the line under way, and in which line each was last.
+    /// Scratch memory: the blocks in the line under way, and in which line each was last.
     line: Vec<u32>,
     seen: Vec<u32>,
 }
@@ -39,15 +38,15 @@ impl Compressed {
             return false;
         }
         memory::refill_with(ends, 0, blocks + 1);
-        let pushes = || (0..).zip(&rows.rows).filter(|(_, row)| row.held.pushes).map(|(place, _)| place);
-        for place in pushes() {
-            rows.for_each_slot(place as usize, nodes, |_, block, _, _| ends[block + 1] += 1);
+        let pushes = || (0..).zip(&rows.rows).filter(|(_, row)| row.linear.pushes).map(|(index, _)| index);
+        for index in pushes() {
+            rows.for_each_slot(index as usize, nodes, |_, block, _, _| ends[block + 1] += 1);
         }
         (1..=blocks).for_each(|block| ends[block] += ends[block - 1]);
         memory::refill_with(pushing, 0, ends[blocks] as usize);
-        for place in pushes() {
-            rows.for_each_slot(place as usize, nodes, |_, block, _, _| {
-                pushing[ends[block] as usize] = place;
+        for index in pushes() {
+            rows.for_each_slot(index as usize, nodes, |_, block, _, _| {
+                pushing[ends[block] as usize] = index;
                 ends[block] += 1;
             });
         }
@@ -58,8 +57,8 @@ impl Compressed {
         let mut begin = 0;
         for (number, &end) in (0..blocks as u32).zip(&*ends) {
             line.clear();
-            for &place in &pushing[begin as usize..end as usize] {
-                rows.for_each_slot(place as usize, nodes, |_, block, _, _| {
+            for &index in &pushing[begin as usize..end as usize] {
+                rows.for_each_slot(index as usize, nodes, |_, block, _, _| {
                     if std::mem::replace(&mut seen[block], number) != number {
                         line.room_for(1).push(block as u32);
                     }
@@ -82,9 +81,9 @@ impl Compressed {
             let first = offsets[3 * row] as usize;
             let length = offsets[3 * row + 1] as usize - first;
             let is_before = |other: &i32| *other < 3 * column as i32;
-            let place = first + columns[first..first + length].partition_point(is_before);
+            let index = first + columns[first..first + length].partition_point(is_before);
             for (k, number) in numbers.into_iter().enumerate() {
-                values[place + k / 3 * length + k % 3] += number;
+                values[index + k / 3 * length + k % 3] += number;
             }
         });
         true
@@ -99,7 +98,7 @@ impl Compressed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::system::row::{Held, Row};
+    use crate::system::row::{LinearForce, Row};
 
     /// Two rows on two nodes each, and one that does not push.
     #[test]
@@ -107,8 +106,8 @@ mod tests {
         let mut rows = Rows::default();
         for (nodes, pushes) in [([0, 2], true), ([2, 3], true), ([1, 3], false)] {
             nodes.iter().for_each(|&node| rows.add_distinct(node, 1.0, 1.0));
-            let held = Held { pushes, normal: 1.0, tangential: 1.0, ..Held::default() };
-            rows.rows.push(Row { end: rows.entries.len(), held, ..Row::default() });
+            let linear = LinearForce { pushes, normal: 1.0, tangential: 1.0, ..LinearForce::default() };
+            rows.rows.push(Row { end: rows.entries.len(), linear, ..Row::default() });
         }
         let mut matrix = Compressed::default();
         // Seven blocks of nine numbers, and four of three unknowns.

@@ -3,27 +3,26 @@
 use super::lines::Lines;
 use super::row::{RigidEnd, Row, Spring};
 use super::twist::V3;
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
 /// The force on a node for each of the six velocities of a rigid body, in N s/m and N s.
 type Columns = [V3; 6];
 
-/// The part of the matrix that involves rigid bodies, for rows that push.
+/// The blocks of the matrix that involve rigid bodies, for rows that push. Bodies are named by their index among the rigid ones.
 #[derive(Debug, Default)]
 pub(super) struct RigidCoupling {
-    /// Between two bodies, by their places: JᵀDJ.
+    /// JᵀDJ between two bodies.
     among: Vec<((usize, usize), Matrix6<f64>)>,
-    /// Of springs in the matrix on nodes: the body's place, the spring's, and which of its ends it is; by body.
+    /// The rigid ends of the springs in the matrix on nodes: body, spring, and which of its ends; by body.
     ends: Vec<(usize, u32, usize)>,
-    /// The place of each body that nodes meet, and where its blocks end.
+    /// Each body that shares springs with nodes, and where its blocks end.
     bodies: Vec<(usize, usize)>,
     /// The line of each block.
     lines: Vec<u32>,
     blocks: Vec<Columns>,
-    /// Room: of each line its block of the body under way.
-    places: Vec<u32>,
+    /// Scratch memory: of each line its block of the body under way.
+    block_of_line: Vec<u32>,
 }
 
 impl RigidCoupling {
@@ -31,16 +30,16 @@ impl RigidCoupling {
     pub(super) fn gather(&mut self, rows: &[Row]) {
         let among = &mut self.among;
         among.clear();
-        for row in rows.iter().filter(|row| row.held.pushes) {
-            let stiffness = stiffness(&row.direction, row.held.normal, row.held.tangential);
+        for row in rows.iter().filter(|row| row.linear.pushes) {
+            let stiffness = stiffness(&row.direction, row.linear.normal, row.linear.tangential);
             for a in row.rigid.iter().flatten() {
                 for b in row.rigid.iter().flatten() {
-                    let key = (a.place, b.place);
-                    let place = among.binary_search_by_key(&key, |(key, _)| *key).unwrap_or_else(|place| {
-                        among.room_for(1).insert(place, (key, Matrix6::zeros()));
-                        place
+                    let key = (a.index, b.index);
+                    let index = among.binary_search_by_key(&key, |(key, _)| *key).unwrap_or_else(|index| {
+                        among.room_for(1).insert(index, (key, Matrix6::zeros()));
+                        index
                     });
-                    among[place].1 += between(a, &stiffness, b);
+                    among[index].1 += between(a, &stiffness, b);
                 }
             }
         }
@@ -63,7 +62,7 @@ impl RigidCoupling {
         }
     }
 
-    /// Finds the blocks between nodes and rigid bodies of the springs at these places, without their numbers; gives how many.
+    /// Finds the blocks of these springs between nodes and rigid bodies, without their numbers; gives how many.
     pub(super) fn find_blocks(
         &mut self,
         taken: impl Iterator<Item = u32>,
@@ -71,24 +70,24 @@ impl RigidCoupling {
         rows: &[Row],
         all: &Lines,
     ) -> usize {
-        let Self { ends, bodies, lines, places, .. } = self;
+        let Self { ends, bodies, lines, block_of_line, .. } = self;
         ends.clear();
-        for place in taken {
-            let spring = &springs[place as usize];
-            let rigid = if spring.has_rigid_ends { &rows[spring.place].rigid[..] } else { &[] };
+        for index in taken {
+            let spring = &springs[index as usize];
+            let rigid = if spring.has_rigid_ends { &rows[spring.row].rigid[..] } else { &[] };
             for (side, end) in rigid.iter().enumerate() {
-                ends.room_for(1).extend(end.iter().map(|end| (end.place, place, side)));
+                ends.room_for(1).extend(end.iter().map(|end| (end.index, index, side)));
             }
         }
         ends.sort_unstable();
         bodies.clear();
         lines.clear();
-        memory::refill_with(places, u32::MAX, all.count());
+        memory::refill_with(block_of_line, u32::MAX, all.count());
         for of_body in ends.chunk_by(|one, next| one.0 == next.0) {
             let first = lines.len() as u32;
-            for entry in of_body.iter().flat_map(|&(_, place, _)| all.entries_of(place)) {
-                // It may be that of a body before.
-                let block = &mut places[entry.node as usize];
+            for entry in of_body.iter().flat_map(|&(_, index, _)| all.entries_of(index)) {
+                // It may be a block of an earlier body.
+                let block = &mut block_of_line[entry.node as usize];
                 if *block == u32::MAX || *block < first {
                     *block = lines.len() as u32;
                     lines.room_for(1).push(entry.node);
@@ -99,25 +98,25 @@ impl RigidCoupling {
         lines.len()
     }
 
-    /// The numbers of the blocks found.
+    /// Computes the numbers of these blocks.
     pub(super) fn add_up(&mut self, springs: &[Spring], rows: &[Row], all: &Lines) {
-        let Self { ends, bodies, lines, blocks, places, .. } = self;
+        let Self { ends, bodies, lines, blocks, block_of_line, .. } = self;
         memory::refill_with(blocks, [V3::zeros(); 6], lines.len());
         let mut first = 0;
         for (of_body, &(_, last)) in ends.chunk_by(|one, next| one.0 == next.0).zip(&*bodies) {
-            for place in first..last {
-                places[lines[place] as usize] = place as u32;
+            for block in first..last {
+                block_of_line[lines[block] as usize] = block as u32;
             }
-            for &(_, place, side) in of_body {
-                let spring = &springs[place as usize];
-                let Some(RigidEnd { sign, arm, .. }) = &rows[spring.place].rigid[side] else { continue };
+            for &(_, index, side) in of_body {
+                let spring = &springs[index as usize];
+                let Some(RigidEnd { sign, arm, .. }) = &rows[spring.row].rigid[side] else { continue };
                 let d = spring.direction;
                 // d · J and J of the body's six velocities.
                 let turned = [V3::new(0.0, -arm.z, arm.y), V3::new(arm.z, 0.0, -arm.x), V3::new(-arm.y, arm.x, 0.0)];
                 let moves = [V3::x(), V3::y(), V3::z(), turned[0], turned[1], turned[2]].map(|column| column * *sign);
-                for entry in all.entries_of(place) {
+                for entry in all.entries_of(index) {
                     let (along, across) = (spring.normal * entry.along, spring.tangential * entry.across);
-                    let block = &mut blocks[places[entry.node as usize] as usize];
+                    let block = &mut blocks[block_of_line[entry.node as usize] as usize];
                     for (column, moves) in block.iter_mut().zip(&moves) {
                         *column += d * ((along - across) * d.dot(moves)) + moves * across;
                     }
@@ -136,16 +135,16 @@ impl RigidCoupling {
 
     fn of_bodies(&self) -> impl Iterator<Item = (usize, impl Iterator<Item = (u32, &Columns)>)> {
         let mut first = 0;
-        self.bodies.iter().map(move |&(place, last)| {
+        self.bodies.iter().map(move |&(index, last)| {
             let range = std::mem::replace(&mut first, last)..last;
-            (place, self.lines[range.clone()].iter().copied().zip(&self.blocks[range]))
+            (index, self.lines[range.clone()].iter().copied().zip(&self.blocks[range]))
         })
     }
 
     /// Adds the forces on nodes for these velocities of rigid bodies to the sums of lines.
     pub(super) fn add_to_lines(&self, twists: &[f64], all: &mut Lines) {
-        for (place, blocks) in self.of_bodies() {
-            let twist = &twists[6 * place..6 * place + 6];
+        for (index, blocks) in self.of_bodies() {
+            let twist = &twists[6 * index..6 * index + 6];
             for (line, block) in blocks {
                 let force = block.iter().zip(twist).fold(V3::zeros(), |sum, (column, by)| sum + column * *by);
                 let to = &mut all.result[line as usize];
@@ -156,14 +155,14 @@ impl RigidCoupling {
 
     /// Adds `scale` times the loads on rigid bodies for the change of lines.
     pub(super) fn add_to_rigid(&self, all: &Lines, scale: f64, loads: &mut [f64]) {
-        for (place, blocks) in self.of_bodies() {
+        for (index, blocks) in self.of_bodies() {
             let mut sum = [0.0; 6];
             for (line, block) in blocks {
                 let [x, y, z, _] = all.change[line as usize];
                 let v = V3::new(x, y, z);
                 (0..6).for_each(|k| sum[k] += block[k].dot(&v));
             }
-            (0..6).for_each(|k| loads[6 * place + k] += scale * sum[k]);
+            (0..6).for_each(|k| loads[6 * index + k] += scale * sum[k]);
         }
     }
 }
@@ -191,7 +190,7 @@ fn between(a: &RigidEnd, stiffness: &Matrix3<f64>, b: &RigidEnd) -> Matrix6<f64>
 mod tests {
     use super::*;
     use crate::random::Random;
-    use crate::system::row::Held;
+    use crate::system::row::LinearForce;
     use crate::system::rows::{Rows, Velocities};
     use crate::system::twist::Inertia;
 
@@ -203,27 +202,27 @@ mod tests {
     /// Rows between nodes, between nodes and rigid bodies, between two of these, and long ones; some rub, some do not push.
     fn rows(numbers: &mut Random) -> Rows {
         let mut rows = Rows::default();
-        for place in 0..90 {
-            let count = [4, 4, 0, 5, 40][place % 5];
+        for index in 0..90 {
+            let count = [4, 4, 0, 5, 40][index % 5];
             for k in 0..count {
-                rows.add_distinct(((5 * place + 7 * k) % NODES) as u32, numbers.signed(), numbers.signed());
+                rows.add_distinct(((5 * index + 7 * k) % NODES) as u32, numbers.signed(), numbers.signed());
             }
-            let mut end = |is_there: bool, place, sign| {
+            let mut end = |is_there: bool, index, sign| {
                 let arm = V3::from(numbers.point(0.5));
-                is_there.then_some(RigidEnd { place, sign, arm })
+                is_there.then_some(RigidEnd { index, sign, arm })
             };
             let rigid = [
-                end(matches!(place % 5, 1 | 2), place % BODIES, -1.0),
-                end(matches!(place % 5, 2..=4), (place + 1) % BODIES, 1.0),
+                end(matches!(index % 5, 1 | 2), index % BODIES, -1.0),
+                end(matches!(index % 5, 2..=4), (index + 1) % BODIES, 1.0),
             ];
             let (normal, tangential) =
-                (1.5 + numbers.signed(), if place % 2 == 0 { 1.1 + numbers.signed() } else { 0.0 });
-            let held = Held { pushes: place % 7 != 0, normal, tangential, ..Held::default() };
+                (1.5 + numbers.signed(), if index % 2 == 0 { 1.1 + numbers.signed() } else { 0.0 });
+            let linear = LinearForce { pushes: index % 7 != 0, normal, tangential, ..LinearForce::default() };
             let direction = V3::from(numbers.point(1.0)).normalize();
-            rows.rows.push(Row { direction, rigid, end: rows.entries.len(), held, ..Row::default() });
+            rows.rows.push(Row { direction, rigid, end: rows.entries.len(), linear, ..Row::default() });
         }
         let mut added = Matrix6::zeros();
-        [(1, 1), (1, 5), (5, 1), (5, 5)].iter().for_each(|place| added[*place] = JOINT);
+        [(1, 1), (1, 5), (5, 1), (5, 5)].iter().for_each(|index| added[*index] = JOINT);
         rows.masses = vec![Inertia { mass: 2.0, about: Matrix3::identity() * 0.3, added }; BODIES];
         rows
     }
@@ -252,7 +251,7 @@ mod tests {
         let [on_nodes, on_rigid] = expected(&mut rows, of, 0.7);
         let [mut nodes, mut loads] = [vec![0.0; 3 * NODES], vec![0.0; 6 * BODIES]];
         rows.forget_products();
-        rows.add_product(of, 0.7, &mut nodes, Some(&mut loads));
+        rows.add_product(of, 0.7, &mut nodes, &mut loads);
         assert!(rows.coupling.bodies.len() == BODIES && rows.apart.count() > 0);
         assert_near(&nodes, &on_nodes);
         assert_near(&loads, &on_rigid);

@@ -1,25 +1,25 @@
 //! A second detection within a step: a body that was stopped may be in the way of another one.
 
 use super::body::Mover;
-use super::buffers::{Step, copy, square_between};
+use super::buffers::Step;
 use super::row_builder::pressed_area;
 use super::{ContactSystem, SystemError};
 use crate::math::Scalar;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::scene::Scene;
 
 impl<T: Scalar> ContactSystem<T> {
     /// Looks for contacts where bodies end with these velocities, instead of where they were predicted: a body that was stopped
     /// may be in the way of another one, though the prediction had it moving on. To be called after a solve. Pairs that had no
-    /// rows, or rows of less than half the area, get new ones, and all rows are linearised at these velocities; true if there are such
-    /// pairs, and then another solve is due. If no node or rigid body ends farther from its prediction than the smallest depth
-    /// cap, nothing is done.
+    /// rows, or rows of less than half the area, get new ones. If there are such pairs, all rows are linearised at these
+    /// velocities, the result is true, and another solve is due. If no node or rigid body ends farther from its prediction than
+    /// the smallest depth cap, nothing is done.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::Mesh`],
     /// [`SystemError::TooStiff`], which cancels the step.
     pub fn detect_again(&mut self, scene: &mut Scene<T>, velocities: &[f64]) -> Result<bool, SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
+        let step = self.check_velocities(velocities)?;
         self.check_bodies(scene)?;
         let cap = self.bodies.iter().map(|body| body.material.depth_cap).fold(f64::INFINITY, f64::min) / step.dt;
         let [nodes, rigids] = self.off_course(scene, velocities)?;
@@ -30,7 +30,7 @@ impl<T: Scalar> ContactSystem<T> {
         if has_news {
             // The twists are those of the rows that there were.
             self.rows.find_motions(&velocities[..3 * self.node_masses.len()]);
-            self.hold_at(step)?;
+            self.linearise_at(step)?;
         }
         Ok(has_news)
     }
@@ -43,7 +43,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn off_course(&mut self, scene: &Scene<T>, velocities: &[f64]) -> Result<[f64; 2], SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
+        let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
         let mut squares = [0.0; 2];
         if !self.looks_ahead {
@@ -52,7 +52,8 @@ impl<T: Scalar> ContactSystem<T> {
         let Self { bodies, buffers, rows, .. } = self;
         let mut count = |kind: usize, now: &[f64], ahead: &[f64]| {
             for (now, ahead) in now.chunks_exact(3).zip(ahead.chunks_exact(3)) {
-                squares[kind] = f64::max(squares[kind], square_between(now, ahead));
+                let square = (0..3).map(|axis| (now[axis] - ahead[axis]).powi(2)).sum();
+                squares[kind] = f64::max(squares[kind], square);
             }
         };
         for body in bodies.iter().filter(|body| !scene.is_foreign(body.number)) {
@@ -61,8 +62,8 @@ impl<T: Scalar> ContactSystem<T> {
                     let own = 3 * nodes.start as usize..3 * nodes.end as usize;
                     count(0, &velocities[own.clone()], &buffers.ahead[own]);
                 }
-                Mover::Rigid { place, .. } => {
-                    let linear = 6 * place..6 * place + 3;
+                Mover::Rigid { index, .. } => {
+                    let linear = 6 * index..6 * index + 3;
                     count(1, &rows.response[linear.clone()], &buffers.ahead_twists[linear]);
                 }
                 Mover::Host(_) => {}
@@ -74,11 +75,11 @@ impl<T: Scalar> ContactSystem<T> {
     /// Makes these velocities those of the prediction.
     pub(crate) fn go_on_with(&mut self, velocities: &[f64], step: Step) {
         self.find_motions(velocities, step);
-        copy(&mut self.buffers.ahead, &velocities[..3 * self.node_masses.len()]);
-        copy(&mut self.buffers.ahead_twists, &self.rows.response);
+        memory::refill(&mut self.buffers.ahead, velocities[..3 * self.node_masses.len()].iter().copied());
+        memory::refill(&mut self.buffers.ahead_twists, self.rows.response.iter().copied());
     }
 
-    /// Looks in any case; rows are held as before.
+    /// Detects in any case, and linearises no rows.
     pub(crate) fn detect_at(
         &mut self,
         scene: &mut Scene<T>,
@@ -91,11 +92,11 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(self.add_new_rows(step))
     }
 
-    /// Makes new rows for pairs that the last detection found more of pressed together; true if there are any.
+    /// Makes new rows for pairs of which the last detection has more than twice the area of their rows; true if there are any.
     fn add_new_rows(&mut self, step: Step) -> bool {
         self.measure_pairs();
         let mut pairs = std::mem::take(&mut self.buffers.pairs);
-        pairs.retain(|&(_, found, rows)| found > 2.0 * rows);
+        pairs.retain(|&(_, contacts, rows)| contacts > 2.0 * rows);
         let is_news = |a: u32, b: u32| pairs.binary_search_by_key(&[a.min(b), a.max(b)], |(pair, ..)| *pair).is_ok();
         for row in &mut self.rows.rows {
             let (first, second) = self.loads.now[row.pair].key;
@@ -121,18 +122,18 @@ impl<T: Scalar> ContactSystem<T> {
         // Contacts of escaping pairs have no area: such pairs keep their one row.
         let areas = contacts.contacts.iter().map(|contact| (contact, pressed_area(contact, *weighting).to_f64()));
         for (contact, area) in areas.filter(|(_, area)| *area > 0.0) {
-            let pair = [contact.colliding.min(contact.collided), contact.colliding.max(contact.collided)];
+            let pair = contact.bodies();
             match pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
-                Ok(place) => pairs[place].1 += area,
-                Err(place) => pairs.room_for(1).insert(place, (pair, area, 0.0)),
+                Ok(index) => pairs[index].1 += area,
+                Err(index) => pairs.room_for(1).insert(index, (pair, area, 0.0)),
             }
         }
         for row in rows.rows.iter().filter(|row| row.coefficient > 0.0) {
             let load = &loads.now[row.pair];
             let (first, super::Surface::Body(second)) = load.key else { continue };
             let pair = [first.min(second), first.max(second)];
-            if let Ok(place) = pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
-                pairs[place].2 += row.coefficient / load.material.stiffness;
+            if let Ok(index) = pairs.binary_search_by_key(&pair, |(pair, ..)| *pair) {
+                pairs[index].2 += row.coefficient / load.material.stiffness;
             }
         }
     }

@@ -3,7 +3,6 @@ use super::twist::Inertia;
 use super::{ContactSystem, RigidUnknowns, SystemError};
 use crate::math::Scalar;
 use crate::memory;
-use crate::memory::Room;
 use crate::scene::Scene;
 
 impl<T: Scalar> ContactSystem<T> {
@@ -25,7 +24,7 @@ impl<T: Scalar> ContactSystem<T> {
     ) -> Result<f64, SystemError> {
         check_count("forces", forces.len(), self.unknown_count())?;
         self.begin_explicit(scene, dt, positions, velocities)?;
-        let Some(step) = self.step else { return Err(SystemError::NoStep) };
+        let step = self.step.ok_or(SystemError::NoStep)?;
         let unknowns = std::mem::take(&mut self.buffers.unknowns);
         let added = self.add_forces(&unknowns, forces);
         self.remember(&unknowns, step);
@@ -58,35 +57,32 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Eliminated);
         }
         // No look-ahead: where bodies are, at the velocities they have.
-        self.start(scene, [dt, 0.0, 0.0], [positions, velocities, velocities])?;
-        let Some(step) = self.step else { return Err(SystemError::NoStep) };
+        let step = self.start(scene, [dt, 0.0, 0.0], [positions, velocities, velocities])?;
         let mut unknowns = std::mem::take(&mut self.buffers.unknowns);
-        unknowns.clear();
-        unknowns.room_for(step.unknowns).extend_from_slice(velocities);
-        unknowns.extend_from_slice(&self.buffers.twists);
+        memory::refill(&mut unknowns, velocities.iter().chain(&self.buffers.twists).copied());
         self.find_motions(&unknowns, step);
         self.buffers.unknowns = unknowns;
-        self.hold_at(step).map(|_| ())
+        self.linearise_at(step).map(|_| ())
     }
 
-    /// By the sums of couplings, a number for each block of three unknowns, a bound on the largest eigenvalue λ of M⁻¹ K, in
-    /// 1/s², and the largest damping time τ of rows that push, in s; both zero without contact. The largest sum of a row's
-    /// couplings with all rows bounds that eigenvalue (Gershgorin).
+    /// A bound on the largest eigenvalue λ of M⁻¹ K, in 1/s², and the largest damping time τ of rows that push, in s; both zero
+    /// without contact. `sums`: the sums of couplings, a number for each block of three unknowns. The largest sum of a row's
+    /// couplings with all rows bounds λ (Gershgorin).
     pub(crate) fn largest_with(&self, sums: &[f64]) -> [f64; 2] {
         let masses = &self.node_masses;
         let count = masses.len();
         let mut most = [0.0_f64; 2];
-        for (place, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
-            let entries = &self.rows.entries[self.rows.begin(place)..row.end];
+        for (index, row) in self.rows.rows.iter().enumerate().filter(|(_, row)| row.linear.pushes) {
+            let entries = &self.rows.entries[self.rows.begin(index)..row.end];
             let nodes = entries
                 .iter()
                 .map(|entry| entry.largest() * sums[entry.node as usize] / masses[entry.node as usize])
                 .sum::<f64>();
             let rigid = row.rigid.iter().flatten().map(|end| {
                 // What joints add makes no step shorter.
-                let Inertia { mass, about, .. } = self.rows.masses[end.place];
+                let Inertia { mass, about, .. } = self.rows.masses[end.index];
                 let least = about.symmetric_eigenvalues().min();
-                let [linear, angular] = [0, 1].map(|k| sums[count + 2 * end.place + k]);
+                let [linear, angular] = [0, 1].map(|k| sums[count + 2 * end.index + k]);
                 linear / mass + end.arm.norm() * angular / least
             });
             most = [most[0].max(nodes + rigid.sum::<f64>()), most[1].max(row.damping_time)];

@@ -1,20 +1,19 @@
 //! Half-spaces, and the rows of the bodies that reach into them.
 
 use super::Material;
-use super::anchors::Corners;
+use super::anchors::AnchorPoint;
 use super::body::Body;
 use super::loads::Surface;
-use super::row_builder::{End, Ends, RowBuilder, Spring};
+use super::row_builder::{Draft, End, Ends, RowBuilder};
 use super::twist::V3;
 use crate::math::{Aabb, Scalar, direction};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 
 /// Vertices make rows of their own if each node carries fewer of them than this: they may part from the plane one by one.
 const FEWEST_OF_NODE: f64 = 4.0;
-/// A patch is at most this part of the flat piece of surface around it, which may be all that a body stands on.
-const PART: f64 = 0.25;
+/// A patch is at most this fraction of the flat surface around it, which may be all that a body stands on.
+const LARGEST_FRACTION: f64 = 0.25;
 
 /// A floor or wall: solid where normal · x < offset.
 #[derive(Clone, Copy, Debug)]
@@ -24,14 +23,14 @@ pub(crate) struct HalfSpace {
     pub(super) material: Material,
 }
 
-/// Room for what of a body lies below a half-space's plane.
+/// What of a body lies below a half-space's plane.
 #[derive(Debug, Default)]
 pub(super) struct Below<T: Scalar> {
     /// Of each vertex: its depth, the area that it stands for, seen along the normal, and which way that faces.
     vertices: Vec<(f64, f64, V3)>,
     /// The triangles with a corner below, each with its patch.
     triangles: Vec<(u32, u32)>,
-    /// The vertices that bear a patch's load, and their parts of it.
+    /// The vertices that bear a patch's load, with their weights.
     bearing: Vec<(u32, T)>,
 }
 
@@ -56,7 +55,7 @@ impl<T: Scalar> Below<T> {
         triangles.sort_unstable();
     }
 
-    /// Shares out a triangle's area to its corners.
+    /// Divides a triangle's area among its corners.
     fn add_area(&mut self, half_space: &HalfSpace, body: &Body<T>, corners: [u32; 3]) {
         let [a, b, c] = corners.map(|vertex| V3::from(body.positions[vertex as usize].map(T::to_f64)));
         let outward = (b - a).cross(&(c - a));
@@ -72,8 +71,8 @@ impl<T: Scalar> Below<T> {
     /// Per stiffness, the energy of what of a body lies below, where no pressure is larger than at the depth `cap`.
     pub(super) fn energy(&mut self, half_space: &HalfSpace, body: &Body<T>, mesh: &Mesh<T>, cap: f64) -> f64 {
         self.find(half_space, body, mesh);
-        for place in 0..self.triangles.len() {
-            let corners = mesh.topology().triangles()[self.triangles[place].1 as usize];
+        for index in 0..self.triangles.len() {
+            let corners = mesh.topology().triangles()[self.triangles[index].1 as usize];
             self.add_area(half_space, body, corners);
         }
         let pressed = (0..self.vertices.len() as u32).filter_map(|vertex| self.pressed(vertex));
@@ -88,17 +87,17 @@ impl<T: Scalar> Below<T> {
 }
 
 impl<T: Scalar> RowBuilder<'_, T> {
-    /// Each surface vertex below the plane bears the pressure of its depth over the part of the surface that it stands for,
-    /// seen along the normal. In a step that looks ahead, of a body whose nodes are much further apart than its vertices,
-    /// those of a patch make one row, and share its load by their areas.
+    /// Adds the rows of one body. Each surface vertex below the plane bears the pressure of its depth over the area that it
+    /// stands for, seen along the normal. Where nodes are much further apart than vertices, and the step looks ahead, the
+    /// vertices of a patch make one row, with weights by their areas.
     pub(super) fn add_half_space_rows(
         &mut self,
         (number, half_space): (u32, &HalfSpace),
-        place: usize,
+        index: usize,
         mesh: &Mesh<T>,
         below: &mut Below<T>,
     ) {
-        let (body, normal) = (&self.bodies[place], half_space.normal);
+        let (body, normal) = (&self.bodies[index], half_space.normal);
         let Aabb { lower, upper } = mesh.aabb();
         let deepest = V3::from_fn(|axis, _| if normal[axis] > 0.0 { lower[axis] } else { upper[axis] }.to_f64());
         if !body.is_movable() || normal.dot(&deepest) >= half_space.offset {
@@ -110,20 +109,20 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let of_nodes = mesh.roundness().area / (spacing * spacing);
         // A patch's stretch follows the predicted motion, and without one only points tell how far a spring is stretched.
         if (vertices.len() as f64) < of_nodes * FEWEST_OF_NODE || self.course.time <= 0.0 {
-            for place in 0..below.triangles.len() {
-                below.add_area(half_space, body, all[below.triangles[place].1 as usize]);
+            for index in 0..below.triangles.len() {
+                below.add_area(half_space, body, all[below.triangles[index].1 as usize]);
             }
             for &vertex in vertices {
                 if let Some(pressed) = below.pressed(vertex) {
-                    let at = Corners { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
+                    let at = AnchorPoint { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
                     self.add_half_space_row((number, half_space), body, vertex, (at, None), pressed);
                 }
             }
             return;
         }
-        // The same ones in each step, so that friction finds again what it holds on to.
-        let (patches, largest, part) = (mesh.patches(), T::of(spacing * spacing), T::of(PART));
-        let patch_of = |triangle: u32| patches.part_around(triangle, largest, part);
+        // Patches are the same in each step, so that friction finds again what it holds on to.
+        let (patches, largest, fraction) = (mesh.patches(), T::of(spacing * spacing), T::of(LARGEST_FRACTION));
+        let patch_of = |triangle: u32| patches.part_around(triangle, largest, fraction);
         below.triangles.iter_mut().for_each(|(patch, triangle)| *patch = patch_of(*triangle));
         below.triangles.sort_unstable();
         let (mut start, mut end) = (0, 0);
@@ -134,8 +133,8 @@ impl<T: Scalar> RowBuilder<'_, T> {
             }
             below.bearing.clear();
             let (mut load, mut sum, mut faces) = (0.0, 0.0, V3::zeros());
-            for place in start..end {
-                for vertex in all[below.triangles[place].1 as usize] {
+            for index in start..end {
+                for vertex in all[below.triangles[index].1 as usize] {
                     if let Some((depth, area, facing)) = below.pressed(vertex) {
                         below.bearing.room_for(1).push((vertex, T::of(area)));
                         (load, sum, faces) = (load + depth * area, sum + area, faces + facing);
@@ -146,20 +145,20 @@ impl<T: Scalar> RowBuilder<'_, T> {
             start = end;
             if sum > 0.0 {
                 below.bearing.iter_mut().for_each(|(_, weight)| *weight /= T::of(sum));
-                let ends = (Corners::NOWHERE, Some(&*below.bearing));
+                let ends = (AnchorPoint::NOWHERE, Some(&*below.bearing));
                 let name = patches.middle(patch);
                 self.add_half_space_row((number, half_space), body, name, ends, (load / sum, sum, faces));
             }
         }
     }
 
-    /// A row of the vertex or patch with this name, which acts on so much area so deep below the plane.
+    /// Adds the row of a vertex or patch, by its name; it acts on `area` at `depth` below the plane.
     fn add_half_space_row(
         &mut self,
         (number, half_space): (u32, &HalfSpace),
         body: &Body<T>,
         name: u32,
-        (at, on): (Corners, Option<&[(u32, T)]>),
+        (at, on): (AnchorPoint, Option<&[(u32, T)]>),
         (depth, area, facing): (f64, f64, V3),
     ) {
         let end = End { at: &at, on };
@@ -169,8 +168,8 @@ impl<T: Scalar> RowBuilder<'_, T> {
         ends.leaning = -self.velocity_before(begin, &ends.rigid[0]);
         let key = (body.number, Surface::HalfSpace(number));
         let lean = normal + direction(&facing).unwrap_or_default();
-        let spring = Spring { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: normal, lean };
+        let draft = Draft { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: normal, lean };
         let pair = self.pair(key, Some(&half_space.material));
-        self.finish(spring, pair, ends, Some((name, at, None)));
+        self.finish(draft, pair, ends, Some((name, at, None)));
     }
 }

@@ -1,7 +1,7 @@
-//! What this room holds for `distributed`: foreign bodies may join a step under way. Besides, `distributed` reads what is
+//! What is here for `distributed` alone: foreign bodies may join a step under way. Besides, `distributed` reads what is
 //! `pub(crate)` of rows, loads and anchors, and calls the functions that `begin` and `detect_again` are made of.
 
-pub(crate) use super::anchors::{Anchor, Corners, Hold};
+pub(crate) use super::anchors::{Anchor, AnchorPoint, Hold};
 pub(crate) use super::loads::Key;
 pub(crate) use super::rows::{RowForce, Rows, Velocities};
 
@@ -13,12 +13,12 @@ use std::ops::Range;
 impl<T: Scalar> ContactSystem<T> {
     /// The nodes that carry a body; none of one that is not deformable.
     pub(crate) fn nodes_of(&self, body: u32) -> Range<u32> {
-        self.place(body).ok().and_then(|place| self.bodies[place].nodes()).unwrap_or_default()
+        self.index_of(body).ok().and_then(|index| self.bodies[index].nodes()).unwrap_or_default()
     }
 
     /// How many vertices a body's surface has.
     pub(crate) fn vertex_count(&self, body: u32) -> Result<usize, SystemError> {
-        self.place(body).map(|place| self.bodies[place].vertex_count())
+        self.index_of(body).map(|index| self.bodies[index].vertex_count())
     }
 
     /// Within a step only foreign bodies may be added.
@@ -28,7 +28,7 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Within a step one of the bodies must have been added in it.
     pub(crate) fn check_joined(&self, bodies: &[u32]) -> Result<(), SystemError> {
-        let has_joined = |&body: &u32| self.place(body).is_ok_and(|place| self.bodies[place].has_joined);
+        let has_joined = |&body: &u32| self.index_of(body).is_ok_and(|index| self.bodies[index].has_joined);
         if bodies.iter().any(has_joined) { Ok(()) } else { self.check_no_step() }
     }
 

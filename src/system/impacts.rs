@@ -5,14 +5,14 @@ use super::row::{Row, Slip};
 use super::twist::V3;
 use crate::math::{Scalar, direction};
 
-/// How many times stiffer a pair is in an impact than its bodies are heavy: it leaves one part in so many of the speed.
+/// The damping of a pair in an impact, times dt, over the mass of its bodies: about one in this many of the speed is left.
 const STIFFNESS: f64 = 1000.0;
 
 impl<T: Scalar> ContactSystem<T> {
-    /// Lets rows from this one on part within the step as fast as restitution says, where they close faster than by what free
-    /// motion adds in two steps: bodies at rest do not bounce. It is the impact law of Moreau's time stepping (M. Jean, The
-    /// non-smooth contact dynamics method, 1999), along the pair's net push: rows at the rim of a deep prediction lean, and
-    /// would return motion across it too.
+    /// Makes rows from index `first` on open within the step as fast as restitution says, if they close faster than by what
+    /// free motion adds in two steps: bodies at rest do not bounce. It is the impact law of Moreau's time stepping (M. Jean,
+    /// The non-smooth contact dynamics method, 1999), along the pair's net push. Rows at the rim of a deep prediction lean, and
+    /// along their own directions they would return motion across the push too.
     pub(super) fn add_impacts(&mut self, first: usize, dt: f64) {
         let Self { rows, loads, buffers, .. } = self;
         let mut begin = rows.begin(first);
@@ -26,7 +26,7 @@ impl<T: Scalar> ContactSystem<T> {
             }
             let push = |row: &Row| row.direction * (row.order * row.coefficient);
             let Some(net) = direction(&rows.iter().map(push).sum()) else { continue };
-            // How fast a row is to part.
+            // How fast a row is to open; `None` where it is no impact.
             let parting = |row: &Row| {
                 let along = net * row.order;
                 let (mut closing, mut added, mut gained) = (along.dot(&row.given), 0.0, 0.0);
@@ -38,7 +38,7 @@ impl<T: Scalar> ContactSystem<T> {
                 // An escape acts at centres, and is no impact.
                 let is_contact = row.rigid.iter().flatten().any(|end| end.arm != V3::zeros());
                 let is_impact = is_contact && row.coefficient > 0.0 && restitution * closing > 2.0 * gained;
-                // Faster, it would win by the height from which it parts more than the impact takes.
+                // Faster, it would gain more energy by its height at the end of the step than the impact takes.
                 is_impact.then(|| (restitution * closing).min(closing.hypot(added) - added))
             };
             let hit = |row: &&Row| parting(row).is_some();
@@ -53,7 +53,7 @@ impl<T: Scalar> ContactSystem<T> {
                 row.sliding = row.across(&row.sliding);
                 row.friction = pair.material.friction;
                 row.damping_time = time - dt;
-                row.asked = time * parting + dt * row.ahead.along;
+                row.depth = time * parting + dt * row.ahead.along;
             }
         }
     }

@@ -1,8 +1,7 @@
 //! The nodes that springs act on, numbered without gaps, so that products read and write numbers that lie side by side.
 
 use super::row::{Entry, Spring};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use std::ops::Range;
 
 /// Three numbers, padded to four.
@@ -13,10 +12,10 @@ pub(super) type Four = [f64; 4];
 pub(super) struct Lines {
     /// The node of each line.
     nodes: Vec<u32>,
-    /// Of all springs, with lines in place of nodes, and where those of each spring end.
+    /// The entries of all springs, which name lines instead of nodes, and where those of each spring end.
     pub(super) entries: Vec<Entry>,
     ends: Vec<u32>,
-    /// Room: of each node its line.
+    /// Scratch memory: of each node its line.
     of_node: Vec<u32>,
     /// Of each line, in a product: what is multiplied, and the sum.
     pub(super) change: Vec<Four>,
@@ -76,8 +75,8 @@ impl Lines {
     pub(super) fn finish_product(&self, scale: f64, result: &mut [f64]) {
         let of_nodes = result.as_chunks_mut::<3>().0;
         for (&node, sum) in self.nodes.iter().zip(&self.result) {
-            let place = &mut of_nodes[node as usize];
-            (0..3).for_each(|axis| place[axis] += scale * sum[axis]);
+            let to = &mut of_nodes[node as usize];
+            (0..3).for_each(|axis| to[axis] += scale * sum[axis]);
         }
     }
 }

@@ -4,14 +4,14 @@ use super::Material;
 use super::twist::V3;
 use crate::memory::Room;
 
-/// A stiff contact predicts far more than it will bear, because the solve lets bodies give way. Pairs that have been in
-/// contact keep the share of the step before; new ones give way like two rigid bodies.
+/// A stiff contact predicts far more than it will bear, because the solve lets bodies give way. Of the predicted push, pairs in
+/// contact keep the fraction of the step before; new ones keep what two rigid bodies would.
 #[derive(Debug, Default)]
 pub(crate) struct PairLoads {
     /// Of the step before, in order.
-    before: Vec<Pair>,
+    before: Vec<PairLoad>,
     /// Of this one, in the order in which rows came.
-    pub(crate) now: Vec<Pair>,
+    pub(crate) now: Vec<PairLoad>,
 }
 
 /// What a body rubs on.
@@ -27,7 +27,7 @@ pub enum Surface {
 pub(crate) type Key = (u32, Surface);
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
+pub(crate) struct PairLoad {
     pub(crate) key: Key,
     pub(super) material: Material,
     /// The sum of both bodies' 1/mass.
@@ -36,7 +36,7 @@ pub(crate) struct Pair {
     predicted: f64,
     normal: f64,
     solved: f64,
-    /// The pushes of all rows as far as none is negative, once bodies have given way.
+    /// The pushes of all rows that are left positive once bodies have given way.
     relieved: f64,
     /// On the first body, in N.
     force: V3,
@@ -46,19 +46,19 @@ pub(crate) struct Pair {
     springs: Springs,
     springs_then: Springs,
     /// The stiffness of this step's friction springs: of those kept from the step before, and of the new ones.
-    found: f64,
+    kept: f64,
     new: f64,
     pub(super) wander: Wander,
 }
 
-/// How fast a pair's surfaces close at the start of the step, and how fast as seen from a place that moves along with the
-/// contact, as that of a ball that rolls does: there only what presses bodies together counts, and shape that passes by does
-/// not. The place moves with the centre of one body or the other, or between the two: whichever sees least.
+/// How fast a pair's surfaces close at the start of the step, and how fast as seen by an observer who moves along with the
+/// contact, as with that of a ball that rolls. The observer sees what presses bodies together, and not the shape that passes
+/// by. It moves with the centre of one body or the other, or between the two: whichever sees least.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wander {
-    /// Sums over rows of coefficient · speed², in N m/s²: as it is, as seen with the first body, as seen with the second, and of
-    /// the product of these two. Apart for rows whose bodies stand in the pair's order and for the others, so that it does not
-    /// matter which body comes first.
+    /// Sums over rows of coefficient · speed², in N m/s²: at rest, with the first body, with the second, and of the product of
+    /// these two. They are apart for rows whose bodies stand in the pair's order and for the others, so that it does not matter
+    /// which body comes first.
     sums: [[f64; 4]; 2],
 }
 
@@ -69,8 +69,8 @@ impl Wander {
         sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += coefficient * number);
     }
 
-    /// The part of the pair's damping that takes motion of the two against one another.
-    pub(super) fn damped_part(&self) -> f64 {
+    /// The fraction of the pair's damping that takes motion of the two against one another.
+    pub(super) fn damped_fraction(&self) -> f64 {
         let [closing, first, second, product] = std::array::from_fn(|k| self.sums[0][k] + self.sums[1][k]);
         let least = first.min(second);
         // Between the two the least is that of a parabola.
@@ -79,7 +79,7 @@ impl Wander {
         } else {
             least
         };
-        // Squared, because the facets of a round body that rolls leave some hundredths.
+        // Squared, because the facets of a round body leave a little even when it rolls.
         if seen < closing { (seen / closing).powi(2) } else { 1.0 }
     }
 }
@@ -95,20 +95,15 @@ struct Springs {
 
 impl PairLoads {
     /// A pair's index in this step, in either order of its bodies; `new` gives its material and 1/mass for its first row.
-    pub(super) fn place(&mut self, key: Key, new: impl FnOnce() -> (Material, f64)) -> usize {
+    pub(super) fn index_of(&mut self, key: Key, new: impl FnOnce() -> (Material, f64)) -> usize {
         let (key, _) = in_order(key);
-        let is_it = |pair: &Pair| pair.key == key;
-        // Rows of one pair come one after the other.
-        if let Some(place) = self.now.last().filter(|pair| is_it(pair)).map(|_| self.now.len() - 1) {
-            return place;
-        }
-        if let Some(place) = self.now.iter().position(is_it) {
-            return place;
+        // From the end, since rows of one pair come one after the other.
+        if let Some(index) = self.now.iter().rposition(|pair| pair.key == key) {
+            return index;
         }
         let (material, inverse_mass) = new();
-        let then = self.before.binary_search_by_key(&key, |pair| pair.key).ok();
-        let before = then.map(|place| &self.before[place]);
-        self.now.room_for(1).push(Pair::new(key, material, inverse_mass, before));
+        let load = PairLoad::new(key, material, inverse_mass, self.before(key));
+        self.now.room_for(1).push(load);
         self.now.len() - 1
     }
 
@@ -116,18 +111,20 @@ impl PairLoads {
         self.before.iter().map(|pair| pair.key)
     }
 
+    fn before(&self, key: Key) -> Option<&PairLoad> {
+        self.before.binary_search_by_key(&key, |pair| pair.key).ok().map(|index| &self.before[index])
+    }
+
     /// What is remembered of a pair from the step before: the push predicted and after the solve, and its springs.
     pub(crate) fn remembered(&self, key: Key) -> Option<[f64; 6]> {
-        let place = self.before.binary_search_by_key(&key, |pair| pair.key).ok()?;
-        let Pair { predicted, solved, springs: Springs { coefficient, pull }, .. } = self.before[place];
+        let PairLoad { predicted, solved, springs: Springs { coefficient, pull }, .. } = *self.before(key)?;
         Some([predicted, solved, coefficient, pull.x, pull.y, pull.z])
     }
 
     /// The net force on the first of the pair in the step before.
     pub(super) fn force(&self, key: Key) -> V3 {
         let (key, turned) = in_order(key);
-        let place = self.before.binary_search_by_key(&key, |pair| pair.key);
-        place.map_or_else(|_| V3::zeros(), |place| self.before[place].force) * if turned { -1.0 } else { 1.0 }
+        self.before(key).map_or_else(V3::zeros, |pair| pair.force) * if turned { -1.0 } else { 1.0 }
     }
 
     /// Replaces it; the two bodies in either order.
@@ -137,10 +134,10 @@ impl PairLoads {
         let springs = Springs { coefficient, pull };
         let material =
             Material { stiffness: 0.0, damping_time: 0.0, friction: 0.0, depth_cap: f64::INFINITY, restitution: 0.0 };
-        let pair = Pair { predicted, solved, springs, ..Pair::new(key, material, 0.0, None) };
+        let pair = PairLoad { predicted, solved, springs, ..PairLoad::new(key, material, 0.0, None) };
         match self.before.binary_search_by_key(&key, |pair| pair.key) {
-            Ok(place) => self.before[place] = pair,
-            Err(place) => self.before.room_for(1).insert(place, pair),
+            Ok(index) => self.before[index] = pair,
+            Err(index) => self.before.room_for(1).insert(index, pair),
         }
     }
 
@@ -167,7 +164,7 @@ pub(super) fn in_order(key: Key) -> (Key, bool) {
     }
 }
 
-impl Pair {
+impl PairLoad {
     fn new(key: Key, material: Material, inverse_mass: f64, before: Option<&Self>) -> Self {
         Self {
             key,
@@ -181,7 +178,7 @@ impl Pair {
             then: before.map(|pair| (pair.predicted, pair.solved)),
             springs: Springs::default(),
             springs_then: before.map(|pair| pair.springs).unwrap_or_default(),
-            found: 0.0,
+            kept: 0.0,
             new: 0.0,
             wander: Wander::default(),
         }
@@ -197,14 +194,14 @@ impl Pair {
         self.relieved += self.relieved_push(push, normal);
     }
 
-    /// The part of the push that the step before left of its prediction.
-    fn part_left(&self) -> f64 {
+    /// The fraction of its predicted push that the step before left.
+    fn fraction_left(&self) -> f64 {
         self.then.map_or(1.0, |(predicted, solved)| (solved / predicted).clamp(0.0, 1.0))
     }
 
-    /// Where bodies give way, that relieves all rows by the same depth, not by the same part.
+    /// What is left of a row's push: where bodies give way, all rows lose the same depth, not the same fraction.
     fn relieved_push(&self, push: f64, normal: f64) -> f64 {
-        (push - self.predicted * (1.0 - self.part_left()) * normal / self.normal).max(0.0)
+        (push - self.predicted * (1.0 - self.fraction_left()) * normal / self.normal).max(0.0)
     }
 
     pub(super) fn add_solved(&mut self, push: f64, force: &V3) {
@@ -220,14 +217,14 @@ impl Pair {
 
     /// A friction spring of this step.
     pub(super) fn count_spring(&mut self, coefficient: f64, is_new: bool) {
-        *if is_new { &mut self.new } else { &mut self.found } += coefficient;
+        *if is_new { &mut self.new } else { &mut self.kept } += coefficient;
     }
 
-    /// The stretch with which a new spring begins. Where rays start from other points than in the step before, the new springs
+    /// The stretch with which a new spring begins: where rays start from other points than in the step before, the new springs
     /// take over the pull of those that are gone, and never more.
     pub(super) fn inherited(&self) -> V3 {
         let Springs { coefficient, pull } = self.springs_then;
-        let lost = coefficient - self.found;
+        let lost = coefficient - self.kept;
         if !(lost > 0.0 && self.new > 0.0) {
             return V3::zeros();
         }
@@ -239,12 +236,12 @@ impl Pair {
         self.then.is_some_and(|(_, solved)| solved > 0.0)
     }
 
-    /// The load expected of a row with this predicted push and the stiffness `normal`: its part of the pair's load.
+    /// The load expected of a row with this predicted push and the stiffness `normal`, from that of its pair.
     pub(super) fn load(&self, push: f64, normal: f64, dt: f64) -> f64 {
         match self.then {
             Some((_, solved)) if self.predicted <= 0.0 => solved * normal / self.normal,
             Some((predicted, _)) if predicted > 0.0 => match self.relieved_push(push, normal) {
-                load if load > 0.0 => load * (self.predicted * self.part_left() / self.relieved),
+                load if load > 0.0 => load * (self.predicted * self.fraction_left() / self.relieved),
                 _ => 0.0,
             },
             _ => push / (1.0 + dt * self.normal * self.inverse_mass),

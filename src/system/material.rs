@@ -32,11 +32,7 @@ impl Material {
     /// # Errors
     /// [`SystemError::Material`] where a number is not finite and > 0.
     pub fn bearing(pressure: f64, depth: f64) -> Result<Self, SystemError> {
-        for (what, value) in [("pressure", pressure), ("depth", depth)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(SystemError::Material { what, value, range: "finite and above 0" });
-            }
-        }
+        check_positive([("pressure", pressure), ("depth", depth)])?;
         let stiffness = pressure / depth;
         let material = Self { stiffness, damping_time: 0.05, friction: 0.5, depth_cap: depth, restitution: 0.0 };
         material.check()?;
@@ -50,11 +46,7 @@ impl Material {
     /// # Errors
     /// [`SystemError::Material`] where a number is out of its range.
     pub fn elastic(youngs_modulus: f64, poissons_ratio: f64, element_edge: f64) -> Result<Self, SystemError> {
-        for (what, value) in [("youngs_modulus", youngs_modulus), ("element_edge", element_edge)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(SystemError::Material { what, value, range: "finite and above 0" });
-            }
-        }
+        check_positive([("youngs_modulus", youngs_modulus), ("element_edge", element_edge)])?;
         if !(poissons_ratio > -1.0 && poissons_ratio < 0.5) {
             let (what, range) = ("poissons_ratio", "between -1 and 0.5");
             return Err(SystemError::Material { what, value: poissons_ratio, range });
@@ -69,11 +61,11 @@ impl Material {
     /// holds, and the larger restitution, so a bouncing ball bounces on everything (as in Box2D).
     pub fn combined(&self, other: &Self) -> Self {
         let sum = self.stiffness + other.stiffness;
-        // Of the depth, the first gives way by the second's part of the stiffness.
-        let part = if sum > 0.0 { other.stiffness / sum } else { 0.5 };
+        // The fraction of the depth that the first surface takes.
+        let first = if sum > 0.0 { other.stiffness / sum } else { 0.5 };
         Self {
-            stiffness: self.stiffness * part,
-            damping_time: part * self.damping_time + (1.0 - part) * other.damping_time,
+            stiffness: self.stiffness * first,
+            damping_time: first * self.damping_time + (1.0 - first) * other.damping_time,
             friction: (self.friction * other.friction).sqrt(),
             depth_cap: self.depth_cap.min(other.depth_cap),
             restitution: self.restitution.max(other.restitution),
@@ -95,5 +87,12 @@ impl Material {
         } else {
             Err(SystemError::Material { what: "depth_cap", value: depth_cap, range: "above 0" })
         }
+    }
+}
+
+fn check_positive(numbers: [(&'static str, f64); 2]) -> Result<(), SystemError> {
+    match numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
+        Some((what, value)) => Err(SystemError::Material { what, value, range: "finite and above 0" }),
+        None => Ok(()),
     }
 }

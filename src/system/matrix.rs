@@ -1,21 +1,20 @@
 //! The rows' matrix on nodes, assembled. Where many rows act on few nodes, as those of fine skins do in coarse cages, products
-//! with it take a small part of the time that they take row by row.
+//! with it take a small fraction of the time that they take row by row.
 
 use super::coupling::RigidCoupling;
 use super::lines::{Four, Lines};
 use super::row::{Entry, Row, Spring};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::simd::{Kernel, Lanes, dispatch};
 
 /// Rows with more entries than this, such as a push on a whole body, stay out of the matrix: the number of blocks grows with
 /// the square of the entries.
 const LONGEST: usize = 32;
 
-/// How long things take, measured, in about a tenth of a nanosecond. In each product: a spring, each of its entries without
-/// friction and with it, and a block. Once, to assemble: an entry, each two of a spring, and a block. Springs on rigid bodies
-/// take more both ways, because those have to answer first; a block between a node and a rigid body has twice the numbers and
-/// is used twice.
+/// How long things take beside one another. In each product: a spring, each of its entries without friction and with it, a
+/// block, and a block between a node and a rigid body, which has twice the numbers and is used twice. Once, to assemble: a
+/// spring, an entry, each two entries of a spring, and a block. The second number of springs, and of their entries when
+/// assembled, is for those on rigid bodies, which have to answer first.
 mod work {
     pub(super) const SPRING: [usize; 2] = [24, 190];
     pub(super) const ENTRY: [usize; 2] = [10, 16];
@@ -27,14 +26,14 @@ mod work {
     pub(super) const BLOCK_ONCE: usize = 100;
 }
 
-/// Looking for blocks takes time too. Where there were too many, the number that was found for each entry is relied on for some
-/// linearisations: each forgets so much of it.
+/// Looking for blocks takes time too. Where they were too many, their number for each entry is remembered; each linearisation
+/// forgets this fraction of it, until they are looked for again.
 const FORGOTTEN: f64 = 0.03;
 
-/// How many products a solve asks for, as far as known.
+/// How many products solves ask for: since the last linearisation, and before.
 #[derive(Debug, Default)]
 pub(super) struct ProductCount {
-    asked: usize,
+    now: usize,
     before: Option<usize>,
 }
 
@@ -42,18 +41,18 @@ impl ProductCount {
     /// Where nothing is known yet.
     const TYPICAL: usize = 30;
 
-    pub(super) fn ask(&mut self) {
-        self.asked += 1;
+    pub(super) fn add_one(&mut self) {
+        self.now += 1;
     }
 
     pub(super) fn linearise(&mut self) {
-        if self.asked > 0 {
-            self.before = Some(self.before.map_or(self.asked, |before| (before + self.asked).div_ceil(2)));
-            self.asked = 0;
+        if self.now > 0 {
+            self.before = Some(self.before.map_or(self.now, |before| (before + self.now).div_ceil(2)));
+            self.now = 0;
         }
     }
 
-    /// Until the next linearisation: later solves of a step ask for less than its first one, so it is a mean.
+    /// How many there will be until the next linearisation: a mean, because later solves of a step ask for fewer than the first.
     pub(super) fn expected(&self) -> usize {
         self.before.unwrap_or(Self::TYPICAL)
     }
@@ -69,23 +68,23 @@ pub(super) struct NodeMatrix {
     columns: Vec<u32>,
     /// The blocks by columns, in N s/m.
     blocks: Vec<[Four; 3]>,
-    /// Room for their sums: xx, xy, xz, none; yy, yz, zz, and what is to be added to the diagonal.
+    /// Scratch memory for their sums: xx, xy, xz, none; yy, yz, zz, and what is to be added to the diagonal.
     sums: Vec<[Four; 2]>,
-    /// Room: of each line where its entries end, and where its block is in the line under way.
+    /// Scratch memory: of each line where its entries end, and its block in the line under way.
     ends: Vec<u32>,
-    places: Vec<u32>,
-    /// The springs in the matrix, where their entries end, and those, by ascending line.
+    block_of_line: Vec<u32>,
+    /// The springs in the matrix, with where their entries end, and these, by ascending line.
     taken: Vec<(u32, u32)>,
     entries: Vec<Entry>,
-    /// Among the taken springs and their entries, by line.
+    /// By line, each entry's spring among the taken ones, and its own index.
     by_line: Vec<(u32, u32)>,
-    /// For each entry, when there were too many.
-    found: f64,
+    /// How many they were for each entry when they were too many to assemble.
+    blocks_per_entry: f64,
 }
 
 impl NodeMatrix {
-    /// Makes it, and the coupling to rigid bodies, that of the springs, where that is less work than so many products row by
-    /// row; false where it is not.
+    /// Assembles the matrix, and the springs' coupling to rigid bodies, if that is less work than this many products row by
+    /// row; else gives false.
     pub(super) fn assemble(
         &mut self,
         springs: &[Spring],
@@ -100,32 +99,32 @@ impl NodeMatrix {
         self.taken.clear();
         self.taken.room_for(springs.len());
         let (mut by_rows, mut once, mut end) = (0, 0, 0_u32);
-        for (spring, place) in springs.iter().zip(0..).filter(|(spring, _)| is_short(spring)) {
+        for (spring, index) in springs.iter().zip(0..).filter(|(spring, _)| is_short(spring)) {
             let count = spring.end - spring.begin;
             let [rubs, is_coupled] = [spring.tangential != 0.0, spring.has_rigid_ends].map(usize::from);
             by_rows += work::SPRING[is_coupled] + work::ENTRY[rubs] * count;
             once += work::SPRING_ONCE[is_coupled] + work::ENTRY_ONCE[is_coupled] * count;
             once += work::TWO_ENTRIES_ONCE * count * (count + 1) / 2;
             end += count as u32;
-            self.taken.push((place, end));
+            self.taken.push((index, end));
         }
-        // What is left for a product with blocks.
+        // The work that is left for the blocks of each product.
         let products = products.max(1);
         let left = by_rows.saturating_sub(once / products);
         let of_block = work::BLOCK + work::BLOCK_ONCE / products;
-        if left == 0 || self.found * f64::from(end) > (left / of_block) as f64 {
-            self.found *= 1.0 - FORGOTTEN;
+        if left == 0 || self.blocks_per_entry * f64::from(end) > (left / of_block) as f64 {
+            self.blocks_per_entry *= 1.0 - FORGOTTEN;
             return false;
         }
-        let taken = self.taken.iter().map(|&(place, _)| place);
+        let taken = self.taken.iter().map(|&(index, _)| index);
         let couplings = coupling.find_blocks(taken, springs, rows, lines);
         let left = left.saturating_sub(work::COUPLING * couplings);
         self.order(lines);
         if !self.find_blocks(left / of_block, lines.count()) {
-            // As if the lines that are left had as many each.
-            let part = self.lines.len() as f64 / lines.count() as f64;
-            let all = self.columns.len() as f64 / part + (couplings * work::COUPLING / work::BLOCK) as f64;
-            self.found = all / f64::from(end);
+            // As if the other lines had as many each.
+            let done = self.lines.len() as f64 / lines.count() as f64;
+            let all = self.columns.len() as f64 / done + (couplings * work::COUPLING / work::BLOCK) as f64;
+            self.blocks_per_entry = all / f64::from(end);
             coupling.clear_blocks();
             self.lines.clear();
             return false;
@@ -137,18 +136,18 @@ impl NodeMatrix {
         true
     }
 
-    /// Sorts the entries of the springs taken, by line and by spring and line.
+    /// Sorts the entries of the springs taken: by line, and by spring and line.
     fn order(&mut self, lines: &Lines) {
         let Self { ends, taken, entries, by_line, .. } = self;
         memory::refill_with(ends, 0, lines.count() + 1);
-        for entry in taken.iter().flat_map(|&(place, _)| lines.entries_of(place)) {
+        for entry in taken.iter().flat_map(|&(index, _)| lines.entries_of(index)) {
             ends[entry.node as usize + 1] += 1;
         }
         (1..ends.len()).for_each(|line| ends[line] += ends[line - 1]);
         let count = ends[lines.count()] as usize;
         memory::refill_with(by_line, (0, 0), count);
-        for (&(place, _), spring) in taken.iter().zip(0..) {
-            for at in lines.range(place) {
+        for (&(index, _), spring) in taken.iter().zip(0..) {
+            for at in lines.range(index) {
                 let end = &mut ends[lines.entries[at as usize].node as usize];
                 by_line[*end as usize] = (spring, at);
                 *end += 1;
@@ -169,8 +168,8 @@ impl NodeMatrix {
 
     /// The blocks there are, without their numbers; false where they are more than `most`.
     fn find_blocks(&mut self, most: usize, count: usize) -> bool {
-        let Self { lines, columns, ends, places, taken, entries, by_line, .. } = self;
-        memory::refill_with(places, u32::MAX, count);
+        let Self { lines, columns, ends, block_of_line, taken, entries, by_line, .. } = self;
+        memory::refill_with(block_of_line, u32::MAX, count);
         lines.room_for(count);
         let mut begin = 0;
         for (number, &end) in (0..count as u32).zip(&*ends) {
@@ -178,10 +177,10 @@ impl NodeMatrix {
             columns.room_for(count).push(number);
             for &(spring, at) in &by_line[begin..end as usize] {
                 for entry in &entries[at as usize + 1..taken[spring as usize].1 as usize] {
-                    // Of the lines before it may be that of an earlier one.
-                    let place = &mut places[entry.node as usize];
-                    if *place == u32::MAX || *place < first {
-                        *place = columns.len() as u32;
+                    // It may be a block of an earlier line.
+                    let block = &mut block_of_line[entry.node as usize];
+                    if *block == u32::MAX || *block < first {
+                        *block = columns.len() as u32;
                         columns.push(entry.node);
                     }
                 }
@@ -221,15 +220,15 @@ impl Kernel<f64> for AddUp<'_> {
 
     #[inline(always)]
     fn run<L: Lanes<f64>>(self) {
-        let NodeMatrix { lines, columns, sums, ends, places, taken, entries, by_line, .. } = self.matrix;
+        let NodeMatrix { lines, columns, sums, ends, block_of_line, taken, entries, by_line, .. } = self.matrix;
         let (mut first, mut begin) = (0, 0);
         for (&last, &end) in lines.iter().zip(&*ends) {
-            for place in first..last {
-                places[columns[place as usize] as usize] = place;
+            for block in first..last {
+                block_of_line[columns[block as usize] as usize] = block;
             }
             for &(spring, at) in &by_line[begin as usize..end as usize] {
-                let (place, entries_end) = taken[spring as usize];
-                let Spring { direction: d, normal, tangential, .. } = &self.springs[place as usize];
+                let (index, entries_end) = taken[spring as usize];
+                let Spring { direction: d, normal, tangential, .. } = &self.springs[index as usize];
                 let own = &entries[at as usize];
                 let (along, across) = (normal * own.along, tangential * own.across);
                 let outer = [[d.x * d.x, d.x * d.y, d.x * d.z, 0.0], [d.y * d.y, d.y * d.z, d.z * d.z, 1.0]];
@@ -237,7 +236,7 @@ impl Kernel<f64> for AddUp<'_> {
                     let same = across * entry.across;
                     let more = along * entry.along - same;
                     let by = [more, more, more, same];
-                    let sum = &mut sums[places[entry.node as usize] as usize];
+                    let sum = &mut sums[block_of_line[entry.node as usize] as usize];
                     for axis in 0..4 {
                         sum[0][axis] += more * outer[0][axis];
                         sum[1][axis] += by[axis] * outer[1][axis];
@@ -269,10 +268,10 @@ impl Kernel<f64> for Product<'_> {
             for (block, &column) in blocks[others.clone()].iter().zip(&columns[others]) {
                 let other = times(block, &change[column as usize]);
                 let mirrored = times(block, &own);
-                let place = &mut result[column as usize];
+                let to = &mut result[column as usize];
                 for axis in 0..4 {
                     sum[axis] += other[axis];
-                    place[axis] += mirrored[axis];
+                    to[axis] += mirrored[axis];
                 }
             }
             for axis in 0..4 {
@@ -305,16 +304,16 @@ mod tests {
         let (mut springs, mut entries) = (Vec::new(), Vec::new());
         let mut random = Random::new(1);
         let mut number = || 0.5 * random.signed();
-        for (place, &length) in lengths.iter().enumerate() {
+        for (row, &length) in lengths.iter().enumerate() {
             let begin = entries.len();
             for k in 0..length {
-                let node = ((5 * place + 11 * k) % NODES) as u32;
+                let node = ((5 * row + 11 * k) % NODES) as u32;
                 entries.push(Entry { node, along: number(), across: number() });
             }
             let direction = V3::new(number(), number(), number()).normalize();
             let (normal, tangential) = (1.0 + number(), if is_rubbing { 0.6 + number() } else { 0.0 });
             let end = entries.len();
-            springs.push(Spring { direction, normal, tangential, place, begin, end, has_rigid_ends: false });
+            springs.push(Spring { direction, normal, tangential, row, begin, end, has_rigid_ends: false });
         }
         (springs, entries)
     }
@@ -358,7 +357,7 @@ mod tests {
                 lines.start_product(&change);
                 matrix.add_product(&mut lines);
                 lines.finish_product(0.7, &mut result);
-                let taken: Vec<Spring> = springs.iter().filter(|spring| spring.place != 7).copied().collect();
+                let taken: Vec<Spring> = springs.iter().filter(|spring| spring.row != 7).copied().collect();
                 let expected = expected(&taken, &entries, &change, 0.7);
                 let error = result.iter().zip(&expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
                 assert!(error < 1e-13 * expected.iter().fold(0.0, |most: f64, x| most.max(x.abs())), "{error}");

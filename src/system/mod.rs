@@ -3,7 +3,7 @@
 //! A [`ContactSystem`] knows what carries each body of a [`Scene`]: nodes (directly, or by weights, as a
 //! skin in a cage), a rigid body's six numbers, or the host. In a step it moves the surfaces to where they would be without
 //! contact, lets the scene detect there, and makes each contact a **row**: a unilateral spring with friction over those
-//! unknowns. Between linearisations rows are held, so their force is linear in the velocities v at the end of the step,
+//! unknowns. Between linearisations the rows' force is linear in the velocities v at the end of the step,
 //! −Jᵀ (p + D J (v − v₀)) with D positive semi-definite, and conjugate gradients converge.
 //!
 //! ```text
@@ -53,8 +53,7 @@ pub use material::Material;
 use crate::contact::ContactList;
 use crate::force::Weighting;
 use crate::math::{Scalar, margins};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 use anchors::Anchors;
@@ -132,7 +131,23 @@ impl<T: Scalar> ContactSystem<T> {
         }
     }
 
-    /// Says how many nodes the host has, and their masses in kg: infinity for one that is held fast. Within a step there may
+    /// Detects contacts where bodies are at the start of a step, not where they will be, so bodies that meet within a step have
+    /// none yet.
+    #[must_use]
+    pub fn looking_at_the_start(mut self) -> Self {
+        self.looks_ahead = false;
+        self
+    }
+
+    /// Weights contacts by the area that each stands for, as a new system does, or all alike as in the paper; the stiffness of
+    /// materials is then in N/m. Half-spaces always press on areas.
+    #[must_use]
+    pub fn weighted_by(mut self, weighting: Weighting) -> Self {
+        self.weighting = weighting;
+        self
+    }
+
+    /// Says how many nodes the host has, and their masses in kg: infinity for one that is fixed. Within a step there may
     /// be more than before, for foreign bodies that join it, and all other bodies' nodes keep their masses.
     ///
     /// # Errors
@@ -153,7 +168,7 @@ impl<T: Scalar> ContactSystem<T> {
                 body.mass = mass_of(&self.node_masses, nodes);
             }
         }
-        self.make_room_in_step();
+        self.extend_step();
         Ok(())
     }
 
@@ -171,7 +186,7 @@ impl<T: Scalar> ContactSystem<T> {
         carriers: Carriers<'_>,
         material: Material,
     ) -> Result<(), SystemError> {
-        let (place, mesh) = self.place_for(scene, body, &material)?;
+        let (index, mesh) = self.check_new(scene, body, &material)?;
         let (end, count) = (nodes.end.max(nodes.start), self.node_masses.len());
         if end as usize > count {
             return Err(SystemError::WrongCount { what: "node masses", given: count, expected: end as usize });
@@ -179,7 +194,7 @@ impl<T: Scalar> ContactSystem<T> {
         let table = Table::new(carriers, mesh.topology().vertex_count(), nodes.clone())?;
         let mass = mass_of(&self.node_masses, nodes.clone());
         let mover = Mover::Nodes { table, nodes };
-        self.insert(place, Body::new(body, material, mover, mesh, mass));
+        self.insert(index, Body::new(body, material, mover, mesh, mass));
         Ok(())
     }
 
@@ -197,7 +212,7 @@ impl<T: Scalar> ContactSystem<T> {
         inertia: [[f64; 3]; 3],
         material: Material,
     ) -> Result<(), SystemError> {
-        let (place, mesh) = self.place_for(scene, body, &material)?;
+        let (index, mesh) = self.check_new(scene, body, &material)?;
         if !is_mass(mass) {
             return Err(SystemError::Mass { node: None, value: mass });
         }
@@ -209,11 +224,11 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Inertia);
         }
         let inertia = Box::new(Inertia { mass, about: inertia, ..Inertia::default() });
-        let mover = Mover::Rigid { inertia, place: self.rigid_count, frame: Frame::new(mesh) };
-        // Ask for room first: if that fails, the count must not have changed.
+        let mover = Mover::Rigid { inertia, index: self.rigid_count, frame: Frame::new(mesh) };
+        // Memory first: if there is none, the count must not have changed.
         self.bodies.room_for(1);
         self.rigid_count += 1;
-        self.insert(place, Body::new(body, material, mover, mesh, mass));
+        self.insert(index, Body::new(body, material, mover, mesh, mass));
         Ok(())
     }
 
@@ -223,9 +238,9 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// [`SystemError`] of its own for each number that is wrong.
     pub fn add_moved(&mut self, scene: &Scene<T>, body: u32, material: Material) -> Result<(), SystemError> {
-        let (place, mesh) = self.place_for(scene, body, &material)?;
+        let (index, mesh) = self.check_new(scene, body, &material)?;
         let mover = Mover::Host(Frame::new(mesh));
-        self.insert(place, Body::new(body, material, mover, mesh, f64::INFINITY));
+        self.insert(index, Body::new(body, material, mover, mesh, f64::INFINITY));
         Ok(())
     }
 
@@ -248,21 +263,21 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(self.half_spaces.len() as u32 - 1)
     }
 
-    /// Removes a body; the scene's is untouched. Rigid bodies added after it move up by one place, and the velocities of the
-    /// last step are gone with one.
+    /// Removes a body; the scene's is untouched. Rigid bodies added after it move up by one, and the removal of one
+    /// forgets the velocities of the last step.
     ///
     /// # Errors
     /// [`SystemError::UnknownBody`], [`SystemError::StepUnderWay`].
     pub fn remove(&mut self, body: u32) -> Result<(), SystemError> {
         self.check_no_step()?;
-        let place = self.place(body)?;
-        if let Mover::Rigid { place: gone, .. } = self.bodies.remove(place).mover {
+        let index = self.index_of(body)?;
+        if let Mover::Rigid { index: gone, .. } = self.bodies.remove(index).mover {
             self.rigid_count -= 1;
-            // The velocities of the last step are stored by the old places.
+            // The velocities of the last step are stored by the old indices.
             self.buffers.end_twists.clear();
             for body in &mut self.bodies {
-                if let Mover::Rigid { place, .. } = &mut body.mover {
-                    *place -= usize::from(*place > gone);
+                if let Mover::Rigid { index, .. } = &mut body.mover {
+                    *index -= usize::from(*index > gone);
                 }
             }
         }
@@ -281,10 +296,10 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::StepUnderWay`].
     pub fn set_motion(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
         self.check_joined(&[body])?;
-        let place = self.place(body)?;
-        let frame = self.bodies[place].frame_mut().ok_or(SystemError::UnknownBody { body })?;
-        frame.place(body, motion)?;
-        self.make_room_in_step();
+        let index = self.index_of(body)?;
+        let frame = self.bodies[index].frame_mut().ok_or(SystemError::UnknownBody { body })?;
+        frame.set_motion(body, motion)?;
+        self.extend_step();
         Ok(())
     }
 
@@ -299,8 +314,8 @@ impl<T: Scalar> ContactSystem<T> {
         self.check_joined(&[body])?;
         check_range("added", added.as_flattened())?;
         let added = Matrix6::from_fn(|row, column| added[row][column]);
-        let place = self.place(body)?;
-        let Mover::Rigid { inertia, .. } = &mut self.bodies[place].mover else {
+        let index = self.index_of(body)?;
+        let Mover::Rigid { inertia, .. } = &mut self.bodies[index].mover else {
             return Err(SystemError::UnknownBody { body });
         };
         let mut whole = added;
@@ -311,7 +326,7 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Inertia);
         }
         inertia.added = added;
-        self.make_room_in_step();
+        self.extend_step();
         Ok(())
     }
 
@@ -326,8 +341,8 @@ impl<T: Scalar> ContactSystem<T> {
         &self.contacts
     }
 
-    /// Where a new body goes, and its mesh.
-    fn place_for<'a>(
+    /// The index of a new body, and its mesh.
+    fn check_new<'a>(
         &self,
         scene: &'a Scene<T>,
         body: u32,
@@ -338,17 +353,17 @@ impl<T: Scalar> ContactSystem<T> {
         material.check()?;
         match self.bodies.binary_search_by_key(&body, |body| body.number) {
             Ok(_) => Err(SystemError::BodyTwice { body }),
-            Err(place) => Ok((place, mesh)),
+            Err(index) => Ok((index, mesh)),
         }
     }
 
-    fn insert(&mut self, place: usize, body: Body<T>) {
+    fn insert(&mut self, index: usize, body: Body<T>) {
         let has_joined = self.step.is_some();
-        self.bodies.room_for(1).insert(place, Body { has_joined, ..body });
-        self.make_room_in_step();
+        self.bodies.room_for(1).insert(index, Body { has_joined, ..body });
+        self.extend_step();
     }
 
-    fn place(&self, body: u32) -> Result<usize, SystemError> {
+    fn index_of(&self, body: u32) -> Result<usize, SystemError> {
         self.bodies.binary_search_by_key(&body, |body| body.number).map_err(|_| SystemError::UnknownBody { body })
     }
 

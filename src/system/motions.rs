@@ -1,5 +1,5 @@
-//! How the nodes' velocities move the points of all rows, found in one pass: forces, linearisations and the end of a step need
-//! it for the same rows, often at the same velocities.
+//! How the nodes' velocities move the points of all rows, computed in one pass: forces, linearisations and the end of a step
+//! need it for the same rows, often at the same velocities.
 
 use super::lines::Four;
 use super::row::{Entry, Row, Slip};
@@ -11,7 +11,7 @@ use crate::simd::{Kernel, Lanes, dispatch};
 pub(super) struct Motions {
     /// The velocities of nodes, padded.
     nodes: Vec<Four>,
-    /// Of each row, with what the host moves: by the weights along its direction, and by those across.
+    /// Of each row, with bodies moved by the host: by the weights along its direction, and by those across.
     of_rows: Vec<[Four; 2]>,
 }
 
@@ -37,8 +37,8 @@ impl Motions {
     }
 
     /// How the two points of a row move, at the velocities of nodes for which motions were found.
-    pub(super) fn slip(&self, row: &Row, place: usize, twists: &[f64]) -> Slip {
-        let [mut along, mut across] = self.of_rows[place].map(|[x, y, z, _]| V3::new(x, y, z));
+    pub(super) fn slip(&self, row: &Row, index: usize, twists: &[f64]) -> Slip {
+        let [mut along, mut across] = self.of_rows[index].map(|[x, y, z, _]| V3::new(x, y, z));
         for end in row.rigid.iter().flatten() {
             let v = end.velocity(twists);
             along += v;

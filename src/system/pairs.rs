@@ -1,28 +1,11 @@
-//! Materials and forces of single pairs, and what else a host may choose or ask.
+//! What a host says and asks of single pairs: materials and forces.
 
 use super::loads::{Key, Surface, in_order};
 use super::{ContactSystem, Material, SystemError};
-use crate::force::Weighting;
 use crate::math::Scalar;
 use crate::memory::Room;
 
 impl<T: Scalar> ContactSystem<T> {
-    /// Detects contacts where bodies are at the start of a step, not where they will be, so bodies that meet within a step have
-    /// none yet.
-    #[must_use]
-    pub fn looking_at_the_start(mut self) -> Self {
-        self.looks_ahead = false;
-        self
-    }
-
-    /// Weights contacts by the area that each stands for, as a new system does, or all alike as in the paper; the stiffness of
-    /// materials is then in N/m. Half-spaces always press on areas.
-    #[must_use]
-    pub fn weighted_by(mut self, weighting: Weighting) -> Self {
-        self.weighting = weighting;
-        self
-    }
-
     /// Gives two bodies, or a body with itself, a material of their own in place of the
     /// [combined](Material::combined) one; `None` takes it back. Within a step one of them must have
     /// joined it.
@@ -31,7 +14,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::UnknownBody`], [`SystemError::Material`], [`SystemError::StepUnderWay`].
     pub fn set_pair_material(&mut self, a: u32, b: u32, material: Option<Material>) -> Result<(), SystemError> {
         self.check_joined(&[a, b])?;
-        self.place(b)?;
+        self.index_of(b)?;
         self.set_material((a, Surface::Body(b)), material)
     }
 
@@ -52,27 +35,16 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     fn set_material(&mut self, key: Key, material: Option<Material>) -> Result<(), SystemError> {
-        self.place(key.0)?;
+        self.index_of(key.0)?;
         material.as_ref().map_or(Ok(()), Material::check)?;
         let (key, _) = in_order(key);
         match (self.pair_materials.binary_search_by_key(&key, |(pair, _)| *pair), material) {
-            (Ok(place), Some(material)) => self.pair_materials[place].1 = material,
-            (Ok(place), None) => drop(self.pair_materials.remove(place)),
-            (Err(place), Some(material)) => self.pair_materials.room_for(1).insert(place, (key, material)),
+            (Ok(index), Some(material)) => self.pair_materials[index].1 = material,
+            (Ok(index), None) => drop(self.pair_materials.remove(index)),
+            (Err(index), Some(material)) => self.pair_materials.room_for(1).insert(index, (key, material)),
             (Err(_), None) => {}
         }
         Ok(())
-    }
-
-    /// The part of the force, from 0 to 1, that would prove to be predicted wrongly at these velocities: what
-    /// [`linearise`](Self::linearise) gives, but rows are held as before.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
-    pub fn misjudged(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
-        self.find_motions(velocities, step);
-        Ok(self.misjudged_at(step))
     }
 
     /// The pairs that the last finished step left something to remember, or that were given it since: the body of the
@@ -86,10 +58,10 @@ impl<T: Scalar> ContactSystem<T> {
     /// # Errors
     /// [`SystemError::UnknownBody`], [`SystemError::UnknownHalfSpace`].
     pub fn pair_force(&self, body: u32, other: Surface) -> Result<[f64; 3], SystemError> {
-        self.place(body)?;
+        self.index_of(body)?;
         match other {
             Surface::Body(other) if other == body => return Ok([0.0; 3]),
-            Surface::Body(other) => drop(self.place(other)?),
+            Surface::Body(other) => drop(self.index_of(other)?),
             Surface::HalfSpace(number) => self.check_half_space(number)?,
         }
         Ok(self.loads.force((body, other)).into())

@@ -1,11 +1,11 @@
 //! What bodies store in contacts at trial positions.
 
-use super::buffers::copy;
 use super::loads::Surface;
 use super::row_builder::{material_of, pressed_area};
 use super::{ContactSystem, SystemError};
 use crate::force::Weighting;
 use crate::math::Scalar;
+use crate::memory;
 use crate::scene::Scene;
 use std::mem::swap;
 
@@ -21,7 +21,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::BeyondRange`] also where
     /// `part` is not within 0 and 1, and those of [`begin`](Self::begin) for the scene.
     pub fn potential(&mut self, scene: &mut Scene<T>, velocities: &[f64], part: f64) -> Result<f64, SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
+        let step = self.check_velocities(velocities)?;
         super::check_range("part", &[part])?;
         if !(0.0..=1.0).contains(&part) {
             return Err(SystemError::BeyondRange { what: "part", index: 0, value: part, most: 1.0 });
@@ -29,10 +29,10 @@ impl<T: Scalar> ContactSystem<T> {
         self.check_bodies(scene)?;
         self.swap_ahead();
         self.go_on_with(velocities, step);
-        let placed = self.place_surfaces(scene, part * step.dt, false);
+        let moved = self.move_surfaces(scene, part * step.dt, false);
         self.swap_ahead();
-        copy(&mut self.buffers.end_twists, &self.rows.response);
-        placed?;
+        memory::refill(&mut self.buffers.end_twists, self.rows.response.iter().copied());
+        moved?;
         scene.query(&mut self.trial);
         scene.disregard_query();
         Ok(self.energy_between(scene) + self.energy_below(scene))

@@ -1,16 +1,14 @@
 //! Products of the rows' matrix with a change of the velocities. A solve asks for tens of them per linearisation, so their data
 //! is packed first.
 
-use super::body::at;
 use super::matrix::is_short;
-use super::row::{Entry, Slip, Spring};
+use super::row::{Entry, Row, Slip, Spring};
 use super::rows::{RowForce, Rows, Velocities};
-use super::twist::V3;
-use crate::memory;
-use crate::memory::Room;
+use super::twist::{V3, at};
+use crate::memory::{self, Room};
 
 impl Rows {
-    /// To be called when rows are held anew.
+    /// To be called after a linearisation.
     pub(super) fn forget_products(&mut self) {
         self.are_listed = false;
         self.are_packed = false;
@@ -18,7 +16,7 @@ impl Rows {
         self.coupling.gather(&self.rows);
     }
 
-    /// Lists the springs, if they are not yet: after its last linearisation a step needs none.
+    /// Lists the springs, unless that is done. It waits for the first product: after the last linearisation there may be none.
     pub(crate) fn list_springs(&mut self) {
         let Self { rows, springs, are_listed, .. } = self;
         if std::mem::replace(are_listed, true) {
@@ -27,31 +25,27 @@ impl Rows {
         springs.clear();
         springs.room_for(rows.len());
         let mut begin = 0;
-        for (place, row) in rows.iter().enumerate() {
-            let (direction, end) = (row.direction, row.end);
-            let has_rigid_ends = row.rigid.iter().any(Option::is_some);
-            if row.held.pushes {
-                let (normal, tangential) = (row.held.normal, row.held.tangential);
-                springs.push(Spring { direction, normal, tangential, place, begin, end, has_rigid_ends });
+        for (index, Row { direction, linear, rigid, end, .. }) in rows.iter().enumerate() {
+            if linear.pushes {
+                springs.push(Spring {
+                    direction: *direction,
+                    normal: linear.normal,
+                    tangential: linear.tangential,
+                    row: index,
+                    begin,
+                    end: *end,
+                    has_rigid_ends: rigid.iter().any(Option::is_some),
+                });
             }
-            begin = end;
+            begin = *end;
         }
     }
 
-    /// Adds `scale` · Jᵀ D J · change: the forces that rows exert against a change of the velocities, turned around; on rigid
-    /// bodies too where `twists` has room for them.
-    pub(super) fn add_product(
-        &mut self,
-        change: Velocities<'_>,
-        scale: f64,
-        nodes: &mut [f64],
-        twists: Option<&mut [f64]>,
-    ) {
+    /// Adds `scale` · Jᵀ D J · change to `nodes` and `twists`: the opposite of the forces that a change of the velocities adds.
+    pub(super) fn add_product(&mut self, change: Velocities<'_>, scale: f64, nodes: &mut [f64], twists: &mut [f64]) {
         self.start_product(change.nodes);
-        if let Some(twists) = twists {
-            self.coupling.add_among(change.twists, scale, twists);
-            self.add_to_rigid(scale, twists);
-        }
+        self.coupling.add_among(change.twists, scale, twists);
+        self.add_to_rigid(scale, twists);
         self.finish_product(change.twists, scale, nodes);
     }
 
@@ -68,9 +62,9 @@ impl Rows {
         self.response = twists;
     }
 
-    /// What the change of the nodes' velocities alone does.
+    /// Starts with the change of the nodes' velocities alone.
     fn start_product(&mut self, nodes: &[f64]) {
-        self.products.ask();
+        self.products.add_one();
         if !self.are_packed {
             self.pack(nodes.len() / 3);
         }
@@ -91,16 +85,16 @@ impl Rows {
         self.apart.add_to_rigid(&self.rows, scale, loads);
     }
 
-    /// Packs the springs for products, in the matrix or apart.
+    /// Packs the springs for products, in the matrix or row by row.
     fn pack(&mut self, nodes: usize) {
         self.list_springs();
         let Self { rows, entries, springs, lines, matrix, apart, coupling, products, .. } = self;
         lines.find(springs, entries, nodes);
         let is_assembled = matrix.assemble(springs, rows, lines, products.expected(), coupling);
         apart.clear(springs.len());
-        for (spring, place) in springs.iter().zip(0..) {
+        for (spring, index) in springs.iter().zip(0..) {
             if !(is_assembled && is_short(spring)) {
-                apart.add(spring, lines.range(place));
+                apart.add(spring, lines.range(index));
             }
         }
         self.are_packed = true;
@@ -110,9 +104,9 @@ impl Rows {
         &self.entries[spring.begin..spring.end]
     }
 
-    /// How a change of the velocities moves the two points of a row; across the direction only where that counts.
+    /// How a change of the velocities moves the two points of a row; across the direction only if it has friction.
     fn slip_of(&self, spring: &Spring, change: Velocities<'_>) -> Slip {
-        let rigid = if spring.has_rigid_ends { &self.rows[spring.place].rigid[..] } else { &[] };
+        let rigid = if spring.has_rigid_ends { &self.rows[spring.row].rigid[..] } else { &[] };
         let rigid = rigid.iter().flatten().fold(V3::zeros(), |sum, end| sum + end.velocity(change.twists));
         let direction = spring.direction;
         if spring.tangential == 0.0 {
@@ -141,7 +135,7 @@ impl Rows {
             let slip = self.slip_of(spring, change);
             let along = -scale * spring.normal * slip.along;
             let across = slip.across * (-scale * spring.tangential);
-            use_force(spring.place, RowForce { along, across, whole: spring.direction * along + across });
+            use_force(spring.row, RowForce { along, across, whole: spring.direction * along + across });
         }
     }
 }

@@ -1,13 +1,14 @@
 //! From contacts on surfaces to rows over the unknowns that carry those surfaces.
 
 use super::Material;
-use super::anchors::{Anchors, Corners, Hold, sorted};
-use super::body::{Body, Course, Mover, at, weights_of};
+use super::anchors::{AnchorPoint, Anchors, Hold, sorted};
+use super::body::{Body, Mover, weights_of};
+use super::buffers::Course;
 use super::loads::{Key, PairLoads, Surface, in_order};
-use super::row::{Entry, Held, RigidEnd, Row, Slip};
+use super::row::{Entry, RigidEnd, Row, Slip};
 use super::rows::{Rows, Velocities};
-use super::twist::{V3, angular, linear};
-use crate::contact::{Bearings, Contact, ContactKind, ContactList, EscapePush};
+use super::twist::{V3, angular, at, linear};
+use crate::contact::{Contact, ContactKind, ContactList, EscapePush, WeightedVertices};
 use crate::force::Weighting;
 use crate::math::{Scalar, direction};
 use crate::memory::Room;
@@ -32,7 +33,7 @@ pub(super) struct RowBuilder<'a, T: Scalar> {
 }
 
 /// What a row is made of, apart from its entries.
-pub(super) struct Spring {
+pub(super) struct Draft {
     pub(super) key: Key,
     pub(super) direction: V3,
     pub(super) depth: f64,
@@ -45,9 +46,9 @@ pub(super) struct Spring {
     pub(super) lean: V3,
 }
 
-/// A contact's area seen along its direction; multiplied by a stiffness in N/m³, it is the spring's coefficient. Weighted by
-/// vertex, the area is 1. Zero for contacts of an escape, which pushes whole bodies, so that soft ones are moved and not
-/// stretched.
+/// A contact's area seen along its direction; times a stiffness in N/m³ it is the spring's coefficient. Weighted by vertex, the
+/// area is 1. It is zero for contacts of an escape: the escape has a row that pushes whole bodies, so that soft ones are moved
+/// and not stretched.
 pub(super) fn pressed_area<T: Scalar>(contact: &Contact<T>, weighting: Weighting) -> T {
     match (contact.kind, weighting) {
         (ContactKind::Escape, _) => T::zero(),
@@ -67,13 +68,15 @@ fn net_direction<T: Scalar>(contacts: &[Contact<T>], weighting: Weighting) -> V3
     direction(&sum).unwrap_or_default()
 }
 
-/// For friction: the triangle, or vertex, from which a contact starts, its point there, and the corners of the triangle that it
-/// holds on to.
-type Holds = (u32, Corners, Option<[u32; 3]>);
+/// For friction: the triangle, or vertex, from which a contact starts, its point there, and the corners of the triangle that is
+/// to give its anchor.
+type Grip = (u32, AnchorPoint, Option<[u32; 3]>);
 
+/// What moves a row beside nodes.
 #[derive(Default)]
 pub(super) struct Ends {
     pub(super) rigid: [Option<RigidEnd>; 2],
+    /// The slip by bodies that the host moves: without contact, and at the start of the step.
     given: V3,
     given_before: V3,
     /// The velocity, at the start of the step, of the point whose normal is not the row's direction.
@@ -82,7 +85,7 @@ pub(super) struct Ends {
 
 /// Where a contact acts on one body.
 pub(super) struct End<'a, T: Scalar> {
-    pub(super) at: &'a Corners,
+    pub(super) at: &'a AnchorPoint,
     /// The vertices over which it is spread, with their weights.
     pub(super) on: Option<&'a [(u32, T)]>,
 }
@@ -95,7 +98,7 @@ impl<T: Scalar> End<'_, T> {
         }
     }
 
-    /// Its middle, at the last detection.
+    /// Where it was at the last detection.
     pub(super) fn point_ahead(&self, body: &Body<T>) -> V3 {
         if self.on.is_none() {
             return body.point_ahead(self.at);
@@ -106,21 +109,17 @@ impl<T: Scalar> End<'_, T> {
     }
 }
 
-/// If the vertex on the far side would need a larger weight than this, the body is too flat there.
+/// A body is too flat where the vertex on its far side would need a larger weight than this.
 const MOST_FAR_WEIGHT: f64 = 2.0;
 
-impl<T: Scalar> RowBuilder<'_, T> {
+impl<'a, T: Scalar> RowBuilder<'a, T> {
     /// `wanted` tells by two bodies' numbers whether to take their contacts.
     pub(super) fn add_contacts(&mut self, list: &ContactList<T>, wanted: impl Fn(u32, u32) -> bool) {
-        let pair = |contact: &Contact<T>| {
-            let Contact { colliding, collided, .. } = *contact;
-            (colliding.min(collided), colliding.max(collided))
-        };
-        for contacts in list.contacts.chunk_by(|one, next| pair(one) == pair(next)) {
+        for contacts in list.contacts.chunk_by(|one, next| one.bodies() == next.bodies()) {
             let net = net_direction(contacts, self.weighting);
             for contact in contacts {
                 let pushes = if contact.colliding <= contact.collided { net } else { -net };
-                self.add_contact(contact, list.spreads.bearings(contact), pushes, &wanted);
+                self.add_contact(contact, list.spreads.vertices_of(contact), pushes, &wanted);
             }
         }
     }
@@ -128,13 +127,12 @@ impl<T: Scalar> RowBuilder<'_, T> {
     fn add_contact(
         &mut self,
         contact: &Contact<T>,
-        bearings: [Bearings<'_, T>; 2],
+        vertices: [WeightedVertices<'_, T>; 2],
         pushes: V3,
         wanted: impl Fn(u32, u32) -> bool,
     ) {
         let area = pressed_area(contact, self.weighting).to_f64();
-        let bodies = self.bodies;
-        let [first, second] = [contact.colliding, contact.collided].map(|number| &bodies[place_of(bodies, number)]);
+        let [first, second] = [contact.colliding, contact.collided].map(|number| self.body(number));
         let any_moves = first.is_movable() || second.is_movable();
         if !any_moves || area <= 0.0 || !wanted(contact.colliding, contact.collided) {
             return;
@@ -142,17 +140,17 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let (p1, p2) = (&contact.p1, &contact.p2);
         let direction: V3 = contact.direction.map(T::to_f64);
         let from = sorted(p1.vertices, weights_of(p1));
-        let own = Corners { vertices: p2.vertices, weights: weights_of(p2), height: 0.0 };
-        let spreads = bearings.map(|bearings| match bearings {
-            Bearings::Spread(spread) => Some(spread),
-            Bearings::Point(_) => None,
+        let own = AnchorPoint { vertices: p2.vertices, weights: weights_of(p2), height: 0.0 };
+        let spreads = vertices.map(|vertices| match vertices {
+            WeightedVertices::Spread(spread) => Some(spread),
+            WeightedVertices::Point(_) => None,
         });
         let [on_first, on_second] = [(&from, spreads[0]), (&own, spreads[1])].map(|(at, on)| End { at, on });
         let point = on_first.point_ahead(first);
         let key = (contact.colliding, Surface::Body(contact.collided));
         let pair = self.pair(key, None);
         let rubs = self.loads.now[pair].material.friction > 0.0;
-        let spring = Spring {
+        let draft = Draft {
             key,
             direction,
             depth: contact.depth.to_f64(),
@@ -164,10 +162,10 @@ impl<T: Scalar> RowBuilder<'_, T> {
         let mut ends = Ends::default();
         self.add_end(&mut ends, 0, first, &on_first, None, &point);
         let (middle, given) = (self.rows.entries.len(), ends.given_before);
-        let held = if rubs { held_inside(second, &own, &point) } else { None };
-        self.add_end(&mut ends, 1, second, &on_second, held, &point);
+        let inside = if rubs { point_inside(second, &own, &point) } else { None };
+        self.add_end(&mut ends, 1, second, &on_second, inside, &point);
         ends.leaning = ends.given_before - given + self.velocity_before(middle, &ends.rigid[1]);
-        self.finish(spring, pair, ends, rubs.then_some((p1.triangle, from, Some(p2.vertices))));
+        self.finish(draft, pair, ends, rubs.then_some((p1.triangle, from, Some(p2.vertices))));
     }
 
     /// Escaping pairs: one spring between the two centres of mass, so that every node gets the same acceleration.
@@ -184,7 +182,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 Weighting::Area => push.area.to_f64(),
                 Weighting::Vertex => f64::from(push.contact_count),
             };
-            let spring = Spring {
+            let draft = Draft {
                 key: (first, Surface::Body(second)),
                 direction: push.direction.map(T::to_f64),
                 depth: push.depth.to_f64(),
@@ -193,35 +191,36 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 pushes: V3::zeros(),
                 lean: V3::zeros(),
             };
-            let pair = self.pair(spring.key, None);
-            self.finish(spring, pair, ends, None);
+            let pair = self.pair(draft.key, None);
+            self.finish(draft, pair, ends, None);
         }
     }
 
-    fn body(&self, number: u32) -> &Body<T> {
-        &self.bodies[self.place(number)]
+    fn body(&self, number: u32) -> &'a Body<T> {
+        body_of(self.bodies, number)
     }
 
-    /// The row's pair, and where it is its first row its material.
+    /// The index of a row's pair; its first row finds its material.
     pub(super) fn pair(&mut self, key: Key, floor: Option<&Material>) -> usize {
         let Self { bodies, pair_materials, loads, .. } = self;
-        loads.place(key, || material_of(bodies, pair_materials, key, floor))
+        loads.index_of(key, || material_of(bodies, pair_materials, key, floor))
     }
 
-    /// Adds one body's entries to the row under way: at its end for the normal force, and where `held` says for friction.
+    /// Adds one body's entries to the row under way: for the normal force those of its end, for friction those of `inside` if
+    /// given.
     pub(super) fn add_end(
         &mut self,
         ends: &mut Ends,
         side: usize,
         body: &Body<T>,
         end: &End<'_, T>,
-        held: Option<[(u32, f64); 4]>,
+        inside: Option<[(u32, f64); 4]>,
         point: &V3,
     ) {
         let sign = [-1.0, 1.0][side];
         match &body.mover {
             Mover::Nodes { table, .. } => {
-                let begin = self.rows.rows.last().map_or(0, |row| row.end);
+                let begin = self.rows.begin(self.rows.rows.len());
                 let mut add = |vertex: u32, along: f64, across: f64| {
                     if along != 0.0 || across != 0.0 {
                         let (along, across) = (sign * along, sign * across);
@@ -230,13 +229,13 @@ impl<T: Scalar> RowBuilder<'_, T> {
                         });
                     }
                 };
-                end.for_each(|vertex, weight| add(vertex, weight, if held.is_some() { 0.0 } else { weight }));
+                end.for_each(|vertex, weight| add(vertex, weight, if inside.is_some() { 0.0 } else { weight }));
                 // The fourth vertex is there for friction alone.
-                held.iter().flatten().for_each(|&(vertex, weight)| add(vertex, 0.0, weight));
+                inside.iter().flatten().for_each(|&(vertex, weight)| add(vertex, 0.0, weight));
             }
-            Mover::Rigid { place, .. } => {
+            Mover::Rigid { index, .. } => {
                 let arm = point - body.ahead_pose.0;
-                ends.rigid[side] = Some(RigidEnd { place: *place, sign, arm });
+                ends.rigid[side] = Some(RigidEnd { index: *index, sign, arm });
             }
             Mover::Host(frame) => {
                 let arm = point - body.ahead_pose.0;
@@ -248,9 +247,8 @@ impl<T: Scalar> RowBuilder<'_, T> {
     }
 
     fn add_whole_body(&mut self, ends: &mut Ends, side: usize, number: u32) {
-        let bodies = self.bodies;
-        let (body, sign) = (&bodies[place_of(bodies, number)], [-1.0, 1.0][side]);
-        match &body.mover {
+        let sign = [-1.0, 1.0][side];
+        match &self.body(number).mover {
             Mover::Nodes { nodes, .. } => {
                 let mass = |node: u32| Some(self.node_masses[node as usize]).filter(|mass| mass.is_finite());
                 let sum: f64 = nodes.clone().filter_map(mass).sum();
@@ -260,8 +258,8 @@ impl<T: Scalar> RowBuilder<'_, T> {
                     }
                 }
             }
-            Mover::Rigid { place, .. } => {
-                ends.rigid[side] = Some(RigidEnd { place: *place, sign, arm: V3::zeros() });
+            Mover::Rigid { index, .. } => {
+                ends.rigid[side] = Some(RigidEnd { index: *index, sign, arm: V3::zeros() });
             }
             Mover::Host(frame) => {
                 ends.given += linear(&frame.free_velocity) * sign;
@@ -270,95 +268,76 @@ impl<T: Scalar> RowBuilder<'_, T> {
         }
     }
 
-    /// How one of a row's ends moves at the start of the step, with the sign of its side: entries from `begin` on, or a rigid
-    /// body.
+    /// How one of a row's ends moves at the start of the step, with the sign of its side: by the entries from `begin` on, or by
+    /// a rigid body.
     pub(super) fn velocity_before(&self, begin: usize, rigid: &Option<RigidEnd>) -> V3 {
         let of_nodes = self.rows.entries[begin..].iter().map(|entry| at(self.before.nodes, entry.node) * entry.along);
         rigid.map(|end| end.velocity(self.before.twists)).unwrap_or_default() + of_nodes.sum::<V3>()
     }
 
     /// Makes a row of the entries added since the last one.
-    pub(super) fn finish(&mut self, spring: Spring, pair: usize, ends: Ends, holds: Option<Holds>) {
-        let Spring { key, direction, depth, cos_alpha, area, pushes, lean } = spring;
+    pub(super) fn finish(&mut self, draft: Draft, pair: usize, ends: Ends, grip: Option<Grip>) {
+        let Draft { key, direction, depth, cos_alpha, area, pushes, lean } = draft;
         let material = self.loads.now[pair].material;
-        let holds = holds.filter(|_| material.friction > 0.0);
-        let row = Row {
+        let mut row = Row {
             direction,
             coefficient: material.stiffness * area,
-            asked: 0.0,
             damping_time: material.damping_time,
-            // Only what pushes along the surface that it presses on grips: the sides of what has sunk into a floor do not.
+            // What presses on a surface at an angle grips less: the sides of what has sunk into a floor do not grip.
             friction: material.friction * cos_alpha,
             pair,
             order: if matches!(key.1, Surface::Body(second) if second < key.0) { -1.0 } else { 1.0 },
-            ahead: Slip::default(),
-            sliding: V3::zeros(),
-            stretch: V3::zeros(),
-            anchor: None,
             given: ends.given,
             rigid: ends.rigid,
             end: self.rows.entries.len(),
-            held: Held::default(),
+            ..Row::default()
         };
-        self.rows.rows.room_for(1).push(row);
-        let place = self.rows.rows.len() - 1;
-        let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
-        let given = self.rows.rows[place].given;
-        let (mut slip, Slip { along: closing, across: sliding }) =
-            self.rows.slips_of_last((ahead, &given), (self.before, &ends.given_before));
+        let time = self.course.time;
+        // Without look-ahead, detection has not moved the bodies.
+        if time > 0.0 {
+            let ahead = Velocities { nodes: self.course.velocities, twists: self.course.twists };
+            row.ahead = self.rows.slip_under_way(&row, ahead, ends.given);
+        }
+        let Slip { along: closing, across } = self.rows.slip_under_way(&row, self.before, ends.given_before);
+        row.sliding = across;
         // How fast a body passes by: it moves as its centre does, and turns about the pair's push.
         let passing = |number: u32, side: usize| {
             let turning = |end: RigidEnd| {
-                let spin = angular(&self.before.twists[6 * end.place..6 * end.place + 6]);
+                let spin = angular(&self.before.twists[6 * end.index..6 * end.index + 6]);
                 (pushes * pushes.dot(&spin)).cross(&end.arm)
             };
             self.body(number).drift + ends.rigid[side].map(turning).unwrap_or_default()
         };
         let other = if let Surface::Body(second) = key.1 { passing(second, 1) } else { V3::zeros() };
         let seen = [passing(key.0, 0), other].map(|passing| closing - lean.dot(&(passing - ends.leaning)));
-        let row = &self.rows.rows[place];
         let seen = if row.order > 0.0 { seen } else { [seen[1], seen[0]] };
         self.loads.now[pair].wander.add(row.order, row.coefficient, closing, seen);
-        // Without look-ahead, detection has not moved the bodies.
-        if self.course.time <= 0.0 {
-            slip = Slip::default();
-        }
-        if let Some((triangle, from, on)) = holds {
+        if let Some((triangle, from, on)) = grip.filter(|_| material.friction > 0.0) {
             let (anchor, old) = self.anchors.find(key, triangle, from, on);
+            row.anchor = Some(anchor);
             // A new spring is slack at the start of the step.
-            let mut stretch = slip.across * self.course.time;
-            if let Some(old) = old.map(|place| self.anchors.before(place)) {
-                let first = self.body(key.0);
-                let from = first.point_ahead(&old.from);
-                let to = self.held_at(key, &old.hold);
-                stretch = self.rows.rows[place].across(&(to - from));
-                if old.from == Corners::NOWHERE {
-                    stretch += slip.across * self.course.time;
-                }
+            row.stretch = row.ahead.across * time;
+            if let Some(old) = old {
+                let from = self.body(key.0).point_ahead(&old.from);
+                let stretch = row.across(&(self.hold_point(key, &old.hold) - from));
+                row.stretch = if old.from == AnchorPoint::NOWHERE { stretch + row.stretch } else { stretch };
             }
-            let row = &mut self.rows.rows[place];
-            (row.anchor, row.stretch) = (Some(anchor), stretch);
         }
-        let row = &mut self.rows.rows[place];
-        (row.ahead, row.sliding) = (slip, sliding);
-        // The row is relieved only by motion along it: what deepens it otherwise, as a floor's top does the sides of what
-        // falls onto it, is over when the step is.
-        let unseen = (self.course.time * slip.across.dot(&pushes)).max(0.0) / cos_alpha;
+        // A row can undo only depth that motion along it made. What motion across it made, as at the sides of what falls onto a
+        // floor, goes with that motion.
+        let unseen = (time * row.ahead.across.dot(&pushes)).max(0.0) / cos_alpha;
         let depth = if depth > unseen { depth - unseen } else { 0.0 };
-        row.asked = Row::asked(depth, cos_alpha, self.course.time * slip.along, material.depth_cap);
+        row.depth = Row::capped(depth, cos_alpha, time * row.ahead.along, material.depth_cap);
+        self.rows.rows.room_for(1).push(row);
     }
 
     /// Where the point that a friction spring holds on to was at the last detection.
-    fn held_at(&self, key: Key, hold: &Hold) -> V3 {
+    fn hold_point(&self, key: Key, hold: &Hold) -> V3 {
         match (hold, key.1) {
-            (Hold::Material(corners), Surface::Body(number)) => self.bodies[self.place(number)].point_ahead(corners),
+            (Hold::Material(corners), Surface::Body(number)) => self.body(number).point_ahead(corners),
             (Hold::Space(point), _) => *point,
             (Hold::Material(_), Surface::HalfSpace(_)) => V3::zeros(),
         }
-    }
-
-    fn place(&self, number: u32) -> usize {
-        place_of(self.bodies, number)
     }
 }
 
@@ -369,24 +348,27 @@ pub(super) fn material_of<T: Scalar>(
     key: Key,
     floor: Option<&Material>,
 ) -> (Material, f64) {
-    let find = |number: u32| &bodies[place_of(bodies, number)];
-    let first = find(key.0);
+    let first = body_of(bodies, key.0);
     let (other, inverse_mass) = match (key.1, floor) {
-        (Surface::Body(number), _) => (find(number).material, 1.0 / find(number).mass),
+        (Surface::Body(number), _) => {
+            let second = body_of(bodies, number);
+            (second.material, 1.0 / second.mass)
+        }
         (_, floor) => (*floor.unwrap_or(&first.material), 0.0),
     };
     let own = pair_materials.binary_search_by_key(&in_order(key).0, |(pair, _)| *pair).ok();
-    let material = own.map_or_else(|| first.material.combined(&other), |place| pair_materials[place].1);
+    let material = own.map_or_else(|| first.material.combined(&other), |index| pair_materials[index].1);
     (material, 1.0 / first.mass + inverse_mass)
 }
 
-fn place_of<T: Scalar>(bodies: &[Body<T>], number: u32) -> usize {
-    bodies.binary_search_by_key(&number, |body| body.number).expect("the scene's bodies are the system's")
+pub(super) fn body_of<T: Scalar>(bodies: &[Body<T>], number: u32) -> &Body<T> {
+    let index = bodies.binary_search_by_key(&number, |body| body.number);
+    &bodies[index.expect("the scene's bodies are the system's")]
 }
 
 /// A point inside a deformable body as a weighted sum of three corners of its surface and a fourth vertex on its far side;
 /// `None` where the body is too flat for that.
-fn held_inside<T: Scalar>(body: &Body<T>, corners: &Corners, point: &V3) -> Option<[(u32, f64); 4]> {
+fn point_inside<T: Scalar>(body: &Body<T>, corners: &AnchorPoint, point: &V3) -> Option<[(u32, f64); 4]> {
     if !matches!(body.mover, Mover::Nodes { .. }) {
         return None;
     }
@@ -398,10 +380,7 @@ fn held_inside<T: Scalar>(body: &Body<T>, corners: &Corners, point: &V3) -> Opti
         if height > most { (height, Some(vertex)) } else { (most, best) }
     });
     let far = far.1?;
-    let columns = [b - a, c - a, at(far) - a];
-    let w = Matrix3::from_columns(&columns).try_inverse()? * (point - a);
-    let weights = [1.0 - w.x - w.y - w.z, w.x, w.y, w.z];
+    let w = Matrix3::from_columns(&[b - a, c - a, at(far) - a]).try_inverse()? * (point - a);
     let [first, second, third] = corners.vertices;
-    let is_fine = w.z.abs() <= MOST_FAR_WEIGHT;
-    is_fine.then(|| [(first, weights[0]), (second, weights[1]), (third, weights[2]), (far, weights[3])])
+    (w.z.abs() <= MOST_FAR_WEIGHT).then(|| [(first, 1.0 - w.x - w.y - w.z), (second, w.x), (third, w.y), (far, w.z)])
 }

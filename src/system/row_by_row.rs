@@ -3,8 +3,7 @@
 use super::lines::{Four, Lines};
 use super::row::{Entry, Row, Spring};
 use super::twist::V3;
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::simd::{Kernel, Lanes, dispatch};
 use std::ops::Range;
 
@@ -16,8 +15,7 @@ struct Packed {
     tangential: f64,
     begin: u32,
     end: u32,
-    /// Its row.
-    place: u32,
+    row: u32,
 }
 
 /// The springs that are not in the matrix.
@@ -26,7 +24,7 @@ pub(super) struct RowByRow {
     /// Those that act on nodes alone, and those that act on rigid bodies too.
     alone: Vec<Packed>,
     coupled: Vec<Packed>,
-    /// How nodes move the coupled ones: by the weights along, and by those across.
+    /// How nodes move the coupled ones, by the weights along and by those across; in a product.
     motions: Vec<[Four; 2]>,
 }
 
@@ -38,11 +36,11 @@ impl RowByRow {
         }
     }
 
-    /// Adds a spring with these of the lines' entries.
+    /// Adds a spring with these entries of the lines.
     pub(super) fn add(&mut self, spring: &Spring, entries: Range<u32>) {
-        let Spring { direction: d, normal, tangential, place, has_rigid_ends, .. } = *spring;
+        let Spring { direction: d, normal, tangential, row, has_rigid_ends, .. } = *spring;
         let (begin, end) = (entries.start, entries.end);
-        let packed = Packed { direction: [d.x, d.y, d.z, 0.0], normal, tangential, begin, end, place: place as u32 };
+        let packed = Packed { direction: [d.x, d.y, d.z, 0.0], normal, tangential, begin, end, row: row as u32 };
         let list = if has_rigid_ends { &mut self.coupled } else { &mut self.alone };
         list.room_for(1).push(packed);
     }
@@ -52,26 +50,26 @@ impl RowByRow {
         self.alone.len() + self.coupled.len()
     }
 
-    /// Adds the products of those on nodes alone, and finds how nodes move the others.
+    /// Adds the products of the springs on nodes alone, and finds how nodes move the others.
     pub(super) fn start_product(&mut self, lines: &mut Lines) {
         let Self { alone, coupled, motions } = self;
         memory::refill_with(motions, [[0.0; 4]; 2], coupled.len());
         dispatch::<f64, _>(Start { alone, coupled, motions, lines });
     }
 
-    /// Adds `scale` times the loads on rigid bodies by the nodes' part of the change.
+    /// Adds `scale` times the loads on rigid bodies by the change of the nodes' velocities.
     pub(super) fn add_to_rigid(&self, rows: &[Row], scale: f64, loads: &mut [f64]) {
         for (spring, motion) in self.coupled.iter().zip(&self.motions) {
             let [push, pull] = spring.forces(motion);
             let force: [f64; 3] = std::array::from_fn(|axis| -scale * (push[axis] + pull[axis]));
-            rows[spring.place as usize].add_rigid_loads(&force.into(), loads);
+            rows[spring.row as usize].add_rigid_loads(&force.into(), loads);
         }
     }
 
-    /// Adds the products of the others, where rigid bodies have this part of the change.
+    /// Adds the products of the others to the nodes, where rigid bodies change by `twists`.
     pub(super) fn finish_product(&mut self, rows: &[Row], twists: &[f64], lines: &mut Lines) {
         for (spring, motion) in self.coupled.iter().zip(&mut self.motions) {
-            let rigid = rows[spring.place as usize].rigid.iter().flatten();
+            let rigid = rows[spring.row as usize].rigid.iter().flatten();
             let velocity = rigid.fold(V3::zeros(), |sum, end| sum + end.velocity(twists));
             for of_weights in motion {
                 (0..3).for_each(|axis| of_weights[axis] += velocity[axis]);
@@ -111,7 +109,7 @@ impl Packed {
     #[inline(always)]
     fn forces(&self, [along, across]: &[Four; 2]) -> [Four; 2] {
         let d = &self.direction;
-        // The last is zero, but with it all four are summed up at once.
+        // The last term is zero, but with it all four are summed at once.
         let dot = |v: &Four| d[0] * v[0] + d[1] * v[1] + (d[2] * v[2] + d[3] * v[3]);
         let (by, out) = (self.normal * dot(along), dot(across));
         let [mut push, mut pull] = [[0.0; 4]; 2];

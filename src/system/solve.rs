@@ -1,32 +1,34 @@
-//! What a solver asks of a step under way, and how rows are held.
+//! What a solver asks of a step under way, and how rows are linearised.
 
-use super::anchors::{Corners, Hold, seen_from};
-use super::body::{Body, Course, Mover};
-use super::buffers::{Buffers, Step};
+use super::anchors::{AnchorPoint, Hold, seen_from};
+use super::body::{Body, Mover};
+use super::buffers::{Buffers, Course, Step};
 use super::error::{check_count, check_range};
 use super::loads::Surface;
-use super::row::{Held, Row};
+use super::row::{LinearForce, Row};
+use super::row_builder::body_of;
 use super::rows::Velocities;
 use super::twist::V3;
 use super::{CompressedRows, ContactSystem, RigidUnknowns, SystemError};
 use crate::math::{Scalar, margins};
 
 impl<T: Scalar> ContactSystem<T> {
-    /// Adds to `forces` the forces on the unknowns, in N (and N m), where these are the velocities at the end of the step, as
-    /// the rows are held.
+    /// Adds to `forces` the forces on the unknowns, in N (and N m), for these velocities at the end of the step, as last
+    /// linearised.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn add_forces(&mut self, velocities: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
+        let step = self.check_velocities(velocities)?;
         check_count("forces", forces.len(), step.unknowns)?;
         self.find_motions(velocities, step);
         let (nodes, twists) = forces.split_at_mut(3 * self.node_masses.len());
-        self.rows.add_forces(&self.rows.response, 1.0, nodes, self.kept(twists));
+        let loads = (self.rigid_unknowns == RigidUnknowns::Kept).then_some(twists);
+        self.rows.add_forces(&self.rows.response, 1.0, nodes, loads);
         Ok(())
     }
 
-    /// Adds `factor` · (−∂force/∂velocity) · `change` to `result`, as the rows are held: a product with a symmetric, positive
+    /// Adds `factor` · (−∂force/∂velocity) · `change` to `result`, as last linearised: a product with a symmetric, positive
     /// semi-definite matrix. An implicit solve for velocities takes dt as `factor`; for displacements it is 1 / dt times as
     /// much. How the sums are rounded depends on how many products earlier solves asked for: the quicker way is taken.
     ///
@@ -40,14 +42,14 @@ impl<T: Scalar> ContactSystem<T> {
         let (to, to_twists) = result.split_at_mut(3 * self.node_masses.len());
         match self.rigid_unknowns {
             RigidUnknowns::Eliminated => self.rows.add_answered_product(nodes, factor, step.dt, to),
-            RigidUnknowns::Kept => self.rows.add_product(Velocities { nodes, twists }, factor, to, Some(to_twists)),
+            RigidUnknowns::Kept => self.rows.add_product(Velocities { nodes, twists }, factor, to, to_twists),
         }
         Ok(())
     }
 
     /// Calls `use_block(row, column, block)` for 3 × 3 blocks, by rows, whose sum is the matrix of
-    /// [`add_product`](Self::add_product); those of equal place are to be added. Block n is that of node n; after them come two
-    /// for each rigid body, of its linear and its angular velocity. A pair that escapes has a block for each two of its nodes.
+    /// [`add_product`](Self::add_product). Several may have the same row and column. Block n is that of node n; then come two for
+    /// each rigid body, of its linear and its angular velocity. A pair that escapes has a block for each two of its nodes.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::Eliminated`] where there are rigid bodies and they are not kept.
@@ -77,14 +79,14 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(self.compressed.matrix())
     }
 
-    /// The potential of the rows, as they are held, in J: the forces are its negative gradient by the positions at the end of
-    /// the step, velocity times dt. What springs store, ½ Σ coefficient · depth², if nothing damps or rubs; with what dampers
-    /// and friction take in the step, and what eliminated rigid bodies take up.
+    /// The potential of the rows, as last linearised, in J: the forces are its negative gradient by the positions at the end of
+    /// the step, velocity times dt. It is what springs store, ½ Σ coefficient · depth², if nothing damps or rubs; else with
+    /// what dampers and friction take in the step, and with what eliminated rigid bodies take up.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn energy(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
+        let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
         let mut energy = 0.0;
         self.rows.energies(step.dt).for_each(|(_, part)| energy += part);
@@ -98,18 +100,14 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(energy)
     }
 
-    /// All rows act on unknowns of the host.
+    /// Whether a step is under way, and all rows act on unknowns of the host.
     pub(crate) fn check_has_blocks(&self) -> Result<(), SystemError> {
         self.step.ok_or(SystemError::NoStep)?;
         let is_answered = self.rigid_unknowns == RigidUnknowns::Eliminated && !self.rows.masses.is_empty();
         if is_answered { Err(SystemError::Eliminated) } else { Ok(()) }
     }
 
-    fn kept<'a>(&self, twists: &'a mut [f64]) -> Option<&'a mut [f64]> {
-        (self.rigid_unknowns == RigidUnknowns::Kept).then_some(twists)
-    }
-
-    /// New friction springs take over what those that are gone have pulled with.
+    /// New friction springs take over the pull of those that are gone.
     pub(super) fn hand_over(&mut self) {
         let (pairs, anchors) = (&mut self.loads.now, &self.anchors);
         let rubbing = |row: &Row| row.anchor.map(|anchor| (row.pair, anchors.is_new(anchor)));
@@ -125,105 +123,108 @@ impl<T: Scalar> ContactSystem<T> {
         }
     }
 
-    /// Holds the rows by what bodies would do without contact: none pulls, and friction goes by what its pair bore.
-    pub(super) fn hold_predicted(&mut self) -> Result<(), SystemError> {
-        let Step { dt, .. } = self.step.ok_or(SystemError::NoStep)?;
+    /// Linearises the rows about the motion without contact: none pulls, and friction is limited by the load of the step before.
+    pub(super) fn linearise_predicted(&mut self, Step { dt, .. }: Step) -> Result<(), SystemError> {
         let pairs = &mut self.loads.now;
         let free = Velocities { nodes: &self.buffers.ahead, twists: &self.buffers.free_twists };
         if !self.looks_ahead {
             self.rows.find_motions(free.nodes);
         }
-        for place in 0..self.rows.rows.len() {
-            let looked_ahead = self.looks_ahead.then_some(self.rows.rows[place].ahead);
-            let predicted = looked_ahead.unwrap_or_else(|| self.rows.slip_at(place, free.twists));
-            let row = &mut self.rows.rows[place];
+        for index in 0..self.rows.rows.len() {
+            let looked_ahead = self.looks_ahead.then_some(self.rows.rows[index].ahead);
+            let predicted = looked_ahead.unwrap_or_else(|| self.rows.slip_at(index, free.twists));
+            let row = &mut self.rows.rows[index];
             let pair = &mut pairs[row.pair];
-            row.held = row.held_at(predicted, dt);
-            if !row.held.pushes && pair.is_loaded() {
-                let gained = self.rows.leaving_gained(place, self.buffers.before(), free);
-                self.rows.rows[place].hold_loaded(gained, dt);
+            row.linear = row.linear_at(predicted, dt);
+            if !row.linear.pushes && pair.is_loaded() {
+                let gained = self.rows.leaving_gained(index, self.buffers.before(), free);
+                self.rows.rows[index].keep_loaded(gained, dt);
             }
-            let row = &self.rows.rows[place];
-            if row.held.pushes {
-                pair.add_predicted(row.held.push, row.held.normal);
+            let row = &self.rows.rows[index];
+            if row.linear.pushes {
+                pair.add_predicted(row.linear.push, row.linear.normal);
             }
         }
-        for row in self.rows.rows.iter().filter(|row| row.held.pushes) {
-            pairs[row.pair].add_relieved(row.held.push, row.held.normal);
+        for row in self.rows.rows.iter().filter(|row| row.linear.pushes) {
+            pairs[row.pair].add_relieved(row.linear.push, row.linear.normal);
         }
-        for row in self.rows.rows.iter_mut().filter(|row| row.held.pushes && row.anchor.is_some()) {
+        for row in self.rows.rows.iter_mut().filter(|row| row.linear.pushes && row.anchor.is_some()) {
             let pair = &pairs[row.pair];
-            let load = pair.load(row.held.push, row.held.normal, dt);
+            let load = pair.load(row.linear.push, row.linear.normal, dt);
             let expected = row.expected_spring(load, pair.speed_lost(dt), dt);
-            let mut held = row.held;
-            row.add_friction(&mut held, load, expected, dt);
-            row.held = held;
+            let mut linear = row.linear;
+            row.add_friction(&mut linear, load, expected, dt);
+            row.linear = linear;
         }
         self.factor(dt)
     }
 
-    /// Holds the rows at the motions and twists last found; gives the part of the force that was predicted wrongly.
-    pub(super) fn hold_at(&mut self, step: Step) -> Result<f64, SystemError> {
+    /// Linearises the rows about the motions and twists last found; gives the fraction of the force that was predicted wrongly.
+    pub(super) fn linearise_at(&mut self, step: Step) -> Result<f64, SystemError> {
         let mut sums = [0.0; 2];
-        for place in 0..self.rows.rows.len() {
-            self.rows.rows[place].held = self.held_anew(place, step, &mut sums);
+        for index in 0..self.rows.rows.len() {
+            self.rows.rows[index].linear = self.linearised(index, step, &mut sums);
         }
         self.factor(step.dt)?;
-        Ok(part_of(sums))
+        Ok(fraction_wrong(sums))
     }
 
-    /// The part of the force that was predicted wrongly, at the motions and twists last found.
-    pub(super) fn misjudged_at(&self, step: Step) -> f64 {
+    /// The fraction of the force, from 0 to 1, that would prove to be predicted wrongly at these velocities: what
+    /// [`linearise`](Self::linearise) gives, but the rows stay as they are.
+    ///
+    /// # Errors
+    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
+    pub fn misjudged(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
+        let step = self.check_velocities(velocities)?;
+        self.find_motions(velocities, step);
         let mut sums = [0.0; 2];
-        for place in 0..self.rows.rows.len() {
-            self.held_anew(place, step, &mut sums);
+        for index in 0..self.rows.rows.len() {
+            self.linearised(index, step, &mut sums);
         }
-        part_of(sums)
+        Ok(fraction_wrong(sums))
     }
 
-    /// How a row is held anew; adds to what was predicted rightly and wrongly.
-    fn held_anew(&self, place: usize, step: Step, [right, wrong]: &mut [f64; 2]) -> Held {
-        let slip = self.rows.slip_at(place, &self.rows.response);
-        let row = &self.rows.rows[place];
-        let mut held = row.held_at(slip, step.dt);
-        if !held.pushes && !row.held.pushes {
-            return held;
+    /// A row's linear force about the motions last found; adds to the sums of what was predicted rightly and wrongly.
+    fn linearised(&self, index: usize, step: Step, [right, wrong]: &mut [f64; 2]) -> LinearForce {
+        let slip = self.rows.slip_at(index, &self.rows.response);
+        let row = &self.rows.rows[index];
+        let mut linear = row.linear_at(slip, step.dt);
+        if !linear.pushes && !row.linear.pushes {
+            return linear;
         }
-        let was = if row.held.pushes { row.force_at(&slip) } else { V3::zeros() };
-        if held.pushes && row.anchor.is_some() {
+        let was = if row.linear.pushes { row.force_at(&slip) } else { V3::zeros() };
+        if linear.pushes && row.anchor.is_some() {
             let expected = row.spring_at(&slip.across, step.dt).norm();
-            let load = held.push;
-            row.add_friction(&mut held, load, expected, step.dt);
+            let load = linear.push;
+            row.add_friction(&mut linear, load, expected, step.dt);
         }
-        let is = if held.pushes { held.force_at(&row.direction, &slip) } else { V3::zeros() };
+        let is = if linear.pushes { linear.force_at(&row.direction, &slip) } else { V3::zeros() };
         *right += is.norm();
         *wrong += (is - was).norm();
-        held
+        linear
     }
 
-    /// Makes ready for products and for the answer of eliminated rigid bodies. Where one cannot be eliminated, the step is
-    /// cancelled.
+    /// Prepares products and the answer of eliminated rigid bodies. If one cannot be eliminated, cancels the step.
     fn factor(&mut self, dt: f64) -> Result<(), SystemError> {
         self.rows.forget_products();
         if self.rigid_unknowns == RigidUnknowns::Kept {
             return Ok(());
         }
         let Some(lost) = self.rows.factor_rigid(dt) else { return Ok(()) };
-        let is_lost = |body: &&Body<T>| matches!(body.mover, Mover::Rigid { place, .. } if place == lost);
+        let is_lost = |body: &&Body<T>| matches!(body.mover, Mover::Rigid { index, .. } if index == lost);
         let body = self.bodies.iter().find(is_lost).map_or(0, |body| body.number);
         self.cancel();
         Err(SystemError::TooStiff { body, dt })
     }
 
-    /// What the next step is told: loads, and where contacts hold on to one another at the end of this one.
+    /// Remembers loads for the next step, and where contacts hold on to one another at the end of this one.
     pub(super) fn remember(&mut self, velocities: &[f64], step: Step) {
         let nodes = &velocities[..3 * self.node_masses.len()];
         let Self { bodies, anchors, loads, buffers, rows, .. } = &mut *self;
-        Buffers::find_ends(&mut buffers.ends, &buffers.positions, nodes, step.dt);
-        let course = Course { time: step.dt, velocities: nodes, twists: &rows.response, ends: &buffers.ends };
-        let body = |number: u32| bodies.binary_search_by_key(&number, |body| body.number).map(|k| &bodies[k]);
-        for (place, row) in rows.rows.iter().enumerate().filter(|(_, row)| row.held.pushes) {
-            let slip = rows.slip_at(place, &rows.response);
+        Buffers::predict(&mut buffers.predicted, &buffers.positions, nodes, step.dt);
+        let course = Course { time: step.dt, velocities: nodes, twists: &rows.response, positions: &buffers.predicted };
+        for (index, row) in rows.rows.iter().enumerate().filter(|(_, row)| row.linear.pushes) {
+            let slip = rows.slip_at(index, &rows.response);
             let force = row.force_at(&slip);
             let load = row.direction.dot(&force).max(0.0);
             loads.now[row.pair].add_solved(load, &(force * row.order));
@@ -234,15 +235,13 @@ impl<T: Scalar> ContactSystem<T> {
             let offset = if is_dragged { stretch * (most / stretch.norm()) } else { stretch };
             loads.now[row.pair].add_spring(row.coefficient, &(offset * row.order));
             let pending = anchors.pending[anchor];
-            if !is_dragged && pending.from != Corners::NOWHERE && anchors.keep(anchor) {
+            if !is_dragged && pending.from != AnchorPoint::NOWHERE && anchors.keep(anchor) {
                 continue;
             }
-            let Ok(first) = body(pending.key.0) else { continue };
-            let point = pending.from.point(first.vertices(&course)) + offset;
+            let point = pending.from.point(body_of(bodies, pending.key.0).vertices(&course)) + offset;
             let hold = match (pending.on, pending.key.1) {
                 (Some(vertices), Surface::Body(second)) => {
-                    let Ok(second) = body(second) else { continue };
-                    Hold::Material(seen_from(&vertices, &point, second.vertices(&course)))
+                    Hold::Material(seen_from(&vertices, &point, body_of(bodies, second).vertices(&course)))
                 }
                 _ => Hold::Space(point),
             };
@@ -253,6 +252,6 @@ impl<T: Scalar> ContactSystem<T> {
     }
 }
 
-fn part_of([right, wrong]: [f64; 2]) -> f64 {
+fn fraction_wrong([right, wrong]: [f64; 2]) -> f64 {
     if wrong > 0.0 { wrong / (right + wrong) } else { 0.0 }
 }

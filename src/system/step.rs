@@ -1,19 +1,17 @@
-use super::body::{Body, Mover, at};
-use super::buffers::{Buffers, Step, copy};
+use super::body::Mover;
+use super::buffers::{Buffers, Step};
 use super::error::{SystemError, check_count, check_range, check_within};
 use super::row_builder::RowBuilder;
-use super::twist::{Inertia, V3, linear};
 use super::{ContactSystem, RigidUnknowns, mesh_of};
 use crate::math::{Scalar, margins};
-use crate::memory;
-use crate::memory::Room;
+use crate::memory::{self, Room};
 use crate::mesh::{MeshError, next_stamp};
 use crate::scene::Scene;
 
 impl<T: Scalar> ContactSystem<T> {
     /// Begins a step of `dt` seconds: x, y, z of each node's position in m and velocity in m/s at its start, and the
     /// velocity it would have at its end if nothing touched it. Detects where all bodies would then be, in `scene`, whose
-    /// positions this sets, and makes rows of the contacts, held at those velocities. Rigid and moved bodies go by their
+    /// positions this sets, and makes rows of the contacts, linearised there. Rigid and moved bodies go by their
     /// [`set_motion`](Self::set_motion).
     ///
     /// # Errors
@@ -30,8 +28,8 @@ impl<T: Scalar> ContactSystem<T> {
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
         let ahead = if self.looks_ahead { dt } else { 0.0 };
-        self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
-        self.hold_predicted()
+        let step = self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
+        self.linearise_predicted(step)
     }
 
     /// [`begin`](Self::begin) with separate times for the step, the prediction and the rows; `given` are its three arrays.
@@ -40,10 +38,10 @@ impl<T: Scalar> ContactSystem<T> {
         scene: &mut Scene<T>,
         [dt, ahead, rows]: [f64; 3],
         given: [&[f64]; 3],
-    ) -> Result<(), SystemError> {
+    ) -> Result<Step, SystemError> {
         self.prepare(scene, dt, given)?;
         self.detect(scene, ahead)?;
-        // This fails only for a bad step length, which is checked above.
+        // This fails only for a bad step length, which `prepare` has checked.
         let _ = scene.advance(dt);
         self.rows.clear();
         self.anchors.start_step();
@@ -53,8 +51,7 @@ impl<T: Scalar> ContactSystem<T> {
             self.add_impacts(0, rows);
         }
         self.hand_over();
-        self.step = Some(Step { dt: rows, unknowns: self.unknown_count() });
-        Ok(())
+        Ok(*self.step.insert(Step { dt: rows, unknowns: self.unknown_count() }))
     }
 
     /// Checks and copies what the host gives at the start of a step.
@@ -71,9 +68,9 @@ impl<T: Scalar> ContactSystem<T> {
         self.check_nodes([("positions", positions), ("velocities", velocities), ("free_velocities", free_velocities)])?;
         self.check_bodies(scene)?;
         let Self { buffers, bodies, .. } = self;
-        copy(&mut buffers.positions, positions);
-        copy(&mut buffers.velocities, velocities);
-        copy(&mut buffers.ahead, free_velocities);
+        memory::refill(&mut buffers.positions, positions.iter().copied());
+        memory::refill(&mut buffers.velocities, velocities.iter().copied());
+        memory::refill(&mut buffers.ahead, free_velocities.iter().copied());
         memory::refill_with(&mut self.rows.masses, Default::default(), self.rigid_count);
         for twists in [&mut buffers.twists, &mut buffers.free_twists] {
             memory::refill_with(twists, 0.0, 6 * self.rigid_count);
@@ -82,12 +79,12 @@ impl<T: Scalar> ContactSystem<T> {
         for body in &*bodies {
             body.start_rigid(buffers, &mut self.rows.masses);
         }
-        copy(&mut buffers.ahead_twists, &buffers.free_twists);
+        memory::refill(&mut buffers.ahead_twists, buffers.free_twists.iter().copied());
         Ok(())
     }
 
-    /// Makes room in the step under way for bodies that have joined: at rest at the origin until their motion is set.
-    pub(super) fn make_room_in_step(&mut self) {
+    /// Extends the step under way to bodies that have joined: at rest at the origin until their motion is set.
+    pub(super) fn extend_step(&mut self) {
         let unknowns = self.unknown_count();
         let Some(step) = &mut self.step else { return };
         let Self { buffers, bodies, rows, rigid_count, node_masses, .. } = self;
@@ -110,16 +107,16 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Moves the scene's bodies to their predicted positions and finds the contacts there.
     pub(super) fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
-        self.place_surfaces(scene, time, false)?;
+        self.move_surfaces(scene, time, false)?;
         scene.query(&mut self.contacts);
         Ok(())
     }
 
     /// Moves surfaces to their predicted positions; where `own` is set, those of the scene's own bodies alone.
-    pub(crate) fn place_surfaces(&mut self, scene: &mut Scene<T>, time: f64, own: bool) -> Result<(), SystemError> {
+    pub(crate) fn move_surfaces(&mut self, scene: &mut Scene<T>, time: f64, own: bool) -> Result<(), SystemError> {
         let is_left = |scene: &Scene<T>, body: u32| own && scene.is_foreign(body);
         let Self { bodies, buffers, half_spaces, .. } = self;
-        Buffers::find_ends(&mut buffers.ends, &buffers.positions, &buffers.ahead, time);
+        Buffers::predict(&mut buffers.predicted, &buffers.positions, &buffers.ahead, time);
         let course = buffers.course(time);
         for body in &mut *bodies {
             if is_left(scene, body.number) {
@@ -128,8 +125,8 @@ impl<T: Scalar> ContactSystem<T> {
             let number = body.number;
             body.go(&course);
             // Contacts with half-spaces need all vertices of a body that can move.
-            let is_asked = body.is_movable() && !half_spaces.is_empty();
-            if !is_asked && body.pose_ahead().is_some_and(|pose| scene.may_follow(number, &pose)) {
+            let needs_vertices = body.is_movable() && !half_spaces.is_empty();
+            if !needs_vertices && body.pose_ahead().is_some_and(|pose| scene.may_follow(number, &pose)) {
                 continue;
             }
             body.fill_positions().map_err(|vertex| SystemError::Mesh {
@@ -145,8 +142,8 @@ impl<T: Scalar> ContactSystem<T> {
                 continue;
             }
             let mesh = scene.mesh_mut(body.number).map_err(|_| SystemError::NotInScene { body: body.number })?;
-            let placed = mesh.set_positions(&body.positions);
-            placed.map_err(|source| SystemError::Mesh { body: body.number, source })?;
+            let moved = mesh.set_positions(&body.positions);
+            moved.map_err(|source| SystemError::Mesh { body: body.number, source })?;
         }
         Ok(())
     }
@@ -168,15 +165,15 @@ impl<T: Scalar> ContactSystem<T> {
         if let Some(scene) = scene {
             builder.add_escapes(contacts.pushes());
             for (number, half_space) in self.half_spaces.iter().enumerate() {
-                for (place, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_foreign(body.number)) {
+                for (index, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_foreign(body.number)) {
                     if let Ok(mesh) = scene.mesh(body.number) {
-                        builder.add_half_space_rows((number as u32, half_space), place, mesh, below);
+                        builder.add_half_space_rows((number as u32, half_space), index, mesh, below);
                     }
                 }
             }
         }
         for row in &mut rows.rows[first..] {
-            row.damping_time *= loads.now[row.pair].wander.damped_part();
+            row.damping_time *= loads.now[row.pair].wander.damped_fraction();
         }
     }
 
@@ -189,7 +186,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     pub(crate) fn check_bodies(&self, scene: &Scene<T>) -> Result<(), SystemError> {
-        if let Some(body) = scene.body_numbers().find(|&number| self.place(number).is_err()) {
+        if let Some(body) = scene.body_numbers().find(|&number| self.index_of(number).is_err()) {
             return Err(SystemError::UnknownBody { body });
         }
         for body in &self.bodies {
@@ -199,9 +196,9 @@ impl<T: Scalar> ContactSystem<T> {
         Ok(())
     }
 
-    /// The step under way, if there is one and `numbers` is a valid vector of unknowns for it.
-    pub(crate) fn check_velocities(&self, what: &'static str, numbers: &[f64]) -> Result<Step, SystemError> {
-        self.check_unknowns(what, numbers, margins::LARGEST_GIVEN)
+    /// The step under way, if there is one and these are velocities of its unknowns.
+    pub(crate) fn check_velocities(&self, velocities: &[f64]) -> Result<Step, SystemError> {
+        self.check_unknowns("velocities", velocities, margins::LARGEST_GIVEN)
     }
 
     /// The same for numbers up to `most`.
@@ -218,34 +215,34 @@ impl<T: Scalar> ContactSystem<T> {
         let (nodes, twists) = velocities.split_at(3 * self.node_masses.len());
         self.rows.find_motions(nodes);
         match self.rigid_unknowns {
-            RigidUnknowns::Kept => copy(&mut self.rows.response, twists),
+            RigidUnknowns::Kept => memory::refill(&mut self.rows.response, twists.iter().copied()),
             RigidUnknowns::Eliminated => self.rows.respond(&self.buffers.free_twists, step.dt),
         }
     }
 
-    /// The rows' forces are linear from here on to the velocities given: which rows push, and how much they rub, is decided
-    /// there. To be called after a solve; gives the part of all force that had been predicted wrongly, from 0 to 1. Above
-    /// 0.05 or so another solve is due.
+    /// Makes the rows' forces linear about these velocities, at which it decides which rows push, and how much they rub. To be
+    /// called after a solve; gives the fraction of all force that had been predicted wrongly, from 0 to 1. Above 0.05 or so
+    /// another solve is due.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::TooStiff`], which
     /// cancels the step.
     pub fn linearise(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
+        let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
-        self.hold_at(step)
+        self.linearise_at(step)
     }
 
-    /// Ends a step whose velocities at the end are these: loads and what friction holds on to are remembered for the next,
-    /// and rigid bodies' velocities are there to be asked for.
+    /// Ends a step whose velocities at the end are these. Loads and what friction holds on to are remembered for the next, and
+    /// [`rigid_velocity`](Self::rigid_velocity) gives rigid bodies' velocities.
     ///
     /// # Errors
     /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`]; the step is then still under way.
     pub fn finish(&mut self, velocities: &[f64]) -> Result<(), SystemError> {
-        let step = self.check_velocities("velocities", velocities)?;
+        let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
         self.remember(velocities, step);
-        copy(&mut self.buffers.end_twists, &self.rows.response);
+        memory::refill(&mut self.buffers.end_twists, self.rows.response.iter().copied());
         self.step = None;
         Ok(())
     }
@@ -263,36 +260,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError::UnknownBody`] where it is none, or was added since.
     pub fn rigid_velocity(&self, body: u32) -> Result<[f64; 6], SystemError> {
         let unknown = SystemError::UnknownBody { body };
-        let Mover::Rigid { place, .. } = self.bodies[self.place(body)?].mover else { return Err(unknown) };
-        let twist = self.buffers.end_twists.get(6 * place..6 * place + 6);
+        let Mover::Rigid { index, .. } = self.bodies[self.index_of(body)?].mover else { return Err(unknown) };
+        let twist = self.buffers.end_twists.get(6 * index..6 * index + 6);
         twist.and_then(|twist| twist.try_into().ok()).ok_or(unknown)
-    }
-}
-
-impl<T: Scalar> Body<T> {
-    /// How a rigid body moves at the start of a step, and its mass and inertia there.
-    pub(super) fn start_rigid(&self, buffers: &mut Buffers, masses: &mut [Inertia]) {
-        if let Mover::Rigid { inertia, place, frame } = &self.mover {
-            let own = 6 * place..6 * place + 6;
-            buffers.twists[own.clone()].copy_from_slice(&frame.velocity);
-            buffers.free_twists[own].copy_from_slice(&frame.free_velocity);
-            masses[*place] = inertia.turned(&frame.rotation);
-        }
-    }
-
-    /// Of a deformable body, the mean velocity of what is not held fast.
-    fn find_drift(&mut self, velocities: &[f64], masses: &[f64]) {
-        self.drift = match &self.mover {
-            Mover::Nodes { nodes, .. } => {
-                let free = nodes.clone().filter(|&node| masses[node as usize].is_finite());
-                free.map(|node| at(velocities, node) * masses[node as usize]).sum::<V3>() / self.mass
-            }
-            Mover::Rigid { frame, .. } | Mover::Host(frame) => linear(&frame.velocity),
-        };
-    }
-
-    /// The nodes of a deformable body.
-    pub(super) fn nodes(&self) -> Option<std::ops::Range<u32>> {
-        if let Mover::Nodes { nodes, .. } = &self.mover { Some(nodes.clone()) } else { None }
     }
 }

@@ -6,6 +6,13 @@ use nalgebra::{Matrix3, Matrix6, Vector6};
 
 pub(super) type V3 = Vector3<f64>;
 
+/// The node's vector of a field.
+#[inline(always)] // in the innermost loops
+pub(super) fn at(field: &[f64], node: u32) -> V3 {
+    // One check of the bounds instead of three.
+    V3::from(field.as_chunks::<3>().0[node as usize])
+}
+
 pub(super) fn linear(twist: &[f64]) -> V3 {
     V3::new(twist[0], twist[1], twist[2])
 }
@@ -43,9 +50,9 @@ impl Inertia {
         let mut added = self.added;
         if added != Matrix6::zeros() {
             for (row, column) in [(0, 0), (0, 3), (3, 0), (3, 3)] {
-                let mut part = added.fixed_view_mut::<3, 3>(row, column);
-                let turned = turn(part.clone_owned());
-                part.copy_from(&turned);
+                let mut block = added.fixed_view_mut::<3, 3>(row, column);
+                let turned = turn(block.clone_owned());
+                block.copy_from(&turned);
             }
         }
         Self { about: turn(self.about), added, ..*self }
@@ -81,8 +88,8 @@ impl Factor {
         self.numbers[row * self.size + column] += value;
     }
 
-    /// Gives the row of which elimination leaves the smallest part of its number on the diagonal, and that part: of rows
-    /// that depend on one another it leaves nothing but rounding.
+    /// Gives the row with the smallest pivot relative to its number on the diagonal, and that fraction: of rows that depend on
+    /// one another, elimination leaves nothing but rounding.
     pub(super) fn factor(&mut self) -> (usize, f64) {
         let n = self.size;
         let a = &mut self.numbers;
@@ -92,10 +99,10 @@ impl Factor {
             for i in j..n {
                 let sum = (0..j).fold(a[i * n + j], |sum, k| sum - a[i * n + k] * a[j * n + k]);
                 a[i * n + j] = if i == j { sum.sqrt() } else { sum / a[j * n + j] };
-                let part = sum / whole;
-                // Not a number counts as nothing.
-                if i == j && (part.is_nan() || part < least.1) {
-                    least = (j, part.max(0.0));
+                let pivot = sum / whole;
+                // NaN counts as 0.
+                if i == j && (pivot.is_nan() || pivot < least.1) {
+                    least = (j, pivot.max(0.0));
                 }
             }
         }

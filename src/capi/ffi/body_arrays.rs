@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::pointers::slice;
 use super::strided::Strided;
 use crate::capi::base::{rayc_status, rayc_vectors, rayc_vectors_mut};
-use crate::contact::{Bearings, Contact, ContactList};
+use crate::contact::{Contact, ContactList, WeightedVertices};
 use crate::force::{BodiesMut, Vectors, VectorsMut};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
@@ -111,9 +111,9 @@ impl<const N: usize> Arrays<'_, N> {
         self.check_apart()?;
         let count = T::of(list.contacts.len() as f64);
         for contact in &list.contacts {
-            let bearings = list.spreads.bearings(contact);
-            let first = self.check_bearings(contact.colliding, &bearings[0])?;
-            let second = self.check_bearings(contact.collided, &bearings[1])?;
+            let vertices = list.spreads.vertices_of(contact);
+            let first = self.check_weighted(contact.colliding, &vertices[0])?;
+            let second = self.check_weighted(contact.collided, &vertices[1])?;
             let most = most(contact, std::array::from_fn(|array| first[array] + second[array]));
             if !(most * count).is_finite() {
                 return Err(beyond_range(contact));
@@ -148,10 +148,10 @@ impl<const N: usize> Arrays<'_, N> {
     }
 
     #[inline(always)]
-    fn check_bearings<T: Scalar>(&self, body: u32, bearings: &Bearings<'_, T>) -> Result<[T; N], Failure> {
-        match bearings {
-            Bearings::Point(point) => self.check_vertices(body, point.vertices),
-            Bearings::Spread(bearings) => bearings.iter().try_fold([T::zero(); N], |sizes, &(vertex, _)| {
+    fn check_weighted<T: Scalar>(&self, body: u32, vertices: &WeightedVertices<'_, T>) -> Result<[T; N], Failure> {
+        match vertices {
+            WeightedVertices::Point(point) => self.check_vertices(body, point.vertices),
+            WeightedVertices::Spread(vertices) => vertices.iter().try_fold([T::zero(); N], |sizes, &(vertex, _)| {
                 let of_vertex: [T; N] = self.check_vertices(body, [vertex])?;
                 Ok(std::array::from_fn(|array| sizes[array] + of_vertex[array]))
             }),

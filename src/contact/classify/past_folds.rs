@@ -1,4 +1,4 @@
-//! Rays of bodies that overlap themselves: what a hit means when there are several folds, by the winding number.
+//! Rays of bodies that overlap themselves: where there are several folds, the winding number tells what a hit means.
 
 use crate::bvh::PacketHits;
 use crate::math::Scalar;
@@ -6,8 +6,8 @@ use crate::query::{Tracer, leaves_body_before_end, way_out_past_folds};
 use crate::simd::{LANE_COUNT, Mask, lanes_of};
 use crate::triangle::{Hit, RayPacket};
 
-/// A ray that starts inside the other body may enter another fold of it before it leaves: its hit is the way out then. Gives
-/// which do.
+/// Replaces the hits of rays that start inside the other body and enter another fold of it first, by their way out. Gives which
+/// do.
 pub(crate) fn follow<T: Scalar>(
     other: &Tracer<'_, T>,
     packet: &RayPacket<T>,
@@ -24,7 +24,7 @@ pub(crate) fn follow<T: Scalar>(
         .fold(0, |followed, lane| followed | lane)
 }
 
-/// Which of the hidden rays only meet another fold of their own body, and have not left it.
+/// Which of the hidden rays have not left their own body: they only meet another fold of it.
 pub(crate) fn uncovered<T: Scalar>(
     own: &Tracer<'_, T>,
     packet: &RayPacket<T>,

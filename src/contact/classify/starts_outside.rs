@@ -5,12 +5,12 @@ use crate::query::Tracer;
 use crate::simd::{LANE_COUNT, Mask, lanes_of};
 use crate::triangle::{Hit, RayPacket};
 
-/// Which of the asked rays start outside their own body and meet it before their end.
+/// Which of the rays in these lanes start outside their own body and meet it before their end.
 #[cold]
 pub(crate) fn entering<T: Scalar>(
     own: &Tracer<'_, T>,
     packet: &RayPacket<T>,
-    asked: Mask,
+    lanes: Mask,
     end: &[T; LANE_COUNT],
     vertices: &[u32; LANE_COUNT],
     crossings: &mut Vec<Hit<T>>,
@@ -27,7 +27,7 @@ pub(crate) fn entering<T: Scalar>(
         let first = crossings.iter().find(|hit| !is_around(hit));
         first.is_some_and(|hit| !hit.is_exit && hit.t < ray.t_max)
     };
-    lanes_of(asked).filter(|&lane| enters(lane)).fold(0, |mask, lane| mask | 1 << lane)
+    lanes_of(lanes).filter(|&lane| enters(lane)).fold(0, |mask, lane| mask | 1 << lane)
 }
 
 #[cfg(test)]
@@ -53,10 +53,10 @@ mod tests {
         packet.set_rays::<<f64 as crate::simd::HasLanes>::Baseline>(&rays);
         let mut end = [9.0; LANE_COUNT];
         (end[2], end[4]) = (1.9, 2.1);
-        for asked in [0, 1, 0b11, 0b1_0101, 0b1111_1100, 0xaaaa, Mask::MAX] {
-            let expected = asked & 0x5555 & !0b100;
-            let found = entering(&tracer, &packet, asked, &end, &[1; LANE_COUNT], &mut Vec::new());
-            assert_eq!(found, expected, "{asked:b}");
+        for lanes in [0, 1, 0b11, 0b1_0101, 0b1111_1100, 0xaaaa, Mask::MAX] {
+            let expected = lanes & 0x5555 & !0b100;
+            let entered = entering(&tracer, &packet, lanes, &end, &[1; LANE_COUNT], &mut Vec::new());
+            assert_eq!(entered, expected, "{lanes:b}");
         }
     }
 }

@@ -1,9 +1,9 @@
 use crate::math::{Scalar, Vector3};
 
-/// Halvings of halves beyond this change nothing in either precision.
+/// Halving more often than this changes nothing in either precision.
 pub(crate) const DEEPEST: u8 = 96;
 
-/// Where a part of a triangle has its corners, and their barycentric weights.
+/// The corners of a piece of a triangle: their positions, and their barycentric weights in the triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corners<T: Scalar> {
     pub(crate) positions: [Vector3<T>; 3],
@@ -11,7 +11,7 @@ pub(crate) struct Corners<T: Scalar> {
 }
 
 impl<T: Scalar> Corners<T> {
-    /// Those of a whole triangle.
+    /// The corners of a whole triangle.
     pub(crate) fn of_triangle(positions: [Vector3<T>; 3]) -> Self {
         Self { positions, weights: [Vector3::x(), Vector3::y(), Vector3::z()] }
     }
@@ -30,17 +30,17 @@ impl<T: Scalar> Corners<T> {
         let middle = (self.positions[from] + self.positions[to]) * half;
         self.positions.iter().all(|&corner| corner != middle).then(|| {
             [to, from].map(|replaced| {
-                let mut part = *self;
-                part.positions[replaced] = middle;
-                part.weights[replaced] = (self.weights[from] + self.weights[to]) * half;
-                part
+                let mut corners = *self;
+                corners.positions[replaced] = middle;
+                corners.weights[replaced] = (self.weights[from] + self.weights[to]) * half;
+                corners
             })
         })
     }
 }
 
-/// The corner at which the longest edge of a triangle begins, and its squared length. Of equal edges the first in space is taken,
-/// so that it does not matter with which corner the triangle begins.
+/// The corner at which the longest edge of a triangle begins, and its squared length. Of equal edges it is the one that comes
+/// first in space, so that it does not matter with which corner the triangle begins.
 pub(crate) fn longest_edge<T: Scalar>(corners: &[Vector3<T>; 3]) -> (usize, T) {
     let squares: [T; 3] = std::array::from_fn(|i| (corners[i] - corners[(i + 1) % 3]).norm_squared());
     let ends = |i: usize| {

@@ -6,10 +6,10 @@ use crate::query::Tracer;
 use crate::self_contact::rounding;
 use crate::triangle::{Hit, Ray};
 
-/// Offers a sample in the middle of each stretch of an edge that lies inside the other mesh, where the edge pierces
-/// its surface: two surfaces cross if and only if an edge of one pierces a triangle of the other, and the edge need not lie
-/// between triangles of one plane. Its normal is the mean of the two faces', its area their third, as far as the edge is
-/// inside; with it goes the length of the stretch. The lists are scratch memory.
+/// Offers a sample in the middle of each stretch of an edge that lies inside the other mesh, with the length of the stretch.
+/// Two surfaces cross if and only if an edge of one pierces a triangle of the other; edges between triangles of one plane can
+/// be left out. The sample's normal is the mean of the two faces', its area a third of theirs times the fraction of the edge
+/// inside. The lists are scratch memory.
 pub(crate) fn for_each_inside_stretch<T: Scalar>(
     tracers: [&Tracer<'_, T>; 2],
     region: &Aabb<T>,
@@ -37,7 +37,7 @@ pub(crate) fn for_each_inside_stretch<T: Scalar>(
     tracers[0].vertices_near(region, lists, |vertex| topology.edges_from(vertex, sides).for_each(&mut look));
 }
 
-/// Offers the parts of [0, 1] that lie inside, for the crossings of a segment in their order.
+/// Offers the intervals of [0, 1] that lie inside, for the crossings of a segment in their order.
 fn for_each_inside_interval<T: Scalar>(crossings: &[Hit<T>], mut offer: impl FnMut(T, T)) {
     let change = |crossing: &Hit<T>| if crossing.is_exit { -1 } else { 1 };
     // A segment that has left more often than it has entered started inside.
@@ -61,8 +61,8 @@ fn for_each_inside_interval<T: Scalar>(crossings: &[Hit<T>], mut offer: impl FnM
     }
 }
 
-/// `None` too where the two triangles lie in one plane, as far as positions tell: where the corner of one that is not on the
-/// edge is that near to the other's plane.
+/// `None` where a triangle has no normal, and where both lie in one plane: where the far corner of one is within rounding of
+/// the other's plane.
 fn middle_of_stretch<T: Scalar>(mesh: &Mesh<T>, edge: &Edge, [start, end]: [T; 2], number: u32) -> Option<Sample<T>> {
     let half = T::of(0.5);
     let along = (start + end) * half;

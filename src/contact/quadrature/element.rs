@@ -12,7 +12,7 @@ use crate::query::Tracer;
 use crate::simd::Lanes;
 use crate::triangle::ClosestPoint;
 
-/// The coordinates in which elements are measured: about the middle of the overlap box, which is about as large as 1.
+/// The coordinates of elements: about the middle of the overlap box, scaled so that its longest side is about 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame<T: Scalar> {
     middle: Vector3<T>,
@@ -56,16 +56,16 @@ impl<T: Scalar> Frame<T> {
     }
 }
 
-/// What an element is.
+/// Which surface an element covers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Extent {
     /// A patch of several triangles.
     Patch(u32),
-    /// A triangle or a half of a half of it: its place in a list of pieces.
+    /// A triangle, or a half of a half of it: its index in a list of pieces.
     Piece(u32),
 }
 
-/// A triangle or a half of a half of it. Elements are copied often, so this, which is half as much again, lies apart.
+/// A triangle, or a half of a half of it. Elements are copied often, so this is kept apart from them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece<T: Scalar> {
     triangle: u32,
@@ -82,7 +82,7 @@ pub(crate) enum Side {
     Outside,
 }
 
-/// A part of a surface, in the coordinates of a [`Frame`].
+/// An element, in the coordinates of a [`Frame`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Element<T: Scalar> {
     /// Which body's surface.
@@ -91,29 +91,28 @@ pub(crate) struct Element<T: Scalar> {
     pub(crate) area: T,
     /// Σ area · normal.
     pub(crate) vector: Vector3<T>,
-    /// The centroid of its area, or of a curved patch the point on its surface next to that. In the centroid of a flat element
-    /// the depth is larger than on average, as it bends, and where the other surface crosses elements their depths are
-    /// smaller than on average. Over a whole contact the two cancel, by Gauss's theorem; so they do for curved patches if
-    /// these are measured on the surface too.
+    /// The centroid; of a curved patch the point of its surface that is nearest to that. Two errors of the depth there cancel
+    /// over a whole contact, by Gauss's theorem: the depth is above its mean where it bends, and below it where the other
+    /// surface crosses elements. For curved patches this holds only on the surface.
     pub(crate) centre: Vector3<T>,
     /// How far it reaches.
     pub(crate) radius: T,
     pub(crate) side: Side,
-    /// How far the middle is from the other body's surface, negative outside; before that is measured, how far at most.
+    /// How far the centre is from the other body's surface, negative outside; before that is measured, how far at most.
     pub(crate) depth: T,
     /// A triangle of the other body near it, where one is known.
     pub(crate) near: Option<u32>,
-    /// By how much the mean depth differs from that in the middle, as far as known from what it is a part of.
+    /// By how much its mean depth may differ from that in the centre, as the halving of its whole has shown.
     bend: T,
     /// How steeply the depth changes along it.
     slope: T,
-    /// How far it pushes the first body, for unit stiffness, how hard, and how far that may be off; known once it is measured.
+    /// Its push on the first body for a stiffness of 1, the size of that, and how far it may be off; known once it is measured.
     pub(crate) push: Vector3<T>,
     pub(crate) load: T,
     pub(crate) error: T,
-    /// How much of it counts: its parts fade in.
+    /// How much of it counts, as its halves fade in.
     pub(crate) weight: T,
-    /// The depth of what it is a half of, where that was measured.
+    /// The depth of the element that it is a half of, where that was measured.
     expected: Option<T>,
     /// Whether the other half comes next.
     pub(crate) is_first_half: bool,
@@ -136,7 +135,7 @@ impl<T: Scalar> Element<T> {
             let corners = Corners::of_triangle(mesh.corners(triangle));
             return Self::piece(body, Piece { triangle, corners, number: WHOLE, depth: 0 }, frame, pieces);
         }
-        // Outlined, so that it has the lanes' instructions whoever asks.
+        // Outlined, so that it is compiled with the lanes' instructions.
         let (triangles, &Frame { middle, factor, .. }) = (patches.triangles_of(patch), frame);
         let Moments { area, vector, first, second } = L::outlined(MomentsOf { mesh, triangles, middle, factor });
         let centroid = first / area;
@@ -191,14 +190,14 @@ impl<T: Scalar> Element<T> {
         matches!(self.extent, Extent::Patch(..))
     }
 
-    /// Whether it is a triangle, or a part of one, with an edge whose square is more than this.
+    /// Whether it is a piece with an edge whose squared length is more than this.
     pub(crate) fn has_edge_beyond(&self, square: T, pieces: &[Piece<T>]) -> bool {
         let Extent::Piece(piece) = self.extent else { return false };
         longest_edge(&pieces[piece as usize].corners.positions).1 > square
     }
 
-    /// Adds its two halves, which know of its depth; fewer where some have no area or lie beside the overlap box. Gives false
-    /// where it cannot be halved.
+    /// Adds its two halves, which take over what its depth tells; fewer where some have no area or lie beside the overlap box.
+    /// Gives false where it cannot be halved.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn halve<L: Lanes<T>>(
         &self,
@@ -232,7 +231,7 @@ impl<T: Scalar> Element<T> {
         if self.side != Side::Unknown {
             for half in added {
                 let away = length(&(half.centre - self.centre));
-                // The surface is as far from the middle as it is from this one, but for the way between the two.
+                // From the half's centre the surface is as far as from this one's, give or take the distance of the two.
                 half.side = if self.depth.abs() > away { self.side } else { Side::Unknown };
                 (half.depth, half.near, half.expected) = (self.depth.abs() + away, self.near, Some(self.depth));
                 (half.bend, half.slope) = (self.bend, self.slope);
@@ -241,7 +240,7 @@ impl<T: Scalar> Element<T> {
         true
     }
 
-    /// Holds what was measured of two halves against one another, and against what was expected of them together.
+    /// Compares the depths of two halves with each other, and their mean with the depth of the whole.
     pub(crate) fn compare([first, second]: [&mut Self; 2]) {
         let half = T::of(0.5);
         let mean = (first.depth * first.area + second.depth * second.area) / (first.area + second.area);
@@ -253,7 +252,7 @@ impl<T: Scalar> Element<T> {
         }
     }
 
-    /// Notes whether the next element is the other half of what this one is a half of.
+    /// Notes whether the next element is the other half of the same whole.
     pub(crate) fn note_other_half(&mut self, next: Option<&Self>, mesh: &Mesh<T>, pieces: &[Piece<T>]) {
         self.is_first_half = match (self.extent, next.map(|next| next.extent)) {
             (Extent::Patch(this), Some(Extent::Patch(next))) => mesh.patches().are_halves(this, next),
@@ -265,8 +264,8 @@ impl<T: Scalar> Element<T> {
         };
     }
 
-    /// What the depth in the middle leaves out where the other surface crosses the element: at most about a tenth of how
-    /// far the depth reaches across it, and nothing where it does not cross.
+    /// By how much the mean depth exceeds that in the centre where the other surface crosses the element. At most about a tenth
+    /// of what the depth changes across it; nothing where no surface crosses.
     fn cut(&self, thickness: T) -> T {
         let reach = self.slope * self.radius;
         if reach > T::zero() {
@@ -277,7 +276,7 @@ impl<T: Scalar> Element<T> {
         }
     }
 
-    /// Finds its part of the load, and how far that may be off, where the bodies' shares are these.
+    /// Finds its load, and how far that may be off, where the bodies' shares are these.
     pub(crate) fn assess(&mut self, thickness: T, shares: [T; 2]) {
         let share = shares[usize::from(self.body)];
         let cut = self.cut(thickness);
@@ -288,7 +287,7 @@ impl<T: Scalar> Element<T> {
         self.error = share * self.area * (self.bend + cut).max(unseen);
     }
 
-    /// What casts for it, from its middle, as much as it counts. `None` where it has no normal.
+    /// The sample that casts for it. `None` where it has no normal.
     pub(crate) fn sample(&self, tracer: &Tracer<'_, T>, frame: &Frame<T>, pieces: &[Piece<T>]) -> Option<Sample<T>> {
         let mesh = tracer.mesh();
         let area = frame.area(length(&self.vector) * self.weight);
@@ -299,11 +298,11 @@ impl<T: Scalar> Element<T> {
                 let (position, weights) = corners.middle();
                 let vertices = mesh.topology().triangles()[triangle as usize];
                 let point = SurfacePoint { triangle, vertices, weights: weights.into(), position };
-                // As the triangle's, so that parallel faces are so to the bit.
+                // The triangle's own, so that parallel faces have the same to the bit.
                 let normal = direction(&mesh.scaled_normal(triangle))?;
                 Some(Sample { point, normal, area, piece: number, distance })
             }
-            // Apart from all pieces of the triangle.
+            // Its number is that of no piece of the triangle.
             Extent::Patch(patch) => {
                 let triangle = mesh.patches().middle(patch);
                 let ClosestPoint { weights, position, .. } = tracer.closest_on(triangle, &frame.point(&self.centre))?;
@@ -317,8 +316,9 @@ impl<T: Scalar> Element<T> {
 
 /// Patches of at least so many triangles are curved; those of fewer have an edge in the middle, which stands out.
 const FEWEST_OF_CURVED: usize = 8;
-/// This part of how far the depth reaches is left out where the surface crosses an element in its middle.
+/// By this fraction of what the depth changes across an element its mean exceeds that in the centre, if the surface crosses
+/// there.
 const CUT: f64 = 0.1;
-/// What an element may hide beyond what it and its neighbours show, as a part of its size, or of the overlap's thickness where
-/// that is less.
+/// What an element may hide beyond what it and its neighbours show, over its size, or over the overlap's thickness where that
+/// is less.
 const UNSEEN: f64 = 0.1;

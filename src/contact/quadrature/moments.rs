@@ -61,7 +61,7 @@ impl<T: Scalar> Kernel<T> for MomentsOf<'_, T> {
         let mut second_sum = L::splat(T::zero());
         let (mut vector_sum, mut first_sum) = (Vectors::<T, L>::zeros(), Vectors::<T, L>::zeros());
         for some in triangles.chunks(LANE_COUNT) {
-            // Lanes beyond the last have three times the same corner, and no area.
+            // Lanes beyond the last have the same corner three times, and so no area.
             let mut vertices = [[all[some[0] as usize][0]; LANE_COUNT]; 3];
             for (lane, &triangle) in some.iter().enumerate() {
                 let [a, b, c] = all[triangle as usize];
@@ -92,7 +92,7 @@ impl<T: Scalar> Kernel<T> for MomentsOf<'_, T> {
 fn sum<T: Scalar, L: Lanes<T>>(lanes: L) -> T {
     let mut values = [T::zero(); LANE_COUNT];
     lanes.store(&mut values);
-    // Half of them at a time, so that none has to wait for all others.
+    // By halves, which takes fewer steps one after the other than a running sum.
     let mut half = LANE_COUNT / 2;
     while half > 0 {
         for lane in 0..half {

@@ -1,24 +1,22 @@
-//! Up to sixteen samples side by side.
-
 use crate::contact::point_pair::{SurfacePoint, touched_of};
-use crate::contact::quadrature::sample::{Sample, VERTEX, WHOLE, vertex_point};
+use crate::contact::quadrature::sample::{Sample, VERTEX, WHOLE};
 use crate::math::Scalar;
 use crate::mesh::{Mesh, NormalLanes};
 use crate::simd::{LANE_COUNT, Lanes, Mask, set_lane, vector_in_lane};
 
-/// Up to sixteen samples.
+/// Up to sixteen samples side by side.
 pub(crate) struct SamplePacket<T: Scalar> {
     /// Positions, normals and areas, and which lanes hold a sample.
     pub(crate) lanes: NormalLanes<T>,
-    /// Else they are points on triangles.
+    /// Whether they are vertices, or else points on triangles.
     pub(crate) are_vertices: bool,
-    /// Vertices, or triangles.
+    /// The vertices, or the triangles.
     pub(crate) indices: [u32; LANE_COUNT],
-    /// Of the points on triangles.
+    /// Barycentric, of points on triangles.
     pub(crate) weights: [[T; LANE_COUNT]; 3],
     /// As [`Contact::piece`](crate::contact::Contact::piece).
     pub(crate) pieces: [u32; LANE_COUNT],
-    /// How far the other body's surface is, where it was found out before.
+    /// How far the other body's surface is, where that was measured before.
     pub(crate) known: KnownDistances<T>,
 }
 
@@ -41,7 +39,7 @@ impl<T: Scalar> SamplePacket<T> {
         }
     }
 
-    /// The triangles at each sample are those that have all of these vertices.
+    /// By lane three vertices; the triangles that touch the sample are those that have all three.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn touched(&self, own: &Mesh<T>) -> [[u32; LANE_COUNT]; 3] {
         let mut touched = [self.indices; 3];
@@ -56,13 +54,18 @@ impl<T: Scalar> SamplePacket<T> {
         touched
     }
 
-    /// The next samples from `next` on; false where there are no more.
+    /// Fills the packet with samples from `next` on; false where there are no more.
     pub(crate) fn take(&mut self, samples: &[Sample<T>], next: &mut usize) -> bool {
         let taken = &samples[*next..samples.len().min(*next + LANE_COUNT)];
         *next += taken.len();
         self.known.lanes = 0;
         for (lane, sample) in taken.iter().enumerate() {
-            self.set_sample(lane, sample);
+            set_lane(&mut self.lanes.position, lane, &sample.point.position);
+            set_lane(&mut self.lanes.normal, lane, &sample.normal);
+            self.lanes.area[lane] = sample.area;
+            self.indices[lane] = sample.point.triangle;
+            set_lane(&mut self.weights, lane, &sample.point.weights.into());
+            self.pieces[lane] = sample.piece;
             if let Some(distance) = sample.distance {
                 self.known.lanes |= 1 << lane;
                 self.known.distances[lane] = distance;
@@ -72,30 +75,21 @@ impl<T: Scalar> SamplePacket<T> {
         !taken.is_empty()
     }
 
-    pub(crate) fn set_sample(&mut self, lane: usize, sample: &Sample<T>) {
-        set_lane(&mut self.lanes.position, lane, &sample.point.position);
-        set_lane(&mut self.lanes.normal, lane, &sample.normal);
-        self.lanes.area[lane] = sample.area;
-        self.indices[lane] = sample.point.triangle;
-        set_lane(&mut self.weights, lane, &sample.point.weights.into());
-        self.pieces[lane] = sample.piece;
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn point(&self, lane: usize, own: &Mesh<T>) -> SurfacePoint<T> {
-        let index = self.indices[lane];
-        if self.are_vertices { vertex_point(own, index) } else { self.point_on(index, lane, own) }
-    }
-
     /// The triangles on which the samples lie.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn triangles<L: Lanes<T>>(&self, own: &Mesh<T>) -> [u32; LANE_COUNT] {
         if self.are_vertices { own.topology().first_triangles::<T, L>(&self.indices) } else { self.indices }
     }
 
-    /// A lane's sample as a point of its triangle.
+    /// A lane's sample, which lies on this triangle.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn point_on(&self, triangle: u32, lane: usize, own: &Mesh<T>) -> SurfacePoint<T> {
+    pub(crate) fn sample(&self, triangle: u32, lane: usize, own: &Mesh<T>) -> Sample<T> {
+        let (normal, area) = (vector_in_lane(&self.lanes.normal, lane), self.lanes.area[lane]);
+        Sample { point: self.point(triangle, lane, own), normal, area, piece: self.pieces[lane], distance: None }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn point(&self, triangle: u32, lane: usize, own: &Mesh<T>) -> SurfacePoint<T> {
         let position = vector_in_lane(&self.lanes.position, lane);
         if self.are_vertices {
             let [second, third] = self.lanes.neighbours.each_ref().map(|neighbours| neighbours[lane]);
@@ -104,12 +98,5 @@ impl<T: Scalar> SamplePacket<T> {
         }
         let weights = [self.weights[0][lane], self.weights[1][lane], self.weights[2][lane]];
         SurfacePoint { triangle, vertices: own.topology().triangles()[triangle as usize], weights, position }
-    }
-
-    /// What a lane starts from.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn sample(&self, lane: usize, own: &Mesh<T>) -> Sample<T> {
-        let (normal, area) = (vector_in_lane(&self.lanes.normal, lane), self.lanes.area[lane]);
-        Sample { point: self.point(lane, own), normal, area, piece: self.pieces[lane], distance: None }
     }
 }

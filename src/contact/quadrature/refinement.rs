@@ -17,43 +17,44 @@ use crate::triangle::Hit;
 
 // These numbers were chosen together: docs/architecture.md, *Tuned constants*.
 
-/// About so many elements cover the overlap box's largest face at first; where more than `SYSTEMATIC` is allowed, so many times
-/// fewer.
+/// About this many elements cover the overlap box's largest face at first, at tolerances up to `SYSTEMATIC`; fewer at larger
+/// ones, in inverse proportion.
 const FIRST_ELEMENTS: f64 = 203.0;
-/// What all elements may be off by together, as if by chance, is so many times the tolerance: it turns out to be half of that.
+/// By how many times the tolerance all elements may be off together, if their errors are independent. They turn out to be off
+/// by half of that.
 const ESTIMATE: f64 = 1.3;
-/// At tolerances below this, what errors have in common shows as well: less in proportion.
+/// Below this tolerance, what errors have in common shows too, and they may be off by less, in proportion.
 const SYSTEMATIC: f64 = 0.01;
-/// But one may always be off by this part of the tolerance, or by so many times its square, whichever is less.
+/// But one element may always be off by this fraction of the tolerance, or by this many times its square, whichever is less.
 const ERROR_AT_ONCE: [f64; 2] = [0.1, 3.0];
-/// Where the forces of a pair cancel, errors are held against so much of their load.
+/// Where the forces of a pair cancel, errors are compared with this fraction of their load.
 const LEAST_FORCE: f64 = 0.1;
-/// An element is halved where it carries more than this of the load.
+/// An element is halved where it carries more than this fraction of the load.
 const LARGEST_SHARE: f64 = 1.0 / 40.0;
-/// Halves fade in while the error grows from the limit to so many times that,
+/// Halves fade in while the error grows from the limit to this many times that,
 const FADE: f64 = 1.5;
-/// and while the area grows from that of the first elements to so many times that.
+/// and while the area grows from that of the first elements to this many times that.
 const AREA_FADE: f64 = 1.1;
 /// How unevenly a mesh may be stretched until its first elements are smaller than they might be.
 const MARGIN_OF_AREA: f64 = 2.0;
-/// The most elements of a pair: so many at a tolerance of 1 and more at others, in inverse proportion, but within these bounds.
+/// The most elements of a pair: this many at a tolerance of 1, more at others in inverse proportion, within these bounds.
 const ELEMENTS_AT_TOLERANCE_OF_ONE: f64 = 200.0;
 const MOST_ELEMENTS: [f64; 2] = [8192.0, 1_048_576.0];
-/// About so many samples stand on the overlap box's largest face where loads are not measured.
+/// About this many samples stand on the overlap box's largest face where loads are not measured.
 const UNMEASURED: f64 = 128.0;
-/// Halving may add so many elements to the first ones of a body then; where the pair escapes, so many.
+/// Halving may then add this many elements to the first ones of a body; the second number is for escapes.
 const MOST_UNMEASURED: f64 = 4096.0;
 const MOST_OF_ESCAPE: f64 = 512.0;
-/// About so many samples stand on the overlap box's largest face at least, however far apart the nodes are that carry the bodies:
-/// what stands on a face must not tip over before its centre is beyond an edge.
+/// About this many samples stand on the overlap box's largest face at least, however far apart the nodes are that carry the
+/// bodies: what stands on a face must not tip over before its centre is beyond an edge.
 const FEWEST_FOR_CARRIERS: f64 = 16.0;
-/// If both bodies of a pair meet more than this many others, they share out their samples among these, so that their number grows
-/// with the bodies and not with the pairs; but each pair has at least this part.
+/// If both bodies of a pair meet more others than this, the pair has fewer samples, in inverse proportion: their number then
+/// grows with the bodies and not with the pairs. But each pair has at least this fraction of the usual number.
 const MOST_WITH_ALL_SAMPLES: u32 = 12;
 const LEAST_PART: f64 = 1.0 / 16.0;
 
-/// The part of the usual samples that a pair has whose bodies both meet at least `neighbours` others.
-pub(crate) fn part_of_samples<T: Scalar>(neighbours: u32) -> T {
+/// The samples of a pair whose bodies both meet at least `neighbours` others, over the usual number.
+pub(crate) fn sample_fraction<T: Scalar>(neighbours: u32) -> T {
     T::of((f64::from(MOST_WITH_ALL_SAMPLES) / f64::from(neighbours.max(1))).clamp(LEAST_PART, 1.0))
 }
 
@@ -62,29 +63,27 @@ pub(crate) fn part_of_samples<T: Scalar>(neighbours: u32) -> T {
 pub(crate) enum Purpose {
     /// Forces by the depth below the other body's surface, which is measured: an accuracy puts samples where the load needs them.
     Load,
-    /// Forces by what rays meet: an accuracy puts samples on each triangle, and on the parts of large ones.
+    /// Forces by what rays meet: an accuracy puts samples on each triangle, and on the pieces of large ones.
     Rays,
     /// One push for all alike: an accuracy puts samples on patches.
     Escape,
 }
 
-/// Where the samples of both bodies are, and room for finding out.
+/// The samples of both bodies of a pair, and scratch memory for finding them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Quadrature<T: Scalar> {
     pub(crate) samples: [Vec<Sample<T>>; 2],
-    /// What was done for them.
     pub(crate) counts: Statistics,
-    /// The patches to begin with, and room for finding them.
+    /// The patches to begin with, and marks for finding them.
     patches: Vec<u32>,
     marks: Vec<u64>,
     elements: Vec<Element<T>>,
-    /// Of triangles.
     pieces: Vec<Piece<T>>,
-    /// How far each element of either body may be off.
+    /// By body, how far each element may be off.
     errors: [Vec<T>; 2],
-    /// What waits to be halved at the start.
+    /// Elements that may still be too large, at the start.
     waiting: Vec<Element<T>>,
-    /// There may be so many elements, or so many more than a body has patches.
+    /// How many elements there may be; or, where loads are not measured, how many halving may add.
     most: usize,
     crossings: Vec<Hit<T>>,
 }
@@ -115,7 +114,7 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
         quadrature.counts = Statistics::default();
         let spacing = pair.carrier_spacing().min((pair.overlap.largest_face() / T::of(FEWEST_FOR_CARRIERS)).sqrt());
         let sampling = match pair.options.sampling {
-            // What is carried by few unknowns has no use for more.
+            // What few unknowns carry has no use for more samples.
             Sampling::Accuracy(accuracy)
                 if purpose != Purpose::Escape
                     && frame.of_area(spacing * spacing) > Size::new(pair, accuracy, &frame).first =>
@@ -130,9 +129,9 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
                 quadrature.counts.error_asked = size.tolerance.to_f64();
                 let [fewest, most] = MOST_ELEMENTS;
                 quadrature.most = (ELEMENTS_AT_TOLERANCE_OF_ONE / size.tolerance.to_f64()).clamp(fewest, most) as usize;
-                // Above this area no part of the whole is left.
+                // Above this area halves have replaced the whole.
                 let largest = size.first * T::of(AREA_FADE);
-                // Of patches that are halved where they are too large, there have to be large enough ones.
+                // An area at the reference positions. With the margin, some patches are too large, and are halved.
                 let of_patches = |body: usize| {
                     let mesh = pair.tracers[body].mesh();
                     let growth = mesh.patches().growth(|triangle| mesh.corners(triangle));
@@ -142,8 +141,8 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
                 quadrature.refine::<L>(pair, &frame, &size);
             }
             sampling => {
-                let unmeasured = pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.part_of_samples);
-                // Patches of a spacing stay as a body bends. Of a body with itself they may lie on either side of a fold.
+                let unmeasured = pair.overlap.largest_face() / (T::of(UNMEASURED) * pair.sample_fraction);
+                // A body with itself takes no patches, which may lie on either side of a fold.
                 let (square, most, is_joined) = match (sampling, purpose) {
                     (Sampling::Spacing(spacing), _) => {
                         (spacing * spacing, MOST_ELEMENTS[1], pair.bodies[0] != pair.bodies[1])
@@ -167,12 +166,12 @@ impl<T: Scalar> Kernel<T> for Filling<'_, '_, T> {
 enum Largest<T> {
     /// Of this area.
     Area(T),
-    /// Parts of triangles with no edge whose square is more; patches are as they are.
+    /// Pieces with no edge whose squared length is more; patches of any size.
     Edge(T),
 }
 
 impl<T: Scalar> Largest<T> {
-    /// Whether an element is larger than so many times this.
+    /// Whether an element is larger than this many times the largest.
     fn is_exceeded_by(self, element: &Element<T>, times: T, pieces: &[Piece<T>]) -> bool {
         match self {
             Self::Area(area) => element.area > area * times,
@@ -187,8 +186,8 @@ struct Size<T: Scalar> {
     first: T,
     /// How far the net force may be off.
     tolerance: T,
-    /// What part of the load one element may carry.
-    largest_share: T,
+    /// The fraction of the load that one element may carry.
+    largest_load: T,
     /// The overlap box's shortest side.
     thickness: T,
     /// The shares of the load that the two bodies carry.
@@ -197,20 +196,20 @@ struct Size<T: Scalar> {
 
 impl<T: Scalar> Size<T> {
     fn new(pair: &Pair<'_, T>, accuracy: T, frame: &Frame<T>) -> Self {
-        let tolerance = accuracy / pair.part_of_samples;
+        let tolerance = accuracy / pair.sample_fraction;
         let times = (tolerance / T::of(SYSTEMATIC)).clamp(T::one(), T::of(1.0 / LEAST_PART));
         let face = frame.of_area(pair.overlap.largest_face());
         Self {
             // A region that is no more than a line or a point gives no measure.
             first: if face > T::zero() { face * times / T::of(FIRST_ELEMENTS) } else { T::INFINITY },
             tolerance,
-            largest_share: times * T::of(LARGEST_SHARE),
+            largest_load: times * T::of(LARGEST_SHARE),
             thickness: frame.of_length((pair.overlap.upper - pair.overlap.lower).min()),
             shares: pair.fixed_shares.unwrap_or([T::of(0.5); 2]),
         }
     }
 
-    /// How much of an element its halves stand for, from 0 to 1.
+    /// How far the halves of an element have faded in, from 0 to 1.
     fn halved(&self, element: &Element<T>, limits: &Limits<T>) -> T {
         let ramp = ramp(element.area / self.first, AREA_FADE)
             .max(ramp(element.error * element.weight / limits.error, FADE))
@@ -220,7 +219,7 @@ impl<T: Scalar> Size<T> {
 
     /// The limits that follow from what all elements carry.
     fn limits(&self, elements: &[Element<T>], errors: &mut [Vec<T>; 2]) -> Limits<T> {
-        // One by one, so that it does not matter which body comes first.
+        // By body, so that it does not matter which comes first.
         let mut sums = [[T::zero(); 5]; 2];
         errors.iter_mut().for_each(Vec::clear);
         for &Element { body, push, load, error, weight, .. } in elements {
@@ -229,19 +228,17 @@ impl<T: Scalar> Size<T> {
             errors[usize::from(body)].room_for(1).push(weight * error);
         }
         let [x, y, z, load, square] = std::array::from_fn(|number| sums[0][number] + sums[1][number]);
-        // Of the net force, or where that cancels a part of all.
         let force = length(&Vector3::new(x, y, z)).max(load * T::of(LEAST_FORCE));
-        // Errors add up as if by chance.
         let estimate = if load > T::zero() { square.sqrt() / force } else { T::zero() };
         let allowed = force * self.tolerance;
         let together = T::of(ESTIMATE) * (self.tolerance / T::of(SYSTEMATIC)).min(T::one());
         let always = T::of(ERROR_AT_ONCE[0]).min(T::of(ERROR_AT_ONCE[1]) * self.tolerance);
         let error = limit_of_errors(errors, allowed * together).max(allowed * always);
-        Limits { error, load: load * self.largest_share, estimate }
+        Limits { error, load: load * self.largest_load, estimate }
     }
 }
 
-/// To what the largest errors have to come down so that all together, as if by chance, are no more than this.
+/// The limit to which the largest errors have to come down so that the root of the sum of all squares is no more than `together`.
 fn limit_of_errors<T: Scalar>(errors: &[Vec<T>; 2], together: T) -> T {
     let mut limit = T::zero();
     loop {
@@ -251,7 +248,7 @@ fn limit_of_errors<T: Scalar>(errors: &[Vec<T>; 2], together: T) -> T {
             })
         };
         let [first, second] = errors.each_ref().map(of_body);
-        // The larger ones share what the others leave, and fewer are larger each time.
+        // The larger ones get equal parts of what the others leave. The limit rises, and fewer are larger, each time.
         let next = ((together * together - (first[0] + second[0])) / (first[1] + second[1])).sqrt();
         // In this form NaN ends it.
         if next > limit {
@@ -266,7 +263,7 @@ fn limit_of_errors<T: Scalar>(errors: &[Vec<T>; 2], together: T) -> T {
 struct Limits<T> {
     error: T,
     load: T,
-    /// By what part the net force is expected to be off.
+    /// By what fraction the net force is expected to be off.
     estimate: T,
 }
 
@@ -277,7 +274,7 @@ fn ramp<T: Scalar>(excess: T, end: f64) -> T {
 }
 
 impl<T: Scalar> Quadrature<T> {
-    /// The first elements of both bodies, out of the patches of some areas that reach into these groups.
+    /// Makes the first elements of both bodies, of patches of the given areas that reach into these groups.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn start<L: Lanes<T>>(
         &mut self,
@@ -293,7 +290,7 @@ impl<T: Scalar> Quadrature<T> {
         for (body, groups) in groups.iter().enumerate().filter(|(_, groups)| !groups.is_empty()) {
             let (tracer, first, before) = (pair.tracers[body], [elements.len(), pieces.len()], *counts);
             tracer.patches_of_groups(of_patches(body)).list(groups, marks, patches);
-            // Where there would be too many, all may be larger, so that it does not matter which come first.
+            // Where they would be too many, all may be larger: what comes first must not matter.
             let mut times = T::one();
             'larger: loop {
                 let mut added = 0;
@@ -322,9 +319,9 @@ impl<T: Scalar> Quadrature<T> {
                 }
                 break;
             }
-            for place in first[0]..elements.len() {
-                let (before, after) = elements.split_at_mut(place + 1);
-                before[place].note_other_half(after.first(), tracer.mesh(), pieces);
+            for index in first[0]..elements.len() {
+                let (before, after) = elements.split_at_mut(index + 1);
+                before[index].note_other_half(after.first(), tracer.mesh(), pieces);
             }
         }
     }
@@ -340,13 +337,13 @@ impl<T: Scalar> Quadrature<T> {
                 counts.estimate_rays += measurement.run::<L>(body, fresh, crossings);
             }
             compare_halves(fresh);
-            // What lies outside as a whole is of no use any more.
+            // What lies outside as a whole can go.
             let mut kept = first;
-            for place in first..elements.len() {
-                if elements[place].depth > -elements[place].radius {
-                    elements[place].assess(size.thickness, size.shares);
-                    if kept < place {
-                        elements[kept] = elements[place];
+            for index in first..elements.len() {
+                if elements[index].depth > -elements[index].radius {
+                    elements[index].assess(size.thickness, size.shares);
+                    if kept < index {
+                        elements[kept] = elements[index];
                     }
                     kept += 1;
                 }
@@ -363,7 +360,7 @@ impl<T: Scalar> Quadrature<T> {
         let Self { counts, elements, pieces, errors, most, .. } = self;
         let limits = size.limits(elements, errors);
         counts.error_estimated = limits.estimate.to_f64();
-        // All that need it or none, so that it does not matter which come first.
+        // All that need it or none: what comes first must not matter.
         if 3 * elements.len() > *most {
             let is_wanted = |element: &&Element<T>| !element.is_halved && size.halved(element, &limits) > T::zero();
             let wanted = elements.iter().filter(is_wanted).count();
@@ -372,8 +369,8 @@ impl<T: Scalar> Quadrature<T> {
                 return;
             }
         }
-        for place in 0..elements.len() {
-            let element = &mut elements[place];
+        for index in 0..elements.len() {
+            let element = &mut elements[index];
             let halved = if element.is_halved { T::zero() } else { size.halved(element, &limits) };
             if halved == T::zero() {
                 continue;
@@ -382,7 +379,7 @@ impl<T: Scalar> Quadrature<T> {
             let whole = *element;
             let (tracer, before) = (pair.tracers[usize::from(whole.body)], elements.len());
             if whole.halve::<L>(tracer, frame, pieces, elements) {
-                elements[place].weight = whole.weight * (T::one() - halved);
+                elements[index].weight = whole.weight * (T::one() - halved);
                 elements[before..].iter_mut().for_each(|half| half.weight = whole.weight * halved);
             } else {
                 counts.uncut_pieces += 1;
@@ -390,7 +387,7 @@ impl<T: Scalar> Quadrature<T> {
         }
     }
 
-    /// The samples of what counts.
+    /// Makes samples of the elements that count and do not lie outside.
     fn sample(&mut self, pair: &Pair<'_, T>, frame: &Frame<T>) {
         let Self { samples, counts, elements, pieces, .. } = self;
         samples.iter_mut().for_each(Vec::clear);
@@ -415,11 +412,11 @@ fn is_degenerate<T: Scalar>(mesh: &Mesh<T>, patch: u32, region: &Aabb<T>) -> boo
     Aabb::of_triangle(&mesh.corners(triangle)).overlaps(region) && direction(&mesh.scaled_normal(triangle)).is_none()
 }
 
-/// Holds halves against what they were expected to be together.
+/// Compares the halves of each whole.
 fn compare_halves<T: Scalar>(elements: &mut [Element<T>]) {
-    for place in 1..elements.len() {
-        let (before, after) = elements.split_at_mut(place);
-        let first = &mut before[place - 1];
+    for index in 1..elements.len() {
+        let (before, after) = elements.split_at_mut(index);
+        let first = &mut before[index - 1];
         if first.is_first_half {
             Element::compare([first, &mut after[0]]);
         }

@@ -1,6 +1,5 @@
 use crate::contact::point_pair::SurfacePoint;
 use crate::math::{Scalar, Vector3};
-use crate::mesh::Mesh;
 
 /// Where on a surface rays start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +9,8 @@ pub enum Sampling<T: Scalar> {
     /// within about this part of that force, in (0, 1], or of a tenth of the sizes of all its forces where these cancel.
     /// Few large ones are halved where the other surface crosses them, where the depth bends, and where they carry much of the
     /// load, by the depth below the other body's surface that is measured in their middles. So it is an estimate, not a bound:
-    /// half of all are within 0.6 of it, nearly all within twice. Their number hardly depends on the triangulation.
+    /// half of all are within 0.6 of it, nearly all within twice (docs/options.md). Their number hardly depends on the
+    /// triangulation.
     /// Default: 0.01.
     ///
     /// In a scene, where both bodies of a pair overlap more than 12 others, n at the least, by their boxes, it is n/12 times
@@ -32,12 +32,9 @@ pub enum Sampling<T: Scalar> {
     Vertices,
 }
 
-/// The accuracy that is meant where none is given.
-const USUAL_ACCURACY: f64 = 0.01;
-
 impl<T: Scalar> Default for Sampling<T> {
     fn default() -> Self {
-        Self::Accuracy(T::of(USUAL_ACCURACY))
+        Self::Accuracy(T::of(0.01))
     }
 }
 
@@ -47,11 +44,11 @@ pub(crate) struct Sample<T: Scalar> {
     pub(crate) point: SurfacePoint<T>,
     /// Outward, of unit length.
     pub(crate) normal: Vector3<T>,
-    /// The surface it stands for.
+    /// The area of the surface that it stands for.
     pub(crate) area: T,
     /// As [`Contact::piece`](crate::contact::Contact::piece).
     pub(crate) piece: u32,
-    /// How far the other body's surface is, where that is known; of an element how far it is from its middle.
+    /// How far the other body's surface is, where that is known; for an element, from its centre.
     pub(crate) distance: Option<T>,
 }
 
@@ -59,12 +56,3 @@ pub(crate) struct Sample<T: Scalar> {
 pub(crate) const VERTEX: u32 = 0;
 /// The piece that is a whole triangle.
 pub(crate) const WHOLE: u32 = 1;
-
-/// A vertex as a surface point.
-pub(crate) fn vertex_point<T: Scalar>(mesh: &Mesh<T>, vertex: u32) -> SurfacePoint<T> {
-    let topology = mesh.topology();
-    let (triangle, ring) = (topology.triangles_around(vertex)[0], topology.ring(vertex));
-    let vertices = [vertex, ring[0], ring[1]];
-    let weights = [T::one(), T::zero(), T::zero()];
-    SurfacePoint { triangle, vertices, weights, position: mesh.position(vertex) }
-}

@@ -6,25 +6,14 @@ use crate::contact::statistics::Statistics;
 use crate::math::{Aabb, Scalar};
 use crate::memory::Room;
 use crate::query::Tracer;
-use crate::simd::{Kernel, LANE_COUNT, Lanes};
+use crate::simd::{Kernel, LANE_COUNT, Lanes, lanes_of};
 
 /// Where rays start.
 #[derive(Clone, Copy)]
 pub(crate) enum Starts<'a, T: Scalar> {
     /// From the vertices of these groups.
     Groups(&'a [u32]),
-    /// From these.
     Samples(&'a [Sample<T>]),
-}
-
-impl<T: Scalar> Starts<'_, T> {
-    /// How many steps it takes to go through them.
-    pub(crate) fn len(&self) -> usize {
-        match self {
-            Self::Groups(groups) => groups.len(),
-            Self::Samples(samples) => samples.len().div_ceil(LANE_COUNT),
-        }
-    }
 }
 
 /// Fills packets with the samples of one body inside a region.
@@ -39,7 +28,7 @@ pub(crate) struct Sampler<'a, T: Scalar> {
 }
 
 impl<'a, T: Scalar> Sampler<'a, T> {
-    /// `vertices` is scratch memory.
+    /// `vertices`: scratch memory.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new<L: Lanes<T>>(
         own: &'a Tracer<'a, T>,
@@ -57,7 +46,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
         Self { own, starts, next: 0, vertices, without_normal: 0 }
     }
 
-    /// A packet for these samples.
+    /// An empty packet.
     pub(crate) fn packet(&self) -> SamplePacket<T> {
         SamplePacket::new(matches!(self.starts, Starts::Groups(_)))
     }
@@ -67,7 +56,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
         statistics.without_normal += self.without_normal;
     }
 
-    /// The next packet of samples; false where there are no more.
+    /// Fills the packet with the next samples; false where there are no more.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn fill<L: Lanes<T>>(&mut self, packet: &mut SamplePacket<T>) -> bool {
         match self.starts {
@@ -93,7 +82,7 @@ impl<'a, T: Scalar> Sampler<'a, T> {
     }
 }
 
-/// All vertices of some groups that lie in a region, into `samples`, in an order that does not depend on the layout of the tree.
+/// Adds all vertices of some groups that lie in a region to `samples`, by ascending number.
 pub(crate) struct CollectVertices<'a, T: Scalar> {
     pub(crate) own: &'a Tracer<'a, T>,
     pub(crate) region: &'a Aabb<T>,
@@ -112,9 +101,9 @@ impl<T: Scalar> Kernel<T> for CollectVertices<'_, T> {
         sampler.vertices.sort_unstable();
         let mut packet = sampler.packet();
         while sampler.fill::<L>(&mut packet) {
-            let found = packet.lanes.found;
-            let lanes = (0..LANE_COUNT).filter(|lane| found >> lane & 1 == 1);
-            samples.room_for(LANE_COUNT).extend(lanes.map(|lane| packet.sample(lane, own.mesh())));
+            let triangles = packet.triangles::<L>(own.mesh());
+            let sample = |lane: usize| packet.sample(triangles[lane], lane, own.mesh());
+            samples.room_for(LANE_COUNT).extend(lanes_of(packet.lanes.found).map(sample));
         }
     }
 }

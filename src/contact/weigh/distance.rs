@@ -7,30 +7,30 @@ use crate::query::{PointDistances, Tracer};
 use crate::simd::{LANE_COUNT, Lanes, Mask};
 use crate::triangle::RayPacket;
 
-/// m / depth of the rays in `asked`, m being the distance to the other body's surface; the others' numbers stay, and those
-/// of rays without a depth.
+/// Replaces the cosines in these lanes by m / depth, m being the distance to the other body's surface. Rays without a depth
+/// keep their cosine.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn distances_over_depths<T: Scalar, L: Lanes<T>>(
     other: &Tracer<'_, T>,
     packet: &RayPacket<T>,
-    asked: Mask,
+    lanes: Mask,
     known: &KnownDistances<T>,
     hits: &PacketHits<T>,
-    room: &mut PointDistances<T>,
+    scratch: &mut PointDistances<T>,
     cosines: &mut [T; LANE_COUNT],
 ) {
-    other.distances_of_packet::<L>(&packet.origin, asked & !known.lanes, &hits.t, room);
-    for lane in (0..LANE_COUNT).filter(|lane| asked >> lane & 1 == 1) {
+    other.distances_of_packet::<L>(&packet.origin, lanes & !known.lanes, &hits.t, scratch);
+    for lane in (0..LANE_COUNT).filter(|lane| lanes >> lane & 1 == 1) {
         let is_known = known.lanes >> lane & 1 == 1 && hits.t[lane] > T::zero();
         cosines[lane] = if is_known {
             known.distances[lane] / hits.t[lane]
         } else {
-            ratio(room.distances[lane], hits.t[lane], cosines[lane])
+            ratio(scratch.distances[lane], hits.t[lane], cosines[lane])
         };
     }
 }
 
-fn ratio<T: Scalar>(distance: T, depth: T, usual: T) -> T {
+fn ratio<T: Scalar>(distance: T, depth: T, otherwise: T) -> T {
     let ratio = distance / depth;
     // The hit is a point of the surface too, so only rounding can make it nearer than the nearest. On the surface itself the
     // quotient is undefined.
@@ -39,6 +39,6 @@ fn ratio<T: Scalar>(distance: T, depth: T, usual: T) -> T {
     } else if depth > T::zero() {
         T::one()
     } else {
-        usual
+        otherwise
     }
 }

@@ -8,7 +8,7 @@ pub(crate) mod shares;
 
 use crate::bvh::PacketHits;
 use crate::contact::pair::Direction;
-use crate::contact::point_pair::{Contact, ContactKind, SpreadPlace, SurfacePoint};
+use crate::contact::point_pair::{Contact, ContactKind, SpreadNumber, SurfacePoint};
 use crate::contact::quadrature::Sample;
 use crate::contact::quadrature::packet::SamplePacket;
 use crate::contact::trace::Rays;
@@ -42,20 +42,19 @@ pub(crate) fn accept<T: Scalar, L: Lanes<T>>(
         lanes[count] = lane as u8;
         count += 1;
     }
-    // A number of them known beforehand is written straight to its place.
-    contacts.room_for(count).extend((0..count).map(|place| {
-        let lane = usize::from(lanes[place]) % LANE_COUNT;
+    // Of an iterator that knows its length, `extend` writes each contact straight into the list.
+    contacts.room_for(count).extend((0..count).map(|index| {
+        let lane = usize::from(lanes[index]) % LANE_COUNT;
         let direction = vector_in_lane(&rays.packet.direction, lane);
-        let point = samples.point_on(triangles[lane], lane, own);
-        let (normal, area) = (vector_in_lane(&samples.lanes.normal, lane), samples.lanes.area[lane]);
-        // Where the middle of a curved patch lies deeper than the point that casts for it, there is more of it instead.
+        let sample = samples.sample(triangles[lane], lane, own);
+        // Where the middle of a curved patch lies deeper than its ray is long, the area grows instead of the cosine.
         let more = cos_alpha[lane].max(T::one());
-        let sample = Sample { point, normal, area: area * more, piece: samples.pieces[lane], distance: None };
+        let sample = Sample { area: sample.area * more, ..sample };
         make_contact(kind, bodies, &sample, direction, collided, &rays.hits.hit(lane), cos_alpha[lane] / more)
     }));
 }
 
-/// The contact of a sample of one body whose ray meets the other; all contacts are made here.
+/// The contact of a sample whose ray leaves the other body there; all contacts are made here.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn make_contact<T: Scalar>(
     kind: ContactKind,
@@ -73,16 +72,16 @@ pub(crate) fn make_contact<T: Scalar>(
         position: sample.point.position + direction * hit.t,
     };
     let (p1, depth, area, piece) = (sample.point, hit.t, sample.area, sample.piece);
-    let spread = SpreadPlace::default();
+    let spread = SpreadNumber::default();
     Contact { kind, colliding, collided, piece, p1, p2, direction, depth, cos_alpha, area, spread }
 }
 
-/// The cosines between rays and the normals where they end, of those in `asked`; zero where a triangle has no normal.
+/// The cosines between rays and the normals where they end, in these lanes; zero where a triangle has no normal.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn cosines<T: Scalar, L: Lanes<T>>(
     packet: &RayPacket<T>,
     hits: &PacketHits<T>,
-    asked: Mask,
+    lanes: Mask,
     collided: &Mesh<T>,
 ) -> [T; LANE_COUNT] {
     let mut vertices = [[0; LANE_COUNT]; 3];
@@ -99,16 +98,13 @@ pub(crate) fn cosines<T: Scalar, L: Lanes<T>>(
     let mut cos_alpha = [T::zero(); LANE_COUNT];
     along.larger(L::splat(T::zero())).smaller(L::splat(T::one())).store(&mut cos_alpha);
     let is_safe = L::splat(T::SAFE_SQUARES.0).is_at_most(square) & square.is_at_most(L::splat(T::SAFE_SQUARES.1));
-    let mut left = !is_safe & asked;
-    while left != 0 {
-        let lane = left.trailing_zeros() as usize;
-        left &= left - 1;
+    for lane in lanes_of(!is_safe & lanes) {
         cos_alpha[lane] = one_cosine(packet, hits, lane, collided);
     }
     cos_alpha
 }
 
-/// The lane's cosine with all care that too large and too small squares need.
+/// The lane's cosine, where the square of the normal is too large or too small.
 #[cold]
 fn one_cosine<T: Scalar>(packet: &RayPacket<T>, hits: &PacketHits<T>, lane: usize, collided: &Mesh<T>) -> T {
     cos_alpha(collided, hits.triangle[lane], &vector_in_lane(&packet.direction, lane))

@@ -18,7 +18,7 @@ impl<T: Scalar> Default for Turning<T> {
 }
 
 impl<T: Scalar> Turning<T> {
-    pub(crate) fn add(&mut self, direction: &Vector3<T>, weight: T) {
+    fn add(&mut self, direction: &Vector3<T>, weight: T) {
         self.whole += weight;
         self.vector += direction * weight;
     }
@@ -29,7 +29,7 @@ impl<T: Scalar> Turning<T> {
     }
 
     /// 0 where all vectors are one, 1 where they cancel out.
-    fn part_that_turns(&self) -> T {
+    fn turned_fraction(&self) -> T {
         T::one() - length(&self.vector) / self.whole
     }
 }
@@ -68,20 +68,22 @@ impl<T: Scalar> CastSurfaceLanes<T> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct CastLoad<T: Scalar> {
     /// The normals of the surface that casts, by area.
-    pub(crate) surface: Turning<T>,
+    surface: Turning<T>,
     /// The contacts' directions, by area · depth, or by area · pressure.
     pressure: Turning<T>,
 }
 
 impl<T: Scalar> CastLoad<T> {
-    pub(crate) fn add_contacts(&mut self, contacts: &[Contact<T>], law: ContactLaw) {
+    pub(crate) fn new(surface: Turning<T>, contacts: &[Contact<T>], law: ContactLaw) -> Self {
+        let mut pressure = Turning::default();
         for contact in contacts {
-            let pressure = match law {
+            let depth = match law {
                 ContactLaw::Pressure => contact.depth * contact.cos_alpha,
                 ContactLaw::RayLength => contact.depth,
             };
-            self.pressure.add(&contact.direction, contact.area * pressure);
+            pressure.add(&contact.direction, contact.area * depth);
         }
+        Self { surface, pressure }
     }
 
     pub(crate) fn merge(&mut self, other: &Self) {
@@ -101,7 +103,7 @@ impl<T: Scalar> CastLoad<T> {
     fn claim(&self) -> T {
         if self.pressure.whole > T::zero() {
             let little = T::of(1.0 / 256.0);
-            let turning = self.pressure.part_that_turns() + little * self.surface.part_that_turns();
+            let turning = self.pressure.turned_fraction() + little * self.surface.turned_fraction();
             self.pressure.whole * (turning + little * little)
         } else {
             T::zero()
@@ -151,23 +153,23 @@ mod tests {
             (vec![(X, 3.0), (MINUS_X, 1.0)], 0.5),
             (vec![(X, 3.0), (Y, 4.0)], 1.0 - 5.0 / 7.0),
         ] {
-            assert!((turning(&parts).part_that_turns() - expected).abs() < 1e-15, "{parts:?}");
+            assert!((turning(&parts).turned_fraction() - expected).abs() < 1e-15, "{parts:?}");
             let (first, rest) = parts.split_at(1);
             let mut merged = turning(first);
             merged.merge(&turning(rest));
-            assert_eq!(merged.part_that_turns(), turning(&parts).part_that_turns());
+            assert_eq!(merged.turned_fraction(), turning(&parts).turned_fraction());
         }
     }
 
     /// What a direction's rays carry, each from a sample by its normal, area, depth and cos α; and how much of that is along x.
     fn cast(samples: &[([f64; 3], [f64; 3])]) -> (CastLoad<f64>, f64) {
-        let (mut load, mut along) = (CastLoad::default(), 0.0);
+        let (mut surface, mut contacts, mut along) = (Turning::default(), Vec::new(), 0.0);
         for &(normal, [area, depth, cos_alpha]) in samples {
-            load.surface.add(&Vector3::from(normal), area);
-            load.add_contacts(&[contact(0, [0.0; 3], normal, [area, depth, cos_alpha])], ContactLaw::RayLength);
+            surface.add(&Vector3::from(normal), area);
+            contacts.push(contact(0, [0.0; 3], normal, [area, depth, cos_alpha]));
             along += area * depth * cos_alpha * normal[0];
         }
-        (load, along)
+        (CastLoad::new(surface, &contacts, ContactLaw::RayLength), along)
     }
 
     /// The force of both directions, as they share it, is that of Archimedes, the volume below the face of a half space,
@@ -221,12 +223,9 @@ mod tests {
     #[test]
     fn contacts_press_by_area_and_depth() {
         let contacts = [contact(0, X, X, [3.0, 0.5, 0.1]), contact(0, Y, Y, [0.5, 4.0, 0.9])];
-        let mut by_distance = CastLoad::default();
-        by_distance.add_contacts(&contacts, ContactLaw::Pressure);
+        let by_distance = CastLoad::new(Turning::default(), &contacts, ContactLaw::Pressure);
         assert!((by_distance.pressure.whole - (0.15 + 1.8)).abs() < 1e-15);
-        let mut load = CastLoad::default();
-        load.surface.add(&Vector3::x(), 1.0);
-        load.add_contacts(&contacts, ContactLaw::RayLength);
+        let load = CastLoad::new(turning(&[(X, 1.0)]), &contacts, ContactLaw::RayLength);
         assert_eq!((load.pressure.whole, load.pressure.vector), (3.5, Vector3::new(1.5, 2.0, 0.0)));
         let mut contacts = [contact(0, X, X, [3.0, 0.5, 0.1]), contact(1, Y, Y, [2.0, 4.0, 0.9])];
         scale_contacts(shares(&[load, CastLoad::default()]), &mut contacts, 1);

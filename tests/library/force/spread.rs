@@ -1,7 +1,7 @@
 //! A contact that stands for many triangles bears on all their vertices, and its opposite on as much of the other surface.
 
 use crate::common::shapes;
-use raycontact::contact::{ContactList, DetectionOptions, Sampling, SpreadPlace};
+use raycontact::contact::{ContactList, DetectionOptions, Sampling, SpreadNumber};
 use raycontact::escape::query_pair;
 use raycontact::force::{PenaltyLaw, Weighting, add_differential, add_forces};
 use raycontact::math::Vector3;
@@ -136,7 +136,7 @@ fn stable_steps_are_as_long_as_with_a_sample_for_each_triangle() {
             let step = (of_vertices / largest_eigenvalue(meshes, &list)).sqrt();
             // Each contact on its triangle alone.
             let mut alone = list.clone();
-            alone.contacts.iter_mut().for_each(|contact| contact.spread = SpreadPlace::default());
+            alone.contacts.iter_mut().for_each(|contact| contact.spread = SpreadNumber::default());
             let alone = (of_vertices / largest_eigenvalue(meshes, &alone)).sqrt();
             println!("{name}, {tolerance}: {} contacts, step {step:.2}, alone {alone:.2}", list.len());
             assert!(step > least, "{name}, {tolerance}: {step}");

@@ -2,7 +2,7 @@
 
 use crate::common::assert_every_ray_is_counted;
 use crate::common::shapes::{self, Point, Shape};
-use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, SpreadPlace};
+use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, SpreadNumber};
 use raycontact::mesh::Mesh;
 use raycontact::scene::Scene;
 
@@ -62,7 +62,7 @@ fn bodies_left_out_change_nothing_for_others() {
                     colliding: count(contact.colliding),
                     collided: count(contact.collided),
                     // In lists of their own.
-                    spread: SpreadPlace::default(),
+                    spread: SpreadNumber::default(),
                     ..contact
                 })
                 .collect()

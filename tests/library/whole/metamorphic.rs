@@ -5,7 +5,7 @@ use crate::common::shapes::{self, Point, Shape};
 use crate::common::{STRIDE, sorted_along_surface, sorted_by_vertex};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, SpreadPlace};
+use raycontact::contact::{Contact, ContactList, DetectionOptions, Sampling, SpreadNumber};
 use raycontact::escape::query_pair;
 use raycontact::force::{PenaltyLaw, Weighting, add_forces};
 use raycontact::math::Vector3;
@@ -186,7 +186,7 @@ proptest! {
             let expected = pair.contacts(Layout::Bvh, &options);
             let (first, second): (Vec<_>, Vec<_>) = expected.into_iter().partition(|contact| contact.colliding == 0);
             // Where in its list a contact has what it bears on is another place in each.
-            let spread = SpreadPlace::default();
+            let spread = SpreadNumber::default();
             let (first, second) = [first, second].map(|contacts: Vec<_>| {
                 contacts.into_iter().map(|contact| Contact { spread, ..contact }).collect::<Vec<_>>()
             }).into();
