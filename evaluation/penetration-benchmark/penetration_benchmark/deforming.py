@@ -7,8 +7,8 @@ Two bodies of tetrahedra, without gravity or friction. *Apart*: they start apart
 a second. *Deep*: the same bodies start at rest, the second moved a quarter of the size into the first. Each runs for a
 second in steps of a hundredth, MuJoCo in steps of its own default. Density 1000 kg/m³, Young's modulus 1e5 Pa,
 Poisson's ratio 0.4, size 1 m.
-  raycontact    the contact system, `Material.bearing(E / 4, edge / 4)` as suggested before `elastic`, no friction; the
-                host below: implicit Euler by Newton's method, a stable neo-Hookean solid
+  raycontact    the contact system, `Material.elastic` of the scene's moduli and a surface edge, no friction; the host
+                below: implicit Euler by Newton's method, a stable neo-Hookean solid
   IPC Toolkit   the same host and solid; barrier with the documented adaptive stiffness, activation distance 0.001 of
                 the scene's diagonal; Newton's method with continuous collision detection in the line search
   MuJoCo        its own flexes, `mj_step`, the integrator that it names for elastic ones, damping 0.005, no friction,
@@ -183,7 +183,7 @@ class Solid:
 
 class Raycontact:
     name = "raycontact"
-    settings = "contact system, Material.bearing(E / 4, edge / 4), no friction"
+    settings = "contact system, Material.elastic(E, ν, edge), no friction"
 
     def __init__(self, scene):
         import dataclasses
@@ -198,7 +198,7 @@ class Raycontact:
             used = int(body.triangles.max()) + 1
             number = self.scene.add(raycontact.Mesh(body.points[:used], body.triangles))
             edge = np.linalg.norm(body.points[body.triangles[:, 0]] - body.points[body.triangles[:, 1]], axis=1).mean()
-            material = dataclasses.replace(raycontact.Material.bearing(YOUNG / 4, edge / 4), friction=0.0)
+            material = dataclasses.replace(raycontact.Material.elastic(YOUNG, POISSON, edge), friction=0.0)
             self.system.add_deformable(self.scene, number, first, used, material)
             first += len(body.points)
         self.x, self.v = scene.rest.copy(), scene.velocities.copy()
