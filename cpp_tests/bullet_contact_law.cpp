@@ -89,8 +89,12 @@ void friction_that_holds() {
 
 void suggestions() {
   const char* test = "suggestions";
-  expect_near(bullet::suggested_stiffness(2000, 0.25), 8000, 1e-9, test, "stiffness E / h");
-  expect_near(bullet::suggested_stiffness(2000, 0.25, 3), 24000, 1e-9, test, "stiffness 3 E / h");
+  const auto suggested = [](double poissons_ratio) {
+    return bullet::ContactOptions::elastic(2000, poissons_ratio, 0.25).stiffness;
+  };
+  expect_near(suggested(0.3), 8000, 1e-9, test, "stiffness E / h");
+  expect_near(suggested(0.45), 8000 / 0.3, 1e-9, test, "stiffness by the bulk modulus");
+  expect_refusal([&] { suggested(0.5); }, test, "poissons_ratio");
   expect_near(bullet::suggested_depth_cap(2000, 0.2, 1e4), 0.05, 1e-12, test, "cap of a stiff contact, h / 4");
   expect_near(bullet::suggested_depth_cap(2000, 0.2, 4000, 0.1), 0.05, 1e-12, test, "cap of a soft one, E / k / 10");
 }

@@ -39,9 +39,8 @@ double momentum_share(const std::vector<btSoftBody*>& bodies) {
 // Gives the number of contacts at the start.
 std::size_t parts(const char* scene, const bullet::Cage& first, const bullet::Cage& second, std::size_t least_contacts,
                   rayc_sampling sampling = RAYC_SAMPLING_ACCURACY) {
-  bullet::ContactOptions options;
+  bullet::ContactOptions options = bullet::ContactOptions::elastic(youngs_modulus, poisson_ratio, first.cell_edge);
   options.sampling = sampling;
-  options.stiffness = bullet::suggested_stiffness(youngs_modulus, first.cell_edge);
   demo::SoftWorld world(youngs_modulus, poisson_ratio, options);
   world.keep_momentum();
   const std::vector<btSoftBody*> bodies{&world.add(first, 1), &world.add(second, 1)};
@@ -106,8 +105,7 @@ void swallowed_while_another_is_stopped() {
   demo::normalise(inner, 0.3);
   demo::move(inner, {0.45, 0.5, 0.55});
   demo::move(far, {9, 0, 0});
-  bullet::ContactOptions options;
-  options.stiffness = bullet::suggested_stiffness(youngs_modulus, 0.5);
+  bullet::ContactOptions options = bullet::ContactOptions::elastic(youngs_modulus, poisson_ratio, 0.5);
   options.depth_cap = bullet::suggested_depth_cap(youngs_modulus, 0.5, options.stiffness);
   demo::SoftWorld world(youngs_modulus, poisson_ratio, options);
   int node_count = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-/** Bullet's deformable world, set up the one way that works with implicit forces from outside. */
+/** Bullet's deformable world, with contact. */
 #ifndef RAYCONTACT_DEMOS_SOFT_WORLD_HPP
 #define RAYCONTACT_DEMOS_SOFT_WORLD_HPP
 
@@ -29,9 +29,6 @@ class SoftWorld {
         world_(&dispatcher_, &broadphase_, &constraint_solver_, &configuration_, &solver_),
         contact_(contact_options) {
     constraint_solver_.setDeformableSolver(&solver_);
-    world_.setImplicit(true);
-    world_.setUseProjection(true);  // without it nothing moves
-    world_.setLineSearch(false);
     world_.setGravity(gravity);
     world_.getWorldInfo().m_gravity = gravity;
     elasticity_.setPoissonRatio(static_cast<btScalar>(poisson_ratio));

@@ -190,8 +190,8 @@ void print_table(const Options& options, const std::vector<Body>& bodies, const 
 int simulate(const Options& options) {
   std::vector<Body> bodies = make_bodies(options);
   const double edge = std::min(bodies[0].cage.cell_edge, bodies[1].cage.cell_edge);
-  rb::ContactOptions contact;
-  contact.stiffness = rb::suggested_stiffness(options.youngs_modulus, edge, options.stiffness);
+  rb::ContactOptions contact = rb::ContactOptions::elastic(options.youngs_modulus, 0.3, edge);
+  contact.stiffness *= options.stiffness;
   contact.damping_time = options.damping;
   contact.depth_cap = options.depth_cap * edge;
   // The skins are much finer than the cages: their vertices are enough.

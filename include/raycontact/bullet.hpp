@@ -5,7 +5,7 @@
  * Header-only, for the float and the double build of Bullet. Include this one file; the parts below `bullet/` are
  * its chapters. In short:
  *
- *     raycontact::bullet::ContactForce contact(options);       // options.stiffness in N/m^3, see suggested_stiffness
+ *     raycontact::bullet::ContactForce contact(options);       // ContactOptions::elastic(E, nu, h), friction
  *     contact.register_with(world);                            // instead of world.addForce
  *     contact.add_body(*soft_body);                            // its own faces are the collision surface, or
  *     contact.add_body(*cage_body, skin);                      // a fine skin carried by a coarse cage, or
@@ -13,9 +13,8 @@
  *     contact.add_rigid_body(*rigid_body);                     // static or moving; reacts
  *     contact.add_link(*link_collider);                        // of a multibody, whose joints react
  *
- * and step a btDeformableMultiBodyDynamicsWorld with setImplicit(true), setUseProjection(true), setLineSearch(false).
- * For Bullet's classic soft bodies: ClassicContact. For bodies that roll over: CorotatedElasticity in place of
- * Bullet's.
+ * and step the btDeformableMultiBodyDynamicsWorld. For Bullet's classic soft bodies: ClassicContact. For bodies that
+ * roll over: CorotatedElasticity in place of Bullet's.
  */
 #ifndef RAYCONTACT_BULLET_HPP
 #define RAYCONTACT_BULLET_HPP

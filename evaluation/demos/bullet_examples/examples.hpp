@@ -53,8 +53,8 @@ class Example {
     world_.getWorldInfo().m_gravity = gravity_.m_gravity;
     world_.getWorldInfo().m_sparsesdf.setDefaultVoxelsz(btScalar(material.element_edge / 2));
     world_.getWorldInfo().m_sparsesdf.Reset();
-    world_.setImplicit(is_ours || !material.is_explicit);       // +
-    world_.setUseProjection(is_ours || !material.is_explicit);  // +
+    world_.setImplicit(!material.is_explicit);
+    world_.setUseProjection(!material.is_explicit);
     world_.setLineSearch(false);
     world_.getSolverInfo().m_deformable_erp = btScalar(0.3);
     world_.getSolverInfo().m_numIterations = 100;
@@ -141,10 +141,9 @@ class Example {
   raycontact::bullet::ContactForce& contact() { return contact_; }
 
  protected:
-  static raycontact::bullet::ContactOptions options(const Material& material) {
-    raycontact::bullet::ContactOptions options;                           // +
-    options.stiffness = material.youngs_modulus / material.element_edge;  // +
-    options.friction = material.friction;                                 // +
+  static raycontact::bullet::ContactOptions options(const Material& m) {
+    auto options = raycontact::bullet::ContactOptions::elastic(m.youngs_modulus, m.poisson_ratio, m.element_edge);  // +
+    options.friction = m.friction;                                                                                  // +
     return options;
   }
 

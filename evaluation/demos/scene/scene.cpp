@@ -73,7 +73,8 @@ double Scene::area_per_vertex() const {
 }
 
 double Scene::stiffness(double factor) const {
-  return raycontact::bullet::suggested_stiffness(youngs_modulus, edge(), factor) * area_per_vertex();
+  using Options = raycontact::bullet::ContactOptions;
+  return factor * Options::elastic(youngs_modulus, poisson_ratio, edge()).stiffness * area_per_vertex();
 }
 
 bool Scene::keeps_momentum() const {

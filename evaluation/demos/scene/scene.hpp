@@ -63,7 +63,7 @@ struct Scene {
 
   double edge() const;             // the smallest edge of the cages' cells, m
   double area_per_vertex() const;  // mean over all skins, m^2
-  /** N/m for each surface vertex: factor * E / h * area, what suggested_stiffness gives. */
+  /** N/m for each surface vertex: factor * area * that of ContactOptions::elastic(). */
   double stiffness(double factor = 1) const;
   bool keeps_momentum() const;  // nothing from outside acts but gravity
 };

@@ -39,23 +39,19 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
   }
 
   /**
-   * Call once, after the world's settings and before bodies are added. Refuses settings with which contact does not
-   * work. `world.addForce` would drop a second force of the same type without a word. The world must outlive this
-   * force.
+   * Call once, before bodies are added. Has the world step implicitly and with projection, and without line search:
+   * contact works in no other. `world.addForce` would drop a second force of the same type without a word. The world
+   * must outlive this force.
    */
   void register_with(btDeformableMultiBodyDynamicsWorld& world) {
+    world.setImplicit(true);       // the contact force is stiff
+    world.setUseProjection(true);  // without it nothing moves
+    world.setLineSearch(false);    // together with damping it sinks bodies into floors
     // Bullet keeps its solver to itself, but hands it to each soft body that enters.
     btSoftBody visitor(&world.getWorldInfo());
     world.addSoftBody(&visitor);
     auto* solver = static_cast<btDeformableBodySolver*>(visitor.getSoftBodySolver());
     world.removeSoftBody(&visitor);
-    world.reinitialize(0);  // hands the solver its settings
-    const auto refuse = [](const char* why, const char* call) {
-      throw std::logic_error(std::string("register_with: ") + why + "; call world." + call + " before");
-    };
-    if (!solver->m_objective->m_implicit) refuse("the world integrates explicitly", "setImplicit(true)");
-    if (!solver->m_useProjection) refuse("in this world nothing would move", "setUseProjection(true)");
-    if (Settings::has_line_search(*solver)) refuse("line search sinks bodies into floors", "setLineSearch(false)");
     solver->getLagrangianForceArray()->push_back(this);
     setIndices(solver->getIndices());
     solver_ = solver;
@@ -185,11 +181,6 @@ class ContactForce : public btDeformableLagrangianForce, public ContactBodies {
 
    private:
     ContactForce& force_;
-  };
-
-  /** What Bullet shows to its own solvers only. */
-  struct Settings : btDeformableBodySolver {
-    static bool has_line_search(const btDeformableBodySolver& solver) { return solver.*(&Settings::m_lineSearch); }
   };
 
   void begin_step() {

@@ -16,14 +16,6 @@
 namespace raycontact::bullet {
 
 /**
- * A stiffness per area (N/m^3) that parts bodies without crushing them: factor * E / h, where E is Young's modulus
- * (Pa) and h the edge of a typical element (m) of the softer body. Factors from 0.1 to 3 work.
- */
-inline double suggested_stiffness(double youngs_modulus, double element_edge, double factor = 1) {
-  return factor * youngs_modulus / element_edge;
-}
-
-/**
  * A depth (m) for ContactOptions::depth_cap: a quarter of an element's edge h, or more where the contact is so soft
  * that it takes more to strain an element by a quarter. `stiffness` in N/m^3.
  */
@@ -33,7 +25,7 @@ inline double suggested_depth_cap(double youngs_modulus, double element_edge, do
 
 /** How bodies touch; the constructors of ContactForce and ClassicContact refuse values out of range. */
 struct ContactOptions {
-  double stiffness = 1000;                   ///< N/m^3 (N/m with RAYC_WEIGHTING_VERTEX), >= 0; see suggested_stiffness
+  double stiffness = 1000;                   ///< N/m^3 (N/m with RAYC_WEIGHTING_VERTEX), >= 0; see elastic()
   double damping_time = 0.05;                ///< s, >= 0; damping along the ray = stiffness * damping_time
   uint32_t weighting = RAYC_WEIGHTING_AREA;  ///< a rayc_weighting: what a contact's stiffness is multiplied by
   uint32_t law = RAYC_LAW_PRESSURE;          ///< a rayc_law: what a contact's force grows with
@@ -49,6 +41,17 @@ struct ContactOptions {
   bool edges = true;     ///< trace edges where rays settle nothing
   bool escape = true;    ///< push pairs that contacts cannot part along one direction, as whole bodies
   uint32_t threads = 1;  ///< for detection; 1 = the caller's own, 0 = one for each core
+
+  /**
+   * For bodies of this Young's modulus (Pa), Poisson's ratio and edge of elements (m): a twentieth as stiff as two
+   * bodies of elastic_material(). Bullet solves a step once, with elements that let themselves be turned inside out,
+   * and what is stiffer crushes them (docs/bullet.md). Throws where elastic_material() does.
+   */
+  static ContactOptions elastic(double youngs_modulus, double poissons_ratio, double element_edge) {
+    ContactOptions options;
+    options.stiffness = elastic_material(youngs_modulus, poissons_ratio, element_edge).stiffness / 2 / 20;
+    return options;
+  }
 
   /** What the paper describes: rays from the vertices, stiffness per vertex, nothing beyond. `stiffness` in N/m. */
   static ContactOptions paper(double stiffness) {

@@ -231,27 +231,31 @@ class FlexContact {
   }
 
   void choose_materials(const mjModel* m) {
-    double stiffest = 0;
+    double stiffest = 0, edge_of_stiffest = 1;
     bool has_solid = false;
     std::vector<double> pressures;
     for (const Body& body : bodies_) {
       pressures.push_back(options_.pressure > 0 ? options_.pressure : moduli_of(m, body.flex).pressure());
-      stiffest = std::max(stiffest, pressures.back());
+      if (pressures.back() > stiffest) stiffest = pressures.back(), edge_of_stiffest = element_edge_of(m, body.flex);
       has_solid = has_solid || !body.is_sheet;
     }
     if (!has_solid) stiffest = 1;  // sheets alone touch nothing here
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       Body& body = bodies_[b];
       // Sheets and shells resist no pressure of their own: they bear what the solids bear that they meet.
+      const double edge = pressures[b] == 0 ? edge_of_stiffest : element_edge_of(m, body.flex);
       if (pressures[b] == 0) pressures[b] = stiffest;
       if (!(pressures[b] > 0))
         throw std::invalid_argument("raycontact: " + title_of(m, body.flex) +
                                     " is no elastic solid from which a stiffness follows, and meets none; set "
                                     "`pressure`");
-      const double edge = element_edge_of(m, body.flex), depth = options_.depth > 0 ? options_.depth : edge / 16;
-      body.material = bearing_material(pressures[b], depth);
-      // Cells are coarse beside the surface that they carry, so more may be pressed out in a step.
-      if (options_.depth == 0 && m->flex_interp[body.flex] != 0) body.material.depth_cap = edge / 4;
+      if (options_.depth > 0) {
+        body.material = bearing_material(pressures[b], options_.depth);
+      } else {
+        body.material = elastic_material(pressures[b], 0, edge);  // the larger modulus is known
+        // Bodies that start deep part by the cap over the damping time. Cells are coarse beside what they carry.
+        body.material.depth_cap = edge / (m->flex_interp[body.flex] != 0 ? 4 : 16);
+      }
       body.material.damping_time = options_.damping_time;
       body.material.friction = options_.friction >= 0 ? options_.friction : m->flex_friction[3 * body.flex];
     }

@@ -17,8 +17,8 @@ namespace raycontact::mujoco {
 struct ContactOptions {
   std::vector<std::string> flexes;  ///< the names of those that touch one another; none named: all of the model
   double pressure = 0;              ///< Pa that surfaces bear at `depth`; 0: each flex's Young's or bulk modulus
-  /// m; also the most that a step is asked to press out; 0: a sixteenth of an element's or cell's edge, and for a cell
-  /// a quarter is the most that a step is asked for.
+  /// m; also the most that a step is asked to press out; 0: a fortieth of an element's or cell's edge, as in
+  /// elastic_material(), and the most is a sixteenth of an element's edge and a quarter of a cell's.
   double depth = 0;
   double damping_time = 0.01;   ///< s, >= 0: damping over stiffness
   double friction = -1;         ///< Coulomb's coefficient, >= 0; -1: the first number of each flex's `friction`
