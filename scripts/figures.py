@@ -311,7 +311,8 @@ def figures():
                               [[workload, f"{times:.1f}"] for workload, times in instructions().items()]),
         "instructions, span": span(instructions().values(), "{:.1f}"),
         "defaults": defaults(),
-        "deep": deep(),
+        "deep": deep(), "trees": pivot(only("performance/trees.csv", precision="f32", threads="1"), ["workload"], "method",
+                                       "total_us", "{:.3g}"),
         "deforming": deforming(),
         "queries": queries_table(), "queries by surface": queries_by_surface(), "queries, wrong": queries_wrong(),
         **{f"{question}, {positions}, {library}": median_and_least(queries(question, positions, "raycontact")[library])

@@ -1,7 +1,27 @@
 //! tinybvh: its tree of two children a node, the one that can be refitted.
 
 use crate::structure::{RayHit, Structure};
-use tinybvh_rs::{INFINITE, Intersector, Ray, bvh::BVH};
+use tinybvh_rs::{INFINITE, Intersection, Intersector, Ray, bvh::BVH};
+
+/// Of a ray: how far behind a triangle that touches its vertex it goes on.
+const STEP_BEHIND: f32 = 1e-5;
+
+/// Its rays are of 128 bytes in C++, at multiples of 64; the crate's own are of 64, and their constructor writes beyond them.
+#[repr(C, align(64))]
+struct LargeRay {
+    ray: Ray,
+    room: [u8; 64],
+}
+
+impl LargeRay {
+    fn new(origin: [f32; 3], direction: [f32; 3], end: f32) -> Self {
+        let mut ray = Ray { origin, dir: direction, r_d: direction.map(f32::recip), ..Ray::default() };
+        // The mask that meets everything.
+        ray.padding_0 = 0xFFFF;
+        ray.hit.t = end.min(INFINITE);
+        Self { ray, room: [0; 64] }
+    }
+}
 
 pub struct Refitted {
     /// Refers to `points`; always there between the calls.
@@ -31,8 +51,10 @@ impl Refitted {
         unsafe { std::slice::from_raw_parts(self.points.as_ptr(), self.points.len()) }
     }
 
-    fn tree(&self) -> &BVH<'static> {
-        self.tree.as_ref().expect("a call has ended")
+    fn trace(&self, origin: [f32; 3], direction: [f32; 3], end: f32) -> Intersection {
+        let mut large = LargeRay::new(origin, direction, end);
+        self.tree.as_ref().expect("a call has ended").intersect(&mut large.ray);
+        large.ray.hit
     }
 }
 
@@ -46,16 +68,13 @@ impl Structure for Refitted {
     }
 
     fn nearest(&self, ray: &mut RayHit) {
-        let mut own = Ray::new(ray.origin, ray.direction);
-        own.hit.t = ray.t_max.min(INFINITE);
-        let end = own.hit.t;
-        self.tree().intersect(&mut own);
-        if own.hit.t < end {
-            let triangle = own.hit.prim as usize;
+        let own = self.trace(ray.origin, ray.direction, ray.t_max);
+        if own.t < ray.t_max.min(INFINITE) {
+            let triangle = own.prim as usize;
             let [a, b, c] = [0, 1, 2].map(|corner| self.points[3 * triangle + corner]);
             let [u, v] = [b, c].map(|end| [0, 1, 2].map(|axis| end[axis] - a[axis]));
             ray.normal = [0, 1, 2].map(|i| u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
-            (ray.t_max, ray.triangle, ray.u, ray.v) = (own.hit.t, own.hit.prim, own.hit.u, own.hit.v);
+            (ray.t_max, ray.triangle, ray.u, ray.v) = (own.t, own.prim, own.u, own.v);
         }
     }
 
@@ -64,18 +83,15 @@ impl Structure for Refitted {
         let mut start = 0.0;
         loop {
             let origin = [0, 1, 2].map(|axis| ray.origin[axis] + start * ray.direction[axis]);
-            let mut own = Ray::new(origin, ray.direction);
             let end = ray.t_max - start;
-            own.hit.t = end;
-            self.tree().intersect(&mut own);
-            if own.hit.t >= end {
+            let own = self.trace(origin, ray.direction, end);
+            if own.t >= end {
                 return false;
             }
-            if !self.corners[own.hit.prim as usize].contains(&ray.vertex) {
+            if !self.corners[own.prim as usize].contains(&ray.vertex) {
                 return true;
             }
-            // By the smallest step that moves it.
-            start = (start + own.hit.t).max(ray.t_max * f32::EPSILON).next_up();
+            start += own.t + STEP_BEHIND * ray.t_max;
         }
     }
 }
