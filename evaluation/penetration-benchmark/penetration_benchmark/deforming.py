@@ -5,7 +5,7 @@ Usage: python -m penetration_benchmark.deforming [--scenes NAME,...] [--librarie
 
 Two bodies of tetrahedra, without gravity or friction. *Apart*: they start apart and run into one another at one size
 a second. *Deep*: the same bodies start at rest, the second moved a quarter of the size into the first. Each runs for a
-second in steps of a hundredth, MuJoCo and Bullet in steps of their own defaults. Density 1000 kg/m³, Young's modulus 1e5 Pa,
+second in steps of a hundredth, MuJoCo in steps of its own default, Bullet of 1/240 s. Density 1000 kg/m³, Young's modulus 1e5 Pa,
 Poisson's ratio 0.4, size 1 m.
   raycontact    the contact system, `Material.elastic` of the scene's moduli and a surface edge, no friction; the host
                 below: implicit Euler by Newton's method, a stable neo-Hookean solid
