@@ -40,6 +40,20 @@ def test_the_solid_rests_at_rest_and_its_derivatives_are_those_of_its_energy():
     assert product == pytest.approx(bent.ravel(), abs=1e-6 * np.abs(bent).max())
 
 
+class Still:
+    def __init__(self, pair):
+        self.x = pair.rest
+
+    def step(self):
+        pass
+
+
+def test_bodies_that_do_not_move_have_not_parted():
+    for is_deep, parted in ((False, "never met"), (True, "no")):
+        pair = scene(is_deep)
+        assert deforming.run(Still, pair, deforming.Solid(pair))[1] == parted
+
+
 def test_depth_is_that_of_two_boxes():
     pair = scene()
     assert not pair.is_apart(pair.halves(pair.rest))
