@@ -420,8 +420,8 @@ typedef struct rayc_statistics {
    */
   uint64_t escape_contacts;
   /**
-   * Pairs whose escape other bodies blocked: from the next query on they escape along the line between their
-   * centres.
+   * Pairs whose escape turned: to a shorter way out, since their own led deeper; or, where other bodies blocked it,
+   * to the line between their centres from the next query on.
    */
   uint64_t escapes_turned;
   /**

@@ -47,7 +47,7 @@ pub struct Statistics {
     pub escaping_pairs: u64,
     /// Contacts of escaping pairs.
     pub escape_contacts: u64,
-    /// Pairs whose escape others stopped and that have turned to the line of centres, from the next query on.
+    /// Pairs whose escape turned: to a shorter way out, or, stopped by others, from the next query on to the line of centres.
     pub escapes_turned: u64,
     /// Pairs that contacts cannot part and that would have begun to escape, had it not been forbidden to them.
     pub escapes_forbidden: u64,

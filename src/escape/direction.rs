@@ -43,16 +43,20 @@ pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     Some(depth)
 }
 
-/// The direction in which the first body has the shortest way out of the second. The candidates are a fixed set and the
+/// The direction in which the first body has the shortest way out of the second, if it is shorter than `most`. The candidates are a fixed set and the
 /// line of the boxes' centres; each is judged by the point with the longest way out along it. Of ways out that are nearly
 /// equally long the first wins, in an order that is the same for all pairs. Otherwise rounding would choose between the two
 /// sides of a body that lies in the same place as another, and the bodies of a pile would push one another in a circle.
-pub(crate) fn choose_direction<T: Scalar>(pair: &Pair<'_, T>, contacts: &mut ContactList<T>) -> Option<Vector3<T>> {
+pub(crate) fn choose_direction<T: Scalar>(
+    pair: &Pair<'_, T>,
+    most: T,
+    contacts: &mut ContactList<T>,
+) -> Option<Vector3<T>> {
     let ContactList { workspace, statistics, .. } = contacts;
     let mut judges = Judges::find(pair, workspace, statistics);
     let mut best: Option<(T, Vector3<T>)> = None;
     for candidate in candidates(pair) {
-        let limit = best.map_or(T::INFINITY, |(shortest, _)| shortest * T::of(CLEARLY_SHORTER));
+        let limit = best.map_or(most, |(shortest, _)| shortest * T::of(CLEARLY_SHORTER));
         let found = judges.longest_way_out(pair, &candidate, limit, workspace, statistics);
         best = found.map(|longest| (longest, candidate)).or(best);
     }

@@ -77,6 +77,8 @@ pub(crate) enum Progress {
     Jammed,
 }
 
+/// An escape leads deeper where its depth is this many times the smallest so far.
+const DEEPER: f64 = 1.1;
 /// Contacts push one way if their net push is at least this part of the sum of all pushes.
 const NET_PUSH: f64 = 0.3;
 /// A net push below this part of the sum may be what is left of pushes that change sides.
@@ -128,6 +130,11 @@ impl<T: Scalar> PairMemory<T> {
     /// Begins, or begins anew, to escape along `away`.
     pub(crate) fn start_to_escape(&mut self, away: Vector3<T>) {
         *self = Self { escape: Some(away), ..Self::default() };
+    }
+
+    /// Whether the escaping bodies move deeper into one another, and not because other bodies have held them for long.
+    pub(crate) fn leads_deeper(&self, depth: T) -> bool {
+        self.lowest.steps < STEPS_TO_A_NEW_LOW && depth > self.lowest.value * T::of(DEEPER)
     }
 
     /// Notes how deep the escaping pair still is; returns whether other bodies have long held it back.
@@ -253,5 +260,17 @@ mod tests {
         assert_eq!(memory, PairMemory { escape: Some(Vector3::z()), ..PairMemory::default() });
         assert!((0..STEPS_TO_TURN).all(|step| !memory.observe_escape(1.0 - 0.001 * f64::from(step))));
         assert!(memory.observe_escape(0.99) && !memory.observe_escape(0.5));
+    }
+
+    #[test]
+    fn an_escape_leads_deeper_within_the_first_steps_after_its_smallest_depth() {
+        let mut memory = PairMemory::default();
+        memory.start_to_escape(Vector3::z());
+        assert!(!memory.leads_deeper(1.0) && !memory.observe_escape(1.0));
+        assert!(!memory.leads_deeper(1.09) && memory.leads_deeper(1.11));
+        memory.lowest.value = 1.11;
+        assert!(!memory.leads_deeper(1.2) && memory.leads_deeper(1.25));
+        (0..STEPS_TO_A_NEW_LOW).for_each(|_| assert!(!memory.observe_escape(1.25)));
+        assert!(!memory.leads_deeper(1.25), "others hold the pair back");
     }
 }

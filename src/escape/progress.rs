@@ -11,6 +11,8 @@ use crate::math::{Scalar, Vector3};
 const SHORT_WAY: f64 = 2.0;
 /// A short way out is also less than this part of the smaller body's size.
 const SHALLOW: f64 = 0.1;
+/// An escape that leads deeper turns to a way shorter than this part of its own.
+const SHORTER_WAY: f64 = 0.9;
 
 impl<T: Scalar> Pair<'_, T> {
     /// Detects the pair's contacts; an overlap without any ordinary contact is reported as an escape in this step.
@@ -64,13 +66,26 @@ impl<T: Scalar> Pair<'_, T> {
         away.is_some_and(|away| is_short_way_out(self, &away, limit, contacts))
     }
 
-    /// Keeps the direction until the pair is apart. Where other bodies hold the pair back, it turns to the line of centres: all
-    /// pairs that do so can come apart at once, as when all bodies move away from one point.
+    /// Keeps the direction until the pair is apart, with two exceptions. Bodies that fall on into one another turn to a way that
+    /// has become shorter. Where other bodies hold the pair back, it turns to the line of centres: all pairs that do so can come
+    /// apart at once, as when all bodies move away from one point.
     fn go_on_escaping(&self, away: Vector3<T>, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
-        let Some(depth) = push_apart(self, &away, contacts) else {
+        let (start, pushes) = (contacts.len(), contacts.pushes.len());
+        let Some(mut depth) = push_apart(self, &away, contacts) else {
             *memory = PairMemory::default();
             return;
         };
+        if memory.leads_deeper(depth) {
+            if let Some(shorter) = choose_direction(self, depth * T::of(SHORTER_WAY), contacts) {
+                contacts.statistics.escape_contacts -= (contacts.len() - start) as u64;
+                withdraw(start, contacts);
+                contacts.pushes.truncate(pushes);
+                depth = push_apart(self, &shorter, contacts).unwrap_or(depth);
+                memory.escape = Some(shorter);
+                contacts.statistics.escapes_turned += 1;
+            }
+            memory.lowest.value = depth;
+        }
         contacts.statistics.escaping_pairs += 1;
         if memory.observe_escape(depth) {
             memory.start_to_escape(self.line_of_centres());
@@ -84,15 +99,19 @@ impl<T: Scalar> Pair<'_, T> {
             contacts.statistics.escapes_forbidden += 1;
             return None;
         }
-        let away = choose_direction(self, contacts)?;
-        let ContactList { contacts: found, statistics, .. } = &mut *contacts;
-        let edges = found[start..].iter().filter(|contact| contact.kind == ContactKind::Edge).count();
-        statistics.edge_contacts -= edges as u64;
-        statistics.replaced += (found.len() - start) as u64;
-        found.truncate(start);
+        let away = choose_direction(self, T::INFINITY, contacts)?;
+        let edges = contacts.contacts[start..].iter().filter(|contact| contact.kind == ContactKind::Edge).count();
+        contacts.statistics.edge_contacts -= edges as u64;
+        withdraw(start, contacts);
         contacts.statistics.escapes_started += 1;
         contacts.statistics.escaping_pairs += 1;
         push_apart(self, &away, contacts);
         Some(away)
     }
+}
+
+/// Takes back the contacts from `start` on, which others replace.
+fn withdraw<T: Scalar>(start: usize, contacts: &mut ContactList<T>) {
+    contacts.statistics.replaced += (contacts.len() - start) as u64;
+    contacts.contacts.truncate(start);
 }

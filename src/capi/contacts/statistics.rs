@@ -44,8 +44,8 @@ pub struct rayc_statistics {
     pub escaping_pairs: u64,
     /// Contacts of escaping pairs.
     pub escape_contacts: u64,
-    /// Pairs whose escape other bodies blocked: from the next query on they escape along the line between their
-    /// centres.
+    /// Pairs whose escape turned: to a shorter way out, since their own led deeper; or, where other bodies blocked it,
+    /// to the line between their centres from the next query on.
     pub escapes_turned: u64,
     /// Pairs that contacts cannot part, and that would have begun to escape if rayc_scene_allow_escape() did not forbid
     /// it.
