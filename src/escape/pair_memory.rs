@@ -77,6 +77,8 @@ pub(crate) enum Progress {
     Jammed,
 }
 
+/// For how many steps after an escape's smallest depth its bodies may still be falling into one another.
+const STEPS_TO_FALL_ON: u32 = 4;
 /// An escape leads deeper where its depth is this many times the smallest so far.
 const DEEPER: f64 = 1.1;
 /// Contacts push one way if their net push is at least this part of the sum of all pushes.
@@ -134,7 +136,7 @@ impl<T: Scalar> PairMemory<T> {
 
     /// Whether the escaping bodies move deeper into one another, and not because other bodies have held them for long.
     pub(crate) fn leads_deeper(&self, depth: T) -> bool {
-        self.lowest.steps < STEPS_TO_A_NEW_LOW && depth > self.lowest.value * T::of(DEEPER)
+        self.lowest.steps < STEPS_TO_FALL_ON && depth > self.lowest.value * T::of(DEEPER)
     }
 
     /// Notes how deep the escaping pair still is; returns whether other bodies have long held it back.
@@ -270,7 +272,7 @@ mod tests {
         assert!(!memory.leads_deeper(1.09) && memory.leads_deeper(1.11));
         memory.lowest.value = 1.11;
         assert!(!memory.leads_deeper(1.2) && memory.leads_deeper(1.25));
-        (0..STEPS_TO_A_NEW_LOW).for_each(|_| assert!(!memory.observe_escape(1.25)));
+        (0..STEPS_TO_FALL_ON).for_each(|_| assert!(!memory.observe_escape(1.25)));
         assert!(!memory.leads_deeper(1.25), "others hold the pair back");
     }
 }
