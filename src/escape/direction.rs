@@ -43,10 +43,10 @@ pub(crate) fn push_apart<T: Scalar>(pair: &Pair<'_, T>, away: &Vector3<T>, conta
     Some(depth)
 }
 
-/// The direction in which the first body has the shortest way out of the second, if it is shorter than `most`. The candidates are a fixed set and the
-/// line of the boxes' centres; each is judged by the point with the longest way out along it. Of ways out that are nearly
-/// equally long the first wins, in an order that is the same for all pairs. Otherwise rounding would choose between the two
-/// sides of a body that lies in the same place as another, and the bodies of a pile would push one another in a circle.
+/// The direction in which the first body has the shortest way out of the second, if one is shorter than `most`. The candidates
+/// are a fixed set and the line of the boxes' centres; each is judged by the point with the longest way out along it. Of ways
+/// that are nearly equally long the first wins, in one order for all pairs. Otherwise rounding would choose between the two sides
+/// of a body that lies in the same place as another, and the bodies of a pile would push one another in a circle.
 pub(crate) fn choose_direction<T: Scalar>(
     pair: &Pair<'_, T>,
     most: T,
@@ -71,19 +71,7 @@ pub(crate) fn is_short_way_out<T: Scalar>(
     contacts: &mut ContactList<T>,
 ) -> bool {
     let ContactList { workspace, statistics, .. } = contacts;
-    let mut counts = Statistics::default();
-    let mut longest = T::zero();
-    for find in [inside_samples, inside_stretches] {
-        for side in [0, 1] {
-            find(pair, side, away, workspace, &mut counts);
-            longest = workspace.hits.iter().flatten().fold(longest, |longest, hit| longest.max(hit.t));
-        }
-        if longest > T::zero() {
-            break;
-        }
-    }
-    statistics.estimate_rays += counts.rays;
-    longest > T::zero() && longest < limit
+    Judges::find(pair, workspace, statistics).longest_way_out(pair, away, limit, workspace, statistics).is_some()
 }
 
 /// The points of either body inside the other, by which directions are judged.

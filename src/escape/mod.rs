@@ -76,7 +76,7 @@ pub(crate) fn detect_pair<T: Scalar>(
     let start = contacts.len();
     match memory {
         _ if is_open != [false; 2] => pair.cast_both_ways(contacts),
-        Some(memory) if options.escape => pair.detect_or_escape(memory, contacts),
+        Some(memory) if options.escape => pair.detect_or_escape(memory, neighbours <= 1, contacts),
         memory => {
             // What was remembered will be out of date when escapes are switched on again.
             memory.into_iter().for_each(|memory| *memory = PairMemory::default());

@@ -11,7 +11,7 @@ pub struct PairMemory<T: Scalar> {
     /// The smallest overlap so far, Σ area · depth · cos α; while the pair escapes, the smallest depth. Renewed by a value that
     /// is smaller by a tenth.
     pub lowest: Record<T>,
-    /// The same, renewed by a value that is smaller by half. Not updated during an escape.
+    /// The same, renewed by a value that is smaller by half. While the pair escapes, the largest depth that it has led to.
     pub halved: Record<T>,
     /// The net push on the first body over the sum of all pushes, averaged over about eight steps that are weighted by their
     /// depth. Its length is 1 where all contacts have pushed one way, and near 0 where they push against each other or
@@ -77,9 +77,7 @@ pub(crate) enum Progress {
     Jammed,
 }
 
-/// For how many steps after an escape's smallest depth its bodies may still be falling into one another.
-const STEPS_TO_FALL_ON: u32 = 4;
-/// An escape leads deeper where its depth is this many times the smallest so far.
+/// An escape leads deeper where its depth is this many times the one it began with.
 const DEEPER: f64 = 1.1;
 /// Contacts push one way if their net push is at least this part of the sum of all pushes.
 const NET_PUSH: f64 = 0.3;
@@ -134,9 +132,13 @@ impl<T: Scalar> PairMemory<T> {
         *self = Self { escape: Some(away), ..Self::default() };
     }
 
-    /// Whether the escaping bodies move deeper into one another, and not because other bodies have held them for long.
-    pub(crate) fn leads_deeper(&self, depth: T) -> bool {
-        self.lowest.steps < STEPS_TO_FALL_ON && depth > self.lowest.value * T::of(DEEPER)
+    /// Whether the escape has led deeper than where it began, or than when this was last so.
+    pub(crate) fn leads_deeper(&mut self, depth: T) -> bool {
+        let is_deeper = depth > self.halved.value * T::of(DEEPER);
+        if is_deeper || self.halved.value == T::INFINITY {
+            self.halved.value = depth;
+        }
+        is_deeper
     }
 
     /// Notes how deep the escaping pair still is; returns whether other bodies have long held it back.
@@ -265,14 +267,14 @@ mod tests {
     }
 
     #[test]
-    fn an_escape_leads_deeper_within_the_first_steps_after_its_smallest_depth() {
+    fn an_escape_leads_deeper_only_beyond_where_it_began() {
         let mut memory = PairMemory::default();
+        memory.observe(0, &balanced(0.5));
         memory.start_to_escape(Vector3::z());
-        assert!(!memory.leads_deeper(1.0) && !memory.observe_escape(1.0));
-        assert!(!memory.leads_deeper(1.09) && memory.leads_deeper(1.11));
-        memory.lowest.value = 1.11;
-        assert!(!memory.leads_deeper(1.2) && memory.leads_deeper(1.25));
-        (0..STEPS_TO_FALL_ON).for_each(|_| assert!(!memory.observe_escape(1.25)));
-        assert!(!memory.leads_deeper(1.25), "others hold the pair back");
+        let depths =
+            [(1.0, false), (1.09, false), (1.11, true), (1.2, false), (1.23, true), (0.1, false), (1.3, false)];
+        for (depth, deeper) in depths {
+            assert_eq!(memory.leads_deeper(depth), deeper, "{depth}");
+        }
     }
 }

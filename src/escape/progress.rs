@@ -24,10 +24,10 @@ impl<T: Scalar> Pair<'_, T> {
         }
     }
 
-    /// Detects the pair's contacts, or goes on with its escape, or begins one.
-    pub(crate) fn detect_or_escape(&self, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
+    /// Detects the pair's contacts, or goes on with its escape, or begins one. `alone`: one of the bodies meets no third.
+    pub(crate) fn detect_or_escape(&self, memory: &mut PairMemory<T>, alone: bool, contacts: &mut ContactList<T>) {
         if let Some(away) = memory.escape.filter(|_| self.may_escape) {
-            self.go_on_escaping(away, memory, contacts);
+            self.go_on_escaping(away, memory, alone, contacts);
             return;
         }
         memory.escape = None;
@@ -69,22 +69,22 @@ impl<T: Scalar> Pair<'_, T> {
     /// Keeps the direction until the pair is apart, with two exceptions. Bodies that fall on into one another turn to a way that
     /// has become shorter. Where other bodies hold the pair back, it turns to the line of centres: all pairs that do so can come
     /// apart at once, as when all bodies move away from one point.
-    fn go_on_escaping(&self, away: Vector3<T>, memory: &mut PairMemory<T>, contacts: &mut ContactList<T>) {
-        let (start, pushes) = (contacts.len(), contacts.pushes.len());
+    fn go_on_escaping(&self, away: Vector3<T>, memory: &mut PairMemory<T>, alone: bool, contacts: &mut ContactList<T>) {
+        let start = contacts.len();
         let Some(mut depth) = push_apart(self, &away, contacts) else {
             *memory = PairMemory::default();
             return;
         };
-        if memory.leads_deeper(depth) {
-            if let Some(shorter) = choose_direction(self, depth * T::of(SHORTER_WAY), contacts) {
-                contacts.statistics.escape_contacts -= (contacts.len() - start) as u64;
-                withdraw(start, contacts);
-                contacts.pushes.truncate(pushes);
-                depth = push_apart(self, &shorter, contacts).unwrap_or(depth);
-                memory.escape = Some(shorter);
-                contacts.statistics.escapes_turned += 1;
-            }
-            memory.lowest.value = depth;
+        if alone
+            && memory.leads_deeper(depth)
+            && let Some(shorter) = choose_direction(self, depth * T::of(SHORTER_WAY), contacts)
+        {
+            contacts.statistics.escape_contacts -= (contacts.len() - start) as u64;
+            withdraw(start, contacts);
+            contacts.pushes.pop();
+            depth = push_apart(self, &shorter, contacts).unwrap_or(depth);
+            memory.escape = Some(shorter);
+            contacts.statistics.escapes_turned += 1;
         }
         contacts.statistics.escaping_pairs += 1;
         if memory.observe_escape(depth) {
@@ -110,7 +110,7 @@ impl<T: Scalar> Pair<'_, T> {
     }
 }
 
-/// Takes back the contacts from `start` on, which others replace.
+/// Removes the contacts from `start` on, and counts their rays as replaced.
 fn withdraw<T: Scalar>(start: usize, contacts: &mut ContactList<T>) {
     contacts.statistics.replaced += (contacts.len() - start) as u64;
     contacts.contacts.truncate(start);

@@ -1,17 +1,16 @@
 //! Closed systems never gain energy: from deep starts against the volume integral of the pressure law's potential, from
 //! impacts against the motion they began with.
 
-use super::bodies::{add_box, add_cage, add_rigid, add_soft};
+use super::bodies::{add_box, add_cage, add_soft};
 use super::closed::Closed;
 use crate::common::host::{Host, rotation};
 use crate::common::random::Random;
 use crate::common::{STRIDE, shapes};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use raycontact::contact::DetectionOptions;
 use raycontact::mesh::Mesh;
 use raycontact::query::Octree;
 use raycontact::system::{Material, RigidUnknowns};
-use std::f64::consts::TAU;
 
 type V3 = Vector3<f64>;
 
@@ -164,63 +163,5 @@ fn friction_deep_inside_adds_no_energy() {
             }
         }
         assert!(greatest <= first * (1.0 + 1e-9), "start {start}: {greatest} J of {first} J");
-    }
-}
-
-/// A star that falls with one of its spikes on a bumpy ground. The spike's contacts push against each other, so the pair begins
-/// to escape, slantwise since that way is the shortest. The star falls on meanwhile, and that way becomes the longer one.
-#[test]
-fn a_star_that_falls_on_while_it_escapes_is_not_thrown() {
-    let ground = shapes::block([24, 24, 2]).map(|[x, y, z]| {
-        let bumps = 0.08 * (TAU * x / 6.0).cos() * (TAU * y / 6.0).cos();
-        [x / 8.0 - 1.5, y / 8.0 - 1.5, z / 2.0 * (1.0 + bumps) - 0.5]
-    });
-    // A spike on each face of an icosahedron.
-    let mut star = shapes::icosahedron().scaled(0.22);
-    for [a, b, c] in std::mem::take(&mut star.triangles) {
-        let tip = star.positions.len() as u32;
-        let out = [a, b, c].map(|corner| V3::from(star.positions[corner as usize])).iter().sum::<V3>();
-        star.positions.push((0.5 * out.normalize()).into());
-        star.triangles.extend([[a, b, tip], [b, c, tip], [c, a, tip]]);
-    }
-    let turn = Matrix3::new(
-        0.7104603695940845,
-        0.5323533188164852,
-        -0.46026732143539206,
-        -0.09393964992845293,
-        0.7199207845394537,
-        0.6876695472095716,
-        0.6974391768516853,
-        -0.44532460961996156,
-        0.5614842710702344,
-    );
-    let (mass, size, fall) = (10.0, 0.934172358, 3.132091952673165);
-    // As stiff as would let it sink by 0.0003 if it lay on its whole size.
-    let material = Material { stiffness: mass * 9.81 / (size * size * 0.0003), ..material(0) };
-    let material = Material { friction: 0.5, damping_time: 0.05, ..material };
-    for dt in [1.0 / 60.0, 1.0 / 240.0] {
-        let mut host = Host::new(RigidUnknowns::Eliminated);
-        host.gravity = V3::new(0.0, 0.0, -9.81);
-        (host.solves, host.goal) = (3, 0.01);
-        let body = host.scene.add(ground.mesh());
-        host.system.add_moved(&host.scene, body, material).expect("a ground");
-        add_rigid(&mut host, &star, material, V3::new(0.0665978236, -0.0308173082, 1.02811951), turn);
-        host.rigids[0].velocity[2] = -fall;
-        let energy = |host: &Host| {
-            let (linear, angular) = host.rigids[0].velocity.split_at(3);
-            let (linear, angular) = (V3::from_column_slice(linear), V3::from_column_slice(angular));
-            let rigid = &host.rigids[0];
-            let inertia = rigid.rotation * rigid.inertia * rigid.rotation.transpose();
-            0.5 * (mass * linear.norm_squared() + angular.dot(&(inertia * angular))) + mass * 9.81 * rigid.position.z
-        };
-        let start = energy(&host);
-        let mut most = f64::NEG_INFINITY;
-        for _ in 0..(0.5 / dt) as usize {
-            host.step(dt);
-            most = most.max(energy(&host));
-        }
-        let gained = (most - start) / (0.5 * mass * fall * fall);
-        println!("gains {gained:.3} of the energy of its fall at most, in steps of {dt:.4} s");
-        assert!(gained < 0.3, "{gained} of the energy of its fall, in steps of {dt} s");
     }
 }
