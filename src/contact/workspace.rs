@@ -6,7 +6,7 @@ use crate::contact::quadrature::refinement::Quadrature;
 use crate::contact::spread::SpreadWorkspace;
 use crate::contact::statistics::Statistics;
 use crate::contact::weigh::shares::CastLoad;
-use crate::math::Scalar;
+use crate::math::{Scalar, Vector3};
 use crate::memory::Room;
 use crate::mesh::Side;
 use crate::self_contact::SelfWorkspace;
@@ -41,6 +41,8 @@ pub(crate) struct Workspace<T: Scalar> {
     pub(crate) edge_sides: Vec<Side>,
     /// The crossings of one edge or ray.
     pub(crate) crossings: Vec<Hit<T>>,
+    /// The points of either body inside the other, by which the directions of an escape are judged.
+    pub(crate) judges: [Vec<Vector3<T>>; 2],
     /// For the energy of a list's contacts.
     pub(crate) columns: Columns<T>,
     /// For contacts of a body with itself.
@@ -56,6 +58,10 @@ impl<T: Scalar> Workspace<T> {
         self.touched.room_for(count);
         self.hidden.clear();
         self.hidden.room_for(count);
+        for judges in &mut self.judges {
+            judges.clear();
+            judges.room_for(count);
+        }
     }
 
     /// Keeps the rays that meet the other mesh from inside first, and counts the others.

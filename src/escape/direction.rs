@@ -53,11 +53,11 @@ pub(crate) fn choose_direction<T: Scalar>(
     contacts: &mut ContactList<T>,
 ) -> Option<Vector3<T>> {
     let ContactList { workspace, statistics, .. } = contacts;
-    let mut judges = Judges::find(pair, workspace, statistics);
+    find_judges(pair, workspace, statistics);
     let mut best: Option<(T, Vector3<T>)> = None;
     for candidate in candidates(pair) {
         let limit = best.map_or(most, |(shortest, _)| shortest * T::of(CLEARLY_SHORTER));
-        let found = judges.longest_way_out(pair, &candidate, limit, workspace, statistics);
+        let found = longest_way_out(pair, &candidate, limit, workspace, statistics);
         best = found.map(|longest| (longest, candidate)).or(best);
     }
     best.map(|(_, candidate)| candidate)
@@ -71,61 +71,56 @@ pub(crate) fn is_short_way_out<T: Scalar>(
     contacts: &mut ContactList<T>,
 ) -> bool {
     let ContactList { workspace, statistics, .. } = contacts;
-    Judges::find(pair, workspace, statistics).longest_way_out(pair, away, limit, workspace, statistics).is_some()
+    find_judges(pair, workspace, statistics);
+    longest_way_out(pair, away, limit, workspace, statistics).is_some()
 }
 
-/// The points of either body inside the other, by which directions are judged.
-struct Judges<T: Scalar>([Vec<Vector3<T>>; 2]);
-
-impl<T: Scalar> Judges<T> {
-    fn find(pair: &Pair<'_, T>, workspace: &mut Workspace<T>, statistics: &mut Statistics) -> Self {
-        let mut judges = Self([Vec::new(), Vec::new()]);
-        for find in [inside_samples, inside_stretches] {
-            for (side, points) in judges.0.iter_mut().enumerate() {
-                let mut counts = Statistics::default();
-                // Along one axis in space, whichever body comes first, since rounding decides for points on the surface.
-                find(pair, side, &pair.of_first(Vector3::z()), workspace, &mut counts);
-                statistics.estimate_rays += counts.rays;
-                memory::append(points, workspace.samples.iter().map(|sample| sample.point.position));
-            }
-            if judges.0.iter().any(|points| !points.is_empty()) {
-                break;
-            }
+/// Leaves in the workspace the points of either body inside the other, by which directions are judged.
+fn find_judges<T: Scalar>(pair: &Pair<'_, T>, workspace: &mut Workspace<T>, statistics: &mut Statistics) {
+    workspace.judges.iter_mut().for_each(Vec::clear);
+    for find in [inside_samples, inside_stretches] {
+        for side in [0, 1] {
+            let mut counts = Statistics::default();
+            // Along one axis in space, whichever body comes first, since rounding decides for points on the surface.
+            find(pair, side, &pair.of_first(Vector3::z()), workspace, &mut counts);
+            statistics.estimate_rays += counts.rays;
+            let inside = workspace.samples.iter().map(|sample| sample.point.position);
+            memory::append(&mut workspace.judges[side], inside);
         }
-        judges
+        if workspace.judges.iter().any(|points| !points.is_empty()) {
+            break;
+        }
     }
+}
 
-    /// The longest way out of any point when the first body goes `away`; `None` where there is none, or one of `limit` or more.
-    fn longest_way_out(
-        &mut self,
-        pair: &Pair<'_, T>,
-        away: &Vector3<T>,
-        limit: T,
-        workspace: &mut Workspace<T>,
-        statistics: &mut Statistics,
-    ) -> Option<T> {
-        let mut longest = T::zero();
-        for (side, points) in self.0.iter_mut().enumerate() {
-            for start in (0..points.len()).step_by(RAYS_AT_ONCE) {
-                let end = points.len().min(start + RAYS_AT_ONCE);
-                workspace.rays.clear();
-                let rays = points[start..end].iter().map(|&point| pair.ray_out(side, point, away));
-                memory::append(&mut workspace.rays, rays);
-                statistics.estimate_rays += workspace.rays.len() as u64;
-                trace_out(pair, side, workspace);
-                for (place, hit) in workspace.hits.iter().enumerate() {
-                    let way_out = hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t);
-                    if way_out >= limit {
-                        // This point will probably rule out the next direction too, so test it first.
-                        points.swap(0, start + place);
-                        return None;
-                    }
-                    longest = longest.max(way_out);
+/// The longest way out of any judge when the first body goes `away`; `None` where there is none, or one of `limit` or more.
+fn longest_way_out<T: Scalar>(
+    pair: &Pair<'_, T>,
+    away: &Vector3<T>,
+    limit: T,
+    workspace: &mut Workspace<T>,
+    statistics: &mut Statistics,
+) -> Option<T> {
+    let mut longest = T::zero();
+    for side in [0, 1] {
+        let count = workspace.judges[side].len();
+        for start in (0..count).step_by(RAYS_AT_ONCE) {
+            let judges = &workspace.judges[side][start..count.min(start + RAYS_AT_ONCE)];
+            memory::refill(&mut workspace.rays, judges.iter().map(|&point| pair.ray_out(side, point, away)));
+            statistics.estimate_rays += workspace.rays.len() as u64;
+            trace_out(pair, side, workspace);
+            for (place, hit) in workspace.hits.iter().enumerate() {
+                let way_out = hit.filter(|hit| hit.is_exit).map_or(T::zero(), |hit| hit.t);
+                if way_out >= limit {
+                    // This point will probably rule out the next direction too, so test it first.
+                    workspace.judges[side].swap(0, start + place);
+                    return None;
                 }
+                longest = longest.max(way_out);
             }
         }
-        (longest > T::zero()).then_some(longest)
     }
+    (longest > T::zero()).then_some(longest)
 }
 
 /// The directions in which the first body may leave: the 26 to a cube's faces, edges and corners, then the line of centres, which
